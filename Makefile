@@ -13,7 +13,7 @@ STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yam
 UNSEEN := $(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml config/study/over_assets.yaml --
 cells = $(foreach task,$(1),$(foreach set,$(2),results/evaluation/policies/$(task)/$(set)/rollouts.csv))
 
-.PHONY: help setup site wheel demo all study unseen registered second table2 photo test slurm test-cluster lint types config reference lock containers clean
+.PHONY: help setup site wheel demo all study unseen registered second table2 photo test slurm test-cluster lint types config reference loc lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -76,17 +76,20 @@ test-cluster: setup slurm ## the workflow on a real SLURM of two nodes on this m
 lint: $(STAMP) ## ruff, snakefmt, snakemake --lint
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/snakefmt --check Snakefile rules
+	$(BIN)/snakefmt --check Snakefile rules plugins
 	$(BIN)/snakemake --lint
 
 types: $(STAMP) ## mypy
 	$(BIN)/mypy
 
-config: $(STAMP) ## write config.yaml, config/schema.json and docs/config.md from the typed models
+config: $(STAMP) ## write config/schema.json and docs/config.md from the typed models
 	$(BIN)/python -m stages.config
 
 reference: $(STAMP) ## write docs/commands.md, docs/errors.md, docs/architecture.md and its pictures from the code
 	$(BIN)/python -m reference
+
+loc: $(STAMP) ## lines of code: core, each package, tests
+	@$(BIN)/python -m reference.lines
 
 lock: $(STAMP) ## pin the newest versions that pyproject.toml allows
 	BIN=$(BIN) bash envs/lock.sh

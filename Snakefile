@@ -17,7 +17,6 @@ configfile: next(filter(Path.exists, map(Path, ["config.yaml", "config/config.ya
 report: "report/workflow.rst"
 
 
-include: "rules/terminal.smk"
 include: "rules/common.smk"
 include: "rules/needs.smk"
 include: "rules/protocols.smk"
@@ -40,15 +39,12 @@ include: "rules/tables.smk"
 include: "rules/conditions.smk"
 include: "rules/report.smk"
 include: "rules/overview.smk"
-include: "rules/exports.smk"
 include: "rules/open_rooms.smk"
 
 
-onstart:
-    # With its limit of jobs per time span Snakemake looks through all ready jobs once more in every span for every job that
-    # has ended: with hundreds of scenes that takes as long as the jobs themselves. Cores limit jobs on one machine anyway.
-    if workflow.local_exec:
-        workflow.scheduler.job_rate_limiter = None
+for file in rule_files(CONFIG.packages):
+
+    include: file
 
 
 onerror:
@@ -68,8 +64,6 @@ rule all:
     localrule: True
 
 
-if workflow.remote_exec:
-    run_in_this_process()
-elif has_shells():
-    ungroup()
-look_up_once()
+for file in rule_files(CONFIG.packages, last=True):
+
+    include: file

@@ -13,11 +13,10 @@ from pathlib import Path
 import pandas as pd
 
 from benchmarks.tables import table
-from stages.config.model import Config
+from stages.config.model import Config, read_files
 from stages.contracts import TaskAssets, read_json
 from stages.experiment.coverage import forecast_mean, nearest
 from stages.tables.forecasts import FORECAST
-from stages.tables.study import read_config
 from stages.tables.writing import write_csv
 
 
@@ -45,7 +44,7 @@ def main() -> None:
     parser.add_argument("--configs", type=Path, nargs="+", required=True)
     parser.add_argument("--out", type=Path, required=True)
     given = parser.parse_args()
-    cells = expected(read_config(tuple(given.configs)))
+    cells = expected(read_files(tuple(given.configs)))
     write_csv(given.out, cells)
     means = cells.groupby(["task", "training_set"], sort=False)[["forecast", "distance"]].mean()
     rows = (

@@ -18,7 +18,7 @@ START = time.process_time()
 
 import torch  # noqa: E402
 
-from stages.assets.library import make  # noqa: E402
+from plugins.furniture.library import make  # noqa: E402
 from stages.config.training import TrainingConfig  # noqa: E402
 from stages.contracts.task_options import TaskConfig  # noqa: E402
 from stages.policies import TrainablePolicy, make_policy  # noqa: E402

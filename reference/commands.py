@@ -21,7 +21,8 @@ This page is written from the code by `make reference`.
 VERBS = """
 ## Verbs
 
-A stage is a command, `python -m stages.<stage> <verb> --flag value`; `--help` prints what stands here. Flags without
+A stage is a command, `python -m stages.<stage> <verb> --flag value`, a package beside the core
+`python -m plugins.<package> <verb> --flag value`; `--help` prints what stands here. Flags without
 a default must be given. `--options` is JSON of the stage's section of the [config](config.md). The workflow passes the
 flags marked x, also to a command of yours that [replaces a verb](extending.md#replace-a-verb-or-a-stage).
 """
@@ -47,8 +48,8 @@ class Verb:
 
 
 def verbs(root: Path) -> Iterator[Verb]:
-    """All verbs of all stages, in the order of `stages/<stage>/__main__.py`."""
-    for path in sorted((root / "stages").glob("*/__main__.py")):
+    """All verbs of all stages, then of the packages, in the order of their `__main__.py`."""
+    for path in [file for folder in ("stages", "plugins") for file in sorted((root / folder).glob("*/__main__.py"))]:
         for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(call, ast.Call) and len(call.args) == 2 and isinstance(call.args[1], ast.Dict):
                 for name, summary in ast.literal_eval(call.args[1]).items():  # main("matching", {"match": ...})
@@ -80,9 +81,14 @@ def arguments(docstring: str) -> dict[str, str]:
     return {name: " ".join(text.split()) for name, text in zip(found[::2], found[1::2], strict=True)}
 
 
+def rule_files(root: Path) -> list[Path]:
+    """The files of rules, of the core and of the packages."""
+    return [*sorted((root / "rules").glob("*.smk")), *sorted((root / "plugins").glob("*/rules.smk"))]
+
+
 def passed(root: Path) -> dict[str, set[str]]:
     """The flags that the rules of the workflow pass, by `stage verb`, those of their `*_flags` functions among them."""
-    texts = [path.read_text(encoding="utf-8") for path in sorted((root / "rules").glob("*.smk"))]
+    texts = [path.read_text(encoding="utf-8") for path in rule_files(root)]
     parts = [part for text in texts for part in re.split(r"^(?=\w)", text, flags=re.MULTILINE)]
     told = {found[1]: part for part in parts if (found := re.match(r"def (\w+_flags)\(", part))}
     called = {}

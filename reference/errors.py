@@ -36,7 +36,8 @@ class Fault(NamedTuple):
 
 def faults(root: Path, folders: tuple[str, ...] = ("stages", "plugins")) -> list[Fault]:
     """Every call that makes an error in the Python files below some folders of the repository, by code and file."""
-    files = [file for folder in folders for file in sorted((root / folder).rglob("*.py"))]
+    paths = [file for folder in folders for file in sorted((root / folder).rglob("*.py"))]
+    files = [file for file in paths if "tests" not in file.relative_to(root).parts]
     found = [fault for file in files for fault in _faults_of(file, file.relative_to(root).as_posix())]
     return sorted(found, key=lambda fault: (fault.code, fault.file, fault.line))
 

@@ -22,7 +22,9 @@ arrows that follow from others are left out, and so is the report, which reads e
 ## From folder to folder
 
 The folders of `stages/`. An arrow goes from a folder to one that it imports; what is imported by way of another
-has no arrow. Nothing imports upward.
+has no arrow. Nothing imports upward. `stages/` is the core: what the paper needs, from a picture to its tables.
+A folder of `plugins/` is a package beside it, whole: code, section of the config, rules, tests. The core imports no
+package and runs without any; `packages` in the [config](config.md) says which are on.
 
 ![The folders and their imports](images/rooms.svg)
 

@@ -31,11 +31,11 @@ def picture(root: Path) -> str:
 
 
 def table(root: Path) -> str:
-    """A row for every folder: its name and the first sentence of its docstring."""
+    """A row for every folder of the core, and for every package: its name and the first sentence of its docstring."""
     rows = ["| folder | what it is |", "|---|---|"]
-    for file in sorted((root / "stages").glob("*/__init__.py")):
+    for file in (path for home in ("stages", "plugins") for path in sorted((root / home).glob("*/__init__.py"))):
         said = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
-        rows.append(f"| `{file.parent.name}` | {said.partition(chr(10))[0]} |")
+        rows.append(f"| `{file.parent.relative_to(root)}` | {said.partition(chr(10))[0]} |")
     return "\n".join(rows)
 
 

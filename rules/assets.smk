@@ -10,79 +10,11 @@ LIBRARY = {
 }
 
 
-rule procedural:
-    """Make one shard of the procedural models."""
-    output:
-        part="results/assets/library/shard_{shard}.json",
-        models="results/assets/library/shard_{shard}.zip",
-    log:
-        "logs/assets/procedural_{shard}.log",
-    benchmark:
-        "benchmarks/assets/procedural_{shard}.tsv"
-    wildcard_constraints:
-        shard=r"\d+",
-    group:
-        "shard"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
-    resources:
-        **needs(1000, lambda wildcards: 10 + models_in(wildcards.shard) / 20),
-    params:
-        command=command("assets", "library"),
-        code=code("assets", "library"),
-        check=check(library_part="part"),
-        options=options("assets", "library"),
-        shards=PROCEDURAL,
-        seed=CONFIG.seed,
-    shell:
-        "({params.command} --shard {wildcards.shard} --shards {params.shards} --options {params.options:q} "
-        "--seed {params.seed} --out {output.part:q} && "
-        "{params.check}) 2>&1 | tee {log:q}"
-
-
-rule own:
-    """Import one shard of the models in a folder of the user's."""
-    input:
-        files=lambda wildcards: ancient(OWN[wildcards.shard].files),  # their digest counts
-    output:
-        part="results/assets/library/shard_{shard}.json",
-        models="results/assets/library/shard_{shard}.zip",
-    log:
-        "logs/assets/{shard}.log",
-    benchmark:
-        "benchmarks/assets/{shard}.tsv"
-    wildcard_constraints:
-        shard=r"own_\w+",
-    group:
-        "shard"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
-    resources:
-        **needs(4000, lambda wildcards: 10 + models_in(wildcards.shard)),
-    params:
-        command=command("assets", "own"),
-        code=code("assets", "own", *modules(CONFIG.assets, "importers")),
-        check=check(library_part="part"),
-        options=options("assets", "own"),
-        folder=own_folder,
-        models=lambda wildcards, input: [
-            f"{name}={Path(own_folder(wildcards, input), file.relative_to(OWN[wildcards.shard].folder))}"
-            for name, file in OWN[wildcards.shard].models.items()
-        ],
-        digest=lambda wildcards: OWN[wildcards.shard].digest(),
-    shell:
-        "({params.command} --folder {params.folder:q} --models {params.models:q} --options {params.options:q} "
-        "--out {output.part:q} && "
-        "{params.check}) 2>&1 | tee {log:q}"
-
-
 rule library:
     """Join the procedural models and the user's own."""
     input:
-        procedural=files(rules.procedural.output.part, shard=range(PROCEDURAL)),
-        own=files(rules.own.output.part, shard=OWN),
+        procedural=expand("results/assets/library/shard_{shard}.json", shard=range(PROCEDURAL)),
+        own=expand("results/assets/library/shard_{shard}.json", shard=OWN),
     output:
         library=LIBRARY["library"],
     log:

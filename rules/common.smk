@@ -1,7 +1,6 @@
 # Helpers: the validated config, options and code digests of each job, commands. Nothing here makes a file.
 import atexit
 import gc
-import inspect
 import json
 import os
 import shlex
@@ -18,8 +17,9 @@ import stages
 from stages.config.code import code_digest, cover, files_digest
 from stages.config.demonstrations import MotionOptions
 from stages.config.mistakes import check_keys
-from stages.config.model import load
+from stages.config.model import load, with_defaults
 from stages.config.names import modules
+from stages.config.packages import home_of, rule_files, shards_of
 from stages.config.outside import online, outside
 from stages.config.reads import options_of, stores
 from stages.config.sizes import sized
@@ -28,7 +28,6 @@ from stages.contracts.errors import InputError
 from stages.contracts.training_sets import ROLE_NAME, SET_NAME
 from stages.plugins import qualified
 from stages.config.room_files import series
-from stages.guard import hold_folder, makes_files
 
 # The graph of jobs only grows: looking through it for garbage, the last time at the end, is a third of a plan's time.
 gc.freeze()
@@ -44,17 +43,11 @@ sys.path.append(os.getcwd())
 try:
     for file in workflow.configfiles:
         check_keys(file)
-    CONFIG = load(config)
+    CONFIG = load(with_defaults(config))
     cover(CONFIG.plugins)
-    OWN = {}
-    if CONFIG.assets.folders:
-        from stages.assets.shards import own_shards  # takes a second
-
-        OWN = own_shards(CONFIG.assets)
+    OWN = shards_of(CONFIG)
     LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN.values())
     CONFIG = sized(CONFIG, LIBRARY_SIZE)
-    if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryrun and makes_files(sys.argv):
-        LOCKED = hold_folder()
 except InputError as error:
     raise WorkflowError(f"{error} [{error.code}]") from None
 
@@ -85,7 +78,7 @@ PINNED = {task: target.assets for task, target in EXPERIMENT.tasks.items() if ta
 SOURCES = EXPERIMENT.sources  # of them those with assets and demonstrations of their own
 # Shards of the procedural models, or of what a command of the user's makes in their place.
 PROCEDURAL = (
-    CONFIG.assets.shards if any(CONFIG.assets.counts.values()) or "library" in CONFIG.stages.get("assets", {}) else 0
+    CONFIG.assets.shards if any(CONFIG.assets.counts.values()) or "library" in CONFIG.stages.get("furniture", {}) else 0
 )
 SHARDS = [*map(str, range(PROCEDURAL)), *OWN]
 RANKS = list(range(1, CONFIG.generation.ranks + 1))
@@ -136,14 +129,15 @@ def command(stage, verb):
     """The command line of a verb: ours, or the user's own if it is replaced, which ends with the workflow as ours do."""
     own = CONFIG.stages.get(stage, {}).get(verb)
     if own is None:
-        return f"python -m stages.{stage} {verb}"
-    return shlex.join(["python", "-m", "stages.guard", "bash", "-c", own.command + ' "$@"', verb])
+        return f"python -m {home_of(stage)} {verb}"
+    guard = ["python", "-m", "plugins.ops.guard"] if CONFIG.packages.get("ops") else []
+    return shlex.join([*guard, "bash", "-c", own.command + ' "$@"', verb])
 
 
 def code(stage, verb, *used):
     """Digest of the code behind a verb and of the implementations it uses: an edit re-runs what uses it."""
     own = CONFIG.stages.get(stage, {}).get(verb)
-    return files_digest(own.code) if own else code_digest(f"stages.{stage}.{verb}", *used)
+    return files_digest(own.code) if own else code_digest(f"{home_of(stage)}.{verb}", *used)
 
 
 def check(**outputs):

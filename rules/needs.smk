@@ -51,27 +51,3 @@ def training_minutes(run):
 def of_scene(wildcards):
     """The submission of a job about one scene: one per variant, the first makes what they share."""
     return f"scene_{wildcards.get('variant', VARIANTS[0])}"
-
-
-def ungroup():
-    """Let every job be a submission of its own."""
-    for each in workflow.rules:
-        each.group = None
-
-
-def has_shells():
-    """Whether a profile gives rules shells of their own, as profiles/podman does: jobs of a group must share one."""
-    return any("shell_exec" in asked for asked in workflow.resource_settings.overwrite_resources.values())
-
-
-def run_in_this_process():
-    """Let this Snakemake, which a node runs, run the jobs of its submission itself, not one more Snakemake for each."""
-    ungroup()
-    workflow.localrules(*(each.name for each in workflow.rules))
-
-
-def look_up_once():
-    """Look a function's parameters up once: Snakemake asks for them with every job."""
-    for each in workflow.rules:
-        for told in filter(inspect.isfunction, [*each.input, *each.params, each.group]):
-            told.__signature__ = inspect.signature(told)

@@ -57,12 +57,6 @@ def scene_inputs(wildcards):
     }
 
 
-def own_folder(wildcards, input):
-    """The user's folder that a shard's models lie in, or its place among the local copies of a storage."""
-    shard = OWN[wildcards.shard]
-    return str(input.files[0]).removesuffix(str(shard.files[0].relative_to(shard.folder))).rstrip("/")
-
-
 def own_options(wildcards):
     """The config.yaml beside a picture of the user's: what it says of extraction suits that picture."""
     own = EXPERIMENT.inputs.get(wildcards.scene)

@@ -19,9 +19,10 @@ def room_library(wildcards):
     ours = CONFIG.room_files().get(room_of(wildcards)) in series()
     if not (ours and PROCEDURAL):
         return LIBRARY
-    parts, models = rules.procedural.output
-    shards = range(PROCEDURAL)
-    return {"library": files(parts, shard=shards), "models": ancient(files(models, shard=shards))}
+    parts, models = (
+        expand("results/assets/library/shard_{shard}." + kind, shard=range(PROCEDURAL)) for kind in ("json", "zip")
+    )
+    return {"library": parts, "models": ancient(models)}
 
 
 def seed_of(wildcards):

@@ -1,5 +1,4 @@
 # Helpers: files and code of the policy experiment, row by row. Nothing here makes a file.
-from stages.config.training import has_portable_form
 
 
 def implementation(task):
@@ -16,8 +15,7 @@ def tested(wildcards):
     """The modules of a task and of the simulator that a job of evaluation meets it in."""
     condition = wildcards.get("condition")
     simulator = (CONFIG.evaluation.under(condition) if condition else CONFIG.evaluation).simulator
-    own = [] if simulator == "maniskill" else [f"stages.evaluation.{simulator}_env"]
-    return [qualified("tasks", implementation(wildcards.task)), *own]
+    return [qualified("tasks", implementation(wildcards.task)), qualified("simulators", simulator)]
 
 
 def policy_code(verb):
@@ -67,12 +65,6 @@ def policies(pattern, first=False):
         return kept
 
     return found
-
-
-def portable(found):
-    """A function as `policies` gives it, of the folders of policies that have a form for use elsewhere."""
-    runs = {name for name, run in CONFIG.training.runs.items() if has_portable_form(run)}
-    return lambda wildcards: [folder for folder in found(wildcards) if Path(folder).parent.name in runs]
 
 
 def possible_policies(pattern):

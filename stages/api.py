@@ -27,24 +27,24 @@ def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Pa
     Returns:
         library.json.
     """
-    from stages.assets import join, library, own, snapshots
-    from stages.assets.shards import own_shards
+    from stages.assets import join, snapshots
+    from stages.config.packages import shards_of, verb
     from stages.config.sizes import sized
 
     folder, settings = Path(out), _settings(config)
-    counts, theirs = settings.assets.counts, own_shards(settings.assets) if settings.assets.folders else {}
+    counts, theirs = settings.assets.counts, shards_of(settings)
     settings = sized(settings, sum(counts.values()) + sum(len(shard.models) for shard in theirs.values()))
     for old in (path for place in (".", "snapshots", "features/*") for path in folder.glob(f"{place}/shard_*")):
         old.unlink()
     shards = (settings.assets.shards or 1) if any(counts.values()) else 0
     ours = [folder / f"shard_{number}.json" for number in range(shards)]
     for number, part in enumerate(ours):
-        told = _options(settings, "assets", "library")
-        library.run(out=part, shard=number, shards=shards, options=told, seed=settings.seed)
+        told = _options(settings, "furniture", "library")
+        verb("furniture", "library")(out=part, shard=number, shards=shards, options=told, seed=settings.seed)
     for name, shard in theirs.items():
         models = tuple(f"{model}={path}" for model, path in shard.models.items())
-        told = _options(settings, "assets", "own")
-        own.run(folder=shard.folder, models=models, out=folder / f"shard_{name}.json", options=told)
+        told = _options(settings, "importing", "own")
+        verb("importing", "own")(folder=shard.folder, models=models, out=folder / f"shard_{name}.json", options=told)
     parts = [*ours, *(folder / f"shard_{name}.json" for name in theirs)]
     for part in parts:
         told = _options(settings, "assets", "snapshots")
@@ -128,13 +128,13 @@ def models_of(library: str | Path) -> AssetFolders:
 
 
 def _settings(config: Mapping[str, Any] | None) -> "Config":
-    from stages.config.model import Config, load, merged
+    from stages.config.model import load, with_defaults
 
-    given, usual = dict(config or {}), Config().model_dump(mode="json")
-    own = "experiment" in given
+    given = with_defaults(dict(config or {}))
+    own = "experiment" in (config or {})
     if not own:  # the usual rooms and tasks would want models that a library need not have
-        usual["experiment"] |= {"rooms": ["*"], "tasks": {}}
-    return load(merged(usual, given), rooms_named=own)
+        given["experiment"] |= {"rooms": ["*"], "tasks": {}}
+    return load(given, rooms_named=own)
 
 
 def _options(settings: "Config", stage: str, verb: str, **wildcards: str) -> str:

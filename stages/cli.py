@@ -1,6 +1,6 @@
-"""The command line of every stage: `python -m stages.<stage> <verb> --flag value ...`.
+"""The command line of every stage and package: `python -m stages.<stage> <verb> --flag value ...`.
 
-A verb is a module `stages/<stage>/<verb>.py` (`-` is `_` there; `import`, a word of Python's own, is `import_`) with a
+A verb is a module `<verb>.py` of the package (`-` is `_` there; `import`, a word of Python's own, is `import_`) with a
 typed function `run`; its keyword arguments are the flags. Only the chosen verb is imported, which keeps start-up cheap.
 """
 
@@ -17,31 +17,29 @@ SEEDS = 2**53  # as in config: JSON holds no larger ones exactly
 SECONDS = 5.0  # from one line of progress to the next
 
 
-def main(stage: str, verbs: dict[str, str]) -> None:
-    """Run the verb named by `sys.argv[1]`; an `InputError` or what the system refuses becomes one line, exit code 1."""
+def main(package: str, verbs: dict[str, str]) -> None:
+    """Run the verb that `sys.argv[1]` names; an `InputError` or what the system refuses becomes a line, exit code 1."""
     from stages.contracts.errors import InputError, nearest
-    from stages.contracts.system import line_of
+    from stages.contracts.system import line_of, start_job
 
-    usage = f"usage: python -m stages.{stage} VERB --help\n" + "".join(
+    usage = f"usage: python -m {package} VERB --help\n" + "".join(
         f"  {verb:<12} {text}\n" for verb, text in verbs.items()
     )
     argv = sys.argv[1:]
     if not argv or argv[0] not in verbs:
         asked_for_help = bool(argv) and argv[0] in ("-h", "--help")
         if argv and not asked_for_help:
-            print(f"error: {stage} has no verb '{argv[0]}'. Fix: {nearest(argv[0], verbs)}", file=sys.stderr)
+            print(f"error: {package} has no verb '{argv[0]}'. Fix: {nearest(argv[0], verbs)}", file=sys.stderr)
         print(usage, file=sys.stdout if asked_for_help else sys.stderr)
         sys.exit(0 if asked_for_help else 2)
 
     import tyro
 
-    from stages.guard import end_with_workflow
-
-    end_with_workflow()
+    start_job()
     module = argv[0].replace("-", "_") + "_" * keyword.iskeyword(argv[0])
-    run = with_seeds_checked(importlib.import_module(f"stages.{stage}.{module}").run)
+    run = with_seeds_checked(importlib.import_module(f"{package}.{module}").run)
     try:
-        tyro.cli(run, args=argv[1:], prog=f"python -m stages.{stage} {argv[0]}")
+        tyro.cli(run, args=argv[1:], prog=f"python -m {package} {argv[0]}")
     except InputError as error:
         print(f"error: {error} [{error.code}]", file=sys.stderr)
         sys.exit(1)

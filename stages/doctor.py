@@ -1,8 +1,8 @@
-"""Say what this machine has and lacks: `python -m stages.doctor [--mend | --slurm]`.
+"""Say what this machine has and lacks: `python -m stages.doctor [--mend]`.
 
 Every line is a check; a failed one comes with the command that mends it. `--mend` runs the
 mends that are safe to run unasked: a Vulkan driver and the libraries of Open3D, where we are root
-on Debian or Ubuntu. `--slurm`, on a login node, says what the cluster has and lacks instead.
+on Debian or Ubuntu.
 Exit code 1 if something that the default run needs is missing.
 """
 
@@ -157,12 +157,11 @@ def checks(mend: bool) -> list[Check]:
 
 def main(arguments: list[str]) -> int:
     """Print all checks; returns the exit code."""
-    if "--slurm" in arguments:
-        from stages.doctor_slurm import checks as of_cluster
+    return report(checks("--mend" in arguments))
 
-        found = of_cluster()
-    else:
-        found = checks("--mend" in arguments)
+
+def report(found: list[Check]) -> int:
+    """Print checks, a line each; returns the exit code: 1 if something needed is missing."""
     for check in found:
         mark = "ok  " if check.good else ("MISS" if check.needed else "-   ")
         print(

@@ -8,6 +8,7 @@ import importlib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -39,7 +40,17 @@ KINDS = {
     "policies": PluginKind("policies", "Policy"),
     "importers": PluginKind("assets.importers", "IMPORTER"),
     "skills": PluginKind("skills", "Skill"),
+    "simulators": PluginKind("evaluation.simulators", "Environment"),
 }
+
+
+PACKAGES = Path(__file__).resolve().parents[1] / "plugins"  # those beside the core that ship with it
+
+
+@cache
+def shipped() -> tuple[str, ...]:
+    """The packages beside the core that are in this checkout, as modules."""
+    return tuple(f"plugins.{file.parent.name}" for file in sorted(PACKAGES.glob("*/package.py")))
 
 
 def folder(package: str) -> Path:
@@ -56,14 +67,15 @@ def folder(package: str) -> Path:
     return Path(spec.submodule_search_locations[0]).joinpath(*parts)
 
 
-def available(kind: str, packages: Sequence[str] = ()) -> dict[str, str]:
-    """Qualified module name of every implementation by its name, of ours and of the `packages`.
+def available(kind: str, packages: Sequence[str] | None = None) -> dict[str, str]:
+    """Qualified module name of every implementation by its name: the core's and those of `packages` (None: all here).
 
     Raises:
         InputError: a package is not there, or a name is taken twice.
     """
     found: dict[str, str] = {}
-    for home in [KINDS[kind].home, *(f"{package}.{kind}" for package in packages)]:
+    beside = shipped() if packages is None else packages
+    for home in [KINDS[kind].home, *(f"{package}.{kind}" for package in beside)]:
         for file in sorted(folder(home).glob("*")):
             name = file.stem
             if name.startswith("_") or not _is_one(file, KINDS[kind].symbol):
@@ -79,7 +91,7 @@ def available(kind: str, packages: Sequence[str] = ()) -> dict[str, str]:
     return found
 
 
-def find(kind: str, name: str, packages: Sequence[str] = (), key: str = "") -> str:
+def find(kind: str, name: str, packages: Sequence[str] | None = None, key: str = "") -> str:
     """The name to load an implementation by: as it is for ours, qualified for a user's.
 
     Raises:
@@ -109,9 +121,7 @@ def load(kind: str, name: str) -> Any:
     Raises:
         InputError: there is no such module, or it defines no such thing.
     """
-    if "." not in name:
-        find(kind, name)
-    module, symbol = qualified(kind, name), KINDS[kind].symbol
+    module, symbol = qualified(kind, name if "." in name else find(kind, name)), KINDS[kind].symbol
     try:
         implementation = getattr(importlib.import_module(module), symbol, None)
     except ModuleNotFoundError as error:

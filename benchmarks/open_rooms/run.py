@@ -51,9 +51,7 @@ def shelves(results: Path, config: Config) -> Shelves:
 
 def configured() -> Config:
     """The default config with a variant per row."""
-    import yaml
-
-    said = yaml.safe_load(Path("config.yaml").read_text(encoding="utf-8"))
+    said = Config().model_dump(mode="json")
     said["experiment"]["variants"] = ROWS
     said["experiment"]["policy_variant"] = "geometry"
     return Config.model_validate(said)

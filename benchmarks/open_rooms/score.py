@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from benchmarks.open_rooms import packs, pictures
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
+from stages.contracts.categories import usual_size
 from stages.contracts.doubt import Doubt
 from stages.contracts.doubts import doubts
 from stages.contracts.generated import PlacedObject
@@ -24,7 +25,6 @@ from stages.evaluation.scoring import box_in_world, world_from_floor
 from stages.evaluation.shapes import CHAMFER_POINTS, DENSE, surface
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import angle_difference, wrap_angle
-from stages.procedural.sizes import usual
 
 SIZE_SHARE, SIZE_LEAST = 0.10, 0.03  # what an extent may be off: a share of it, or metres
 PLACE = 0.05  # metres between true and found centre
@@ -174,7 +174,7 @@ def _measured(
     beneath = {one.id: one.position[2] + one.size[2] / 2 for one in scene.objects if one.status == "ok"}
     level = 0.0 if item.support == "floor" else beneath.get(item.support)
     bottom = item.position[2] - item.size[2] / 2
-    known = usual(item.category)
+    known = usual_size(item.category)
     plan = np.log([*sorted(item.size[:2]), item.size[2]])
     return {
         "asset": item.asset,

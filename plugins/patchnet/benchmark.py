@@ -23,6 +23,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.furniture.catalogue import CATEGORIES
 from plugins.patchnet.encoders.patchnet import Weights
 from plugins.patchnet.network import seen_categories
 from plugins.patchnet.training.pairs import blemished, hidden
@@ -37,7 +38,6 @@ from stages.matching.crop import View
 from stages.matching.encoders import PatchEncoder, Patches, make_encoder
 from stages.matching.snapshots import up_of_camera
 from stages.matching.voting import embedding_distance
-from stages.procedural.catalogue import CATEGORIES
 
 YAWS = 24
 STEP = 4  # every fourth of them is compared to find the model

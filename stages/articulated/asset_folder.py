@@ -17,8 +17,7 @@ from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
 from stages.contracts.errors import InputError
-from stages.contracts.files import as_json, partial, read_json
-from stages.contracts.holder import stop_if_taken_over
+from stages.contracts.files import as_json, ask_before_writing, partial, read_json
 from stages.contracts.library import Asset, Placement, Recipe, Symmetry, Vector
 from stages.contracts.system import naming
 
@@ -69,7 +68,7 @@ def read_model(folder: Path) -> RobotModel:
     robot = read_urdf(urdf, folder)
     if robot.remarks:  # of what we wrote nothing is missing
         raise InputError(
-            urdf, robot.remarks[0], "make the library again: python -m stages.assets library", code="E-ASSET-STALE"
+            urdf, robot.remarks[0], "make the library again: snakemake --cores 2 library", code="E-ASSET-STALE"
         )
     robot = with_roles_of(robot, asset.joints)
     return replace(robot, touching=read_srdf(urdf.with_suffix(".srdf")))
@@ -94,7 +93,7 @@ def stretch_asset(folder: Path, asset: Asset, size: Vector, out: Path) -> Asset:
 
 def read_asset(folder: Path) -> Asset:
     """The `asset.json` of an asset folder."""
-    return read_json(Asset, Path(folder) / "asset.json", "make the library again: python -m stages.assets library")
+    return read_json(Asset, Path(folder) / "asset.json", "make the library again: snakemake --cores 2 library")
 
 
 def urdf_of(folder: Path, asset: Asset) -> Path:
@@ -128,7 +127,7 @@ def atomic_folder(out: Path) -> Iterator[Path]:
     try:
         with naming(out):
             yield folder
-            stop_if_taken_over(out)
+            ask_before_writing(out)
             if out.exists():
                 shutil.rmtree(out)
             folder.replace(out)

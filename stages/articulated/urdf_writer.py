@@ -7,14 +7,17 @@ and convex OBJs collide.
 import re
 import warnings
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
 from stages.articulated.mesh_writer import Surface, is_box, numbers, shaded, write_glb, write_obj, write_texture
-from stages.articulated.model import JointModel, Link, Matrix, RobotModel
+from stages.articulated.model import JointModel, Link, Matrix, RobotModel, moved
+from stages.geometry.frames import rigid
 
 DAMPING, FRICTION = 2.0, 0.1  # N m s or N s / m, and SAPIEN's friction coefficient
 NOISE = 1e-9  # of an inertia's trace: a product below it is rounding, which differs from processor to processor
@@ -36,6 +39,22 @@ def write_urdf(robot: RobotModel, folder: Path) -> None:
     (folder / "model.urdf").write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
     if robot.touching:
         write_srdf(robot, folder)
+
+
+def as_written(robot: RobotModel) -> RobotModel:
+    """The model with what collides, and the origins of its joints, to the digits that its files have."""
+    links = {name: replace(link, collisions=list(map(_rounded, link.collisions))) for name, link in robot.links.items()}
+    joints = [
+        replace(joint, origin=rigid(joint.origin[:3, :3], joint.origin[:3, 3].round(5))) for joint in robot.joints
+    ]
+    return replace(robot, links=links, joints=joints)
+
+
+def _rounded(piece: Trimesh) -> Trimesh:
+    if not is_box(piece):
+        return Trimesh(piece.vertices.round(5), piece.faces, process=False)
+    box = trimesh.creation.box(np.maximum(piece.extents, 1e-5).round(5))
+    return moved(box, rigid(np.eye(3), piece.bounds.mean(axis=0).round(5)))
 
 
 def write_srdf(robot: RobotModel, folder: Path) -> None:

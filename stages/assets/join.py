@@ -1,8 +1,11 @@
 """One library of the procedural models and the user's own."""
 
+from collections.abc import Iterable
 from itertools import chain
 from pathlib import Path
 
+from stages.contracts.categories import known_categories
+from stages.contracts.category import Category
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, write_json
 from stages.contracts.library import Library, LibraryEntry, LibraryPart
@@ -36,7 +39,18 @@ def run(*, own: tuple[Path, ...], out: Path, library: tuple[Path, ...] = ()) -> 
     names = [entry.id for entry in entries]
     if double := next((name for name in names if names.count(name) > 1), None):
         raise InputError("assets.folders", f"two models are called '{double}'.", "rename one", code="E-MODEL-NAME")
-    write_json(out, Library(assets=entries, left_out=left_out))
+    write_json(out, Library(assets=entries, left_out=left_out, categories=known_of(parts.values(), entries)))
+
+
+def known_of(parts: Iterable[LibraryPart], entries: list[LibraryEntry]) -> list[Category]:
+    """What is known of categories, in order of name: all that everybody knows or an index says, and others by the sizes
+    of their models."""
+    known = dict(known_categories())
+    for name in {entry.category for entry in entries} - set(known):
+        sizes = [entry.size for entry in entries if entry.category == name and entry.size is not None]
+        known[name] = Category(name=name, sizes=sizes)
+    known |= {row.name: row for part in parts for row in part.categories}
+    return [known[name] for name in sorted(known)]
 
 
 def without_copies(entries: list[LibraryEntry]) -> tuple[list[LibraryEntry], list[str]]:

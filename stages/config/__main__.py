@@ -1,11 +1,32 @@
-"""`python -m stages.config`: write config.yaml, config/schema.json and docs/config.md from the typed models."""
+"""`python -m stages.config`: write config/schema.json and docs/config.md; `... show [FILE ...]`: print every key.
+
+`show` prints the default run with what the files change, later ones over earlier ones.
+"""
 
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
+
+def show(files: Sequence[str]) -> int:
+    """Print the whole config of a run with these files; a mistake is a line. Returns the exit code."""
+    from stages.config.model import read_files
+    from stages.config.reference import manual
+    from stages.contracts.errors import InputError
+
+    try:
+        print(manual(read_files([Path(file) for file in files])), end="")
+    except InputError as error:
+        print(f"error: {error} [{error.code}]", file=sys.stderr)
+        return 1
+    return 0
+
+
 if __name__ == "__main__":
-    subprocess.run([sys.executable, "-m", "stages.config.categories"], check=True)  # which the models read
+    if sys.argv[1:2] == ["show"]:
+        sys.exit(show(sys.argv[2:]))
+    subprocess.run([sys.executable, "-m", "plugins.furniture", "facts"], check=True)  # which the models read
     from stages.config.reference import write
 
     write(Path.cwd())

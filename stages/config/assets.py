@@ -28,9 +28,10 @@ class OwnOptions(Section):
     """How the user's own models are read."""
 
     importers: list[str] = Field(
-        ["urdf", "mjcf", "glb", "gltf", "obj", "dae", "ply", "stl"],
+        [],
         json_schema_extra={"kind": "importers"},
-        description="Kinds of files that are imported, by suffix (mjcf: .xml); of several in one folder the first.",
+        description="Kinds of files that are imported, by suffix (mjcf: .xml); of several in one folder the first. "
+        "[]: urdf, mjcf, glb, gltf, obj, dae, ply, stl.",
     )
 
 

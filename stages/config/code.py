@@ -10,7 +10,7 @@ from pathlib import Path
 
 from stages import plugins
 
-ROOTS = {"stages": Path(__file__).resolve().parents[1]}  # of the packages whose code counts
+ROOTS = {"stages": Path(__file__).resolve().parents[1], "plugins": plugins.PACKAGES}  # whose code counts
 MODULE_NAME = re.compile(r"""["'](\w+(?:\.\w+)+)(?::\w+)?["']""")  # as text: "stages.x.y" or "stages.x.y:Class"
 # Import statements are cut out before they are parsed: whole modules take a second more at every start of the workflow.
 IMPORT = re.compile(r"^[ \t]*((?:from\s+[\w.]+\s+)?import\b\s*(?:\([^)]*\)|(?:\\\n|[^\n(])*))", re.MULTILINE)

@@ -153,6 +153,9 @@ def _library(config: "Config") -> Iterator[Mistake]:
             yield Mistake(
                 "assets.folders", f"{folder} has no models", "see docs/your-models.md for the layout", "E-CONFIG-FILE"
             )
+    if any(config.assets.counts.values()) and not config.packages.get("furniture"):
+        what = "the package furniture, which makes these models, is off or not here"
+        yield Mistake("assets.counts", what, "assets: {own_only: true}, with models of yours in assets.folders")
     if config.assets.own_only and not config.assets.folders:
         what = "there are no models of yours"
         yield Mistake("assets.own_only", what, "name their folder in assets.folders (docs/your-models.md)")

@@ -16,9 +16,10 @@ class SceneOptions(Section):
         False, description="rescale the test asset at random as in the demonstrations (official: no)"
     )
     own_size: bool = Field(False, description="the test asset at its own size, not in the box of the task's object")
-    simulator: Literal["maniskill", "mujoco"] = Field(
+    simulator: str = Field(
         "maniskill",
-        description="mujoco: another simulator than that of the demonstrations, with physics, contacts, controller and "
+        json_schema_extra={"kind": "simulators"},
+        description="maniskill: that of the demonstrations; mujoco: another, with physics, contacts, controller and "
         "depth of its own, in the place of the paper's real robot; door and drawer",
     )
     parking: tuple[NotNegative, NotNegative] | None = Field(

@@ -1,7 +1,9 @@
 """Validate a config: what an overlay removes, and every mistake as one line with its key and how to mend it."""
 
+import re
 from collections.abc import Iterator
 from copy import deepcopy
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar, get_args, get_origin
 
@@ -160,7 +162,7 @@ def _mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str) -> 
         key = prefix + ".".join(str(part) for part in path)
         text = detail["msg"].removeprefix("Value error, ")
         if detail["type"] == "extra_forbidden":
-            yield _unknown(key, str(path[-1]), _model_at(root, path[:-1]))
+            yield _unknown(key, str(path[-1]), _model_at(root, path[:-1]), root)
         elif detail["type"] == "value_error":
             yield Mistake(key, text, code="E-CONFIG-VALUE")
         else:
@@ -168,14 +170,36 @@ def _mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str) -> 
             yield Mistake(key, f"{text} (got {detail['input']!r})", mend, "E-CONFIG-VALUE")
 
 
-def _unknown(key: str, name: str, model: type[BaseModel]) -> Mistake:
+def _unknown(key: str, name: str, model: type[BaseModel], root: type[BaseModel]) -> Mistake:
     """A key that a section does not have: of an older config, or a typo."""
     code = "E-CONFIG-KEY"
     if name in model.__class_vars__:
         return Mistake(key, f"is no option: it is {getattr(model, name)}", "leave it out", code)
     if name in GONE:
         return Mistake(key, "is no option", GONE[name], code)
-    return Mistake(key, "unknown key", nearest(name, model.model_fields), code)
+    return Mistake(key, "unknown key", _meant(name, model, root), code)
+
+
+def _meant(name: str, model: type[BaseModel], root: type[BaseModel]) -> str:
+    """Which key was meant: the nearest by its letters, one elsewhere, one whose meaning names the word, else any."""
+    if get_close_matches(name, model.model_fields, n=1, cutoff=0.6):
+        return nearest(name, model.model_fields)
+    if 0 < len(elsewhere := list(_places(name, root))) <= 3:
+        return f"do you mean {' or '.join(elsewhere)}?"
+    word = re.compile(rf"\b{re.escape(name.lower().rstrip('s'))}s?\b", re.IGNORECASE)
+    about = {field: f"{found.description} {found.json_schema_extra}" for field, found in model.model_fields.items()}
+    named = [field for field, text in about.items() if word.search(text)]
+    return f"do you mean {' or '.join(named)}?" if 0 < len(named) <= 3 else nearest(name, model.model_fields)
+
+
+def _places(name: str, model: type[BaseModel], path: str = "") -> Iterator[str]:
+    """Where a key of this name is, below a section; * stands for a name that is free."""
+    for field, found in model.model_fields.items():
+        if field == name:
+            yield f"{path}{field}"
+        free = "*." if get_origin(found.annotation) is dict else ""
+        for inner in _models(found.annotation):
+            yield from _places(name, inner, f"{path}{field}.{free}")
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:

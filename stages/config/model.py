@@ -1,10 +1,11 @@
 """The whole of config.yaml: one typed section per stage."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from functools import reduce
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, field_validator
 
 from stages.config.assets import AssetsConfig
 from stages.config.containers import ContainersConfig
@@ -13,11 +14,13 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import EvaluationConfig
 from stages.config.experiment import ExperimentConfig, TaskTarget
 from stages.config.extraction import ExtractionConfig
+from stages.config.files import read_file
 from stages.config.generation import GenerationConfig
 from stages.config.inputs import Input, scene_of, with_inputs
 from stages.config.matching import MatchingConfig, MatchingSection
 from stages.config.mistakes import Mistake, mistakes_of, truths, validated, without_removed, without_sharers
 from stages.config.names import resolved
+from stages.config.packages import present, with_sections
 from stages.config.photo import PhotoSection
 from stages.config.replaced import Replaced
 from stages.config.room_files import room_files
@@ -25,7 +28,7 @@ from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
 from stages.config.training import TrainingConfig
 from stages.config.vlm import VlmConfig
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, nearest
 from stages.contracts.section import Section, Seed
 from stages.contracts.task_options import TaskConfig
 from stages.plugins import find, folder
@@ -40,6 +43,10 @@ class Config(Section):
         "",
         description="A picture, for the target `photo`: the one scene in the place of `experiment.rooms`, without "
         'tasks (docs/your-data.md). "": none.',
+    )
+    packages: dict[str, bool] = Field(
+        default_factory=lambda: dict.fromkeys(present(), True),
+        description="Packages beside the core (docs/architecture.md), and which are on.",
     )
     plugins: list[str] = Field(
         [],
@@ -74,11 +81,27 @@ class Config(Section):
     )
     containers: ContainersConfig = Field(ContainersConfig(), description="Images of the rules, for `--sdm apptainer`.")
 
+    @field_validator("packages")
+    @classmethod
+    def _all_of_them(cls, given: dict[str, bool]) -> dict[str, bool]:
+        """Those that are not named are on."""
+        here = present()
+        for name in given:
+            if name not in here:
+                raise ValueError(f"there is no package '{name}'; {nearest(name, here)}")
+        return dict.fromkeys(here, True) | given
+
+    @property
+    def implementations(self) -> list[str]:
+        """The packages in which implementations are looked for, beside the core: those that are on, then the user's."""
+        ours = [f"plugins.{name}" for name, on in self.packages.items() if on]
+        return [*ours, *(name for name in self.plugins if name not in ours)]
+
     def matching_of(self, variant: str) -> MatchingConfig:
         """The matching options of one variant: `matching` and `vlm` with what the variant changes, key by key."""
         sections = self.matching.model_dump() | {"vlm": self.vlm.model_dump()}
         changed = merged(sections, self.experiment.variants[variant])
-        return resolved(MatchingConfig.model_validate(changed), self.plugins, f"experiment.variants.{variant}")
+        return resolved(MatchingConfig.model_validate(changed), self.implementations, f"experiment.variants.{variant}")
 
     def generation_of(self, variant: str) -> GenerationConfig:
         """The placing of one variant: that of `generation` with what differs, key by key."""
@@ -91,16 +114,16 @@ class Config(Section):
 
     def room_files(self) -> dict[str, Path]:
         """Files of all rooms that could be asked for, by their names."""
-        return room_files(self.experiment.room_files, self.plugins)
+        return room_files(self.experiment.room_files, self.implementations)
 
     def implementation(self, kind: str, name: str) -> str:
         """The name by which a stage loads an implementation."""
-        return find(kind, name, self.plugins)
+        return find(kind, name, self.implementations)
 
     def simulated(self, task: str, simulator: str) -> bool:
-        """Whether a simulator has the task of a row of the policy experiment: MuJoCo has those of one skill."""
+        """Whether a simulator has the task of a row: others than that of the demonstrations have those of one skill."""
         named = self.experiment.plan(task).task
-        return simulator != "mujoco" or len(load_plugin("tasks", self.implementation("tasks", named)).skills) == 1
+        return simulator == "maniskill" or len(load_plugin("tasks", self.implementation("tasks", named)).skills) == 1
 
 
 def merged(base: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
@@ -113,6 +136,20 @@ def _mappings(*values: Any) -> bool:
     return all(isinstance(value, dict) for value in values)
 
 
+def with_defaults(config: dict[str, Any]) -> dict[str, Any]:
+    """A config with all that it leaves out, as far down as names go: it need only hold what differs."""
+    return merged(complete()().model_dump(mode="json"), config)
+
+
+def read_files(files: Iterable[Path]) -> Config:
+    """The config of a run with these files over the defaults, later ones over earlier ones.
+
+    Raises:
+        InputError: a file cannot be read, or the config has mistakes.
+    """
+    return load(with_defaults(reduce(merged, map(read_file, files), {})))
+
+
 def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
     """Validate a merged config.
 
@@ -123,11 +160,12 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
         InputError: names all mistakes, a line each, with key and mend.
     """
     config, unread = with_inputs(config)
-    valid, mistakes = validated(Config, without_removed(without_sharers(config), Config))
+    model, config = _with_packages(config)
+    valid, mistakes = validated(model, without_removed(without_sharers(config), model))
     mistakes += unread
     wrong = [mistake.key for mistake in mistakes] + (["experiment.rooms"] if unread else [])
     valid = valid.model_copy(update={"plugins": _packages(valid.plugins, mistakes)})
-    valid = resolved(valid, valid.plugins, "", mistakes)
+    valid = resolved(valid, valid.implementations, "", mistakes)
     mistakes += _overlays(valid)
     rooms = valid.experiment.model_copy(update={"rooms": valid.experiment.named()})
     of_run = of_picture(valid) if valid.image and not mistakes else rooms
@@ -141,6 +179,21 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
         code = mistakes[0].code if len(mistakes) == 1 else "E-CONFIG"
         raise InputError("config", heading + "\n  ".join(lines), code=code)
     return valid
+
+
+def complete() -> type[Config]:
+    """The config with the sections of all packages that are here."""
+    return with_sections(Config, present())
+
+
+def _with_packages(config: dict[str, Any]) -> tuple[type[Config], dict[str, Any]]:
+    """The model with the sections of the packages that are on, and the config without those of the others."""
+    here, given = present(), config.get("packages")
+    off = [name for name, on in given.items() if on is False] if isinstance(given, dict) else []
+    silent = {section for name in off if name in here for section in here[name].sections}
+    return with_sections(Config, [name for name in here if name not in off]), {
+        key: value for key, value in config.items() if key not in silent
+    }
 
 
 def _overlays(config: Config) -> Iterator[Mistake]:

@@ -53,7 +53,8 @@ def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mist
                 raise
             mistakes.append(Mistake.of(error))
             changes[field] = type(section).model_fields[field].default
-    return section.model_copy(update=changes)
+    found = {field: value for field, value in changes.items() if value != getattr(section, field)}
+    return section.model_copy(update=found)  # what nobody set stays so
 
 
 def _check_own(section: type[Section], names: Iterable[str], packages: Sequence[str], key: str) -> None:

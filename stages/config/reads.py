@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stages.config.assets import LibraryOptions, OwnOptions, SnapshotOptions
+from stages.config.assets import SnapshotOptions
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import RolloutOptions, SkillOptions, TrialOptions
 from stages.config.extraction import ExtractionConfig
@@ -10,6 +10,7 @@ from stages.config.generation import GenerationConfig
 from stages.config.matching import ComparisonOptions, EncoderOptions, MatchingConfig
 from stages.config.model import Config
 from stages.config.names import kind_of
+from stages.config.packages import present
 from stages.config.photo import PhotoConfig, PhotoSection
 from stages.config.policy_rows import policy_tables
 from stages.config.scenes import ScenesConfig
@@ -19,9 +20,7 @@ from stages.contracts.training_run import TrainingRun
 from stages.contracts.training_sets import is_randomised
 from stages.plugins import short
 
-READS: dict[tuple[str, str], type[Section]] = {
-    ("assets", "library"): LibraryOptions,
-    ("assets", "own"): OwnOptions,
+CORE: dict[tuple[str, str], type[Section]] = {
     ("assets", "snapshots"): SnapshotOptions,
     ("scenes", "render"): ScenesConfig,
     ("inputs", "fetch"): PhotoSection,
@@ -43,11 +42,18 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("tables", "report"): PolicyTables,
     ("tables", "picture"): TablesConfig,
 }
+READS = CORE | {
+    (name, verb): reads
+    for name, package in present().items()
+    for verb, reads in package.verbs.items()
+    if reads is not None
+}
 
 
 def section_name(stage: str) -> str:
-    """The config section of a stage."""
-    return {"inputs": "photo"}.get(stage, stage)
+    """The config section of a stage or package."""
+    package = present().get(stage)
+    return package.section if package else {"inputs": "photo"}.get(stage, stage)
 
 
 def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section:

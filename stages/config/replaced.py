@@ -4,19 +4,20 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
+from stages.config.packages import present
 from stages.contracts.errors import nearest
 from stages.contracts.section import Section
 
 VERBS = {
-    "assets": ("library", "own", "join", "snapshots", "draw"),
+    "assets": ("join", "snapshots", "draw"),
     "inputs": ("estimate", "fetch"),
     "scenes": ("render",),
     "extraction": ("extract", "draw"),
     "matching": ("features", "match", "distances", "draw"),
-    "generation": ("generate", "draw", "export"),
+    "generation": ("generate", "draw"),
     "experiment": ("select", "pinned", "draw"),
-    "demonstrations": ("collect", "scene", "export"),
-    "training": ("train", "export"),
+    "demonstrations": ("collect", "scene"),
+    "training": ("train",),
     "evaluation": ("trial", "choose", "rollout", "skill", "gather", "leave_out", "score"),
     "tables": ("scenes", "trainings", "policies", "conditions", "viewer", "report", "overview", "picture"),
 }
@@ -37,12 +38,13 @@ class VerbCommand(Section):
 
 def _known_verbs(value: Any) -> Any:
     """Refuse stages and verbs that do not exist, with the nearest one that does."""
+    verbs = VERBS | {name: tuple(package.verbs) for name, package in present().items() if package.verbs}
     for stage, commands in value.items() if isinstance(value, dict) else ():
-        if stage not in VERBS:
-            raise ValueError(f"no stage is called '{stage}'; {nearest(stage, VERBS)}")
+        if stage not in verbs:
+            raise ValueError(f"no stage is called '{stage}'; {nearest(stage, verbs)}")
         for verb in commands if isinstance(commands, dict) else ():
-            if verb not in VERBS[stage]:
-                raise ValueError(f"no verb of {stage} is called '{verb}'; {nearest(verb, VERBS[stage])}")
+            if verb not in verbs[stage]:
+                raise ValueError(f"no verb of {stage} is called '{verb}'; {nearest(verb, verbs[stage])}")
     return value
 
 

@@ -9,7 +9,7 @@ from stages.config.experiment import TaskPlan, TaskTarget
 from stages.config.mistakes import Mistake
 from stages.contracts.errors import InputError
 from stages.contracts.training_sets import DRAW, DRAWN, read_set
-from stages.plugins import find
+from stages.plugins import find, short
 
 if TYPE_CHECKING:
     from stages.config.model import Config
@@ -33,7 +33,7 @@ def tasks(config: "Config") -> Iterator[Mistake]:
             continue
         key, task = f"experiment.tasks.{name}", experiment.plan(name).task
         try:
-            find("tasks", task, config.plugins)
+            find("tasks", task, config.implementations)
         except InputError as error:
             yield Mistake.of(error, f"{key}.task" if target.task else key)
         if target.scene not in experiment.rooms:
@@ -133,7 +133,7 @@ def simulators(config: "Config") -> Iterator[Mistake]:
         except InputError:
             continue  # said above
         if not known:
-            what = f"{config.evaluation.simulator} does not have the task {plan.task} of experiment.tasks.{name}"
+            what = f"{short(config.evaluation.simulator)} does not have the task {plan.task} of experiment.tasks.{name}"
             yield Mistake("evaluation.simulator", what, f"maniskill, or remove the task: `{name}: null`")
 
 

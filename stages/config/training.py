@@ -2,10 +2,8 @@
 
 from pydantic import Field
 
-from stages.config.code import source
 from stages.contracts.section import Section
 from stages.contracts.training_run import TrainingRun
-from stages.plugins import qualified
 
 # What a policy needs to go by the handle, chosen on validation assets (docs/policies.md).
 LITE_HANDLE = TrainingRun(let_go=False, handle=True)
@@ -20,8 +18,3 @@ class TrainingConfig(Section):
         "own does not name have the values of `lite`. `lite_handle` goes by the handle; config/paper/policies.yaml has "
         "the paper's, for a GPU.",
     )
-
-
-def has_portable_form(run: TrainingRun) -> bool:
-    """Whether `training export` can write policies of this set: they see clouds, and their kind has code for it."""
-    return run.network.cloud and source(f"{qualified('policies', run.policy)}.portable") is not None

@@ -4,7 +4,7 @@ import csv
 import io
 import json
 import secrets
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
@@ -12,10 +12,11 @@ from typing import Any, Literal, TypeVar, get_args
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from stages.contracts.errors import InputError
-from stages.contracts.holder import PARTIAL, stop_if_taken_over
 from stages.contracts.system import naming, sync, sync_names
 
 VERSION = 1
+PARTIAL = ".partial-"  # how files and folders begin that are not yet whole
+BEFORE_WRITING: list[Callable[[Path], None]] = []  # called before a result gets its name; each may refuse by an error
 MAX_TEXT = 200_000_000  # bytes: no text file that passes between stages comes near
 
 
@@ -39,12 +40,18 @@ def partial(path: Path) -> Path:
     return path.with_name(f"{PARTIAL}{secrets.token_hex(4)}-{path.name}")
 
 
+def ask_before_writing(path: Path) -> None:
+    """Ask all `BEFORE_WRITING` whether a result may get its name."""
+    for refuse in BEFORE_WRITING:
+        refuse(path)
+
+
 @contextmanager
 def atomic(path: Path) -> Iterator[Path]:
     """Yield a temporary path (same folder and suffix) that replaces `path` only if the block succeeds.
 
     Raises:
-        InputError: meanwhile another workflow has taken over the folder.
+        InputError: one of `BEFORE_WRITING` refuses.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -53,7 +60,7 @@ def atomic(path: Path) -> Iterator[Path]:
         with naming(path, temporary):
             yield temporary
             sync(temporary)
-            stop_if_taken_over(path)
+            ask_before_writing(path)
             temporary.replace(path)
             sync_names(path.parent)
     finally:

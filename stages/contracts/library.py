@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from stages.contracts.category import Category
 from stages.contracts.files import Contract, Document
 from stages.contracts.fronts import Panel
 from stages.contracts.types import (
@@ -150,6 +151,11 @@ class LeftOut(Document):
     assets: list[Id]
 
 
+def model_name(category: str, index: int) -> str:
+    """Id of the `index`-th model of a category."""
+    return f"{category}_{index:02d}"
+
+
 class LibraryEntry(Contract):
     """One line of the library's index: what matching needs without opening the asset."""
 
@@ -174,6 +180,7 @@ class LibraryPart(Document):
 
     assets: list[LibraryEntry]
     left_out: list[str] = Field([], description="the user's models that cannot be used, with the reason: a line each")
+    categories: list[Category] = Field([], description="what is known of categories, those of other libraries, too")
 
     @model_validator(mode="after")
     def _once(self) -> "LibraryPart":

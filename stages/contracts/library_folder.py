@@ -9,8 +9,8 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import MAX_TEXT, parse_json, read_json, write_json
 from stages.contracts.library import Asset, LibraryEntry, LibraryPart
 
-AGAIN = "make it again: python -m stages.assets library"
-FIRST = "make it first: python -m stages.assets library"
+AGAIN = "make it again: snakemake --cores 2 library"
+FIRST = "make it first: snakemake --cores 2 library"
 
 
 def write_part(out: Path, folder: Path, left_out: Iterable[str] = ()) -> None:
@@ -27,19 +27,22 @@ def write_part(out: Path, folder: Path, left_out: Iterable[str] = ()) -> None:
 class AssetFolders(Mapping[str, Path]):
     """The models of a library, or of parts of one, as folders by id, in order of id.
 
-    A model is unpacked when its folder is asked for; the folder lasts as long as the process.
+    A model is unpacked when its folder is asked for; the folder lasts as long as the process. `categories`: what is
+    known of them, by name.
 
     Raises:
         InputError: an index cannot be read; when a model is asked for: its archive does not hold what the index says.
     """
 
     def __init__(self, *indices: Path) -> None:
+        parts = {path: read_json(LibraryPart, path, FIRST) for path in indices}
         found = {
             entry.id: (path.parent / entry.archive, entry.checksum)
-            for path in indices
-            for entry in read_json(LibraryPart, path, FIRST).assets
+            for path, part in parts.items()
+            for entry in part.assets
         }
         self._entries = dict(sorted(found.items()))
+        self.categories = {row.name: row for part in parts.values() for row in part.categories}
 
     def __getitem__(self, asset: str) -> Path:
         return _unpacked(*self._entries[asset], asset)

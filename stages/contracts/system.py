@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import importlib
 import os
 import tempfile
 from collections.abc import Iterator
@@ -18,7 +19,15 @@ MENDS = {
     errno.EIO: "is there room on the disk?",
     errno.EMFILE: "raise the limit of open files: ulimit -n",
 }
+JOB_START = "ACDC_JOB_START"  # environment variable, module:function: what every job of a workflow calls first
 FULL_MEMORY = ("allocate memory", "out of memory", "Insufficient memory")  # of torch, CUDA, OpenCV
+
+
+def start_job() -> None:
+    """Call what the workflow that started this process has its jobs call; nothing for a process started by hand."""
+    module, _, function = os.environ.get(JOB_START, "").partition(":")
+    if module:
+        getattr(importlib.import_module(module), function)()
 
 
 def line_of(error: Exception) -> str | None:

@@ -4,10 +4,9 @@ from stages.cli import main
 
 if __name__ == "__main__":
     main(
-        "demonstrations",
+        "stages.demonstrations",
         {
             "collect": "run the skill on one asset until enough attempts succeed",
             "scene": "a demonstration in every generated scene, with a film of it",
-            "export": "episode stores in the formats of robomimic, lerobot and ManiSkill",
         },
     )

@@ -3,7 +3,7 @@
 from stages.cli import main
 
 main(
-    "evaluation",
+    "stages.evaluation",
     {
         "trial": "roll the checkpoints of a policy out on the twin",
         "choose": "choose hyper-parameter sets by their trials",

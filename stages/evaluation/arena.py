@@ -3,7 +3,6 @@
 import tempfile
 from collections.abc import Sequence
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Self
@@ -11,6 +10,7 @@ from typing import NamedTuple, Self
 import numpy as np
 import torch
 
+from stages import plugins
 from stages.config.evaluation import ActingOptions, SceneOptions, SensingOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
@@ -56,14 +56,6 @@ def sensing_of(settings: SensingOptions) -> Sensing:
     return Sensing(settings.depth_noise, (metres, float(np.deg2rad(degrees))))
 
 
-def env_class(simulator: str) -> type[TaskEnv]:
-    """The environments of a simulator; MuJoCo is imported when it is asked for, and counts as code only then."""
-    if simulator == "maniskill":
-        return TaskEnv
-    found: type[TaskEnv] = import_module(f"stages.evaluation.{simulator}_env").MujocoTaskEnv
-    return found
-
-
 class Arena:
     """Environments that turn from asset to asset: an exchange costs half of a new environment. To be used by `with`.
 
@@ -106,7 +98,8 @@ class Arena:
     def task(self, asset: TaskAsset) -> TaskEnv:
         """A new environment with the asset."""
         asset = self.size_asset(asset)
-        return env_class(self.settings.simulator)(
+        environments: type[TaskEnv] = plugins.load("simulators", self.settings.simulator)
+        return environments(
             self.plan.task,
             self.folder(asset),
             asset.joint,

@@ -3,7 +3,7 @@
 from stages.cli import main
 
 main(
-    "experiment",
+    "stages.experiment",
     {
         "select": "name twin, cousins, dissimilar asset, training and test assets of a task",
         "pinned": "take them from a committed file, if the library has the very same models",

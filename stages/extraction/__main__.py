@@ -3,6 +3,9 @@
 from stages.cli import main
 
 main(
-    "extraction",
-    {"extract": "objects.json and its arrays from one input folder", "draw": "the picture with what was found in it"},
+    "stages.extraction",
+    {
+        "extract": "objects.json and its arrays from one input folder",
+        "draw": "the picture with what was found in it",
+    },
 )

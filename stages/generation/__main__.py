@@ -3,10 +3,9 @@
 from stages.cli import main
 
 main(
-    "generation",
+    "stages.generation",
     {
         "generate": "place the cousins of every rank: scene_<rank>.json",
         "draw": "the scenes as pictures and as GLB",
-        "export": "a scene as GLB, URDF, MJCF or USD",
     },
 )

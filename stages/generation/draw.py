@@ -12,10 +12,11 @@ from stages.contracts import GeneratedScene, Objects, atomic, read_json, write_j
 from stages.contracts.extracted import read_metres, read_object_masks
 from stages.contracts.images import check_size, read_rgb
 from stages.contracts.library_folder import AssetFolders
-from stages.generation.exports import glb, room_of
+from stages.generation import glb
 from stages.generation.painting import furnished, look_of
 from stages.generation.pictures import preview, resized_to, side_by_side, thumbnail
 from stages.generation.scene_file import placed_items
+from stages.generation.scene_models import room_of
 
 VIEW_TEXTURE = 128  # pixels: textures of the scene that the report lets turn
 

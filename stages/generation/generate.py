@@ -13,7 +13,7 @@ from stages.generation.choosing import choose
 from stages.generation.collisions import resolve
 from stages.generation.doubts import doubts
 from stages.generation.inputs import Inputs, read_inputs
-from stages.generation.models import at_its_size
+from stages.generation.models import resize, write_models
 from stages.generation.placed import Placed
 from stages.generation.placing import place
 from stages.generation.scene_file import scene_of, summary
@@ -45,15 +45,16 @@ def run(
     config = read_options(GenerationConfig, options)
     inputs = read_inputs(cousins, objects, library, corrections)
     scenes = []
-    with TemporaryDirectory(prefix="acdc-sized-") as cache:
-        for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):
-            built = build(inputs, rank, config, Path(cache))
-            if not built.items:
-                what = "has no object that could be placed."
-                raise InputError(objects, what, "see the reasons in it and in cousins.json", code="E-SCENE-EMPTY")
-            settled = physics_check(built.items, inputs.objects, len(built.left), config)
-            scenes.append(scene_of(built.items, built.failed, settled, inputs.objects, variant, rank))
-            print(summary(scenes[-1], built.left))
+    for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):
+        built = build(inputs, rank, config)
+        if not built.items:
+            what = "has no object that could be placed."
+            raise InputError(objects, what, "see the reasons in it and in cousins.json", code="E-SCENE-EMPTY")
+        with TemporaryDirectory(prefix="acdc-sized-") as folder:
+            items = write_models(built.items, Path(folder))
+            settled = physics_check(items, inputs.objects, len(built.left), config)
+        scenes.append(scene_of(built.items, built.failed, settled, inputs.objects, variant, rank))
+        print(summary(scenes[-1], built.left))
     seed = inputs.objects.made.seed if inputs.objects.made else None
     origin = made("stages.generation.generate", config, [cousins, objects, library, *corrections], seed)
     for scene in scenes:
@@ -69,13 +70,10 @@ class Built:
     left: list[tuple[str, str]]
 
 
-def build(inputs: Inputs, rank: int, options: GenerationConfig, cache: Path) -> Built:
+def build(inputs: Inputs, rank: int, options: GenerationConfig) -> Built:
     """The cousins of one rank in their places: chosen, placed, resized, stacked and freed from collisions.
 
     An object that fails is left out, with its reason.
-
-    Args:
-        cache: folder for resized models.
     """
     room, items, failed = inputs.objects, list[Placed](), dict[str, str]()
     models: dict[int, str] = {}
@@ -83,12 +81,15 @@ def build(inputs: Inputs, rank: int, options: GenerationConfig, cache: Path) -> 
         try:
             item = choose(one, rank, models, partial(place, one, inputs=inputs, options=options), options.max_stretch)
             models[one.object.mask] = item.asset.id
-            items.append(at_its_size(item, cache))
+            items.append(resize(item))
         except InputError as error:
             failed[one.object.id] = error.what
     supports = {item.id: item.support for item in room.objects if item.support}
     items = stacked(items, supports, {one.object.id: one.correction.nudge for one in inputs.matched}, options)
     freed = resolve(items, room.walls, options)
     seen = {item.id: item for item in room.objects}
-    items = [replace(item, doubts=(*item.doubts, *doubts(item, room.walls, seen[item.id]))) for item in freed.items]
+    items = [
+        replace(item, doubts=(*item.doubts, *doubts(item, room.walls, seen[item.id], inputs.categories)))
+        for item in freed.items
+    ]
     return Built(items, failed, freed.left)

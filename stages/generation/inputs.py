@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import Cousins, InputError, Objects, read_json
+from stages.contracts.category import Category
 from stages.contracts.corrections import Correction, corrections_of
 from stages.contracts.cousins import Cousin, ObjectCousins
 from stages.contracts.extracted import read_clouds, read_object_masks
@@ -39,12 +40,13 @@ class Inputs:
     """What the scenes of all ranks share.
 
     objects: as extraction wrote them. matched: what takes the model of another one comes after it. folders: of the
-    library's models, by asset id.
+    library's models, by asset id. categories: by name, as the library knows them.
     """
 
     objects: Objects
     matched: list[MatchedObject]
     folders: Mapping[str, Path]
+    categories: Mapping[str, Category]
 
     def folder(self, asset: str) -> Path:
         """Of a model.
@@ -85,7 +87,8 @@ def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[
                 failed=_failed(item, entry, item.id in clouds),
             )
         )
-    return Inputs(extracted, _leaders_first(found), AssetFolders(library))
+    folders = AssetFolders(library)
+    return Inputs(extracted, _leaders_first(found), folders, folders.categories)
 
 
 def _failed(item: SceneObject, entry: ObjectCousins | None, has_cloud: bool) -> str:

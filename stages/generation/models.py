@@ -12,29 +12,45 @@ import numpy as np
 from shapely import MultiPoint, Polygon
 from trimesh import Trimesh
 
-from stages.articulated.asset_folder import read_model
-from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.model import Link
-from stages.contracts import Asset, read_json
+from stages.articulated.asset_folder import read_model, write_asset
+from stages.articulated.forward_kinematics import closed_box, link_frames
+from stages.articulated.model import Link, RobotModel
+from stages.articulated.resizing import has_size, resize_model
+from stages.articulated.urdf_writer import as_written
 from stages.generation.placed import Placed, Prism
 from stages.geometry.estimate import BIN
-from stages.procedural.resize import resized
 
 FRONT = 0.3  # least share of its outline that a front fills
 
 
-def at_its_size(item: Placed, cache: Path) -> Placed:
+def resize(item: Placed) -> Placed:
     """With a model that fills its box, and what of that collides."""
-    folder = resized(item.folder, item.size.tolist(), cache)
-    asset = read_json(Asset, folder / "asset.json")
-    return replace(item, asset=asset, folder=folder, prisms=tuple(prisms_of(folder)))
+    if has_size(item.asset, item.size.tolist()):
+        return replace(item, prisms=tuple(prisms_of(read_model(item.folder))))
+    sized = resize_model(item.folder, item.asset, item.size.tolist())
+    low, high = closed_box(sized.robot).round(6)
+    asset = item.asset.model_copy(
+        update={"box_min": tuple(low), "box_max": tuple(high), "mass": round(sized.robot.mass, 4)}
+    )
+    return replace(item, asset=asset, sized=sized, prisms=tuple(prisms_of(sized.robot)))
 
 
-def prisms_of(folder: Path) -> list[Prism]:
-    """Upright prisms around all collision shapes of a model; without those that have no area from above."""
+def write_models(items: Sequence[Placed], out: Path) -> list[Placed]:
+    """The items with folders of their resized models, for simulators that read files, in the folder `out`."""
+    for item in items:
+        if item.sized is not None:
+            write_asset(item.sized.robot, out / item.id, item.sized.about)
+    return [item if item.sized is None else replace(item, folder=out / item.id) for item in items]
+
+
+def prisms_of(robot: RobotModel) -> list[Prism]:
+    """Upright prisms around all collision shapes of a model, closed; without those that have no area from above.
+
+    To the digits of its files: what physics reads.
+    """
     found = []
-    for mesh in collision_pieces(folder):
-        vertices = np.asarray(mesh.vertices, dtype=float)
+    for piece in [mesh for link in closed_links(as_written(robot)) for mesh in link.collisions]:
+        vertices = np.asarray(piece.vertices, dtype=float)
         hull = MultiPoint(vertices[:, :2]).convex_hull
         if isinstance(hull, Polygon):
             low, high = vertices[:, 2].min(), vertices[:, 2].max()
@@ -44,18 +60,21 @@ def prisms_of(folder: Path) -> list[Prism]:
 
 def collision_pieces(folder: Path) -> list[Trimesh]:
     """The convex pieces that collide."""
-    return [mesh for link in _closed_links(folder) for mesh in link.collisions]
+    return [mesh for link in _read_links(folder) for mesh in link.collisions]
 
 
 def visual_meshes(folder: Path) -> list[Trimesh]:
     """What is seen, with its colours."""
-    return [visual.painted() for link in _closed_links(folder) for visual in link.visuals]
+    return [visual.painted() for link in _read_links(folder) for visual in link.visuals]
 
 
 @lru_cache(maxsize=64)
-def _closed_links(folder: Path) -> list[Link]:
+def _read_links(folder: Path) -> list[Link]:
+    return closed_links(read_model(folder))
+
+
+def closed_links(robot: RobotModel) -> list[Link]:
     """Links with their meshes in the asset frame."""
-    robot = read_model(folder)
     frames = link_frames(robot)
     return [link.mapped(frames[link.name]) for link in robot.links.values()]
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stages.articulated.resizing import SizedModel
 from stages.contracts import Asset
 from stages.contracts.doubt import Doubt
 from stages.contracts.objects import Mounting
@@ -32,10 +33,10 @@ class Prism(NamedTuple):
 class Placed:
     """A model whose closed box is `box` (floor frame).
 
-    folder: of the model. prisms: of its collision shapes, in the asset frame. support: 'floor', 'wall', the id of the
-    object beneath, or 'unnamed': it stands on something that is no object of the scene; as extraction saw it until it
-    is stacked. cousin: its rank in cousins.json. chosen: by a person. steps: what each step changed so far. doubts:
-    what may be wrong.
+    folder: of the model. sized: the model at its size, unless that is the folder's. prisms: of its collision shapes, in
+    the asset frame. support: 'floor', 'wall', the id of the object beneath, or 'unnamed': it stands on something that
+    is no object of the scene; as extraction saw it until it is stacked. cousin: its rank in cousins.json. chosen: by a
+    person. steps: what each step changed so far. doubts: what may be wrong.
     """
 
     id: str
@@ -45,6 +46,7 @@ class Placed:
     box: UprightBox
     mounting: Mounting
     support: str = FLOOR
+    sized: SizedModel | None = None
     prisms: tuple[Prism, ...] = ()
     moved: float = 0.0
     cousin: int | None = None

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from stages.articulated.asset_folder import read_asset
+from stages.articulated.resizing import resize_asset
 from stages.contracts import GeneratedScene, InputError, Objects
 from stages.contracts.doubt import gravest_first
 from stages.contracts.generated import PlacedObject
@@ -12,7 +13,6 @@ from stages.generation.placed import Placed
 from stages.generation.settling import Settled
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import rounded
-from stages.procedural.resize import resized
 
 
 def scene_of(
@@ -93,7 +93,7 @@ def placed_items(made: GeneratedScene, folders: Mapping[str, Path], cache: Path,
             raise InputError(
                 path, f"{item.id} is '{item.asset}', which the library does not have.", code="E-LIBRARY-ASSET"
             )
-        folder, mounting = resized(folders[item.asset], item.size, cache), item.mounting or Mounting(type=2)
+        folder, mounting = resize_asset(folders[item.asset], item.size, cache), item.mounting or Mounting(type=2)
         box = UprightBox(item.position, item.size, item.yaw)
         items.append(Placed(item.id, item.label, read_asset(folder), folder, box, mounting, item.support))
     if not items:

@@ -3,7 +3,7 @@
 from stages.cli import main
 
 main(
-    "inputs",
+    "stages.inputs",
     {
         "from-rgbd": "an RGB-D frame as an input folder",
         "annotate": "draw camera, room and objects into a photograph by hand, in the browser",

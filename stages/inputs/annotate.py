@@ -7,6 +7,7 @@ from pathlib import Path
 
 from stages.config.inputs import scene_of
 from stages.contracts import Camera, InputError, Library, read_json
+from stages.contracts.categories import known_categories
 from stages.contracts.corrections import CORRECTIONS
 from stages.contracts.depth import read_depth
 from stages.contracts.images import orientation_of
@@ -16,14 +17,13 @@ from stages.inputs.by_hand.project import PROJECT
 from stages.inputs.by_hand.server import PageServer
 from stages.inputs.by_hand.session import Session
 from stages.inputs.by_hand.write import at_size
-from stages.procedural.catalogue import CATEGORIES
 
 MADE = ("input", "frame")  # what the folders of scenes are called that the workflow makes itself
 
 
 def _categories(library: Path | None) -> list[str]:
     """Names that labels are completed with."""
-    names = CATEGORIES if library is None else {entry.category for entry in read_json(Library, library).assets}
+    names = known_categories() if library is None else {entry.category for entry in read_json(Library, library).assets}
     return sorted(name.replace("_", " ") for name in names)
 
 

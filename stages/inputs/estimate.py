@@ -12,6 +12,7 @@ from stages.cli import progress
 from stages.config.own_scene import write_config
 from stages.config.photo import PhotoConfig
 from stages.contracts import Annotations, Camera, InputError, read_options
+from stages.contracts.categories import known_categories
 from stages.contracts.corrected_masks import ROOM
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation, Held
@@ -25,7 +26,6 @@ from stages.inputs.photo.networks import Detection, depth_of, detect, segment
 from stages.inputs.rgbd.cameras import Matrix, intrinsics_of_view
 from stages.inputs.rgbd.frame import Frame, Labelled
 from stages.inputs.rgbd.write import make_annotations
-from stages.procedural.catalogue import CATEGORIES
 from stages.vlm.ask import Asker, NoAnswerError
 
 
@@ -55,7 +55,7 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
     if photo.shrunk > 1:
         print(f"{image}: made smaller, to {photo.rgb.shape[1]}x{photo.rgb.shape[0]} pixels")
     asker = Asker(settings.vlm) if settings.captions == "vlm" else None
-    labels = settings.labels or [name.replace("_", " ") for name in CATEGORIES]
+    labels = settings.labels or [name.replace("_", " ") for name in known_categories()]
     if asker is not None:
         try:
             labels = ask_labels(asker, photo.rgb)

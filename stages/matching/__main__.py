@@ -3,7 +3,7 @@
 from stages.cli import main
 
 main(
-    "matching",
+    "stages.matching",
     {
         "features": "encode the patches of one shard of snapshots",
         "match": "rank the cousins of every object of one scene",

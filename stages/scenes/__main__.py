@@ -2,4 +2,4 @@
 
 from stages.cli import main
 
-main("scenes", {"render": "furnish and photograph one room"})
+main("stages.scenes", {"render": "furnish and photograph one room"})

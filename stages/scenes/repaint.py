@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.articulated.asset_folder import stretch_asset
+from stages.articulated.asset_folder import write_asset
+from stages.articulated.resizing import load_maker, resize_model
 from stages.contracts import Asset, InputError
 from stages.contracts.library import Vector
-from stages.procedural import build
-from stages.procedural.refinishing import refinished
 from stages.scenes.casting import ATTEMPTS, CastRoom
 from stages.scenes.chance import colours
 from stages.scenes.layout import arrange
@@ -68,6 +67,7 @@ def _stretched(size: Vector, rng: Rng) -> Vector:
 
 
 def _made(asset: Asset, home: Path, size: Vector, out: Path, rng: Rng) -> Asset:
-    if asset.recipe is None:
-        return stretch_asset(home, asset, size, out)
-    return build(refinished(asset.recipe, rng), size, out, asset.id, asset.category)
+    if asset.recipe is not None:
+        asset = asset.model_copy(update={"recipe": load_maker().refinish(asset.recipe, rng)})
+    robot, about = resize_model(home, asset, size)
+    return write_asset(robot, out, about)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation, PhysxRigidBaseComponent
 
 from stages.articulated.asset_folder import read_asset
+from stages.articulated.resizing import resize_asset
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene, PlacedObject
@@ -25,7 +26,6 @@ from stages.contracts.library_folder import AssetFolders
 from stages.contracts.look import Look
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
-from stages.procedural.resize import resized
 from stages.simulation.backdrop import add_backdrop
 from stages.simulation.loading import load_asset, physics_scene, root_pose
 
@@ -116,7 +116,7 @@ def _furniture(item: PlacedObject, folders: Mapping[str, Path], cache: Path, pat
     if item.asset not in folders:
         what = f"{item.id} is '{item.asset}', which the library does not have."
         raise InputError(path, what, AGAIN, code="E-LIBRARY-ASSET")
-    folder = resized(folders[item.asset], item.size, cache)
+    folder = resize_asset(folders[item.asset], item.size, cache)
     return Furniture(item.id, folder, read_asset(folder), UprightBox(item.position, item.size, item.yaw))
 
 

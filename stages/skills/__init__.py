@@ -1,7 +1,7 @@
 """The skills that demonstrate the tasks (paper A.4): one folder each, over shared primitives.
 
-`attempts.py` tries again after a miss, `motion.py` moves the hand; `articulate.py` is what Open and Close share,
-`carry.py` what Pick and Place do. Motions are planned in `stages/planning`.
+`attempts.py` tries again after a miss, `motion.py` moves the hand; `articulate.py` is what Open and Close share.
+Motions are planned in `stages/planning`.
 """
 
 from dataclasses import dataclass

@@ -3,7 +3,7 @@
 from stages.cli import main
 
 main(
-    "tables",
+    "stages.tables",
     {
         "scenes": "Table 2, its robustness variants and Figure 6, with the paper's values beside ours",
         "trainings": "how every training ended, and which failed",

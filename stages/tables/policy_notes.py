@@ -1,10 +1,11 @@
 """What tables of policies say below: what is pooled, and what policies are given that a real robot would not have."""
 
 from stages.config.tables import PolicyTables
+from stages.plugins import short
 from stages.tables.methods import kinds_of
 from stages.tables.order import title
 
-SIMULATORS = {"maniskill": "ManiSkill", "mujoco": "MuJoCo"}
+SIMULATORS = {"mujoco": "MuJoCo"}  # as people write them
 UNKNOWN = (
     "Policies are given the mask of the target. What else a real robot would not have (exact depth, camera poses and "
     "starts) is as the options of their rollouts say."
@@ -42,9 +43,9 @@ def _privileged(options: PolicyTables) -> str:
     if not camera:
         metres, degrees = met.camera_error
         text += f" The camera is {_cm(metres)} cm and {degrees:g} degrees elsewhere than they are told."
-    if met.simulator == "maniskill":
+    if (name := short(met.simulator)) == "maniskill":
         return f"{text} Demonstrations and tests share the simulator."
-    return f"{text} Demonstrations are made in ManiSkill, tests in {SIMULATORS[met.simulator]}."
+    return f"{text} Demonstrations are made in ManiSkill, tests in {SIMULATORS.get(name, name)}."
 
 
 def _start(options: PolicyTables) -> str:

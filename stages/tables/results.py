@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 import pandas as pd
 
-from stages.config.model import Config
+from stages.config.model import Config, read_files
 from stages.config.policy_rows import policy_tables
 from stages.contracts.files import read_json, write_text
 from stages.contracts.library import Library
@@ -31,7 +31,7 @@ from stages.tables.roles import demonstrated_assets, lists_table, roles_table
 from stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
 from stages.tables.scene_tables import robustness_table, scenes_table
-from stages.tables.study import cost, facts, read_config
+from stages.tables.study import cost, facts
 from stages.tables.writing import write_csv
 
 SCENE_STAGES = ["assets", "scenes", "extraction", "matching", "generation", "evaluation", "tables"]
@@ -275,7 +275,7 @@ def run(
         commit: of the code, to be named.
         variants: variants of matching in Figure 6; all if left out.
     """
-    config = read_config(configs)
+    config = read_files(configs)
     if table == 2:
         found, target, stages = _scenes(config, results, published, out, variants), "table2", SCENE_STAGES
     else:

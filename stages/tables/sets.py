@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from stages.config.evaluation import USUAL
-from stages.config.model import Config
+from stages.config.model import Config, read_files
 from stages.config.tables import TablesConfig
 from stages.contracts.files import write_text
 from stages.contracts.policies import Rollout
@@ -20,7 +20,6 @@ from stages.tables.objects import ROLLOUT, Estimate, estimate, paired
 from stages.tables.progress import policy_file
 from stages.tables.rows import ONE_TEST, read_rows, read_table
 from stages.tables.set_tables import comparisons_table, sets_table
-from stages.tables.study import read_config
 from stages.tables.writing import write_csv
 
 CELL = ["condition", "task", "object", "training_set", "seed"]
@@ -52,7 +51,7 @@ def run(
         forecast: success to be expected, written before any rollout: a CSV with task, object, training_set, seed,
             forecast.
     """
-    config = read_config(configs)
+    config = read_files(configs)
     told = read_table(forecast, FORECAST, FORECAST[:3]) if forecast else pd.DataFrame(columns=FORECAST)
     cells, rollouts = collect(config, results, told)
     frames = {

@@ -2,18 +2,10 @@
 
 import os
 from collections.abc import Iterable
-from functools import reduce
 from pathlib import Path
 
-from stages.config.files import read_file
-from stages.config.model import Config, load, merged
 from stages.tables.markup import Table
 from stages.tables.page.benchmarks import by_stage, read_jobs, times_table
-
-
-def read_config(paths: tuple[Path, ...]) -> Config:
-    """The config of a run, later files over earlier ones."""
-    return load(reduce(merged, map(read_file, paths), {}))
 
 
 def cost(benchmarks: Path, stages: list[str]) -> Table:

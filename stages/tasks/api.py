@@ -193,11 +193,11 @@ class TaskEnv:
             self._temporary.cleanup()
 
     def _nominal_folder(self) -> Path:
-        from stages.procedural.resize import resized
+        from stages.articulated.resizing import resize_asset
 
         key = (self.assets, self.size)
         if key not in self._nominal:
-            self._nominal[key] = resized(self.assets, self.size, self.sized)
+            self._nominal[key] = resize_asset(self.assets, self.size, self.sized)
         return self._nominal[key]
 
 

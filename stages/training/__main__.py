@@ -3,9 +3,8 @@
 from stages.cli import main
 
 main(
-    "training",
+    "stages.training",
     {
         "train": "train one policy on episode stores",
-        "export": "a policy with a loader that needs torch and safetensors alone",
     },
 )

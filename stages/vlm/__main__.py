@@ -3,7 +3,7 @@
 from stages.cli import main
 
 main(
-    "vlm",
+    "stages.vlm",
     {
         "cost": "what a ledger's calls have cost, by model",
         "diff": "where two models answered the same questions otherwise",

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from plugins.furniture import build
 from stages.contracts.library import Asset, Recipe
 from stages.contracts.policies import TaskAsset
-from stages.procedural import build
 
 FRONT: dict[str, Any] = {
     "digest": "c0ffee",

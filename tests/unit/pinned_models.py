@@ -4,9 +4,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+from plugins.furniture import build
+from plugins.furniture.catalogue import sample
 from stages.contracts import TaskAssets, read_json
-from stages.procedural import build
-from stages.procedural.catalogue import sample
 
 seed, plans = int(sys.argv[1]), [read_json(TaskAssets, Path(file)) for file in sys.argv[2:]]
 items = {item.asset: item for plan in plans for item in (*plan.assets, *plan.test_assets)}

@@ -2,12 +2,12 @@
 
 from functools import cache
 
+from plugins.furniture.catalogue import sample
+from plugins.furniture.folder import generate
+from plugins.furniture.robot import robot_of
 from stages.articulated.roles import contract_joints
 from stages.config.assets import AssetsConfig
 from stages.contracts import Asset
-from stages.procedural.catalogue import sample
-from stages.procedural.folder import generate
-from stages.procedural.robot import robot_of
 
 
 @cache

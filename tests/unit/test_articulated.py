@@ -10,6 +10,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from plugins.furniture.handles import STYLES, Style
 from stages.articulated.asset_folder import (
     Description,
     atomic_folder,
@@ -32,7 +33,6 @@ from stages.articulated.urdf_writer import write_urdf
 from stages.config.code import closure, source
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
-from stages.procedural.handles import STYLES, Style
 from tests.unit.articulated_models import CABINET, textured_box, write_cabinet
 from tests.unit.demo_assets import cabinet
 
@@ -86,7 +86,7 @@ def test_a_link_without_mass_weighs_boards_spread_as_in_a_solid_box(tmp_path: Pa
 
 
 def test_rigid_meshes_have_the_inertia_of_their_hull(tmp_path: Path) -> None:
-    from stages.assets.single_body import read_mesh
+    from plugins.importing.single_body import read_mesh
 
     trimesh.creation.box([0.2, 0.3, 0.4]).export(tmp_path / "box.obj")
     base = read_mesh(tmp_path / "box.obj", tmp_path).links["base"]
@@ -95,7 +95,7 @@ def test_rigid_meshes_have_the_inertia_of_their_hull(tmp_path: Path) -> None:
 
 
 def test_a_mass_told_by_hand_scales_mass_and_inertia_of_every_link(tmp_path: Path) -> None:
-    from stages.assets.weighing import with_mass
+    from plugins.importing.inertia_repair import with_mass
 
     robot = read_urdf(write_cabinet(tmp_path), tmp_path)
     heavy = with_mass(robot, 3 * robot.mass)

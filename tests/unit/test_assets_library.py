@@ -6,9 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from plugins.furniture.library import make, run
 from stages.articulated.asset_folder import checksum, read_asset
 from stages.assets.join import run as join
-from stages.assets.library import make, run
+from stages.contracts.categories import known_categories
+from stages.contracts.category import describe_unusual, find_category
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, write_json
 from stages.contracts.library import Asset, Library, LibraryEntry, LibraryPart
@@ -91,6 +93,18 @@ def part(path: Path, *assets: Asset, left_out: tuple[str, ...] = ()) -> Path:
     return path
 
 
+def test_of_other_categories_their_models_say_how_large_they_are(tmp_path: Path) -> None:
+    mug = make("mug", 0, 0, tmp_path / "models")
+    guitars = [mug.model_copy(update={"id": f"g{k}", "category": "guitar", "checksum": str(k)}) for k in range(3)]
+    join(own=(part(tmp_path / "own.json", *guitars),), out=tmp_path / "library.json")
+    known = AssetFolders(tmp_path / "library.json").categories
+    assert describe_unusual(find_category("red guitars", known), mug.size) == ""
+    assert "usual are" in describe_unusual(find_category("guitar", known), (1.0, 1.0, 1.0))
+    join(own=(part(tmp_path / "own.json", *guitars[:2]),), out=tmp_path / "library.json")
+    few = AssetFolders(tmp_path / "library.json").categories["guitar"]
+    assert describe_unusual(few, (1.0, 1.0, 1.0)) == "", "two say nothing"
+
+
 def test_parts_are_joined_without_copies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     mugs = [make("mug", k, 0, tmp_path / "models") for k in range(3)]
     copy = mugs[0].model_copy(update={"id": "a_mug", "checksum": mugs[2].checksum})
@@ -103,6 +117,7 @@ def test_parts_are_joined_without_copies(tmp_path: Path, capsys: pytest.CaptureF
     assert [line for line in capsys.readouterr().out.splitlines() if line.startswith("left out: ")] == [
         f"left out: {line}" for line in library.left_out
     ]
+    assert library.categories == list(known_categories().values()), "what everybody knows"
     before = out.read_bytes()
     join(library=(ours,), own=own[::-1], out=out)
     assert out.read_bytes() == before, "in whatever order"

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from stages.assets import draw, own, snapshots
-from stages.assets.shards import MEAN, Shard, groups, own_shards
+from plugins.importing import own
+from plugins.importing.shards import MEAN, Shard, groups, own_shards
+from stages.assets import draw, snapshots
 from stages.config.assets import AssetsConfig
 from stages.config.matching import EncoderOptions
 from stages.contracts import InputError, LibraryPart, read_json
@@ -63,7 +64,7 @@ def test_a_change_makes_anew_what_may_read_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, changed: str, models: set[str] | None
 ) -> None:
     """A model's own folder, and what lies in no model's; everything, where other folders are named; no page of ours."""
-    monkeypatch.setattr("stages.assets.shards.MEAN", 1)  # every model by itself
+    monkeypatch.setattr("plugins.importing.shards.MEAN", 1)  # every model by itself
     mine = write(tmp_path / "mine", "bowl/a/model.urdf", "bowl/a/meshes/a.obj", "bowl/flat.obj", "45/mobility.urdf")
     write(mine, "45/meta.json", "common/wood.png", "jug/c/c.urdf")
     (mine / "jug/c/c.urdf").write_text('<mesh filename="package://bowl/a.obj"/>')

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.assets.library import make
+from plugins.furniture.catalogue import CATEGORIES as RECORDS
+from plugins.furniture.library import make
 from stages.config.assets import AssetsConfig
-from stages.procedural.catalogue import CATEGORIES as RECORDS
 from stages.simulation.loading import load_asset, physics_scene, root_pose
 from tests.unit.physics import add_ground, position_of
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
 from stages.contracts import Annotations, Camera, InputError, Objects, read_json, write_json
+from stages.contracts.categories import sizes_of
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox, corners, oriented_iou
 from stages.geometry.frames import apply
@@ -28,7 +29,6 @@ from stages.inputs.by_hand.session import Session, described
 from stages.inputs.by_hand.solve import solve
 from stages.inputs.by_hand.support import support_at
 from stages.inputs.by_hand.write import at_size, write_folder
-from stages.procedural.sizes import sizes_of
 from tests.refusals import refused
 from tests.unit.annotate_page import serve
 
@@ -413,7 +413,7 @@ def test_an_absurd_size_is_told_with_the_usual_one_which_can_be_taken() -> None:
     width, depth, height = solved.usual["cabinet"]
     assert "worktop" not in solved.notes["cabinet"] and "hang" not in solved.notes["cabinet"]
     assert (width, height) == (None, None), "what is as usual stays as it was drawn"
-    assert depth == pytest.approx(np.median(sizes_of("bottom_cabinet")[:, 0]), abs=0.01)
+    assert depth == pytest.approx(np.median(sizes_of("bottom cabinet")[:, 0]), abs=0.01)
     cabinet.depth = depth
     solved = solve(drawing)
     assert solved.usual == {} and "usual" not in solved.notes.get("cabinet", "")

@@ -60,11 +60,11 @@ def test_other_data_beside_a_module_counts(copied: Path, suffix: str) -> None:
 
 
 def test_a_package_that_imports_all_its_modules_needs_them_and_those_to_come(copied: Path) -> None:
-    before = {verb: digest(verb) for verb in ("stages.assets.library", "stages.extraction.extract")}
+    before = {verb: digest(verb) for verb in ("plugins.furniture.library", "stages.extraction.extract")}
     new = copied / "procedural/categories/plinths.py"
     new.write_text('"""Plinths."""\n')
     try:
-        assert digest("stages.assets.library") != before["stages.assets.library"]
+        assert digest("plugins.furniture.library") != before["plugins.furniture.library"]
         assert digest("stages.extraction.extract") == before["stages.extraction.extract"]
     finally:
         new.unlink()
@@ -73,6 +73,6 @@ def test_a_package_that_imports_all_its_modules_needs_them_and_those_to_come(cop
 def test_a_rollout_needs_the_code_of_its_own_simulator() -> None:
     for verb in ("trial", "rollout", "skill"):
         assert not [name for name in code.closure(f"stages.evaluation.{verb}") if "mujoco" in name or "mjcf" in name]
-    needed = code.closure("stages.evaluation.mujoco_env")
+    needed = code.closure("plugins.mujoco.environment")
     assert "stages.articulated.mjcf_writer" in needed
     assert not [name for name in needed if name.startswith("stages.generation")]

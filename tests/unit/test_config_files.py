@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from stages.cli import main
+from stages.config.__main__ import show
 from stages.config.files import check, given, read_file
+from stages.config.model import read_files
 from tests.refusals import refused
 from tests.workflow.workspace import ROOT, dry_run, make
 
@@ -118,5 +120,28 @@ def test_an_unknown_verb_is_told_with_the_nearest(
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["tables", "resluts"])
     with pytest.raises(SystemExit):
-        main("tables", {"results": "...", "report": "..."})
-    assert capsys.readouterr().err.startswith("error: tables has no verb 'resluts'. Fix: did you mean 'results'?\n")
+        main("stages.tables", {"results": "...", "report": "..."})
+    assert capsys.readouterr().err.startswith(
+        "error: stages.tables has no verb 'resluts'. Fix: did you mean 'results'?\n"
+    )
+
+
+def test_a_run_has_the_defaults_of_all_that_its_files_leave_out(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text(
+        "assets: {counts: {chair: 3, bed: null}}\ntraining: {runs: {lite: {steps: 7}}}\n"
+    )
+    config = read_files([tmp_path / "mine.yaml"])
+    assert (
+        config.assets.counts["chair"] == 3 and config.assets.counts["fridge"] > 0 and "bed" not in config.assets.counts
+    )
+    assert config.training.runs["lite"].steps == 7 and config.training.runs["lite_handle"].handle
+
+
+def test_every_key_of_a_run_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "mine.yaml").write_text("matching: {k_cat: 5}\n")
+    assert show([str(tmp_path / "mine.yaml")]) == 0
+    shown = capsys.readouterr().out
+    assert "# Nearest categories to search. [>= 1]\n  k_cat: 5\n" in shown
+    (tmp_path / "all.yaml").write_text(shown)
+    assert read_files([tmp_path / "all.yaml"]) == read_files([tmp_path / "mine.yaml"])
+    assert show([str(tmp_path / "none.yaml")]) == 1 and "E-FILE-MISSING" in capsys.readouterr().err

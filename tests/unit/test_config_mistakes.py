@@ -12,12 +12,12 @@ from stages.config import categories
 from stages.config.assets import COUNTS, AssetsConfig
 from stages.config.inputs import INPUT_FILES
 from stages.config.mistakes import GONE, check_keys
-from stages.config.model import load, merged
+from stages.config.model import load, merged, with_defaults
 from stages.contracts import InputError
 from tests.refusals import refused
 
 ROOT = Path(__file__).resolve().parents[2]
-DEFAULT = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+DEFAULT = with_defaults({})
 
 
 def lines(text: str) -> list[str]:
@@ -364,3 +364,18 @@ def test_own_models_alone_leave_none_of_ours() -> None:
     own = {"own_only": True, "folders": ["mine"], "counts": {"mug": 3}}
     assert sum(ours.counts.values()) > 3 and AssetsConfig.model_validate(own).counts == {}
     assert AssetsConfig.model_validate(own | {"own_only": False}).counts == {"mug": 3}
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("matching: {judge: votes}", "model_selection or orientation_selection"),
+        ("matching: {encodr: hog}", "did you mean 'encoder'?"),
+        ("learning_rate: 0.1", "training.runs.*.learning_rate"),
+        ("experiment: {folders: [mine]}", "assets.folders"),
+        ("evaluation: {episodes: 3}", "experiment.episodes"),
+    ],
+)
+def test_an_unknown_key_names_the_one_that_was_meant(text: str, meant: str) -> None:
+    with refused("E-CONFIG-KEY", meant):
+        load(yaml.safe_load(text))

@@ -9,8 +9,10 @@ import pytest
 import yaml
 from pydantic import BaseModel
 
+from reference.commands import rule_files
 from stages.config.matching import MatchingConfig
-from stages.config.model import Config, load, merged
+from stages.config.model import Config, load, merged, read_files, with_defaults
+from stages.config.packages import home_of
 from stages.config.reads import READS, options_of, section_name, stores
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -113,7 +115,7 @@ def test_a_key_runs_again_what_reads_it(key: str, monkeypatch: pytest.MonkeyPatc
 @pytest.mark.parametrize(("stage", "verb"), READS)
 def test_a_verb_can_read_nothing_else(stage: str, verb: str) -> None:
     """Its options are parsed by the model that they were made from, which refuses other keys."""
-    tree = ast.parse((ROOT / "stages" / stage / f"{verb}.py").read_text())
+    tree = ast.parse((ROOT / home_of(stage).replace(".", "/") / f"{verb}.py").read_text())
     models = {
         node.args[0].id
         for node in ast.walk(tree)
@@ -132,7 +134,7 @@ def test_ranges_of_what_is_randomised_run_its_demonstrations_alone_again() -> No
 
 
 def test_rules_ask_for_the_options_of_their_own_verb() -> None:
-    for path in sorted((ROOT / "rules").glob("*.smk")):
+    for path in rule_files(ROOT):
         for body in re.split(r"^(?:rule|checkpoint) ", path.read_text(), flags=re.MULTILINE)[1:]:
             asked = re.findall(r'\boptions=options\(("\w+", "\w+")\)', body)
             assert asked in ([], re.findall(r'command=command\(("\w+", "\w+")\)', body)), body[:40]
@@ -148,7 +150,7 @@ def test_variants_with_different_encoder_settings_have_stores_side_by_side() -> 
         weights: {hog: {normals: 3.0, position: 1.0}, count_threshold: null, views: 8}
         fine: {hog: {grid: 24}}
     """
-    default = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    default = with_defaults({})
     config = load(merged(default, yaml.safe_load(text)))
     b, weights, fine = (config.matching_of(name).store() for name in ("b", "weights", "fine"))
     assert b == weights != fine
@@ -171,9 +173,7 @@ def test_the_language_model_is_read_where_it_is_asked(captions: str, read: bool)
 
 
 def test_row_b_of_the_study_is_the_papers() -> None:
-    names = ("config.yaml", "config/paper/scenes.yaml", "config/study/table2.yaml")
-    default, paper, study = (yaml.safe_load((ROOT / name).read_text(encoding="utf-8")) for name in names)
-    theirs, ours = (load(merged(default, overlay)) for overlay in (paper, study))
+    theirs, ours = (read_files([ROOT / "config" / name]) for name in ("paper/scenes.yaml", "study/table2.yaml"))
     for variant in ("b", "b-votes"):
         assert ours.matching_of(variant) == theirs.matching_of(variant)
         placed = {"ranks": ours.generation.ranks}  # one rank is enough for the table

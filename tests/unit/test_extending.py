@@ -14,12 +14,12 @@ import torch
 import trimesh
 import yaml
 
-from stages.assets.own import run as own
-from stages.assets.shards import own_shards
+from plugins.importing.own import run as own
+from plugins.importing.shards import own_shards
 from stages.config import code
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.model import load, merged
+from stages.config.model import load, merged, with_defaults
 from stages.config.room_files import read_room, room_files
 from stages.contracts import InputError, LibraryPart, Objects, read_json
 from stages.contracts.policy_folder import read_config
@@ -43,7 +43,7 @@ from tests.unit.matching_data import World
 from tests.unit.synthetic_room import write_room
 from tests.workflow.workspace import ROOT, make, snakemake
 
-DEFAULT = yaml.safe_load((ROOT / "config.yaml").read_text())
+DEFAULT = with_defaults({})
 BLOCK = re.compile(r"```(?:python|yaml)\n# (my_package/\S+)\n(.*?)```", re.DOTALL)
 
 
@@ -98,7 +98,7 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
         }
     )
     assert config.matching.encoder == "my_package.encoders.colours" and config.matching.search == "torch"
-    assert config.assets.importers == ["urdf", "my_package.importers.off"]
+    assert config.assets.importers == ["plugins.importing.importers.urdf", "my_package.importers.off"]
     assert config.matching_of("b").model_selection == "my_package.judges.by_name"
     assert config.training.runs["mine"].policy == "my_package.policies.mean_action"
     for wrong, kind, named in (
@@ -246,6 +246,20 @@ def test_task_and_skill(package: Path, tmp_path: Path) -> None:
     episode, outcome = Recorder(task, DemonstrationsConfig()).attempt(3)
     assert outcome.success and task.success and task.opened < 0.1 and 2 < len(episode.actions) < 30
     assert task.task.target_joint(tmp_path / "door") is not None
+    task.close()
+
+
+def test_a_simulator_of_yours(package: Path, tmp_path: Path) -> None:
+    cabinet(tmp_path / "door")
+    late = implementation("simulators", find("simulators", "late", ["my_package"]))
+    task = late("door", tmp_path / "door", "door_0_joint", None, TaskConfig(scale_variants=1), render=False)
+    task.place(3)
+    start = task.hand()[:3, 3].copy()
+    moved = []
+    for _ in range(2):
+        task.act(np.array([-1.0, 0, 0, 0, 0, 0, 1], np.float32))
+        moved.append(float(np.linalg.norm(task.hand()[:3, 3] - start)))
+    assert moved[0] < 0.002 < moved[1]
     task.close()
 
 

@@ -5,6 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plugins.furniture import build
+from plugins.furniture.catalogue import sample
+from stages.articulated.asset_folder import read_model
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, read_json
 from stages.contracts.objects import Mounting
@@ -15,8 +18,6 @@ from stages.generation.placed import Placed
 from stages.generation.settling import load_items, settle
 from stages.generation.stacking import stacked
 from stages.geometry.boxes import UprightBox
-from stages.procedural import build
-from stages.procedural.catalogue import sample
 from stages.simulation.loading import physics_scene
 from tests.unit.physics import add_ground
 
@@ -66,7 +67,7 @@ def test_a_can_lies_in_a_bowl_and_stays(index: int, aside: float, tmp_path: Path
             folder,
             boxes[name],
             Mounting(type=2),
-            prisms=tuple(prisms_of(folder)),
+            prisms=tuple(prisms_of(read_model(folder))),
         )
         for name, folder in folders.items()
     ]

@@ -9,8 +9,11 @@ import pytest
 import trimesh
 from PIL import Image
 
+from plugins.furniture import build as build_asset
+from plugins.furniture.catalogue import sample
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, Cousins, GeneratedScene, InputError, Objects, read_json, write_json
+from stages.contracts.categories import known_categories
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.library_folder import AssetFolders, write_part
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
@@ -18,14 +21,12 @@ from stages.generation.doubts import doubts
 from stages.generation.draw import run as draw
 from stages.generation.generate import build, run
 from stages.generation.inputs import Inputs, read_inputs
-from stages.generation.models import beyond_front, collision_pieces, visual_meshes
+from stages.generation.models import beyond_front, collision_pieces, visual_meshes, write_models
 from stages.generation.placed import Placed
 from stages.generation.scene_file import scene_of, summary
 from stages.generation.settling import load_items, physics_check, reaching_behind, settle
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.geometry.frames import yaw_matrix
-from stages.procedural import build as build_asset
-from stages.procedural.catalogue import sample
 from stages.simulation.loading import physics_scene
 from tests.refusals import refused
 from tests.unit.generation_scenes import thing
@@ -172,7 +173,7 @@ def test_a_front_that_was_told_counts_for_more_than_the_matched_view(scene: dict
     objects = read_json(Objects, scene["objects"])
     objects.objects[0].front = 1.62  # to the side, though the matched view and the wall say otherwise
     inputs = _inputs(objects, scene, tmp_path)
-    cabinet = build(inputs, 1, GenerationConfig(), tmp_path / "assets").items[0]
+    cabinet = build(inputs, 1, GenerationConfig()).items[0]
     assert cabinet.id == "cabinet_1" and cabinet.box.yaw == pytest.approx(np.pi / 2, abs=1e-6)
 
 
@@ -186,7 +187,7 @@ def test_a_box_that_was_told_holds_but_for_the_wall(
     cabinet = objects.objects[0].model_copy(update={"front": float(np.pi), "box": told, "whole": True})
     objects.objects[0] = cabinet
     inputs = _inputs(objects, scene, tmp_path)
-    placed = build(inputs, 1, GenerationConfig(), tmp_path / "assets").items[0]
+    placed = build(inputs, 1, GenerationConfig()).items[0]
     assert placed.center[0] + placed.size[0] / 2 == pytest.approx(ends, abs=1e-6)
     assert placed.center[0] - placed.size[0] / 2 == pytest.approx(x - 0.15, abs=1e-6)
     assert placed.size[1:] == pytest.approx((0.9, 0.8)) and placed.center[1] == pytest.approx(0.2)
@@ -240,14 +241,14 @@ def test_collision_and_visual_meshes_fill_the_closed_box(scene: dict[str, Path])
 
 def test_what_floats_falls_unless_it_hangs_on_a_wall(scene: dict[str, Path], tmp_path: Path) -> None:
     options = GenerationConfig()
-    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options, tmp_path)
+    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)
     raised = {"cabinet_1": 0.1, "mug_1": 0.3}  # the cabinet falls 10 cm and the mug, that stood 20 cm above it, 30 cm
     floating = [item.shifted([0, 0, raised[item.id]]) for item in built.items]
     hung = [replace(item, mounting=Mounting(type=1)) if item.id == "cabinet_1" else item for item in floating]
     for items, fallen in ((floating, {"cabinet_1": 0.1, "mug_1": 0.3}), (hung, {"mug_1": 0.2})):
         physics = physics_scene()
         add_ground(physics)
-        settled = settle(physics, load_items(physics, items), items, 0, options)
+        settled = settle(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
         assert settled.plausibility.fallen == sorted(fallen)
         assert not settled.plausibility.stable
         assert {name: settled.shifts[name] for name in fallen} == pytest.approx(fallen, abs=0.02)
@@ -263,7 +264,7 @@ def test_what_stands_on_something_unnamed_is_held_and_said(scene: dict[str, Path
     inputs.objects.objects[1] = raised
     cloud = inputs.matched[1].cloud + np.array([0, 0, 1], dtype=np.float32)
     inputs.matched[1] = replace(inputs.matched[1], object=raised, cloud=cloud)
-    built = build(inputs, 1, options, tmp_path)
+    built = build(inputs, 1, options)
     made = scene_of(
         built.items, built.failed, physics_check(built.items, inputs.objects, 0, options), inputs.objects, "b", 1
     )
@@ -282,7 +283,7 @@ def test_the_story_of_a_place_is_told(made: Path) -> None:
 
 def whats(item: Placed, walls: list[Wall], seen: SceneObject) -> list[str]:
     """Its doubts in words."""
-    return [doubt.what for doubt in doubts(item, walls, seen)]
+    return [doubt.what for doubt in doubts(item, walls, seen, known_categories())]
 
 
 def test_what_is_too_large_or_behind_a_wall_is_doubted() -> None:
@@ -323,21 +324,21 @@ def test_the_place_of_what_has_hardly_any_depth_is_doubted(known: float | None, 
 
 def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path], tmp_path: Path) -> None:
     options = GenerationConfig().model_copy(update={"fallen_distance": 9.0})  # only the tilt can tell
-    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options, tmp_path)
+    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)
     edge = built.items[0].center[0] - built.items[0].size[0] / 2 - 0.01  # its centre 1 cm beyond
     items = [item.shifted([edge - item.center[0], 0, 0]) if item.id == "mug_1" else item for item in built.items]
     physics = physics_scene()
     add_ground(physics)
-    settled = settle(physics, load_items(physics, items), items, 0, options)
+    settled = settle(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
     assert settled.plausibility.fallen == ["mug_1"]
 
 
 def test_an_overlap_is_seen_in_the_contacts(scene: dict[str, Path], tmp_path: Path) -> None:
     options = GenerationConfig(settle_seconds=1.0)  # by then physics has pushed them apart
-    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options, tmp_path)
+    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)
     items = [item.shifted([0, 0, -0.02]) if item.id == "mug_1" else item for item in built.items]
     physics = physics_scene()
-    settled = settle(physics, load_items(physics, items), items, 0, options)
+    settled = settle(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
     assert settled.plausibility.max_penetration == pytest.approx(0.02, abs=0.01)
 
 
@@ -346,7 +347,7 @@ def test_a_missing_asset_fails_that_object_alone(scene: dict[str, Path], tmp_pat
     cousins["objects"][1]["cousins"][0]["asset"] = "gone"
     write_json(tmp_path / "cousins.json", Cousins.model_validate(cousins))
     inputs = read_inputs(tmp_path / "cousins.json", scene["objects"], scene["library"])
-    built = build(inputs, 1, GenerationConfig(), tmp_path)
+    built = build(inputs, 1, GenerationConfig())
     assert [item.id for item in built.items] == ["cabinet_1"]
     assert "gone" in built.failed["mug_1"]
 
@@ -366,7 +367,7 @@ def test_missing_clouds_are_named(scene: dict[str, Path], tmp_path: Path) -> Non
 
 def test_frames_agree_with_the_box(scene: dict[str, Path], tmp_path: Path) -> None:
     """The yaw of a placed cabinet turns its front (+x) towards the camera."""
-    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, GenerationConfig(), tmp_path)
+    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, GenerationConfig())
     front = yaw_matrix(built.items[0].box.yaw)[:, 0]
     assert front == pytest.approx([-1, 0, 0], abs=1e-3)
 

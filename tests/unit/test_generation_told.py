@@ -27,7 +27,7 @@ def _built(scene: dict[str, Path], folder: Path, rank: int, *told: Correction, *
         (folder / name).write_bytes(scene["objects"].with_name(name).read_bytes())
     write_json(folder / "corrections.json", Corrections(objects=list(told)))
     inputs = read_inputs(scene["cousins"], folder / "objects.json", scene["library"], (folder / "corrections.json",))
-    return build(inputs, rank, GenerationConfig(), folder / "assets")
+    return build(inputs, rank, GenerationConfig())
 
 
 def _of(built: Built, name: str) -> Placed:

@@ -7,9 +7,8 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-import yaml
 
-from stages.config.model import load, merged
+from stages.config.model import read_files
 from stages.contracts import InputError
 from stages.contracts.cousins import ObjectCousins
 from stages.vlm import ask, endpoint
@@ -154,10 +153,8 @@ def test_neither_cousins_nor_ledger_hold_a_key_that_the_server_says(
 
 def test_nothing_of_ours_counts_in_the_rows_of_the_paper() -> None:
     """The letter of the paper: in its own overlay, and in row (b) of the study."""
-    default = yaml.safe_load((ROOT / "config.yaml").read_text())
     paper, study = (
-        load(merged(default, yaml.safe_load((ROOT / "config" / name).read_text()))).matching_of("b")
-        for name in ("paper/scenes.yaml", "study/table2.yaml")
+        read_files([ROOT / "config" / name]).matching_of("b") for name in ("paper/scenes.yaml", "study/table2.yaml")
     )
     ours = {name for name in type(paper).model_fields if name.endswith("_weight")} | {"symmetric", "colour", "views"}
     assert all(getattr(paper, name) == 0 for name in ours), ours
@@ -166,10 +163,7 @@ def test_nothing_of_ours_counts_in_the_rows_of_the_paper() -> None:
 
 
 def test_the_overlay_of_the_paper_has_its_variants() -> None:
-    config: dict[str, Any] = {}
-    for name in ("config.yaml", "config/paper/scenes.yaml", "config/paper/judged.yaml"):
-        config = merged(config, yaml.safe_load((ROOT / name).read_text()))
-    loaded = load(config)
+    loaded = read_files([ROOT / "config/paper" / name for name in ("scenes.yaml", "judged.yaml")])
     judges = {
         name: (loaded.matching_of(name).model_selection, loaded.matching_of(name).orientation_selection)
         for name in "abcd"

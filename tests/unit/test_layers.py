@@ -1,33 +1,35 @@
-"""The order of the rooms under `stages/`: each imports only what comes before it."""
+"""Who imports whom: folders of `stages/` what comes before them, packages the core, the core no package."""
 
 import ast
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 ORDER = (
-    *("geometry", "contracts", "articulated", "procedural", "plugins", "config", "slurm", "guard", "cli", "pretrained"),
+    *("geometry", "contracts", "articulated", "plugins", "config", "cli", "pretrained"),
     *("vlm", "simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction", "inputs"),
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
     *("tables", "doctor", "api"),
 )
 
+ON_OTHERS = {("patchnet", "furniture")}  # its training draws furniture
+
 
 def room_of(module: str) -> str:
-    """The room of `stages.<room>...`; `doctor_slurm` is one of `doctor`."""
-    return module.split(".")[1].partition("_")[0]
+    """The room of `stages.<room>...`."""
+    return module.split(".")[1]
 
 
 def imports(file: Path) -> set[str]:
-    """Modules under `stages` that a file imports, inside functions and for types, too."""
+    """Modules under `stages` and `plugins` that a file imports, inside functions and for types, too."""
     found = set()
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module == "stages":
-            found.update(f"stages.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module in ("stages", "plugins"):
+            found.update(f"{node.module}.{alias.name}" for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and not node.level:
             found.add(node.module or "")
-    return {name for name in found if name.startswith("stages.")}
+    return {name for name in found if name.startswith(("stages.", "plugins."))}
 
 
 def edges() -> dict[tuple[str, str], list[str]]:
@@ -37,7 +39,7 @@ def edges() -> dict[tuple[str, str], list[str]]:
         module = ".".join(file.relative_to(ROOT).with_suffix("").parts)
         if module == "stages.__init__":
             continue
-        for name in imports(file):
+        for name in (name for name in imports(file) if name.startswith("stages.")):
             found.setdefault((room_of(module), room_of(name)), []).append(f"{module} imports {name}")
     return found
 
@@ -45,6 +47,20 @@ def edges() -> dict[tuple[str, str], list[str]]:
 def test_no_room_imports_upward() -> None:
     found = edges()
     assert {edge: files for edge, files in found.items() if ORDER.index(edge[0]) < ORDER.index(edge[1])} == {}
+
+
+def test_the_core_imports_no_package() -> None:
+    files = sorted((ROOT / "stages").rglob("*.py"))
+    assert [(str(file), name) for file in files for name in imports(file) if name.startswith("plugins.")] == []
+
+
+def test_packages_import_no_other() -> None:
+    found = []
+    for file in sorted((ROOT / "plugins").rglob("*.py")):
+        package, *inside = file.relative_to(ROOT).parts[1:]
+        others = {name.split(".")[1] for name in imports(file) if name.startswith("plugins.")} - {package}
+        found += [(package, other) for other in others if "tests" not in inside and (package, other) not in ON_OTHERS]
+    assert found == []
 
 
 def test_every_import_is_seen(tmp_path: Path) -> None:

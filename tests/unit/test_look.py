@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plugins.furniture import build
+from plugins.furniture.catalogue import sample
 from stages.contracts import GeneratedScene, Objects
 from stages.contracts.look import ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Mounting, SceneObject, Wall
@@ -13,8 +15,6 @@ from stages.generation.painting import furnished, look_of, merged
 from stages.generation.placed import Placed
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at
-from stages.procedural import build
-from stages.procedural.catalogue import sample
 from stages.simulation.backdrop import WALL_HEIGHT
 from stages.simulation.rendering import RenderCamera, instance_id
 

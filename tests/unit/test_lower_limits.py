@@ -8,10 +8,10 @@ import pytest
 import torch
 import trimesh
 
+from plugins.mujoco.environment import MujocoTaskEnv
+from plugins.mujoco.world import MODEL
 from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.contracts.task_options import TaskConfig
-from stages.evaluation.mujoco_env import MujocoTaskEnv
-from stages.evaluation.mujoco_world import MODEL
 from stages.geometry.frames import inverse, rigid
 from stages.planning.path import handle_path
 from stages.simulation.target import Target

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plugins.furniture.catalogue import sample
+from plugins.furniture.folder import generate
 from stages.cli import main as stage
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
@@ -18,14 +20,13 @@ from stages.config.evaluation import EvaluationConfig
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.matching import MatchingConfig
+from stages.config.packages import home_of
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
 from stages.contracts import InputError, read_options
 from stages.contracts.library import Recipe
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.training_run import TrainingRun
-from stages.procedural.catalogue import sample
-from stages.procedural.folder import generate
 from tests.unit.contract_files import contents, write_files
 
 SECTIONS = [AssetsConfig, ScenesConfig, ExtractionConfig, MatchingConfig, GenerationConfig, DemonstrationsConfig,
@@ -63,7 +64,6 @@ def test_options_that_are_none(section: Any, text: str) -> None:
         (EvaluationConfig, "rollouts", 0), (EvaluationConfig, "checkpoint", "worst"),
         (EvaluationConfig, "split", "train"), (EvaluationConfig, "test_assets", "twin"),
         (EvaluationConfig, "camera_error", [-1, 0]), (EvaluationConfig, "parking", [-1, 0]),
-        (EvaluationConfig, "simulator", "gazebo"),
         (TablesConfig, "bootstrap_samples", 1), (TablesConfig, "scenes", {"r": 9}),
     ],
 )  # fmt: skip
@@ -153,7 +153,7 @@ def test_a_stage_ends_with_one_line(
     if verb == "matching match":
         digest_of_the_store(monkeypatch)
     with pytest.raises(SystemExit) as end:
-        stage(name, {command: ""})
+        stage(home_of(name), {command: ""})
     error = capsys.readouterr().err
     assert end.value.code == 1
     assert error.startswith("error: ") and error.count("\n") == 1 and Path(file).name in error, error

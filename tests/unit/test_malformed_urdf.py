@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from plugins.importing.tests.own_models import import_folder
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.errors import InputError
 from tests.unit.articulated_models import CABINET, write_cabinet
-from tests.unit.own_models import import_folder
 
 BODY_BOX = '<box size="0.4 0.6 0.8"/>'
 BODY_MASS = '<mass value="12"/>'

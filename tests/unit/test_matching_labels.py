@@ -7,12 +7,12 @@ import pytest
 import stages.scenes.rooms
 from stages.config.matching import MatchingConfig
 from stages.contracts import Library
+from stages.contracts.categories import known_categories
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates, find_candidates
 from stages.matching.text_encoders import make_text_encoder, nearest_categories
 from stages.matching.text_encoders.lexical import TextEncoder, words
-from stages.procedural.catalogue import CATEGORIES as CATEGORY_RECORDS
 
 LEXICAL = TextEncoder(MatchingConfig())
 CATEGORIES = [
@@ -60,7 +60,7 @@ def test_nearest_category(label: str, expected: str) -> None:
     assert nearest_categories(label, CATEGORIES, 3, LEXICAL)[0][0] == expected
 
 
-LIBRARY_CATEGORIES = sorted(CATEGORY_RECORDS)
+LIBRARY_CATEGORIES = sorted(known_categories())
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 import yaml
 from matplotlib.figure import Figure
 
-from stages.config.model import Config, load, merged
+from stages.config.model import Config, load, with_defaults
 from stages.config.policy_rows import policy_tables
 from stages.config.tables import PolicyRow, PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout
@@ -184,7 +184,7 @@ def test_of_the_first_set_the_row_is_though_another_came_first() -> None:
 
 
 def config_of(text: str) -> Config:
-    return load(merged(yaml.safe_load((ROOT / "config.yaml").read_text()), yaml.safe_load(text)))
+    return load(with_defaults(yaml.safe_load(text)))
 
 
 def test_trials_choose_among_policies_of_one_kind() -> None:

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from shapely import Point
 
 from benchmarks.open_rooms import packs, pictures, rooms, score, sensor, tables, views
+from plugins.furniture.catalogue import CATEGORIES
 from stages.contracts.library import FrontPanel, Joint
 from stages.geometry.boxes import UprightBox, footprint
-from stages.procedural.catalogue import CATEGORIES
 from tests.unit.generation_scenes import asset
 
 

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 
-from stages.config.model import load, merged
+from stages.config.model import load, merged, with_defaults
 from stages.contracts import InputError, TaskAssets, read_json, write_json
 from stages.contracts.library_folder import write_part
 from stages.experiment.pinned import run as pinned
@@ -47,7 +46,7 @@ def test_a_file_of_fewer_draws_than_seeds_need_is_refused(study: dict[str, Path]
     named = {"object": "hanging_cabinet_1", "assets": [*plan.assets, *cousins], "held_out": [2, 6]}
     chance = [an_asset(f"chance{number}_1", role="random") for number in range(8)]
     write_json(file, plan.model_copy(update=named | {"random_assets": chance}))
-    default = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    default = with_defaults({})
 
     def read(sets: list[str], **asked: Any) -> None:
         load(merged(default, {"experiment": {"tasks": {"door": {"assets": str(file)}}, "training_sets": sets} | asked}))
@@ -91,7 +90,7 @@ def test_committed_models_are_the_same_on_other_processors(seed: str, folder: st
 
 
 def mistakes(**changes: Any) -> str:
-    default = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    default = with_defaults({})
     with pytest.raises(InputError) as error:
         load(merged(default, {"experiment": changes}))
     return str(error.value)

@@ -11,8 +11,9 @@ import pytest
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.objects import Mounting, Wall
-from stages.generation.exports import glb, room_of
+from stages.generation import glb
 from stages.generation.placed import Placed
+from stages.generation.scene_models import room_of
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import look_at
 from stages.tables import policies, report, scenes

@@ -154,11 +154,11 @@ def test_nothing_but_the_study_is_looked_at_and_it_is_the_same_again(study: Path
 def test_configs_are_merged_as_the_workflow_merges_them(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("experiment: {seeds: [1], episodes: 8}")
     (tmp_path / "b.yaml").write_text("experiment: {seeds: [2]}")
-    config: Config = results.read_config((tmp_path / "a.yaml", tmp_path / "b.yaml"))
+    config: Config = results.read_files((tmp_path / "a.yaml", tmp_path / "b.yaml"))
     assert (config.experiment.seeds, config.experiment.episodes) == ([2], 8)
     (tmp_path / "c.yaml").write_text("[1")
     with refused("E-CONFIG-YAML"):
-        results.read_config((tmp_path / "c.yaml",))
+        results.read_files((tmp_path / "c.yaml",))
 
 
 def test_a_study_of_table_2_tells_what_is_there_and_counts_whole_draws_alone(tmp_path: Path) -> None:

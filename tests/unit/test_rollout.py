@@ -23,10 +23,10 @@ from stages.evaluation import arena, choose, gather, rollout
 from stages.evaluation import trial as try_out
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.film import add_caption, one_of_each, take
-from stages.evaluation.mujoco_env import MujocoTaskEnv
+from stages.evaluation.simulators import maniskill
 from stages.evaluation.states import Purpose, Start, initial_states, starts_of, taking_turns
 from stages.policies.checkpoint import save_weights
-from stages.tasks.api import Observation, StepResult, TaskEnv
+from stages.tasks.api import Observation, StepResult
 from stages.tasks.observation import Sensing
 from stages.training.train import run as train
 from tests.refusals import refused
@@ -187,7 +187,7 @@ def toy_simulator(monkeypatch: pytest.MonkeyPatch) -> Made:
         made.append((args, given))
         return ToyTask()
 
-    monkeypatch.setattr(arena, "TaskEnv", toy)
+    monkeypatch.setattr(maniskill, "Environment", toy)
     monkeypatch.setattr(arena, "Studio", ToyStudio)
     return made
 
@@ -199,10 +199,6 @@ def test_a_condition_reaches_the_environments(folder: Path, tmp_path: Path, toy_
     assert (task, asset.name, joint, size) == ("door", "a", "j", (1.0, 1.0, 1.0))
     assert (options.base_xy, options.base_yaw) == (0.1, np.deg2rad(5.0))
     assert given["sensing"] == Sensing(True, (0.02, np.deg2rad(3.0))) and given["vary_scale"]
-
-
-def test_a_simulator_is_named_by_its_environments() -> None:
-    assert (arena.env_class("maniskill"), arena.env_class("mujoco")) == (TaskEnv, MujocoTaskEnv)
 
 
 @pytest.mark.usefixtures("toy_simulator")

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from stages.assets.library import run as make_library
+from plugins.furniture.library import run as make_library
 from stages.config.room_files import read_room, series
 from stages.contracts import Annotations, Camera, InputError, Truth, read_json
 from stages.contracts.library_folder import AssetFolders

@@ -6,6 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from plugins.furniture import build
+from plugins.furniture.catalogue import sample
 from stages.contracts import (
     Asset,
     Cousins,
@@ -30,8 +32,6 @@ from stages.evaluation.scoring import score_scene
 from stages.evaluation.shapes import likeness
 from stages.geometry.cameras import look_at
 from stages.geometry.frames import apply, inverse, yaw_of_matrix
-from stages.procedural import build
-from stages.procedural.catalogue import sample
 from tests.refusals import refused
 
 WORLD_FROM_CAMERA = look_at([5.0, 1.0, 1.6], [0.0, 0.0, 0.6])  # the room's frame

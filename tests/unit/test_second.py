@@ -6,9 +6,8 @@ import pandas as pd
 import pytest
 
 from benchmarks.forecast_cells import expected
-from stages.config.model import Config
+from stages.config.model import Config, read_files
 from stages.contracts import TaskAssets, read_json
-from stages.tables.study import read_config
 
 ROOT = Path(__file__).resolve().parents[2]
 FORECAST = ROOT / "docs/results/second/forecast.csv"
@@ -18,7 +17,7 @@ FORECAST = ROOT / "docs/results/second/forecast.csv"
 def config() -> Config:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(ROOT)
-        return read_config((Path("config.yaml"), Path("config/study/second.yaml")))
+        return read_files((Path("config.yaml"), Path("config/study/second.yaml")))
 
 
 def plans(config: Config) -> dict[str, TaskAssets]:

@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 import torch
 
+from plugins.furniture.catalogue import sample
 from stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
 from stages.config.experiment import ExperimentConfig
 from stages.config.tables import TablesConfig
@@ -19,7 +20,6 @@ from stages.demonstrations.attempt import approach_speed
 from stages.demonstrations.collect import attempt_seeds
 from stages.evaluation.states import initial_states
 from stages.policies.bc_rnn_gmm.actor import Actor
-from stages.procedural.catalogue import sample
 from stages.simulation.robot import REST
 from stages.tables.intervals import PLACE, resampled
 from stages.tasks.cameras import jitter, shoulder

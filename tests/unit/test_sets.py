@@ -126,7 +126,7 @@ def test_what_has_run_is_compared_and_the_rest_is_marked(study: Path) -> None:
 
 
 def test_a_failed_training_counts_and_the_difference_without_it_stands_beside(study: Path) -> None:
-    config = sets.read_config((study / "study.yaml",))
+    config = sets.read_files((study / "study.yaml",))
     told = pd.read_csv(study / "forecast.csv")
     cells, rollouts = sets.collect(config, study / "results", told)
     failed = (cells["object"] == "door_1") & (cells["training_set"] == "cousins_4") & (cells["seed"] == 0)

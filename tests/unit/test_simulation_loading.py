@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import sapien
 
+from plugins.furniture.library import make
 from stages.articulated.asset_folder import read_asset
+from stages.articulated.resizing import resize_asset
 from stages.articulated.urdf_writer import FRICTION
-from stages.assets.library import make
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
-from stages.procedural.resize import resized
 from stages.simulation.loading import load_asset, move, physics_scene, remove, root_pose
 from tests.refusals import refused
 from tests.unit.physics import add_ground, position_of
@@ -96,7 +96,7 @@ def test_rigid_assets_fall_unless_they_are_fixed(models: Path) -> None:
 
 
 def test_resized_procedural_asset_is_rebuilt(models: Path, tmp_path: Path) -> None:
-    folder = resized(models / "bottom_cabinet_01", (0.5, 1.2, 0.7), tmp_path)
+    folder = resize_asset(models / "bottom_cabinet_01", (0.5, 1.2, 0.7), tmp_path)
     asset = read_asset(folder)
     assert asset.size == pytest.approx((0.5, 1.2, 0.7), abs=2e-6)
     assert asset.joints[0].handle == read_asset(models / "bottom_cabinet_01").joints[0].handle
@@ -109,7 +109,7 @@ def test_resized_procedural_asset_is_rebuilt(models: Path, tmp_path: Path) -> No
 def test_a_broken_asset_is_one_clear_line(models: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such file"):
         load_asset(physics_scene(), tmp_path, sapien.Pose(), True, "x")
-    folder = resized(models / "mug_00", (0.1, 0.13, 0.1), tmp_path)
+    folder = resize_asset(models / "mug_00", (0.1, 0.13, 0.1), tmp_path)
     (folder / "model.urdf").write_text("<robot")
     with refused("E-MODEL-BROKEN"):
         load_asset(physics_scene(), folder, sapien.Pose(), True, "x")

@@ -9,8 +9,9 @@ import sapien
 import trimesh
 from mani_skill.utils.geometry.trimesh_utils import get_component_meshes
 
+from plugins.furniture.library import make
+from plugins.importing.tests.own_models import import_folder
 from stages.articulated.asset_folder import read_asset, stretch_asset
-from stages.assets.library import make
 from stages.contracts.task_options import TaskConfig
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene
 from stages.simulation.stretching import stretch_builder
@@ -18,7 +19,6 @@ from stages.simulation.studio import _bounds
 from stages.tasks.api import TaskEnv
 from tests.unit.articulated_models import write_cabinet
 from tests.unit.demo_assets import cabinet
-from tests.unit.own_models import import_folder
 
 SCALE = np.array([1.25, 0.75, 1.1])
 

@@ -17,9 +17,11 @@ from tests.refusals import refused
 
 def seeded() -> list[Callable[..., None]]:
     """The verbs with a seed among their flags."""
-    files = [path for path in Path(cli.__file__).parent.glob("*/*.py") if "\ndef run(" in path.read_text("utf-8")]
+    root = Path(cli.__file__).parents[1]
+    paths = [path for home in ("stages", "plugins") for path in (root / home).glob("*/*.py")]
+    files = [path for path in paths if "\ndef run(" in path.read_text("utf-8")]
     verbs = (path for path in files if re.search(r"\bseed: int", path.read_text("utf-8")))
-    runs = [importlib.import_module(f"stages.{path.parent.name}.{path.stem}").run for path in verbs]
+    runs = [importlib.import_module(".".join(path.relative_to(root).with_suffix("").parts)).run for path in verbs]
     return [run for run in runs if any(name.endswith("seed") for name in inspect.signature(run).parameters)]
 
 
@@ -50,6 +52,6 @@ def test_good_ones_pass(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.
     for seed in ("-1", str(2**63)):
         monkeypatch.setattr(sys, "argv", ["stages.assets", "library", "--out", "none/library.json", "--seed", seed])
         with pytest.raises(SystemExit) as ended:
-            cli.main("assets", {"library": ""})
+            cli.main("stages.assets", {"library": ""})
         assert ended.value.code == 1
         assert capsys.readouterr().err == f"error: --seed: {seed} is no seed. Fix: 0 to {2**53 - 1} [E-SEED]\n"

@@ -16,7 +16,7 @@ import time
 from hashlib import sha256
 from pathlib import Path
 
-from stages.guard import descendants
+from plugins.ops.guard import descendants
 from tests.workflow.workspace import MICRO, make
 
 KINDS = ("process group", "workflow", "job")  # what is killed

@@ -15,7 +15,8 @@ import yaml
 
 from reference import commands as reference
 from stages.config.inputs import INPUT_FILES
-from stages.config.model import load, merged
+from stages.config.model import load, merged, with_defaults
+from stages.config.packages import home_of
 from tests.workflow.workspace import ROOT, dry_run, make
 
 GUIDES = [path for folder in ("docs", "docs/tutorial") for path in sorted((ROOT / folder).glob("*.md"))]
@@ -93,7 +94,7 @@ def test_a_yaml_block_is_a_config(folder: Path, monkeypatch: pytest.MonkeyPatch,
     if block.text.startswith("# attic.yaml"):
         pytest.skip("a room, which the block after it names")
     monkeypatch.chdir(folder)
-    default = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    default = with_defaults({})
     load(merged(default, yaml.safe_load(block.text)))
 
 
@@ -103,28 +104,29 @@ def test_a_command_is_one(folder: Path, page: str, line: str) -> None:
     if words[0] == "make":
         assert re.search(rf"^{words[1]}:", (ROOT / "Makefile").read_text(), re.MULTILINE)
     elif words[0] == "python":
-        check_flags(words[2].removeprefix("stages."), words[3:])
+        check_flags(words[2], words[3:])
     elif words[0] == "snakemake":
         check_snakemake(folder, words[1:])
     else:
         assert words == ["source", ".venv/bin/activate"]
 
 
-def check_flags(stage: str, words: list[str]) -> None:
-    """A stage's verb takes these flags, and needs no others."""
-    if not (ROOT / "stages" / stage).is_dir():  # doctor
-        assert (ROOT / "stages" / f"{stage}.py").is_file() and words in ([], ["--slurm"])
+def check_flags(package: str, words: list[str]) -> None:
+    """A verb of a stage or package takes these flags, and needs no others."""
+    folder = ROOT / package.replace(".", "/")
+    if not folder.is_dir():  # doctor
+        assert folder.with_suffix(".py").is_file() and words in ([], ["--slurm"])
         return
-    if stage in ("config", "contracts"):
+    if package in ("stages.config", "stages.contracts"):
         return
     given = {word for word in words if word.startswith("--")}
-    known, needed = flags(stage, words[0])
+    known, needed = flags(folder, words[0])
     assert "--help" in given or (given <= known and needed <= given), (sorted(given - known), sorted(needed - given))
 
 
-def flags(stage: str, verb: str) -> tuple[set[str], set[str]]:
+def flags(folder: Path, verb: str) -> tuple[set[str], set[str]]:
     """All flags of a verb, and those without a default."""
-    tree = ast.parse((ROOT / "stages" / stage / reference.module_of(verb)).read_text(encoding="utf-8"))
+    tree = ast.parse((folder / reference.module_of(verb)).read_text(encoding="utf-8"))
     run = next(node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == "run").args
     names = ["--" + argument.arg.replace("_", "-") for argument in run.kwonlyargs]
     return set(names), {name for name, default in zip(names, run.kw_defaults, strict=True) if default is None}
@@ -144,7 +146,8 @@ def check_snakemake(folder: Path, words: list[str]) -> None:
 
 def test_the_workflow_passes_flags_that_the_verbs_have() -> None:
     for name, words in reference.passed(ROOT).items():
-        known, needed = flags(*name.split())
+        stage, verb = name.split()
+        known, needed = flags(ROOT / home_of(stage).replace(".", "/"), verb)
         assert needed <= words <= known, name
 
 

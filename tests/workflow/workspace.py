@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-LINKED = ("Snakefile", "rules", "report", "config.yaml", "config", "profiles", "containers")
+LINKED = ("Snakefile", "rules", "plugins", "report", "config.yaml", "config", "profiles", "containers")
 MICRO = ("--configfile", "config/test/micro.yaml")
 Done = subprocess.CompletedProcess[str]
 

@@ -12,7 +12,7 @@ from safetensors.torch import save_file
 from plugins.patchnet import network
 from plugins.patchnet.encoders.patchnet import Encoder
 from stages.config.matching import MatchingConfig
-from stages.config.model import load, merged
+from stages.config.model import load, with_defaults
 from stages.matching.encoders import make_encoder, settings_digest
 from stages.matching.ranking import make_query
 from tests.refusals import refused
@@ -89,5 +89,5 @@ def test_weights_of_the_parts_that_cannot_be_are_refused(own: dict[str, float]) 
 
 def test_the_shipped_swap_finds_it_by_its_name() -> None:
     swap = yaml.safe_load(Path("config/swaps/patchnet.yaml").read_text())
-    config = load(merged(yaml.safe_load(Path("config.yaml").read_text()), swap))
+    config = load(with_defaults(swap))
     assert config.matching_of("b").encoder == OPTIONS.encoder

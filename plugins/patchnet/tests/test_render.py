@@ -7,10 +7,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from plugins.furniture.catalogue import CATEGORIES
 from plugins.patchnet.training.assemblies import assembly
 from plugins.patchnet.training.options import PairOptions
 from plugins.patchnet.training.render import render
-from stages.procedural.catalogue import CATEGORIES
 from tests.refusals import refused
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from stages.procedural.model import Model, Part, part
-from stages.procedural.shapes import cushion, lathe, rod, rotated, slab, translated
+from plugins.furniture.model import Model, Part, part
+from plugins.furniture.shapes import cushion, lathe, rod, rotated, slab, translated
 
 PALETTE_VALUE = (0.05, 0.9)
 

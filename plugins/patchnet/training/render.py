@@ -10,6 +10,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.furniture.catalogue import CATEGORIES, sample
+from plugins.furniture.folder import LICENCE, build
+from plugins.furniture.refinishing import refinish
+from plugins.furniture.robot import robot_of
 from plugins.patchnet.network import GRID, SIZE
 from plugins.patchnet.training.assemblies import assembly
 from plugins.patchnet.training.options import PairOptions
@@ -25,10 +29,6 @@ from stages.contracts.library import Asset
 from stages.geometry.frames import SYMMETRY_PERIOD
 from stages.matching.crop import View
 from stages.matching.snapshots import up_of_camera
-from stages.procedural.catalogue import CATEGORIES, sample
-from stages.procedural.folder import LICENCE, build
-from stages.procedural.refinishing import refinished
-from stages.procedural.robot import robot_of
 
 ASSEMBLY = "assembly"
 MODELS = 1_000_003  # added to the seed: no library has the models of this one
@@ -129,7 +129,7 @@ def make(category: str, index: int, seed: int, folder: Path, finish: np.random.G
     """A model of a category, or an assembly, as an asset folder; with `finish` the same in another finish."""
     if category != ASSEMBLY:
         recipe = sample(category, index, seed + MODELS)
-        recipe = refinished(recipe, finish) if finish else recipe
+        recipe = refinish(recipe, finish) if finish else recipe
         return build(recipe, None, folder, f"{category}_{index}", category)
     rng = np.random.default_rng(np.random.SeedSequence((seed, MODELS, index)))
     about = Description(f"{ASSEMBLY}_{index}", ASSEMBLY, LICENCE, "procedural")

@@ -1,5 +1,4 @@
-"""What the config knows of the library's categories; written by `python -m stages.config` from their records, so that
-the workflow starts without importing the generators of models."""
+"""What the config knows of the library's categories; written by their maker, so that the workflow starts without it."""
 
 import json
 from pathlib import Path
@@ -14,14 +13,6 @@ class Known(NamedTuple):
     models: int
     doors: bool
     drawers: bool
-
-
-def generated() -> str:
-    """The text of the file, from the records."""
-    from stages.procedural.catalogue import CATEGORIES, opens
-
-    lines = [f'"{name}": {json.dumps([record.count, *opens(name)])}' for name, record in CATEGORIES.items()]
-    return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
 CATEGORIES = {name: Known(*values) for name, values in json.loads(FILE.read_text(encoding="utf-8")).items()}

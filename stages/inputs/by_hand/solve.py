@@ -5,6 +5,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.contracts.categories import known_categories, sizes_of
+from stages.contracts.category import describe_unusual, find_category
 from stages.contracts.depth import NEAREST
 from stages.contracts.types import LARGEST
 from stages.geometry.boxes import UprightBox
@@ -23,8 +25,6 @@ from stages.inputs.by_hand.metrology import (
 from stages.inputs.by_hand.perspective import fit_view
 from stages.inputs.by_hand.project import DrawnObject, Pixel, Project, Scale
 from stages.inputs.by_hand.usual import STANDING, Sides, camera_factor, usual_size
-from stages.procedural.naming import category_in
-from stages.procedural.sizes import sizes_of, unusual
 
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
@@ -67,12 +67,13 @@ def _unusual(item: DrawnObject, box: UprightBox, factor: float) -> str:
     size = box.size
     if size.min() < THINNEST:
         return f"would be {1000 * size.min():.1f} mm thin: draw it anew"
-    return unusual(category_in(item.label), factor * size) and unusual(category_in(item.label), size)
+    known = find_category(item.label, known_categories())
+    return describe_unusual(known, factor * size) and describe_unusual(known, size)
 
 
 def _usual_depth(label: str) -> float:
     """How deep things of a label are that hang on a wall."""
-    sizes = sizes_of(category_in(label) or "")
+    sizes = sizes_of(label)
     return float(np.median(sizes[:, 0])) if len(sizes) else FLAT
 
 

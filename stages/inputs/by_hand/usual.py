@@ -4,10 +4,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from stages.contracts.categories import sizes_of
+from stages.contracts.category import SPREAD
 from stages.geometry.boxes import UprightBox
 from stages.inputs.by_hand.project import DrawnObject, Project
-from stages.procedural.naming import category_in
-from stages.procedural.sizes import SPREAD, sizes_of
 
 STANDING = 1.5  # metres: how high a camera is taken to be of which nobody said it
 SURE = np.log(1.1)  # a person who stands holds a camera 1.35 to 1.65 m high: STANDING is never better than that
@@ -16,7 +16,7 @@ Sides = tuple[float | None, float | None, float | None]
 
 def usual_size(item: DrawnObject, box: UprightBox) -> Sides | None:
     """Width, depth and height that a thing of this label usually has, metres, where the box's is not; None: all are."""
-    known = sizes_of(category_in(item.label) or "")
+    known = sizes_of(item.label)
     if not len(known):
         return None
     known = known[:, [0, 1, 2] if item.faces in ("left", "right") else [1, 0, 2]]
@@ -52,7 +52,7 @@ def camera_factor(project: Project, boxes: Mapping[str, UprightBox]) -> float | 
 
 def _allowed(item: DrawnObject, boxes: Mapping[str, UprightBox]) -> tuple[float, float] | None:
     """Logarithms of the least and the largest factor that make a thing as high as a model of its category."""
-    heights = sizes_of(category_in(item.label) or "")[:, 2]
+    heights = sizes_of(item.label)[:, 2]
     stands = item.on == "floor"
     marked = item.height is None and item.on not in boxes and len(item.points) >= (3 if stands else 2)
     if item.id not in boxes or not marked or not len(heights):

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from sklearn.feature_extraction.text import TfidfVectorizer
 
 from stages.config.matching import MatchingConfig
-from stages.procedural.catalogue import CATEGORIES
+from stages.contracts.categories import known_categories
 
 # Words for the same thing that are no category of the library, or head several: each counts as the first of its line.
-# Single words, singular. Those of one category are in its record (stages/procedural/categories).
+# Single words, singular. Those of one category are in its row (stages/contracts/categories).
 SYNONYMS = """
 cabinet cupboard sideboard credenza buffet hutch vanity
 drawer dresser commode bureau tallboy
@@ -46,12 +46,12 @@ CANONICAL = {
     word: first for first, *others in map(str.split, SYNONYMS.strip().splitlines()) for word in (first, *others)
 }
 GROUPS = {kind: set(text.split()) for kind, text in KINDS.items()}
-for record in CATEGORIES.values():
-    if "_" not in record.name or record.like:  # else its last word heads it: "table" of coffee_table
-        head = CANONICAL.setdefault(record.name.replace("_", ""), record.name.replace("_", ""))
-        for word in record.words:
-            CANONICAL.setdefault(word, head)
-        for kind in record.kin.split(", "):
+for row in known_categories().values():
+    if "_" not in row.name or row.like:  # else its last word heads it: "table" of coffee_table
+        head = CANONICAL.setdefault(row.name.replace("_", ""), row.name.replace("_", ""))
+        for word in [*row.names, *row.like]:
+            CANONICAL.setdefault(word.replace(" ", ""), head)
+        for kind in row.kin:
             GROUPS.setdefault(kind, set()).add(head)
 LEAST = 0.03  # similarity below this is a few letters by chance
 KNOWN = set(CANONICAL).union(*GROUPS.values())

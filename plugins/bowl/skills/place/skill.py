@@ -1,0 +1,63 @@
+"""The Place skill (paper A.4): Move to a sampled placement, Ungrasp, Lift."""
+
+import itertools
+
+import numpy as np
+
+from plugins.bowl.carry import CANDIDATES, CarrySkill, make_held_spheres, shift_pose
+from plugins.bowl.skills.place.predicates import PREDICATES, sample_placements
+from stages.geometry.frames import apply, inverse
+from stages.planning.path import along, straight
+from stages.planning.rollout import ON_THE_WAY, Stretch
+from stages.simulation.kinematics import Array
+from stages.simulation.robot import GRIPPER_OPEN
+from stages.skills.motion import CLOSED, OPEN, Motion
+
+OVER = (0.06, 0.02)  # metres above what a held object is lifted over, tried in turn; chosen
+
+
+class PlaceSkill(CarrySkill):
+    """Puts the object that the hand holds where the task wants it."""
+
+    def done(self) -> bool:
+        return self.movable().there
+
+    def attempt(self, motion: Motion, number: int) -> str:
+        item, hand = self.movable(), self.task.hand()
+        hand_from_object = inverse(hand) @ item.base_from_object
+        if not motion.holds:
+            return "dropped"
+        places = apply(item.base_from_region, PREDICATES[item.relation](item.region, item.mesh))
+        poses = sample_placements(places, item.mesh, hand, hand_from_object, CANDIDATES, number)
+        held = make_held_spheres(item.mesh, hand_from_object)
+        poses = poses[self.can_hold_at(poses, None, held)] if len(poses) else poses
+        if len(poses) == 0:
+            return "no_place"
+        plan = self.first(self._plans(poses, hand, held))
+        if plan is None:
+            return "no_plan"
+        cause = self.reach(motion, plan[:2], CLOSED, "move")
+        if not cause and not self.holds(hand_from_object):
+            return "let_go" if self.movable().there else "dropped"
+        return cause or ("" if motion.release() else "ungrasp") or self.reach(motion, plan[2:], OPEN, "retreat")
+
+    def _plans(self, poses: Array, hand: Array, held: Array) -> list[tuple[Stretch, Stretch, Stretch]]:
+        """Move, the last part of it, and Lift, for every placement: over what stands around it, then down."""
+        joint = (self.joint(), self.joint())
+        plans = []
+        for pose, over in itertools.product(poses, OVER):
+            top = self._rim() + over
+            low = float(apply(pose, held[:, :3])[:, 2].min())
+            above = shift_pose(pose, np.array([0.0, 0.0, max(0.02, top - low)]))
+            high = hand.copy()
+            high[2, 3] = max(hand[2, 3], above[2, 3])
+            down = Stretch(straight(above, pose), None, joint, held)
+            up = shift_pose(pose, np.array([0.0, 0.0, max(self.options.pregrasp, top - pose[2, 3])]))
+            retreat = Stretch(straight(pose, up), GRIPPER_OPEN, joint)
+            way = along([hand, high, above] if high[2, 3] > hand[2, 3] else [hand, above])
+            plans.append((Stretch(way, None, joint, held, ON_THE_WAY), down, retreat))
+        return plans
+
+    def _rim(self) -> float:
+        """Height of the moving part, base frame: a held object is carried over it."""
+        return float(apply(self.task.env.base_from_asset(), self.task.env.target.moving.vertices)[:, 2].max())

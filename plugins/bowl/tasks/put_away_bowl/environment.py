@@ -1,0 +1,204 @@
+"""The environment of Putting Away Bowl: a cabinet with a drawer and, before it, a bowl on a stand."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sapien
+import torch
+import trimesh
+from mani_skill.utils.structs import Actor
+from numpy.typing import NDArray
+
+from plugins.bowl.tasks.put_away_bowl import TASK
+from plugins.bowl.tasks.put_away_bowl.bowl import (
+    AROUND,
+    default_bowl,
+    drawer_floor,
+    fitting_scale,
+    sampled_scale,
+    seen_mesh,
+)
+from plugins.bowl.tasks.put_away_bowl.bowl import stand as stand_folder
+from stages.contracts.errors import InputError
+from stages.contracts.task_options import TaskConfig
+from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
+from stages.planning.clearance import surface_points
+from stages.simulation.kinematics import Array
+from stages.simulation.loading import ParsedAsset
+from stages.simulation.poses import to_poses
+from stages.simulation.region import Region
+from stages.simulation.studio import Prop
+from stages.tasks.base_placement import AJAR
+from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
+from stages.tasks.environment import OpenTaskEnv
+from stages.tasks.initial_state import nominal_root
+from stages.tasks.movable import Movable
+
+FOOT = (-0.01, 0.04)  # metres about the drawer's floor at which the foot of a bowl in it is
+SEEN = ((0.05, -0.6, 0.05), (1.0, 0.6, 0.95))  # workspace in the base frame that has the stand in it
+FIELD_OF_VIEW = 1.4  # radians, with the stand in view of both shoulders' cameras
+STAND_AT = (0.44, -0.38, -0.12)  # of the stand's top, from the closed handle: out from the front, y, up; metres
+STAND_VARIES = (0.04, 0.04, 0.05)  # uniform +/- metres, of the stand
+BOWL_VARIES = 0.015  # uniform +/- metres, of the bowl on it
+
+
+def with_stand_in_view(options: TaskConfig) -> TaskConfig:
+    """The options with cameras and workspace as wide as the stand beside the robot needs."""
+    low, high = np.minimum(options.workspace_min, SEEN[0]), np.maximum(options.workspace_max, SEEN[1])
+    wide = {"workspace_min": tuple(low.tolist()), "workspace_max": tuple(high.tolist())}
+    return options.model_copy(update={**wide, "camera_fov": max(options.camera_fov, FIELD_OF_VIEW)})
+
+
+class PutAwayBowlEnv(OpenTaskEnv):
+    """The bowl is to lie in the target drawer, the drawer to be shut again, the gripper to have let go of the bowl.
+
+    Args:
+        bowl: folder of a bowl, hollow to physics; default: a procedural one. It is made smaller as need be for the
+            drawer to hold it.
+    """
+
+    task = TASK
+    simulation_frequency = 200  # at 100 the fingers sink 2 mm into what they hold, and a thin wall slips out
+    robot_shift = (0.07, 0.0, 0.12)  # room for the hand before the handle of the opened drawer, and above the drawer
+
+    def __init__(
+        self,
+        *args: Any,
+        bowl: str | Path | None = None,
+        options: TaskConfig | dict[str, Any] | None = None,
+        **kwargs: Any,
+    ) -> None:
+        self.bowl_folder = Path(bowl) if bowl else default_bowl()
+        super().__init__(*args, options=with_stand_in_view(TaskConfig.model_validate(options or {})), **kwargs)
+
+    def cameras(self) -> Sequence[Camera]:
+        return [shoulder(self.options), other_shoulder(self.options), WRIST]
+
+    def seen_ids(self, index: int = 0) -> NDArray[np.int16]:
+        """Entity ids of what the cloud shows: the bowl, and the drawer or by `task.cloud` the whole cabinet."""
+        bowl = self.bowl._objs[index].per_scene_id
+        return np.append(super().seen_ids(index), np.int16(bowl))
+
+    def _load_scene(self, options: dict[str, Any]) -> None:
+        self._parsed_bowl: ParsedAsset | None = None
+        super()._load_scene(options)
+        builder = self._parse("stand", stand_folder(), fixed=True).builder()
+        builder.initial_pose = sapien.Pose([0, -5, 0])
+        self.stand: Actor = builder.build_kinematic("stand")
+        self._stand_points = surface_points(seen_mesh(stand_folder()))
+
+    def _load_object(self, scales: Array) -> None:
+        """The asset, and a bowl that its drawer can hold, in every environment."""
+        super()._load_object(scales)
+        self._parsed_bowl = self._parsed_bowl or self._parse("bowl", self.bowl_folder, fixed=False)
+        mesh = seen_mesh(self.bowl_folder)
+        self.floors: list[Region] = []
+        self.bowl_meshes: list[trimesh.Trimesh] = []
+        self.bowl_scales: list[float] = []
+        bowls = []
+        for index, (target, scale) in enumerate(zip(self.targets, scales, strict=True)):
+            floor = drawer_floor(target)
+            if floor is None:
+                what = f"'{self.joint_name}' is no drawer with a level floor."
+                raise InputError(self.asset_folder, what, code="E-DRAWER-FLOOR")
+            drawn = sampled_scale(np.array(self.asset.size) * scale)
+            factor = round(min(drawn, fitting_scale(mesh.extents, floor, target)), 3)
+            self.floors.append(floor)
+            self.bowl_scales.append(factor)
+            self.bowl_meshes.append(mesh.copy().apply_scale(factor))
+            builder = self._parsed_bowl.builder(np.full(3, factor))
+            builder.initial_pose = sapien.Pose([0, 5, 0])
+            builder.set_scene_idxs([index])
+            bowls.append(builder.build(name="bowl" if len(scales) == 1 else f"bowl_{index}"))
+        self.bowl: Actor = bowls[0] if len(bowls) == 1 else Actor.merge(bowls, name="bowl")
+
+    def _parse(self, name: str, folder: Path, fixed: bool) -> ParsedAsset:
+        loader = self.scene.create_urdf_loader()
+        loader.name = name
+        return ParsedAsset(loader, folder, fixed)
+
+    def _exchange_object(self, scales: Array) -> None:
+        self.scene.remove_from_state_dict_registry(self.bowl)
+        for entity in self.bowl._objs:  # ManiSkill's remove_actor asks an entity for its entity
+            self.scene.sub_scenes[0].remove_entity(entity)
+        del self.scene.actors[self.bowl.name]
+        super()._exchange_object(scales)
+
+    def _initialize_episode(self, env_idx: torch.Tensor, options: dict[str, Any]) -> None:
+        super()._initialize_episode(env_idx, options)
+        stands, bowls = [], []
+        for index in env_idx.tolist():
+            rng = np.random.default_rng((int(self._episode_seed[index]), 23))
+            shift = rng.uniform(-1, 1, 3) * STAND_VARIES
+            handle = self.targets[index].reference + nominal_root(self.asset, self.scales[index])
+            stand = rigid(np.eye(3), np.add(handle, STAND_AT + shift))
+            stand = self.room.world_from_nominal @ stand if self.room else stand
+            at = [*rng.uniform(-BOWL_VARIES, BOWL_VARIES, 2), 1e-3 - float(self.bowl_meshes[index].bounds[0, 2])]
+            stands.append(stand)
+            bowls.append(stand @ rigid(yaw_matrix(rng.uniform(-np.pi, np.pi)), at))
+        self.stand.set_pose(to_poses(np.stack(stands)))
+        self.bowl.set_pose(to_poses(np.stack(bowls)))
+        for set_velocity in (self.bowl.set_linear_velocity, self.bowl.set_angular_velocity):
+            set_velocity(torch.zeros(3, device=self.device))
+
+    def success_opening(self, index: int = 0) -> float:
+        """The fraction of its range to which the drawer is opened for the bowl."""
+        wide = float(self.bowl_meshes[index].extents[:2].max()) + 2 * AROUND
+        return min(0.95, wide / (self.targets[index].upper - self.targets[index].lower))
+
+    def inside(self) -> torch.Tensor:
+        """(N,) whether the bowl stands in the drawer: its middle over the floor, its foot at the floor's height."""
+        local = (self.object.pose.inv() * self.bowl.pose).p
+        lows, highs, axes = [], [], []
+        for target, floor, mesh in zip(self.targets, self.floors, self.bowl_meshes, strict=True):
+            foot = float(mesh.bounds[0, 2])
+            lows.append(np.add(floor.low, (0, 0, FOOT[0] - foot)))
+            highs.append(np.add(floor.high, (0, 0, FOOT[1] - foot)))
+            axes.append(target.axis * (target.upper - target.lower))
+        travel = self.opened()[:, None] * torch.as_tensor(np.array(axes), dtype=local.dtype, device=local.device)
+        low, high = (torch.as_tensor(np.array(ends), dtype=local.dtype, device=local.device) for ends in (lows, highs))
+        return ((local - travel > low) & (local - travel < high)).all(dim=1)
+
+    def succeeded(self) -> torch.Tensor:
+        """(N,) in, shut, and let go of."""
+        there = self.inside() & (self.opened() <= AJAR)
+        return there & ~self.agent.is_grasping(self.bowl) if bool(there.any()) else there
+
+    def evaluate(self) -> dict[str, torch.Tensor]:
+        """Success; the official code has no such task, so its criterion (any joint past 10 %) says nothing here."""
+        found = super().evaluate()
+        return found | {"official_success": found["success"]}
+
+    def movable(self) -> Movable:
+        """The bowl, which belongs inside the drawer."""
+        target = self.target
+        value = target.lower + float(self.opened()[0]) * (target.upper - target.lower)
+        return Movable(
+            self.bowl_meshes[0],
+            self._in_base(self.bowl),
+            "inside",
+            self.floors[0],
+            self.base_from_asset() @ target.motions(np.array([value]))[0],
+            bool(self.inside()[0]),
+        )
+
+    def obstacles(self) -> Array:
+        """(N, 3) points on the stand, and on what else stands about, in the robot base frame."""
+        return np.concatenate([super().obstacles(), apply(self._in_base(self.stand), self._stand_points)])
+
+    def props(self) -> list[tuple[Prop, Array]]:
+        """Bowl and stand."""
+        return [
+            (Prop(folder, np.full(3, scale)), np.asarray(actor.pose[0].sp.to_transformation_matrix(), dtype=float))
+            for folder, scale, actor in (
+                (self.bowl_folder, self.bowl_scales[0], self.bowl),
+                (stand_folder(), 1.0, self.stand),
+            )
+        ]
+
+    def _in_base(self, actor: Actor) -> Array:
+        """(4, 4) pose of an actor of the first environment in the robot base frame."""
+        base = self.agent.robot.pose[0].sp.to_transformation_matrix()
+        return np.asarray(inverse(base) @ actor.pose[0].sp.to_transformation_matrix(), dtype=float)

@@ -1,0 +1,23 @@
+"""Verb `demonstrations`: episode stores in the formats of other people's tools."""
+
+from importlib import import_module
+from pathlib import Path
+from typing import Literal
+
+
+def run(
+    *,
+    episodes: tuple[Path, ...],
+    out: Path,
+    format: Literal["robomimic", "lerobot", "maniskill"],
+    library: Path | None = None,
+) -> None:
+    """Write what the format wants into a folder.
+
+    Args:
+        episodes: episode stores (episodes.h5), in the order in which their episodes are written.
+        out: folder to write.
+        format: robomimic: one HDF5 file; lerobot: a LeRobotDataset v3.0; maniskill: trajectories, a file per asset.
+        library: library.json that the assets come from; maniskill alone needs it.
+    """
+    import_module(f"plugins.exports.episode_formats.{format}").write(episodes, out, library)

@@ -1,0 +1,60 @@
+"""Verb `policy`: a policy for people without this workflow."""
+
+import importlib
+import shutil
+from pathlib import Path
+
+from stages.config.code import cover, source
+from stages.contracts.errors import InputError
+from stages.contracts.files import atomic, write_json
+from stages.contracts.policy_folder import read_config
+from stages.plugins import qualified
+from stages.policies import Choice, handle_points
+from stages.policies.checkpoint import load_network, save_weights
+
+LAYOUT = {
+    "point_cloud": "(P, 4) float32: x, y, z in metres in the robot base frame, then 1 on the fingers and 0 elsewhere",
+    "proprio": "(9,) float32: end-effector position, quaternion wxyz, the two finger joints; robot base frame, metres",
+    "action": "(7,) in [-1, 1]: translation, axis-angle rotation, both along the base axes, gripper (1 open, -1 shut)",
+}
+
+
+def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "sharpened") -> None:
+    """Write weights.safetensors, policy.json, loader.py and handle_points.py, which need torch and safetensors alone.
+
+    A policy that sees flagged handles marks them itself, by handle_points.py.
+
+    Args:
+        policy: folder of the policy (training train).
+        out: folder to write.
+        checkpoint: best, last, or the name of one of `checkpoints` in config.json.
+        action: by which mode of the mixture it acts, as in `evaluation.action`.
+    """
+    config = read_config(policy)
+    module = qualified("policies", config.run.policy)
+    cover([module])
+    if source(f"{module}.portable") is None:
+        what = f"a policy '{config.run.policy}' has no portable form."
+        raise InputError(policy, what, f"write {module}.portable", code="E-POLICY-PORTABLE")
+    if not config.run.network.cloud:
+        what = "sees no cloud: it is a baseline for rollouts."
+        raise InputError(policy, what, "export one with network.cloud: true", code="E-POLICY-PORTABLE")
+    code = importlib.import_module(f"{module}.portable")
+    weights, about = code.portable(load_network(policy, checkpoint), action)
+    options = config.task_options
+    about |= {
+        "layout": LAYOUT,
+        "task": config.task,
+        "control_frequency_hz": options.control_frequency,
+        "translation_at_1_m": options.position_step,
+        "rotation_at_1_rad": options.rotation_step,
+        "training_episodes": config.training_episodes,
+        "stores": [f"{store.file}: {store.episodes} episodes of {store.asset}" for store in config.stores],
+    }
+    save_weights(out / "weights.safetensors", weights)
+    write_json(out / "policy.json", about)
+    assert code.__file__
+    assert handle_points.__file__
+    for source_file in (Path(code.__file__).with_name("loader.py"), Path(handle_points.__file__)):
+        with atomic(out / source_file.name) as temporary:
+            shutil.copyfile(source_file, temporary)

@@ -1,0 +1,1 @@
+"""A generated scene for other tools: a module per format, with `write(room, folder)`."""

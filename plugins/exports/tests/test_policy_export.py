@@ -1,0 +1,131 @@
+"""A policy that leaves the house: the same actions from torch and safetensors alone."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from plugins.exports.policy import run
+from stages.contracts import write_json
+from stages.contracts.task_options import TaskConfig
+from stages.contracts.trained import TrainedPolicy, TrainingStore
+from stages.contracts.training_run import NetworkConfig, TrainingRun
+from stages.policies import make_actor
+from stages.policies.bc_rnn_gmm import Policy
+from stages.policies.bc_rnn_gmm.loader import PortablePolicy
+from stages.policies.checkpoint import load_network, save_weights
+from stages.policies.handle_points import mark_handle_points
+from tests.refusals import refused
+
+STRANGER = """
+import sys
+sys.modules["stages"] = None  # installed here, but not where the policy goes
+folder, *exported = sys.argv[1:]
+sys.path.insert(0, exported[0])
+import torch
+from loader import PortablePolicy
+from safetensors.torch import load_file
+seen = load_file(folder + "/seen.safetensors")
+policies = [PortablePolicy(out) for out in exported]
+print([[policy(*now).tolist() for now in zip(seen["clouds"], seen["proprio"])] for policy in policies])
+"""
+RUNS = (
+    TrainingRun(network=NetworkConfig(points=40), rnn_horizon=3),
+    TrainingRun(
+        network=NetworkConfig(points=40, cloud_frame="robot", pointnet_layers=3, mlp=[32, 16], gmm_modes=3),
+        rnn_horizon=3,
+    ),
+    TrainingRun(network=NetworkConfig(points=40, mlp=[]), rnn_horizon=3),
+    TrainingRun(network=NetworkConfig(points=40), rnn_horizon=3, handle=True),
+)
+
+
+def trained(folder: Path, run: TrainingRun) -> Path:
+    """A policy folder with random weights and a normaliser that does something."""
+    torch.manual_seed(0)
+    policy = Policy(run)
+    random = torch.Generator().manual_seed(1)
+    policy.proprio_mean.normal_(generator=random)
+    policy.proprio_std.uniform_(0.5, 2, generator=random)
+    policy.cloud_mean.normal_(generator=random)
+    policy.cloud_std.fill_(0.3)
+    with torch.no_grad():
+        policy.head.bias[0] += 0.8  # a mode that is heavier than the others
+    for name in ("policy", "last"):
+        save_weights(folder / f"{name}.safetensors", policy.state_dict())
+    parameters = sum(parameter.numel() for parameter in policy.parameters())
+    config = TrainedPolicy(
+        task="door", task_options=TaskConfig(), run=run, seed=0, data_digest="0", parameters=parameters, best_step=1,
+        stores=[TrainingStore(file="episodes.h5", asset="cab", episodes=2, frames=9)], training_episodes=2,
+        validation_episodes=0, best_loss=None,
+    )  # fmt: skip
+    write_json(folder / "config.json", config)
+    return folder
+
+
+def test_the_loader_acts_as_our_actor(tmp_path: Path) -> None:
+    random = np.random.default_rng(2)
+    clouds, proprio = random.normal(size=(5, 40, 4)).astype(np.float32), random.normal(size=(5, 9)).astype(np.float32)
+    clouds[..., 3] = clouds[..., 3] > 0
+    clouds[:, :30, 0] = 0.5  # a front; some of the rest stand before it
+    clouds[:, 30:, 0] = np.linspace(0.46, 0.5, 10)
+    assert (mark_handle_points(torch.tensor(clouds))[0][..., 3] == -1).any()
+    save_weights(tmp_path / "seen.safetensors", {"clouds": torch.tensor(clouds), "proprio": torch.tensor(proprio)})
+    exported, ours = [], []
+    for number, setting in enumerate(RUNS):
+        folder = trained(tmp_path / f"policy_{number}", setting)
+        exported.append(tmp_path / f"out_{number}")
+        run(policy=folder, out=exported[-1], action="most_likely")
+        actor = make_actor(load_network(folder, "best"), 1, "most_likely")
+        actor.reset(0, 0)
+        ours.append([actor.act([0], [cloud], [own])[0] for cloud, own in zip(clouds, proprio, strict=True)])
+    words = [sys.executable, "-I", "-c", STRANGER, *map(str, [tmp_path, *exported])]
+    done = subprocess.run(words, capture_output=True, text=True, cwd="/", check=False)
+    assert done.returncode == 0, done.stderr
+    assert np.array(json.loads(done.stdout)) == pytest.approx(np.array(ours), abs=1e-5)
+    assert np.ptp(ours, axis=1).min() > 1e-4, "actions that change say more"
+
+
+def test_modes_are_drawn_by_the_square_of_their_weight_unless_told_otherwise(tmp_path: Path) -> None:
+    network = NetworkConfig(points=40, gmm_modes=2)
+    folder = trained(tmp_path / "policy", TrainingRun(network=network))
+    cloud, proprio = torch.rand(40, 4).round(decimals=1), torch.zeros(9)
+    with torch.no_grad():
+        mixture = load_network(folder, "best")(cloud[None, None], proprio[None, None])  # type: ignore[operator]
+    torch.manual_seed(0)
+    for action, power in (("sharpened", 2.0), ("sample", 1.0)):
+        run(policy=folder, out=tmp_path / action, **({} if power == 2.0 else {"action": action}))  # type: ignore[arg-type]
+        policy = PortablePolicy(str(tmp_path / action))
+        drawn = []
+        for _ in range(400):
+            policy.past.clear()
+            drawn.append(torch.allclose(policy(cloud, proprio), mixture.means[0, 0, 0], atol=1e-4))
+        assert np.mean(drawn) == pytest.approx(float((power * mixture.logits[0, 0]).softmax(0)[0]), abs=0.06)
+
+
+def test_the_loader_is_short_and_names_what_it_reads(tmp_path: Path) -> None:
+    run(policy=trained(tmp_path / "policy", TrainingRun()), out=tmp_path / "out")
+    loader = (tmp_path / "out" / "loader.py").read_text()
+    assert len(loader.splitlines()) <= 45 and "stages" not in loader
+    assert "stages" not in (tmp_path / "out" / "handle_points.py").read_text()
+    about = json.loads((tmp_path / "out" / "policy.json").read_text())
+    assert about["task"] == "door" and about["control_frequency_hz"] == TaskConfig().control_frequency
+
+
+def test_a_policy_without_eyes_is_refused(tmp_path: Path) -> None:
+    folder = trained(tmp_path / "policy", TrainingRun(network=NetworkConfig(cloud=False)))
+    with refused("E-POLICY-PORTABLE"):
+        run(policy=folder, out=tmp_path / "out")
+
+
+def test_a_policy_without_a_portable_form_is_refused(tmp_path: Path) -> None:
+    folder = trained(tmp_path / "policy", TrainingRun())
+    config = json.loads((folder / "config.json").read_text())
+    config["run"]["policy"] = "tests.toy_reach"
+    (folder / "config.json").write_text(json.dumps(config))
+    with refused("E-POLICY-PORTABLE"):
+        run(policy=folder, out=tmp_path / "out")

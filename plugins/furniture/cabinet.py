@@ -1,0 +1,164 @@
+"""Carcasses with doors, flaps and drawers: cabinets, drawer units, wardrobes, fridges, ovens, microwaves."""
+
+from typing import Any
+
+import numpy as np
+
+from plugins.furniture.cabinet_recipe import CabinetRecipe
+from plugins.furniture.front_cells import CellKind, FrontCell, cells
+from plugins.furniture.handles import STYLES
+from plugins.furniture.model import Model, Moving, Part, Parts, Size, part
+from plugins.furniture.panels import Front, control_panel, pulled_panel
+from plugins.furniture.shapes import box, rod
+
+GAP = 0.004  # between neighbouring fronts: siblings collide in PhysX
+SWING = 2.9  # so much more does a door swing out that is stretched by 1.25 in depth and by 0.75 in width
+FRONTS = {"door", "drawer", "flap"}
+
+
+class Cabinet(CabinetRecipe):
+    """A carcass on a base, its front cut into cells (see `front_cells.cells`)."""
+
+    def build(self, size: Size) -> Model:
+        return _cabinet(self, size)
+
+    @property
+    def fronts(self) -> tuple[int, int]:
+        kinds = [kind for line in self.layout for kind in line]
+        return kinds.count("door") + kinds.count("flap"), kinds.count("drawer")
+
+
+def _cabinet(p: CabinetRecipe, size: Size) -> Model:
+    depth, width, height = size
+    board = min(p.board, 0.1 * min(size))
+    thick = min(p.front_thickness, 0.15 * depth)
+    out = min(p.protrusion, 0.3 * depth) if p.handle != "none" else 0.0
+    p = p.model_copy(update={"protrusion": out})
+    has_panel = any("panel" in line for line in p.layout)
+    out = max(out, 0.02 if has_panel else 0.0)
+    overhang = min(p.top, 0.1 * width, out + thick) if p.handle != "edge" else 0.0  # would leave no room above the edge
+    base = min(p.base_height, 0.3 * height) if p.base != "none" else 0.0
+    top = 0.6 * p.top_thickness if overhang else 0.0
+    x_front = depth / 2 - out  # front face of the panels
+    x_body = x_front - thick - 0.001
+    half = width / 2 - overhang
+    x_back = -depth / 2
+
+    y, z = (-half, half), (base, height - top)
+    parts = Parts(_base(p, (x_back, x_body), y, base))
+    if overhang:
+        slab = box((x_back, min(x_front + overhang, depth / 2)), (-width / 2, width / 2), (height - top, height))
+        parts.add(slab, p.top_colour)
+    for mesh in _shell((x_back, x_body), y, z, board):
+        parts.add(mesh, p.body_colour)
+    inner_y, inner_z = (-half + GAP, half - GAP), (z[0] + GAP, z[1] - GAP)
+    if p.inset_front:  # the carcass shows around the fronts
+        inner_y, inner_z = (-half + board, half - board), (z[0] + board, z[1] - board)
+    weights: dict[CellKind, float] = {"door": 1.0, "flap": 1.0, "drawer": p.drawer_weight}
+    weights |= {"open": p.open_weight, "panel": p.panel_weight}
+    grid = cells(p.layout, p.major, inner_y, inner_z, weights, p.hinge, p.column_weights, p.row_weights)
+    moving: list[Moving] = []
+    for cell in grid:
+        parts += _dividers(cell, (x_back, x_body), inner_y, inner_z, board, p)
+        if cell.kind in FRONTS:
+            moving.append(_moving(cell, p, x_front, thick, x_back + board, len(moving)))
+        elif cell.kind == "panel":
+            parts += control_panel(_front(cell, x_front, thick), p)
+    return Model(parts, moving, placement=p.placement)
+
+
+def _front(cell: FrontCell, x: float, thick: float) -> Front:
+    return Front(x, (cell.y[0] + GAP / 2, cell.y[1] - GAP / 2), (cell.z[0] + GAP / 2, cell.z[1] - GAP / 2), thick)
+
+
+def _moving(cell: FrontCell, p: CabinetRecipe, x: float, thick: float, x_back: float, number: int) -> Moving:
+    front = _front(cell, x, thick)
+    handle = STYLES[p.handle].kind
+    if cell.kind == "drawer":
+        parts = pulled_panel(front, p, "drawer", 0.0) + _tray(front, x_back, p)
+        travel = p.reach * (x - thick - x_back)
+        origin = (x - thick, sum(front.y) / 2, sum(front.z) / 2)
+        return Moving(f"drawer_{number}", "drawer", parts, origin, (1.0, 0.0, 0.0), travel, handle)
+    if cell.kind == "flap":  # the hinge line is the front lower edge, so that the panel clears the carcass
+        parts = pulled_panel(front, p, "flap", 0.0, glass=p.window)
+        origin = (x, sum(front.y) / 2, front.z[0])
+        return Moving(f"door_{number}", "door", parts, origin, (0.0, 1.0, 0.0), np.pi / 2, handle)
+    # The rear free corner of a thick door swings beyond its edge, by more if it is stretched: room for it.
+    room = max(0.0, SWING * thick**2 / (2 * front.width) - GAP) / 2
+    front = front._replace(y=(front.y[0] + room * (cell.hinge > 0), front.y[1] - room * (cell.hinge < 0)))
+    parts = pulled_panel(front, p, "door", -cell.hinge, glass=p.window)
+    edge = front.y[1] if cell.hinge > 0 else front.y[0]
+    origin = (x, edge, sum(front.z) / 2)  # front outer edge: the panel never turns into its neighbour
+    return Moving(f"door_{number}", "door", parts, origin, (0.0, 0.0, float(cell.hinge)), np.pi / 2, handle)
+
+
+def _tray(front: Front, x_back: float, p: CabinetRecipe) -> list[Part]:
+    """Bottom, sides and back of a drawer box behind its front."""
+    wall, clear = 0.010, 0.024
+    x1 = front.x - front.thickness
+    x0 = x_back + 0.1 * (x1 - x_back)
+    y0, y1 = front.y[0] + clear, front.y[1] - clear
+    z0 = front.z[0] + min(0.03, 0.3 * front.height)
+    z1 = z0 + 0.6 * (front.z[1] - z0)
+    meshes = [
+        box((x0, x1), (y0, y1), (z0, z0 + wall)),
+        box((x0, x1), (y0, y0 + wall), (z0 + wall, z1)),
+        box((x0, x1), (y1 - wall, y1), (z0 + wall, z1)),
+        box((x0, x0 + wall), (y0 + wall, y1 - wall), (z0 + wall, z1)),
+    ]
+    return [part(mesh, p.inside_colour) for mesh in meshes]
+
+
+def _shell(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], board: float) -> list[Any]:
+    back = min(board, 0.008)
+    return [
+        box(x, (y[0], y[0] + board), z),
+        box(x, (y[1] - board, y[1]), z),
+        box(x, (y[0] + board, y[1] - board), (z[0], z[0] + board)),
+        box(x, (y[0] + board, y[1] - board), (z[1] - board, z[1])),
+        box((x[0], x[0] + back), (y[0] + board, y[1] - board), (z[0] + board, z[1] - board)),
+    ]
+
+
+def _dividers(
+    cell: FrontCell,
+    x: tuple[float, float],
+    y: tuple[float, float],
+    z: tuple[float, float],
+    board: float,
+    p: CabinetRecipe,
+) -> list[Part]:
+    """Boards on a cell's low-y side and floor where they are not the carcass's own, and shelves inside."""
+    thin = min(board, 0.016)
+    meshes = []
+    inside = (x[0] + 0.008, x[1])
+    low_y, high_y = max(cell.y[0], y[0] + board), min(cell.y[1], y[1] - board)
+    if cell.y[0] > y[0] + 1e-6:
+        upright = (max(cell.z[0], z[0] + board), min(cell.z[1], z[1] - board))
+        meshes.append(box(inside, (cell.y[0] - thin / 2, cell.y[0] + thin / 2), upright))
+        low_y = cell.y[0] + thin / 2
+    if cell.z[0] > z[0] + 1e-6:
+        meshes.append(box(inside, (low_y, high_y), (cell.z[0] - thin / 2, cell.z[0] + thin / 2)))
+    count = p.shelves if cell.kind in ("door", "open") else 0
+    for k in range(count):
+        middle = cell.z[0] + (k + 1) / (count + 1) * (cell.z[1] - cell.z[0])
+        meshes.append(box((inside[0], inside[1] - 0.02), (low_y, high_y), (middle - thin / 2, middle + thin / 2)))
+    return [part(mesh, p.body_colour) for mesh in meshes]
+
+
+def _base(p: CabinetRecipe, x: tuple[float, float], y: tuple[float, float], height: float) -> list[Part]:
+    """What the carcass stands on."""
+    style, colour = p.base, p.base_colour
+    if style == "none":
+        return []
+    if style == "plinth":
+        return [part(box((x[0] + 0.01, x[1] - 0.05), (y[0] + 0.002, y[1] - 0.002), (0.0, height)), colour)]
+    if style == "skids":
+        width = 0.08 * (y[1] - y[0])
+        return [part(box(x, span, (0.0, height)), colour) for span in ((y[0], y[0] + width), (y[1] - width, y[1]))]
+    inset = 0.035
+    corners = [(a, b) for a in (x[0] + inset, x[1] - inset) for b in (y[0] + inset, y[1] - inset)]
+    radius = 0.022
+    if style == "legs":
+        return [part(rod((a, b, 0), (a, b, height), 0.55 * radius, radius), colour, smooth=True) for a, b in corners]
+    return [part(box((a - radius, a + radius), (b - radius, b + radius), (0.0, height)), colour) for a, b in corners]

@@ -1,0 +1,85 @@
+"""The categories of the library and the generators that recipes name, found in `categories/`; recipes by number."""
+
+import inspect
+import re
+import zlib
+from functools import cache
+
+import numpy as np
+
+from plugins.furniture import categories, families
+from plugins.furniture.category import Category
+from plugins.furniture.recipe import Generator, Sampled
+from stages.contracts.library import Recipe, model_name
+
+_FOUND = [value for module in categories.modules() for value in vars(module).values()]
+CATEGORIES: dict[str, Category] = {
+    record.name: record
+    for record in sorted((value for value in _FOUND if isinstance(value, Category)), key=lambda record: record.name)
+}
+GENERATORS: dict[str, type[Generator]] = {
+    re.sub(r"(?<=[a-z])(?=[A-Z])", "_", value.__name__).lower(): value
+    for value in _FOUND
+    if isinstance(value, type) and issubclass(value, Generator) and not inspect.isabstract(value)
+}
+
+
+def sample(category: str, index: int, seed: int, variations: bool = True) -> Recipe:
+    """The recipe of the `index`-th model of a category; it does not depend on how many others there are.
+
+    Args:
+        category: one of `CATEGORIES`.
+        index: number of the model.
+        seed: of the library.
+        variations: whether models after the category's founders are variations of them; else each is a founder.
+    """
+    sampled, founder = _sampled(category, index, seed, variations)
+    generator = next(name for name, kind in GENERATORS.items() if kind is type(sampled.recipe))
+    parameters = {"size": list(sampled.size), **sampled.recipe.parameters()}
+    variation_of = None if founder is None else model_name(category, founder)
+    return Recipe(generator=generator, parameters=parameters, variation_of=variation_of)
+
+
+def _sampled(category: str, index: int, seed: int, variations: bool = True) -> tuple[Sampled, int | None]:
+    """A model of a category, and the number of its founder; None: it is one."""
+    record, rng = CATEGORIES[category], _generator(category, index, seed)
+    founder = index % record.founders
+    if index < record.founders or not variations:
+        return record.sample(rng, index), None
+    if index in record.further:
+        return record.sample(rng, index), founder
+    in_turn = families.in_turn(record, index)
+    if not in_turn:
+        founder = families.fewest([_fronts(category, k, seed) for k in range(index)], record.founders)
+    if not record.varied:
+        return record.sample(rng, founder), founder  # in the founder's style: styles go by number
+    first = record.sample(_generator(category, founder, seed), founder)
+    generation = index // record.founders if in_turn else index
+    return families.relative(record, first, generation, rng, any_fronts=in_turn), founder
+
+
+@cache
+def opens(category: str) -> tuple[bool, bool]:
+    """Whether founders of a category have doors (or flaps), and whether they have drawers."""
+    record = CATEGORIES.get(category)
+    counts = [_fronts(category, k, 0) for k in range(record.founders)] if record else []
+    return any(doors for doors, _ in counts), any(drawers for _, drawers in counts)
+
+
+@cache
+def leaves(category: str) -> tuple[int, int]:
+    """How many doors on upright hinges, and how many flaps, the founders of a category have."""
+    founders = range(CATEGORIES[category].founders if category in CATEGORIES else 0)
+    layouts = [getattr(_sampled(category, index, 0)[0].recipe, "layout", []) for index in founders]
+    cells = [cell for layout in layouts for line in layout for cell in line]
+    return cells.count("door"), cells.count("flap")
+
+
+@cache
+def _fronts(category: str, index: int, seed: int) -> tuple[int, int]:
+    """Doors (and flaps) and drawers of a model."""
+    return _sampled(category, index, seed)[0].recipe.fronts
+
+
+def _generator(category: str, index: int, seed: int) -> np.random.Generator:
+    return np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(category.encode()), index)))

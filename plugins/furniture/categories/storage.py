@@ -1,0 +1,187 @@
+"""Bookshelves, boxes and books."""
+
+import itertools
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from plugins.furniture.category import category
+from plugins.furniture.colours import CARDBOARD, FABRICS, GLAZES, METALS, PAINTS, WOODS, pick
+from plugins.furniture.finishes import made_of, shade
+from plugins.furniture.model import PAPER, Model, Part, Parts, Size
+from plugins.furniture.recipe import (
+    Coating,
+    Generator,
+    Rng,
+    Sampled,
+    between,
+    fixed,
+    in_turn,
+    of,
+    one_of,
+    rounded,
+    whole,
+)
+from plugins.furniture.shapes import box
+
+
+class Bookshelf(Generator):
+    """Open shelves, some with books."""
+
+    shelves: int = Field(ge=1, le=50)
+    columns: int = Field(ge=1, le=50)
+    back: bool = in_turn(False, True, True)
+    board: float = between(0.016, 0.03)
+    frame: Literal["posts", "boards"] = in_turn("posts", "boards", "boards")
+    books: float = one_of(0.0, 0.4, 0.8)  # share of the shelves that have some
+    books_seed: int = whole(0, 1 << 30, ge=0)
+    colour: Coating
+    frame_colour: Coating = of(METALS, WOODS)
+
+    def build(self, size: Size) -> Model:
+        x, y, z = size[0] / 2, size[1] / 2, size[2]
+        board = min(self.board, 0.06 * min(size))
+        colour, count, columns = self.colour, self.shelves, self.columns
+        levels, parts = [k * (z - board) / count for k in range(count + 1)], Parts()
+        if self.frame == "posts":
+            post = 1.6 * board
+            levels = [max(level, 0.06 * z) if k == 0 else level for k, level in enumerate(levels)]
+            for a, b in itertools.product((-x, x - post), (-y, y - post)):
+                parts.add(box((a, a + post), (b, b + post), (0, z)), self.frame_colour)
+            inner = (-y, y)
+        else:
+            for b in (-y, y - board):
+                parts.add(box((-x, x), (b, b + board), (0, z)), colour)
+            inner = (-y + board, y - board)
+        for level in levels:
+            parts.add(box((-x, x), inner, (level, level + board)), colour)
+        if self.back:
+            parts.add(box((-x, -x + 0.006), inner, (levels[0], z)), shade(colour, 0.8))
+        for k in range(1, columns):
+            middle = inner[0] + k * (inner[1] - inner[0]) / columns
+            parts.add(box((-x, x), (middle - board / 2, middle + board / 2), (levels[0], levels[-1])), colour)
+        rng = np.random.default_rng(self.books_seed)
+        bay = (inner[1] - inner[0]) / columns
+        for low, high in itertools.pairwise(levels):
+            for k in range(columns):
+                if rng.random() < self.books:
+                    start = inner[0] + k * bay + board
+                    across = (start, start + bay - 2 * board)
+                    parts += _row(rng, (-x + 0.01, x), across, low + board, high - low - board)
+        return Model(parts)
+
+
+def _row(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: float, height: float) -> list[Part]:
+    """Upright books from the left until the row is partly full."""
+    parts = Parts()
+    at, end = y[0], y[0] + (y[1] - y[0]) * float(rng.uniform(0.4, 1.0))
+    while True:
+        wide = float(rng.uniform(0.03, 0.07))
+        if at + wide > end:
+            return parts
+        tall, deep = height * float(rng.uniform(0.6, 0.9)), (x[1] - x[0]) * float(rng.uniform(0.6, 0.85))
+        book = box((x[0], x[0] + deep), (at, at + wide - 0.001), (z, z + tall))
+        parts.add(book, made_of("paint", pick(rng, FABRICS, GLAZES)), PAPER)
+        at += wide
+
+
+@category("bookshelf", founders=5, count=10, names="bookcase", like="shelf, rack, shelving", kin="storage")
+def sample_bookshelf(rng: Rng, index: int) -> Sampled:
+    """Narrow or wide, low or tall, with or without books."""
+    columns = 1 + index % 2
+    wider = [1.0, 1.5][index % 2]
+    size = rounded(rng.uniform(0.26, 0.36), rng.uniform(0.55, 0.75) * wider, rng.uniform(0.9, 2.0))
+    colour = pick(rng, WOODS, PAINTS)
+    shelves = max(2, round(size[2] / rng.uniform(0.3, 0.42)))
+    return Sampled(size, Bookshelf.sampled(rng, index, shelves=shelves, columns=columns, colour=colour))
+
+
+class Carton(Generator):
+    """A box."""
+
+    style: Literal["closed", "open", "lid", "crate"]
+    wall: float
+    label: bool = in_turn(True, False)
+    colour: Coating
+    second_colour: Coating
+
+    def build(self, size: Size) -> Model:
+        x, y, z = size[0] / 2, size[1] / 2, size[2]
+        wall = min(self.wall, 0.1 * min(size))
+        colour, second, style = self.colour, self.second_colour, self.style
+        parts = Parts()
+        if style in ("closed", "lid"):
+            rim = 0.006 if style == "lid" else 0.0
+            parts.add(box((-x + rim, x - rim), (-y + rim, y - rim), (0, z - rim)), colour, 150.0)
+            if style == "lid":
+                parts.add(box((-x, x), (-y, y), (0.72 * z, z)), second, 150.0)
+            else:
+                parts.add(box((-x, x), (-0.12 * y, 0.12 * y), (z, z + 0.001)), second, solid=False)
+        else:
+            slats = [(0.0, 1.0)] if style == "open" else [(0.0, 0.28), (0.36, 0.62), (0.70, 1.0)]
+            parts.add(box((-x, x), (-y, y), (0, wall)), colour)
+            for a, b in slats:
+                low, high = wall + a * (z - wall), wall + b * (z - wall)
+                for s in (-1, 1):
+                    parts.add(box((s * x, s * (x - wall)), (-y, y), (low, high)), colour)
+                for s in (-1, 1):
+                    parts.add(box((-x + wall, x - wall), (s * y, s * (y - wall)), (low, high)), second)
+            if style == "crate":
+                for a, b in itertools.product((-x + wall, x - 3 * wall), (-y + wall, y - 3 * wall)):
+                    parts.add(box((a, a + 2 * wall), (b, b + 2 * wall), (wall, z)), second)
+        if self.label:
+            parts.add(box((x, x + 0.001), (-0.5 * y, 0.3 * y), (0.25 * z, 0.6 * z)), (0.85, 0.84, 0.80), solid=False)
+        return Model(parts, symmetry="none" if self.label else "half_turn", placement="object")
+
+
+@category("box", founders=4, count=10, like="carton, crate, package", kin="box")
+def sample_box(rng: Rng, index: int) -> Sampled:
+    """Cartons, boxes with a lid, crates."""
+    style = ["closed", "open", "lid", "crate"][index % 4]
+    wooden = style == "crate"
+    colour = pick(rng, WOODS) if wooden else pick(rng, CARDBOARD, PAINTS)
+    size = rounded(*rng.uniform([0.18, 0.22, 0.12], [0.34, 0.45, 0.32]))
+    second = shade(colour, 0.75) if wooden else pick(rng, CARDBOARD, PAINTS)
+    wall = 0.012 if wooden else 0.006
+    return Sampled(size, Carton.sampled(rng, index, style=style, wall=wall, colour=colour, second_colour=second))
+
+
+class Book(Generator):
+    """A lying stack of books, spines towards +x."""
+
+    books: int = Field(ge=1, le=50)
+    shrink: float = fixed(0.08)  # of each book above another
+    colours: list[Coating]
+
+    def build(self, size: Size) -> Model:
+        count = self.books
+        thick = size[2] / count
+        cover = min(0.004, 0.15 * thick)
+        parts = Parts()
+        for k in range(count):
+            share = 1.0 - self.shrink * k
+            x, y, low = share * size[0] / 2, share * size[1] / 2, k * thick
+            colour = self.colours[k]
+            front = size[0] / 2 - 0.01 * (k % 2) * size[0]
+            back = front - 2 * x
+            pages = box((back + cover, front - cover), (-y + 0.003, y - 0.003), (low + cover, low + thick - cover))
+            parts.add(pages, (0.85, 0.82, 0.72), PAPER)
+            covers = [
+                ((back, front), (low, low + cover)),
+                ((back, front), (low + thick - cover, low + thick)),
+                ((front - cover, front), (low + cover, low + thick - cover)),
+            ]
+            for a, b in covers:
+                parts.add(box(a, (-y, y), b), colour, PAPER)
+        return Model(parts, placement="object")
+
+
+@category("book", founders=3, count=10, like="novel", kin="box")
+def sample_book(rng: Rng, index: int) -> Sampled:
+    """One to four books."""
+    count = 1 + index % 4
+    colours = [made_of("card", pick(rng, GLAZES, FABRICS)) for _ in range(count)]
+    thick = count * rng.uniform(0.025, 0.045)
+    size = rounded(rng.uniform(0.15, 0.22), rng.uniform(0.21, 0.3), thick)
+    return Sampled(size, Book.sampled(rng, index, books=count, colours=colours))

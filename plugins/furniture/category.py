@@ -1,0 +1,55 @@
+"""One record per category of the library: what people call it, how many there are, how new models are sampled."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from plugins.furniture.recipe import Rng, Sampled
+
+Sampler = Callable[[Rng, int], Sampled]
+Fronts = tuple[str, list[list[str]]]  # columns or rows of cells, as in a cabinet's recipe
+
+
+@dataclass(frozen=True, kw_only=True)
+class Category:
+    """A category of models. Words are separated by commas.
+
+    Attributes:
+        name: lower-case words joined by underscores.
+        sample: the size and recipe of its `index`-th model, by a random generator.
+        founders: models that are sampled freely, and that rooms are furnished with; later ones are their variations.
+        count: models in the default library.
+        names: what else it is called: file names and labels that say so mean it.
+        like: words for similar things: a label that says so is nearest to it.
+        kin: kinds of things that it is one of: a label of no category is nearest to its kin.
+        further: numbers of later models that are sampled freely as well, in styles that founders lack: those before
+            them stay as they were drawn, and rooms are not furnished with them.
+        varied: later models vary a founder's recipe (cabinets) in place of being sampled anew in its style.
+        fronts: layouts that a variation may have; none: one cell more or less than its founder.
+        growth: exponents of the ratios of cells side by side and one above the other, by which a variation with other
+            fronts is wider and higher.
+        appliance: of steel or enamel, its fronts flat.
+    """
+
+    name: str
+    sample: Sampler
+    founders: int
+    count: int = 5
+    names: str = ""
+    like: str = ""
+    kin: str = ""
+    further: range = range(0)
+    varied: bool = False
+    fronts: tuple[Fronts, ...] = ()
+    growth: tuple[float, float] = (1.0, 0.0)
+    appliance: bool = False
+
+    @property
+    def words(self) -> list[str]:
+        """Its other names and words for similar things, without spaces."""
+        return [word.replace(" ", "") for word in f"{self.names},{self.like}".split(",") if word]
+
+
+def category(name: str, **fields: Any) -> Callable[[Sampler], Category]:
+    """The decorator that makes a category of a function that samples its models; `fields` are those of `Category`."""
+    return lambda sample: Category(name=name, sample=sample, **fields)

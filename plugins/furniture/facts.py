@@ -1,0 +1,55 @@
+"""Verb `facts`: what others know of the categories here without making a model of one."""
+
+import json
+
+from plugins.furniture.catalogue import CATEGORIES, leaves, opens, sample
+from plugins.furniture.category import Category
+from stages.config import categories as counts
+from stages.contracts import categories
+from stages.contracts.category import Category as Row
+from stages.contracts.files import write_text
+
+SAMPLES = 8  # models of a category that say how large it usually is: more than have founders
+
+
+def describe_category(record: Category) -> Row:
+    """The row of a category."""
+    doors, flaps = leaves(record.name)
+
+    def sizes(numbers: range) -> list[list[float]]:
+        return [list(sample(record.name, number, 0).parameters["size"]) for number in numbers]  # type: ignore[arg-type]
+
+    return Row.model_validate(
+        {
+            "name": record.name,
+            "names": _split(record.names),
+            "like": _split(record.like),
+            "kin": _split(record.kin),
+            "doors": doors,
+            "flaps": flaps,
+            "sizes": sizes(range(SAMPLES)),
+            "further": sizes(record.further),
+        }
+    )
+
+
+def _split(words: str) -> list[str]:
+    return [word.strip() for word in words.split(",") if word.strip()]
+
+
+def categories_text() -> str:
+    """The file of `stages.contracts.categories`: a row per category."""
+    rows = [describe_category(record).model_dump_json(exclude_defaults=True) for record in CATEGORIES.values()]
+    return "[\n" + ",\n".join(rows) + "\n]\n"
+
+
+def counts_text() -> str:
+    """The file of `stages.config.categories`: models in the default library, and what they open."""
+    lines = [f'"{name}": {json.dumps([record.count, *opens(name)])}' for name, record in CATEGORIES.items()]
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def run() -> None:
+    """Write both."""
+    write_text(counts.FILE, counts_text())
+    write_text(categories.FILE, categories_text())

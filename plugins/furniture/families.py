@@ -1,0 +1,94 @@
+"""Families of near relatives: variations of a category's first models, the founders (docs/assets.md).
+
+Of cabinets every other generation is near (the same fronts and kind of handle in other proportions, finishes, panels),
+the others are farther: other fronts, handles and hinges. Relatives of
+all else are sampled anew in their founder's style.
+"""
+
+import math
+from typing import Any, get_args
+
+from plugins.furniture.cabinet import Cabinet
+from plugins.furniture.cabinet_recipe import PanelStyle
+from plugins.furniture.category import Category, Fronts
+from plugins.furniture.colours import APPLIANCE, METALS, PAINTS, WOODS, pick
+from plugins.furniture.finishes import shade
+from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
+from plugins.furniture.recipe import Rng, Sampled, rounded, uniform
+
+IN_TURN = 24  # models of a category that vary its founders in turn, at least
+ABOUT = 2  # doors and drawers more or less, as matching's count_threshold (A.7)
+
+
+def in_turn(category: Category, index: int) -> bool:
+    """Whether a relative varies the founder whose turn it is; later ones go where models with such fronts are few."""
+    return not category.fronts or index < max(IN_TURN, 3 * category.founders // 2)
+
+
+def fewest(fronts: list[tuple[int, int]], founders: int) -> int:
+    """Which founder has the fewest models with about as many doors and drawers as it; `fronts`: those of all models."""
+    alike = [sum(abs(a - c) + abs(b - d) <= ABOUT for c, d in fronts) for a, b in fronts[:founders]]
+    return alike.index(min(alike))
+
+
+def relative(category: Category, founder: Sampled, generation: int, rng: Rng, any_fronts: bool = True) -> Sampled:
+    """A variation of a founder that is a cabinet; odd generations are near, even ones farther from it: with any
+    fronts of their category, or with one cell more or less than it."""
+    recipe, far = founder.recipe, generation % 2 == 0
+    assert isinstance(recipe, Cabinet)
+    changes: dict[str, Any] = _looks(category, rng)
+    # Wider and lower, or narrower and higher: a relative does not fit into its founder's box unchanged.
+    spread = 0.22 if far else 0.14
+    wider = float(rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.0))
+    factors = rng.uniform(-1.0, 1.0), wider, -wider * rng.uniform(0.5, 1.0)
+    x, y, z = (extent * math.exp(spread * factor) for extent, factor in zip(founder.size, factors, strict=True))
+    changes["handle_length"] = _between(recipe.handle_length * rng.uniform(0.7, 1.5), 0.1, 0.6)
+    changes["handle_at"] = _between(recipe.handle_at + rng.uniform(-0.25, 0.25), -1.0, 1.0)
+    changes["drawer_weight"] = _between(recipe.drawer_weight * rng.uniform(0.8, 1.3), 0.15, 0.6)
+    if far:
+        handle = str(rng.choice(HANDLES, p=HANDLE_SHARES))
+        changes |= {"handle": handle, "protrusion": STYLES[handle].protrusion, "hinge": int(rng.choice([-1, 1]))}  # type: ignore[index]
+        changes["handle_at"] = uniform(rng, -0.9, 0.9)
+        if category.fronts and recipe.column_weights is None:
+            fronts = list(category.fronts) if any_fronts else _resized(recipe)
+            major, layout = fronts[int(rng.integers(len(fronts)))]
+            across, up = _grid(recipe.major, recipe.layout)
+            new_across, new_up = _grid(major, layout)
+            y *= (new_across / across) ** category.growth[0]
+            z *= (new_up / up) ** category.growth[1]
+            changes |= {"major": major, "layout": layout}
+    elif rng.random() < 0.5:
+        changes["inset_front"] = not recipe.inset_front and not category.appliance
+    return Sampled(rounded(x, y, z), recipe.changed(**changes))
+
+
+def _looks(category: Category, rng: Rng) -> dict[str, Any]:
+    """Colours, and where it is no appliance the style of the panels."""
+    front = pick(rng, APPLIANCE) if category.appliance else pick(rng, PAINTS, WOODS)
+    body = shade(front, 0.82) if rng.random() < 0.6 or category.appliance else pick(rng, PAINTS, WOODS)
+    looks: dict[str, Any] = {"front_colour": front, "body_colour": body, "handle_colour": pick(rng, METALS)}
+    if category.appliance:
+        return looks | {"field_colour": front}
+    panel = str(rng.choice(get_args(PanelStyle)))
+    return looks | {"field_colour": shade(front, float(rng.choice([0.72, 0.85, 1.2]))), "panel": panel}
+
+
+def _resized(recipe: Cabinet) -> list[Fronts]:
+    """The recipe's fronts with one cell more or less in one of its lines."""
+    found: list[Fronts] = []
+    for k, line in enumerate(recipe.layout):
+        for changed in ([*line, line[-1]], line[:-1] if len(line) > 1 else None):
+            if changed is not None:
+                lines = [*recipe.layout[:k], changed, *recipe.layout[k + 1 :]]
+                found.append((recipe.major, [[str(cell) for cell in each] for each in lines]))
+    return found
+
+
+def _grid(major: str, layout: list[Any]) -> tuple[int, int]:
+    """How many cells lie side by side, and how many one above the other."""
+    longest = max(len(line) for line in layout)
+    return (len(layout), longest) if major == "columns" else (longest, len(layout))
+
+
+def _between(value: float, low: float, high: float) -> float:
+    return round(float(min(max(value, low), high)), 3)

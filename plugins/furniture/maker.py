@@ -1,0 +1,6 @@
+"""What the core asks of the maker of recipes: a `stages.articulated.resizing.Maker`."""
+
+from plugins.furniture.folder import make_model
+from plugins.furniture.refinishing import refinish
+
+__all__ = ["make_model", "refinish"]

@@ -1,0 +1,6 @@
+"""What the core must know of this package."""
+
+from stages.config.assets import LibraryOptions
+from stages.config.packages import Package
+
+PACKAGE = Package(verbs={"library": LibraryOptions}, section="assets")

@@ -1,0 +1,37 @@
+"""Another finish changes what is seen of a model and nothing else."""
+
+import numpy as np
+import pytest
+
+from plugins.furniture import generate
+from plugins.furniture.catalogue import CATEGORIES, sample
+from plugins.furniture.finishes import finish_of
+from plugins.furniture.model import bounds, parts_of
+from plugins.furniture.refinishing import is_finish, refinish
+
+
+@pytest.mark.parametrize("category", sorted(CATEGORIES))
+def test_another_finish_keeps_the_geometry(category: str) -> None:
+    recipe = sample(category, 0, 0)
+    other = refinish(recipe, np.random.default_rng(1))
+    assert other == refinish(recipe, np.random.default_rng(1))
+    changed = {key for key, value in recipe.parameters.items() if other.parameters[key] != value}
+    assert changed == {key for key in recipe.parameters if is_finish(key)}
+    model, painted = generate(recipe), generate(other)
+    assert (bounds(model) == bounds(painted)).all()
+    assert model.symmetry == painted.symmetry
+    parts = list(zip(parts_of(model), parts_of(painted), strict=True))
+    assert all((a.mesh.vertices == b.mesh.vertices).all() and a.density == b.density for a, b in parts)
+    assert any(a.colour != b.colour for a, b in parts)
+
+
+def test_what_was_of_one_colour_stays_so_and_shades_stay_shades() -> None:
+    recipe = sample("bowl", 0, 0)
+    recipe.parameters.update(colour="wood 0.2 0.4 0.6 1", inside="wood 0.2 0.4 0.6 1")
+    other = refinish(recipe, np.random.default_rng(0)).parameters
+    assert other["colour"] == other["inside"] != recipe.parameters["colour"]
+    recipe.parameters.update(inside="wood 0.1 0.2 0.3 1")
+    other = refinish(recipe, np.random.default_rng(0)).parameters
+    colour, inside = finish_of(str(other["colour"])), finish_of(str(other["inside"]))
+    assert colour.material == inside.material
+    assert np.allclose(np.array(inside.colour) * 2, colour.colour, atol=3e-3)

@@ -1,0 +1,222 @@
+"""Import one model of a user's folder: its URDF and notes (asset.json), written where the user can correct them."""
+
+import shutil
+import xml.etree.ElementTree as ET
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from PIL import Image
+from pydantic import ConfigDict, Field, TypeAdapter
+
+from plugins.importing.discover import NUMBERED, Found
+from plugins.importing.evidence import UNITS, Evidence, Shared, evidence
+from plugins.importing.importers import Importer
+from plugins.importing.importers.urdf import IMPORTER as URDF
+from plugins.importing.imports import ModelFile, Notes, import_file, in_one_line, usual_front, with_notes
+from plugins.importing.sandbox import apart
+from stages.articulated.asset_folder import atomic_folder
+from stages.articulated.model import RobotModel
+from stages.articulated.urdf_writer import write_urdf
+from stages.contracts.categories import known_categories, usual_size
+from stages.contracts.category import describe_unusual
+from stages.contracts.errors import InputError, plain
+from stages.contracts.files import Contract, read_json, write_json
+from stages.contracts.library import Asset, Joint
+from stages.contracts.types import LARGEST
+
+NOTES = "asset.json"
+
+
+@dataclass
+class Examined:
+    """A model: where it was and is, the notes that count for it, how they came about, what it became, what is doubtful.
+
+    asset None: it cannot be used, for the last of the doubts.
+    """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    source: Path
+    folder: Path
+    notes: Notes | None = None
+    told: list[str] = field(default_factory=list)
+    asset: Asset | None = None
+    doubts: list[str] = field(default_factory=list)
+    picture: Annotated[Image.Image | None, Field(exclude=True)] = None
+
+    def facts(self) -> list[str]:
+        """What it is taken for, in short."""
+        if self.notes is None:
+            return []
+        notes = self.notes
+        facts = [f"{notes.category}", f"front {notes.front}, up {notes.up}, scale {notes.scale:g}", *self.told]
+        if self.asset is not None:
+            x, y, z = (100 * extent for extent in self.asset.size)
+            facts.insert(1, f"{y:.3g} cm wide, {x:.3g} deep, {z:.3g} high, {self.asset.mass:.3g} kg")
+        return facts
+
+    def joints(self) -> list[str]:
+        """Its doors and drawers, a line each."""
+        return [described(joint) for joint in self.asset.joints] if self.asset is not None else []
+
+    def text(self) -> str:
+        """All of it, in lines."""
+        if self.asset is None:
+            return plain(f"{self.source}: not used: {self.doubts[-1]}")
+        lines = [f"{self.source}: {'; '.join(self.facts())}", *self.joints(), *(f"? {doubt}" for doubt in self.doubts)]
+        return plain("\n  ".join(lines))
+
+
+class Read(Contract):
+    """A model that was read: what its reader left out, and what it tells of its file."""
+
+    remarks: tuple[str, ...]
+    evidence: Evidence
+
+
+def read(found: Found, importer: Importer, place: Path) -> Read:
+    """Write a model into the folder `place`, in a process of its own: as it is in its file; notes there stay.
+
+    Raises:
+        InputError: it cannot be used.
+    """
+
+    def work() -> str:
+        with in_one_line(found.path):
+            robot = with_notes(found, importer).importer.read(found.path, found.folder)
+            write_model(robot, place)
+            return Read(remarks=robot.remarks, evidence=evidence(robot)).model_dump_json()
+
+    return Read.model_validate_json(apart(found.path, work))
+
+
+def examined(
+    found: Found,
+    importer: Importer,
+    place: Path,
+    work: Path,
+    before: Sequence[Examined],
+    tells: Evidence,
+    shared: Shared,
+    category: str | None = None,
+) -> Examined:
+    """Complete the notes of a model that was read into `place` and build its asset below `work`, in another process.
+
+    Notes that were written by hand count and stay as they are; of the others what is not told is guessed.
+
+    Args:
+        before: models that it may be a copy of.
+        tells: what the model tells of its file.
+        shared: what such files in its folder have in common.
+        category: of it; None: what its names say.
+    """
+    kind = TypeAdapter(Examined)
+    named = found if category is None else found._replace(category=category)
+    try:
+        told = apart(
+            found.path, lambda: kind.dump_json(_examined(named, importer, place, work, tells, shared)).decode()
+        )
+    except InputError as error:
+        return Examined(found.path, place, doubts=[str(error).removeprefix(plain(f"{found.path}: "))])
+    model = kind.validate_json(told)
+    asset = model.asset
+    twin = next((other for other in before if asset and other.asset and other.asset.checksum == asset.checksum), None)
+    if twin is not None:
+        model.asset = None
+        model.doubts.append(f"is a copy of {twin.source}")
+        shutil.rmtree(place)
+    return model
+
+
+def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: Evidence, shared: Shared) -> Examined:
+    model, written = Examined(found.path, place), place / "model.urdf"
+    try:
+        with in_one_line(found.path):
+            file = with_notes(found, importer)
+            theirs = read_json(Notes, place / NOTES) if (place / NOTES).is_file() else None
+            if theirs is not None and theirs.by_hand:
+                model.notes = theirs
+                model.told.append(f"as {NOTES} says")
+            else:
+                model.notes, model.told = guessed(file, tells, shared)
+                write_json(place / NOTES, model.notes.sealed())
+            as_written = Found(written, place.parent.parent, place.parent.name, place.name)
+            asset, doubts = import_file(with_notes(as_written, URDF), work)
+            model.doubts += doubts
+    except InputError as error:
+        model.doubts.append(str(error).removeprefix(plain(f"{found.path}: ")).removeprefix(plain(f"{written}: ")))
+        return model
+    model.asset = asset
+    if odd := describe_unusual(known_categories().get(asset.category), asset.size):
+        model.doubts.append(odd)
+    return model
+
+
+def guessed(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Notes, list[str]]:
+    """The notes beside a model, with what they do not say: as the folder's models share it, else as this one tells it,
+    else as such files usually are; and what was not usual, in lines."""
+    notes, kind, lines = file.notes, f"most {file.path.suffix.lower()} here", list[str]()
+    agreed, told = file.importer.up, tells.up(file.category, file.importer.up, file.importer.has_up)
+    up = notes.up or shared.up or told.axis
+    if notes.up is None and (up != agreed or (shared.up and not file.importer.has_up)):
+        lines.append(f"up {up} {f'as {kind}' if shared.up else f'by its {told.because}'}")
+    elif notes.up is None and told.doubt:
+        lines.append(f"up {up} as such files have it, though {told.doubt}")
+    scale, sizes = notes.scale, usual_size(file.category)
+    if "scale" not in notes.model_fields_set:
+        if file.path.name in NUMBERED and sizes and sizes.misfit(tells.standing(up)):
+            scale = sizes.factor(tells.standing(up))
+            lines.append("as large as ours are: models of PartNet have no size")
+        else:
+            scale = shared.unit or tells.unit(file.category, up) or 1.0
+            by, largest = f"as {kind}" if shared.unit else "by its size", max(tells.extents)
+            if scale * largest > LARGEST:
+                by = f"as it would be {scale * largest:.3g} m else"
+                scale = tells.likeliest_unit(file.category, up)
+            if scale != 1.0:
+                lines.append(f"in {UNITS.get(scale, f'units of {scale:g} m')} {by}")
+    front, opens = notes.front, tells.fronts.get(up)
+    if front is None and opens is not None:
+        front = opens
+        lines.append("front where its doors and drawers open")
+    elif front is None and shared.front is not None and shared.front[1] != up[1]:
+        front = shared.front
+        lines.append(f"front {front} as {kind}")
+    elif front is None:
+        front = usual_front(up)
+        lines.append("front assumed")
+    words = {
+        "category": file.category,
+        "front": front,
+        "up": up,
+        "scale": scale,
+        "provenance": notes.provenance or f"imported: {file.path.relative_to(file.folder).as_posix()}",
+    }
+    return notes.model_copy(update=words), lines
+
+
+def write_model(robot: RobotModel, place: Path) -> None:
+    """Write the model in its file's own frame and unit, beside notes that are there; masses that nobody told are left
+    out."""
+    with atomic_folder(place) as folder:
+        write_urdf(robot, folder)
+        path = folder / "model.urdf"
+        tree = ET.parse(path)
+        for element in tree.getroot().findall("link"):
+            if not robot.links[element.get("name", "")].weighed:
+                element.remove(element.find("inertial"))  # type: ignore[arg-type]
+        tree.write(path, encoding="utf-8")
+        if (place / NOTES).is_file():
+            shutil.copy(place / NOTES, folder / NOTES)
+
+
+def described(joint: Joint) -> str:
+    """A door or drawer in one line."""
+    reach = f"{np.rad2deg(joint.upper - joint.lower):.0f} degrees"
+    if joint.type == "prismatic":
+        reach = f"{100 * (joint.upper - joint.lower):.0f} cm"
+    hinge = f", hinge {joint.panel.hinge}" if joint.panel is not None and joint.role == "door" else ""
+    return f"{joint.role} '{joint.name}': {reach}{hinge}, {f'handle: {joint.handle}' if joint.handle else 'no handle'}"

@@ -1,0 +1,128 @@
+"""Verb `import`: look at a folder of models, say what each is taken for, and write a folder that the library takes."""
+
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from plugins.importing.discover import PACK, PAGE, Found, discover, is_model, is_part, numbered_names, single
+from plugins.importing.evidence import Told, shared
+from plugins.importing.examine import Examined, Read, examined, read
+from plugins.importing.import_page import write_page
+from plugins.importing.imports import IMPORTERS, by_suffix, in_one_line, snake_case
+from plugins.importing.pack import completed, read_pack, write_pack
+from plugins.importing.portrait import Portraits
+from plugins.importing.reach import out_of_reach
+from stages.assets.snapshots import Look
+from stages.cli import progress
+from stages.contracts.errors import InputError, plain
+
+FOREIGN = (
+    ".3ds", ".blend", ".fbx", ".kinbody.xml", ".sdf", ".skp", ".usd", ".usda", ".usdc", ".usdz", ".wrl", ".xacro",
+)  # fmt: skip
+
+
+def run(folder: Path, /, *, out: Path) -> None:
+    """Look at the models of a folder; `assets.folders: [<out>]` then uses them.
+
+    Writes <out>/<category>/<name>/ per model: a URDF in the file's own frame and unit, and asset.json; and
+    <out>/pack.yaml, what they share. Correct either and run it again. <out>/index.html shows what each is taken for.
+
+    Args:
+        folder: with models, <category>/<model> or PartNet-Mobility's <number>/, or one model's file; it stays as it is.
+        out: folder to write.
+    """
+    kinds = by_suffix(IMPORTERS)
+    found = models_of(folder, out, list(kinds))
+    pack = read_pack(out / PACK)
+    models: dict[Path, Examined] = {}
+    told: dict[Path, Read] = {}
+    where = {one.path: out / place for one, place in zip(found, places(found), strict=True)}
+    for one in progress(found, "models read", len(found)):
+        try:
+            told[one.path] = read(one, kinds[one.path.suffix.lower()], where[one.path])
+        except InputError as error:
+            line = str(error).removeprefix(plain(f"{one.path}: "))
+            models[one.path] = Examined(one.path, where[one.path], doubts=[line])
+            print(models[one.path].text(), flush=True)
+    left = [one for one in found if one.path in told]
+    tell = [Told(one.path.suffix.lower(), one.category, told[one.path].evidence) for one in left]
+    common, words = shared(tell, kinds)
+    pack = completed(pack, common, [snake_case(one.category) for one in left])
+    write_pack(out / PACK, pack, words)
+    with tempfile.TemporaryDirectory() as scratch:
+        portraits, look = Portraits(), Look()
+        for number, one in enumerate(left):
+            work, kind = Path(scratch) / str(number), one.path.suffix.lower()
+            category = pack.categories[snake_case(one.category)]
+            before = list(models.values())
+            tells = told[one.path].evidence
+            model = examined(one, kinds[kind], where[one.path], work, before, tells, pack.kinds[kind], category)
+            model.doubts = [*told[one.path].remarks, *model.doubts]
+            if model.asset is not None:
+                try:
+                    with in_one_line(one.path):
+                        look.check(work / model.asset.id, one.path)
+                        model.picture = portraits.take(work / model.asset.id)
+                        model.doubts += out_of_reach(work / model.asset.id)
+                except InputError as error:
+                    model.asset = None
+                    model.doubts.append(str(error).removeprefix(plain(f"{one.path}: ")))
+            models[one.path] = model
+            print(model.text(), flush=True)
+    write_page(out / PAGE, folder, list(models.values()), pack, words)
+    taken = sum(model.asset is not None for model in models.values())
+    print(plain(f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}"))
+    if not taken:
+        raise InputError(folder, "none of its models can be used.", "see above", code="E-MODELS-UNUSABLE")
+
+
+def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
+    """The models that are to be looked at: those of a folder, or a file.
+
+    Raises:
+        InputError: there are none, or `out` is in the folder.
+    """
+    if given.is_file():
+        if not is_model(given, given.resolve().parent, kinds):
+            raise InputError(
+                given, "is no model.", f"one of {', '.join(kinds)}, or a folder of them", code="E-MODELS-NONE"
+            )
+        if is_part(given, given.resolve().parent):
+            raise InputError(
+                given, "is a part that MJCF models include.", "give the file that includes it", code="E-MJCF-PART"
+            )
+        return [single(given)]
+    if not given.is_dir():
+        raise InputError(given, "is not there.", "a folder of models, or a model's file", code="E-MODELS-NONE")
+    inside, outside = sorted([given.resolve(), out.resolve()], key=lambda path: -len(path.parts))
+    if inside.is_relative_to(outside):
+        raise InputError(
+            "--out", f"{out} and {given} lie in one another.", "give a folder beside it", code="E-OUT-INSIDE"
+        )
+    if found := discover(given, kinds):
+        if left_out := unread(given):
+            print(plain(f"{given}: {left_out}"), file=sys.stderr)
+        return found
+    parts = [path for path in given.rglob("*") if is_model(path, given, kinds)]
+    if parts:
+        what = f"holds no model, only parts of models ({parts[0].name} and such)."
+        raise InputError(
+            given, what, "give the folder or the file of the model that they are part of", code="E-MODELS-NONE"
+        )
+    fix = "see docs/your-models.md for the layout"
+    raise InputError(given, f"holds no models ({', '.join(kinds)}).", unread(given) or fix, code="E-MODELS-NONE")
+
+
+def unread(folder: Path) -> str:
+    """How many models there are of kinds that are not read, and what to do; empty: none."""
+    ends = (next((end for end in FOREIGN if path.name.lower().endswith(end)), None) for path in folder.rglob("*"))
+    found = Counter(end for end in ends if end)
+    counts = ", ".join(f"{count} {kind}" for kind, count in sorted(found.items()))
+    return f"files of kinds that are not read ({counts}): export them as URDF, MJCF or GLB" if found else ""
+
+
+def places(found: Iterable[Found]) -> list[str]:
+    """<category>/<name> of every model; names that are taken get a number."""
+    return numbered_names([f"{snake_case(one.category)}/{snake_case(one.name)}" for one in found], [])

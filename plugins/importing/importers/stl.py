@@ -1,0 +1,6 @@
+"""STL, rigid, without colours."""
+
+from plugins.importing.importers import Importer
+from plugins.importing.single_body import read_mesh
+
+IMPORTER = Importer(read_mesh, has_up=False)

@@ -1,0 +1,73 @@
+"""pack.yaml: what all models of a user's folder share, proposed by `import` and corrected by the user."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import yaml
+from pydantic import ValidationError
+
+from plugins.importing.evidence import Shared
+from plugins.importing.proposal import Guess
+from stages.contracts.categories import known_categories
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_text, write_text
+from stages.contracts.yaml_files import fault_of, line_of
+
+HEAD = """\
+# What the models share; change it and run import again. null: each model by itself.
+# up, front: an axis of their files; unit: metres. categories: what names say, and what that is here.
+"""
+
+
+class Pack(Guess):
+    """By suffix, what the models of a kind of file share; and the category for what their names say."""
+
+    kinds: dict[str, Shared] = {}
+    categories: dict[str, str] = {}
+
+
+def read_pack(path: Path) -> Pack:
+    """The file, or nothing if there is none.
+
+    Raises:
+        InputError: it is broken.
+    """
+    if not path.is_file():
+        return Pack()
+    try:
+        return Pack.model_validate(yaml.safe_load(read_text(path, "or delete it")) or {})
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise InputError(
+            path, f"{'.'.join(map(str, first['loc']))}: {first['msg']}.", "or delete it", code="E-PACK-BROKEN"
+        ) from None
+    except yaml.YAMLError as error:
+        where, what = line_of(path, error), f"is no YAML: {fault_of(error)}."
+        raise InputError(where, what, "or delete it", code="E-PACK-BROKEN") from None
+
+
+def completed(pack: Pack, proposed: Mapping[str, Shared], categories: Iterable[str]) -> Pack:
+    """The pack with what it does not say; what it says counts if it was written by hand."""
+    pack = pack if pack.by_hand else Pack()
+    said = {category: category for category in sorted(set(categories))}
+    whole = Pack(kinds={**proposed, **pack.kinds}, categories={**said, **pack.categories})
+    return whole if pack != Pack() else whole.sealed()
+
+
+def write_pack(path: Path, pack: Pack, told: Mapping[str, str]) -> None:
+    """Write the file.
+
+    Args:
+        told: by suffix, how many models tell what.
+    """
+    lines = [HEAD + "kinds:"]
+    for kind, shared in pack.kinds.items():
+        lines += [f"  # {told[kind]}"] if kind in told else []
+        values = yaml.safe_dump(shared.model_dump(), default_flow_style=True, sort_keys=False, width=1000)
+        lines.append(f"  {kind}: {values.strip()}")
+    lines.append("categories:" if pack.categories else "categories: {}")
+    for said, category in pack.categories.items():
+        entry = yaml.safe_dump({said: category}, width=1000).strip()
+        lines.append(f"  {entry}{'' if category in known_categories() else '  # none of ours'}")
+    lines += [f"guess: {pack.guess}"] if pack.guess else []
+    write_text(path, "\n".join(lines) + "\n")

@@ -1,0 +1,17 @@
+"""What the core must know of this package."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from stages.config.assets import AssetsConfig, OwnOptions
+from stages.config.packages import Package
+
+
+def shards_of(config: AssetsConfig) -> Mapping[str, Any]:
+    """The models of `assets.folders` in shards, by name."""
+    from plugins.importing.shards import own_shards  # takes a second
+
+    return own_shards(config) if config.folders else {}
+
+
+PACKAGE = Package(verbs={"own": OwnOptions}, section="assets", shards=shards_of)

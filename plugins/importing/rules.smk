@@ -1,0 +1,37 @@
+# Models of the user, a shard of a few of them at a time.
+# Reads:  the folders of `assets.folders`.
+# Writes: results/assets/library/shard_own_<digest>.{json,zip}.
+
+
+rule own:
+    """Import one shard of the models in a folder of the user's."""
+    input:
+        files=lambda wildcards: ancient(OWN[wildcards.shard].files),  # their digest counts
+    output:
+        part="results/assets/library/shard_{shard}.json",
+        models="results/assets/library/shard_{shard}.zip",
+    log:
+        "logs/assets/{shard}.log",
+    benchmark:
+        "benchmarks/assets/{shard}.tsv"
+    wildcard_constraints:
+        shard=r"own_\w+",
+    group:
+        "shard"
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        **needs(4000, lambda wildcards: 10 + models_in(wildcards.shard)),
+    params:
+        command=command("importing", "own"),
+        code=code("importing", "own", *modules(CONFIG.assets, "importers")),
+        check=check(library_part="part"),
+        options=options("importing", "own"),
+        folder=lambda wildcards, input: OWN[wildcards.shard].place(input.files[0]),
+        models=lambda wildcards, input: OWN[wildcards.shard].named(OWN[wildcards.shard].place(input.files[0])),
+        digest=lambda wildcards: OWN[wildcards.shard].digest(),
+    shell:
+        "({params.command} --folder {params.folder:q} --models {params.models:q} --options {params.options:q} "
+        "--out {output.part:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"

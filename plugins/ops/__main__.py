@@ -1,0 +1,6 @@
+"""`python -m plugins.ops VERB --help`."""
+
+from stages.cli import main
+
+if __name__ == "__main__":
+    main("plugins.ops", {"cluster": "what a SLURM cluster has and lacks, from one of its login nodes"})

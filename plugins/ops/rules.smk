@@ -1,0 +1,27 @@
+# Runs in operation: who holds the folder, what is said on the terminal, how jobs are submitted. No rules.
+import sys
+
+from snakemake.settings.types import ExecMode
+
+from plugins.ops.guard import hold_folder, makes_files
+from plugins.ops.scheduling import lift_rate_limit, tune
+
+if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryrun and makes_files(sys.argv):
+    try:
+        LOCKED = hold_folder()
+    except InputError as error:
+        raise WorkflowError(f"{error} [{error.code}]") from None
+
+
+onstart:
+    lift_rate_limit(workflow)
+
+
+try:
+    from plugins.ops.terminal import tell_briefly
+
+    tell_briefly(workflow)
+except (ImportError, AttributeError, LookupError) as error:
+    print(f"note: this Snakemake is not as 9.27 ({error}): it speaks for itself", file=sys.stderr)
+
+tune(workflow)

@@ -1,0 +1,83 @@
+"""The same asset at another size: models that have a recipe are made again by their maker, others are stretched."""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
+from stages.articulated.model import RobotModel
+from stages.articulated.stretching import stretched
+from stages.contracts.errors import InputError
+from stages.contracts.library import Asset, Recipe, Vector
+from stages.contracts.types import LARGEST
+
+MAKER = "plugins.furniture.maker"  # module of the `Maker` of recipes
+SAME = 5e-4  # metres: a size this near to the native one is left alone
+
+
+class SizedModel(NamedTuple):
+    """A model at a size, and what an asset folder says of it."""
+
+    robot: RobotModel
+    about: Description
+
+
+class Maker(Protocol):
+    """Makes models by recipes."""
+
+    def make_model(self, recipe: Recipe, size: Vector, about: Description) -> SizedModel:
+        """A model whose closed box has the size; placement and symmetry of `about` are replaced."""
+        ...
+
+    def refinish(self, recipe: Recipe, rng: np.random.Generator) -> Recipe:
+        """The recipe of the same model in other colours and textures."""
+        ...
+
+
+def load_maker() -> Maker:
+    """The maker of recipes."""
+    maker: Any = import_module(MAKER)
+    return maker  # type: ignore[no-any-return]
+
+
+def has_size(asset: Asset, size: Sequence[float]) -> bool:
+    """Whether an asset has a size already."""
+    return max(abs(a - b) for a, b in zip(size, asset.size, strict=True)) < SAME
+
+
+def resize_model(folder: Path, asset: Asset, size: Sequence[float]) -> SizedModel:
+    """The model of an asset folder with a closed box of exactly `size` (metres, own axes).
+
+    Raises:
+        InputError: the size is not positive, or not of this world.
+    """
+    x, y, z = (float(value) for value in size)
+    if not all(0 < extent <= LARGEST for extent in (x, y, z)):
+        fix = f"all extents must be positive, {LARGEST:g} m at most"
+        raise InputError(folder, f"cannot be resized to {x:g} x {y:g} x {z:g} m.", fix, code="E-MODEL-SIZE")
+    about = Description(asset.id, asset.category, asset.licence, asset.provenance, asset.symmetry, asset.placement)
+    if asset.recipe is not None:
+        return load_maker().make_model(asset.recipe, (x, y, z), about)
+    a, b, c = (np.array([x, y, z]) / np.maximum(asset.size, 1e-9)).tolist()
+    return SizedModel(stretched(read_model(folder), (a, b, c)), about)
+
+
+def resize_asset(folder: Path, size: Sequence[float], out: Path) -> Path:
+    """A folder, inside `out`, of an asset at a size, as `resize_model` has it; its own one if it has that size.
+
+    The folder's name is a key of asset and size; one that is there already is used as it is.
+    """
+    asset = read_asset(folder)
+    if has_size(asset, size):
+        return Path(folder)
+    key = json.dumps([asset.id, asset.checksum, [round(float(value), 5) for value in size]])
+    sized = Path(out) / f"{asset.id}-{hashlib.sha256(key.encode()).hexdigest()[:12]}"
+    if not (sized / "asset.json").exists():
+        robot, about = resize_model(folder, asset, size)
+        write_asset(robot, sized, about)
+    return sized

@@ -1,6 +1,0 @@
-"""glTF in one file; +y is up there."""
-
-from stages.assets.importers import Importer
-from stages.assets.single_body import read_mesh
-
-IMPORTER = Importer(read_mesh, up="+y")

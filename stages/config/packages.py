@@ -1,0 +1,74 @@
+"""Packages beside the core, `plugins/<name>/`: each brings code, rules, tests and a part of the config (package.py)."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any, TypeVar
+
+from pydantic import create_model
+
+from stages import plugins
+from stages.contracts.section import Section
+
+C = TypeVar("C", bound=Section)
+
+
+@dataclass(frozen=True)
+class Package:
+    """What the core must know of a package.
+
+    Attributes:
+        last: whether its rules.smk looks at the rules of all others.
+        section: of config.yaml that its verbs read.
+        shards: of the section `assets`, the shards of models that its rules add to the library, by name.
+        verbs: its commands that rules call, and what each reads of the config (None: nothing).
+        sections: of config.yaml that belong to it, by name, as pydantic fields.
+        outside: of the whole config, files that its jobs read and that may lie outside the working directory.
+        keys: of the whole config, environment variables of keys that it sends to a server; None: it asks none.
+    """
+
+    last: bool = False
+    section: str = ""
+    shards: Callable[[Any], Mapping[str, Any]] = lambda assets: {}
+    verbs: Mapping[str, type[Section] | None] = field(default_factory=dict)
+    sections: Mapping[str, tuple[type[Section], Any]] = field(default_factory=dict)
+    outside: Callable[[Any], list[str]] = lambda config: []
+    keys: Callable[[Any], list[str] | None] = lambda config: None
+
+
+def present() -> dict[str, Package]:
+    """The packages of this checkout by name."""
+    return {module.rpartition(".")[2]: import_module(f"{module}.package").PACKAGE for module in plugins.shipped()}
+
+
+def rule_files(on: Mapping[str, bool], last: bool = False) -> list[str]:
+    """The rules.smk of packages that are on, below the workflow's folder: of those that come last, or of the others."""
+    packages = [name for name, package in present().items() if on[name] and package.last == last]
+    names = [name for name in packages if (plugins.PACKAGES / name / "rules.smk").is_file()]
+    return [f"plugins/{name}/rules.smk" for name in names]
+
+
+def with_sections(model: type[C], names: Iterable[str]) -> type[C]:
+    """The model of the config with the sections of these packages."""
+    packages = present()
+    fields: dict[str, Any] = {}
+    for name in names:
+        fields |= packages[name].sections
+    return create_model(model.__name__, __base__=model, __doc__=model.__doc__, **fields) if fields else model
+
+
+def shards_of(config: Any) -> dict[str, Any]:
+    """The shards of models that packages which are on add to the library, by name."""
+    on = [package for name, package in present().items() if config.packages[name]]
+    return {name: shard for package in on for name, shard in package.shards(config.assets).items()}
+
+
+def verb(stage: str, name: str) -> Callable[..., None]:
+    """A verb of a stage or package as a function."""
+    run: Callable[..., None] = import_module(f"{home_of(stage)}.{name}").run
+    return run
+
+
+def home_of(stage: str) -> str:
+    """The Python package of a stage's verbs: `stages.<stage>`, or that of a package beside the core."""
+    return f"plugins.{stage}" if f"plugins.{stage}" in plugins.shipped() else f"stages.{stage}"

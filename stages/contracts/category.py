@@ -1,0 +1,108 @@
+"""A category of models: what people call it, what it opens, how large its things usually are."""
+
+import re
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import Field
+
+from stages.contracts.files import Contract
+from stages.contracts.types import Id, Panels, Size, Text
+
+Array = NDArray[np.float64]
+FEWEST = 3  # models that say how large a category usually is: of fewer, the next one is as likely outside as within
+SPREAD = float(np.log(1.5))  # by which an extent may lie beyond those of its category's models and still be usual
+# Words after that of a category that make another thing of it, or a part: `table_leg`, `bowl_drainer`.
+PARTS = {
+    "caddy", "door", "drainer", "handle", "holder", "knob", "leg", "lid", "panel", "rack", "seat", "shelf", "stand",
+    "window",
+}  # fmt: skip
+
+
+class UsualSize(NamedTuple):
+    """Logarithms of the least and the largest extents of a category: ground plan's shorter, its longer, height."""
+
+    low: Array
+    high: Array
+
+    def misfit(self, size: ArrayLike, spread: float = SPREAD) -> float:
+        """Sum of the logarithms of how far extents (3,), metres, z up, lie beyond the usual; 0: they are usual."""
+        extents = log_extents(size)
+        return float(np.maximum(0, np.maximum(self.low - spread - extents, extents - self.high - spread)).sum())
+
+    def factor(self, size: ArrayLike) -> float:
+        """What would make it as large as usual, two digits."""
+        return float(f"{np.exp(np.mean((self.low + self.high) / 2 - log_extents(size))):.2g}")
+
+    def __str__(self) -> str:
+        low, high = np.exp(self.low) * 100, np.exp(self.high) * 100
+        (a, b, c), (d, e, f) = low.round().astype(int), high.round().astype(int)
+        return f"{a} to {d} by {b} to {e} cm, {c} to {f} cm high"
+
+
+def log_extents(size: ArrayLike) -> Array:
+    """Logarithms of extents (..., 3), z up: which of depth and width is which does not matter."""
+    size = np.asarray(size, dtype=float)
+    return np.log(np.concatenate([np.sort(size[..., :2], axis=-1), size[..., 2:]], axis=-1))
+
+
+class Category(Contract):
+    """A category, as the maker of the library knows it. Sizes: depth, width and height of models of it, metres."""
+
+    name: Id = Field(description="lower-case words joined by underscores")
+    names: list[Text] = Field([], description="what else it is called: labels and file names that say so mean it")
+    like: list[Text] = Field([], description="words for similar things: a label that says so is nearest to it")
+    kin: list[Text] = Field([], description="kinds of things that it is one of: labels of no category are nearest")
+    doors: Panels = Field(0, description="on upright hinges, of all of its first models together")
+    flaps: Panels = Field(0, description="on level hinges, likewise")
+    sizes: list[Size] = Field([], description="of models that say how large it usually is")
+    further: list[Size] = Field([], description="of models in styles that those lack")
+
+    def usual_size(self, further: bool = False) -> UsualSize | None:
+        """Its sizes, with those in further styles or without; None: too few models say so."""
+        sizes = [*self.sizes, *(self.further if further else ())]
+        if len(sizes) < FEWEST:
+            return None
+        extents = log_extents(sizes)
+        return UsualSize(extents.min(axis=0), extents.max(axis=0))
+
+
+def describe_unusual(category: Category | None, size: ArrayLike, spread: float = SPREAD) -> str:
+    """What is odd about extents (depth, width, height), metres, of a thing of a category; empty: nothing is known.
+
+    `spread`: as `SPREAD`.
+    """
+    usual = category.usual_size(further=True) if category else None
+    if usual is None or usual.misfit(size, spread) == 0:
+        return ""
+    depth, width, height = 100 * np.asarray(size, dtype=float)
+    return f"is {min(depth, width):.0f} by {max(depth, width):.0f} cm, {height:.0f} cm high; usual are {usual}"
+
+
+def split_words(name: str) -> list[str]:
+    """The words of a name, lower case, without numbers: `studyTable_2` has two."""
+    return [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", name)]
+
+
+def by_joined_name(known: Mapping[str, Category]) -> dict[str, Category]:
+    """Categories by all their names, without spaces: `coffeetable`."""
+    return {re.sub("[ _]", "", word): one for one in known.values() for word in (one.name, *one.names)}
+
+
+def find_category(name: str, known: Mapping[str, Category]) -> Category | None:
+    """The category that a name means (a label of a person, a file), by its last words: `025_mug`, `studyTable`.
+
+    Args:
+        known: categories by name.
+    """
+    by_word, words = by_joined_name(known), split_words(name)
+    for end in range(len(words), 0, -1):
+        if end < len(words) and words[-1] in PARTS and "with" not in words:
+            return None
+        for start in range(end):
+            joined = "".join(words[start:end])
+            if found := by_word.get(joined) or by_word.get(joined.removesuffix("s")):
+                return found
+    return None

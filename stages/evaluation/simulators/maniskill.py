@@ -1,0 +1,5 @@
+"""ManiSkill, in which demonstrations are made, too."""
+
+from stages.tasks.api import TaskEnv as Environment
+
+__all__ = ["Environment"]

@@ -1,0 +1,97 @@
+"""One binary glTF, y up: a node per object and link (with its joint in `extras`), floor, walls and the input camera."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from trimesh import Trimesh
+from trimesh.exchange.gltf import export_glb
+
+from stages.articulated.model import JointModel
+from stages.articulated.surfaces import ColouredMesh, surfaces
+from stages.contracts import GeneratedScene, atomic
+from stages.generation.scene_models import CAMERA, OPENGL, Body, Room, surface_of
+from stages.geometry.frames import rigid, yaw_matrix
+
+Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+
+
+def write(room: Room, out: Path, largest: int | None = None) -> None:
+    """Write the GLB `out`; doors and drawers are closed.
+
+    Args:
+        largest: side of a texture in pixels; larger ones are made smaller, and all are WebP. Default: as they are.
+    """
+    points = np.concatenate([body.corners for body in room.bodies])
+    low, high = points.min(axis=0), points.max(axis=0)
+    scene = trimesh.Scene()
+    scene.metadata = {  # for viewers
+        "light": (Y_UP[:3, :3] @ room.light).round(6).tolist(),
+        "center": (Y_UP[:3, :3] @ (low + high) / 2).round(4).tolist(),
+        "radius": round(float(np.linalg.norm(high - low)) / 2, 4),
+    }
+    for block in room.blocks:
+        pose, kind = Y_UP @ rigid(yaw_matrix(block.yaw), block.center), "floor" if block.name == "floor" else "wall"
+        mesh = _mesh(surface_of(block), largest)
+        scene.add_geometry(mesh, node_name=block.name, geom_name=block.name, transform=pose, metadata={"surface": kind})
+    for body in room.bodies:
+        _add(scene, body, largest)
+    made = room.scene
+    fov = np.degrees(2 * np.arctan([made.width / made.intrinsics[0][0] / 2, made.height / made.intrinsics[1][1] / 2]))
+    scene.camera = trimesh.scene.Camera(name=CAMERA, resolution=(made.width, made.height), fov=fov, z_far=100.0)
+    scene.camera_transform = Y_UP @ room.world_from_camera @ OPENGL
+    with atomic(out) as path:
+        path.write_bytes(
+            export_glb(
+                scene,
+                include_normals=True,
+                extension_webp=largest is not None,
+                tree_postprocessor=lambda tree: _wide(tree, made),
+            )
+        )
+
+
+def _add(scene: trimesh.Scene, body: Body, largest: int | None) -> None:
+    about = {"label": body.label, "asset": body.asset.id, "category": body.asset.category, "fixed": body.fixed}
+    scene.graph.update(frame_to=body.id, frame_from="world", matrix=Y_UP @ body.pose, metadata=about)
+    joints = {joint.child: joint for joint in body.model.joints}
+    for name, link in body.model.links.items():
+        node = f"{body.id}/{name}"
+        scene.graph.update(
+            frame_to=node,
+            frame_from=body.id,
+            matrix=body.frames[name],
+            metadata={"mass": round(link.mass, 4)} | _about(joints.get(name)),
+        )
+        for index, surface in enumerate(surfaces(link)):
+            part = f"{node}/{index}"
+            scene.add_geometry(_mesh(surface, largest), node_name=part, geom_name=part, parent_node_name=node)
+
+
+def _about(joint: JointModel | None) -> dict[str, Any]:
+    """What a viewer needs to move a link; the node stands where the joint is at its lower limit."""
+    if joint is None or joint.type == "fixed":
+        return {}
+    axis = joint.axis.round(6).tolist()
+    return {"joint": joint.type, "axis": axis, "lower": round(joint.lower, 5), "upper": round(joint.upper, 5)}
+
+
+def _wide(tree: dict[str, Any], made: GeneratedScene) -> None:
+    """The camera's aspect is that of the picture (trimesh takes the ratio of the angles)."""
+    tree["cameras"][0]["perspective"]["aspectRatio"] = made.width / made.height
+
+
+def _mesh(surface: ColouredMesh, largest: int | None) -> Trimesh:
+    image = surface.image
+    if image is not None and largest is not None:
+        image = image.convert("RGB")
+        image.thumbnail((largest, largest))
+    material = trimesh.visual.material.PBRMaterial(
+        baseColorFactor=np.array(surface.colour),
+        baseColorTexture=image,
+        metallicFactor=0.0,
+        roughnessFactor=0.8,
+    )
+    looks = trimesh.visual.TextureVisuals(uv=surface.uv, material=material)
+    return Trimesh(surface.vertices, surface.faces, vertex_normals=surface.normals, visual=looks, process=False)

@@ -1,0 +1,86 @@
+"""The models of a generated scene in their places, as writers of other formats read them."""
+
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from stages.articulated.asset_folder import read_model
+from stages.articulated.forward_kinematics import link_frames
+from stages.articulated.mesh_writer import shaded
+from stages.articulated.model import JointModel, RobotModel, Visual
+from stages.articulated.surfaces import ColouredMesh
+from stages.contracts import Asset, GeneratedScene
+from stages.contracts.look import ROOM_LIGHT, Look
+from stages.generation.placed import Placed
+from stages.geometry.frames import apply
+from stages.simulation.backdrop import Block, backdrop
+
+Matrix = NDArray[np.float64]
+CAMERA = "input_camera"
+OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # axes of a camera, from OpenCV's
+
+
+@dataclass(frozen=True)
+class Body:
+    """A model in its place. `folder`: its files at its size; `pose`: world_from_root (4, 4); not `fixed`: is free."""
+
+    id: str
+    label: str
+    asset: Asset
+    folder: Path
+    model: RobotModel
+    pose: Matrix
+    fixed: bool
+
+    @property
+    def frames(self) -> dict[str, Matrix]:
+        """root_from_link (4, 4) of every link, closed."""
+        return link_frames(self.model)
+
+    @property
+    def corners(self) -> Matrix:
+        """Of the closed box (8, 3), in the world."""
+        low, high = self.asset.box_min, self.asset.box_max
+        return apply(self.pose, np.array(list(product(*zip(low, high, strict=True)))))
+
+    @property
+    def moving(self) -> list[JointModel]:
+        """Joints that are not fixed."""
+        return [joint for joint in self.model.joints if joint.type != "fixed"]
+
+
+@dataclass(frozen=True)
+class Room:
+    """A scene to export. World: the floor frame, z up, metres. `blocks`: floor and walls; `light`: its direction."""
+
+    scene: GeneratedScene
+    bodies: list[Body]
+    blocks: list[Block]
+    light: Matrix
+
+    @property
+    def world_from_camera(self) -> Matrix:
+        """Of the input picture (4, 4), OpenCV axes."""
+        return np.array(self.scene.floor_from_camera)
+
+
+def room_of(made: GeneratedScene, items: list[Placed], look: Look | None) -> Room:
+    """A scene with the models of its items, which are at their sizes."""
+    bodies = [
+        Body(item.id, item.label, item.asset, item.folder, read_model(item.folder), item.pose, item.held)
+        for item in items
+    ]
+    camera = np.array(made.floor_from_camera)[:3, 3]
+    blocks = backdrop([item.box for item in items], made.walls, camera, look)
+    return Room(made, bodies, blocks, np.array(look.light if look else ROOM_LIGHT))
+
+
+def surface_of(block: Block) -> ColouredMesh:
+    """A block of the backdrop, about its own centre."""
+    made = shaded(Visual(trimesh.creation.box(block.size), flat=True))
+    assert made.normals is not None
+    return ColouredMesh(made.vertices, made.faces, made.normals, (*block.colour, 1.0))

@@ -1,5 +1,0 @@
-"""Parametric models of household things, with doors and drawers: recipe + size -> asset folder. No simulator here."""
-
-from stages.procedural.folder import build, generate
-
-__all__ = ["build", "generate"]
