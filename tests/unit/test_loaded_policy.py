@@ -11,7 +11,7 @@ from stages.policies import make_actor
 from stages.policies.checkpoint import load_network
 from stages.policies.loaded import LoadedPolicy, load_policy
 from tests.refusals import refused
-from tests.unit.test_policy_export import trained
+from tests.unit.trained_policy import trained
 
 
 @pytest.fixture
