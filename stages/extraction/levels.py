@@ -16,10 +16,11 @@ from stages.geometry.frames import Array, apply, yaw_matrix
 from stages.geometry.minimum_box import minimum_box
 from stages.geometry.room_planes import STRAY
 
-LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above; chosen
-PLAN_CELLS = 16  # of a ground plan along either side; chosen
-HIGHEST_POINTS = 3  # of a cell, the last of which is its height, as single ones are noise; chosen
-# Last words of what is closed and ends in a level top, so that what is higher stands on it: no seat, shelf or bowl.
+# Chosen; what levels they find under clutter is measured in docs/results/extraction.md.
+LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above
+PLAN_CELLS = 16  # of a ground plan along either side
+HIGHEST_POINTS = 3  # of a cell, the last of which is its height, as single ones are noise
+# Last words of labels of closed things with a level top, so that what is higher stands on it: no seat, shelf or bowl.
 TOPPED = """
 table desk counter countertop worktop workbench workstation island bar nightstand sideboard credenza buffet console
 cabinet cupboard drawer dresser commode bureau chest stand unit wardrobe closet armoire trunk vanity
