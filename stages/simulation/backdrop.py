@@ -28,7 +28,7 @@ class Block:
     colour: Colour
 
 
-def backdrop(
+def make_backdrop(
     boxes: Sequence[UprightBox], walls: Sequence[Wall], camera: Array, look: Look | None = None
 ) -> list[Block]:
     """Floor and walls as far as the furniture in `boxes` reaches and a little beyond, or as far as the picture shows.
@@ -74,6 +74,6 @@ def _block(name: str, center: Sequence[float] | Array, size: Sequence[float], ya
 def add_backdrop(
     scene: sapien.Scene, boxes: Sequence[UprightBox], walls: Sequence[Wall], camera: Array, look: Look | None = None
 ) -> list[sapien.Entity]:
-    """Add the blocks of `backdrop` to a scene."""
-    blocks = backdrop(boxes, walls, camera, look)
+    """Add the blocks of `make_backdrop` to a scene."""
+    blocks = make_backdrop(boxes, walls, camera, look)
     return [add_block(scene, block.center, block.size, block.colour, block.name, block.yaw) for block in blocks]

@@ -50,7 +50,7 @@ def write_film(path: str | Path, pictures: Iterable[Any], frequency: float, qual
         )  # fmt: skip
 
 
-def strip(pictures: Sequence[Image]) -> Image:
+def make_film_strip(pictures: Sequence[Image]) -> Image:
     """An episode in a row: (H, FRAMES * SIZE, 3)."""
     height = SIZE * pictures[0].shape[0] // pictures[0].shape[1]
     row = [cv2.resize(picture, (SIZE, height), interpolation=cv2.INTER_AREA) for picture in evenly(pictures, FRAMES)]
