@@ -62,7 +62,7 @@ def first_updates(setting: Setting) -> Found:
         optimise(policy, TrainingState(optimiser, fingerprint=""), setting, stop)
     batches = list(validation_batches(setting, validation))
     with torch.no_grad():
-        encoded = policy.with_handle(policy.encode(batches[0].clouds, batches[0].proprio))
+        encoded = policy.add_handle_offset(policy.encode(batches[0].clouds, batches[0].proprio))
         memory = policy.lstm(encoded)[0]
         hidden = policy.mlp[0](memory)
         return Found(

@@ -22,7 +22,7 @@ from stages.contracts.generated import PlacedObject
 from stages.contracts.library import Asset, HingeSide
 from stages.contracts.library_folder import AssetFolders
 from stages.evaluation.scoring import box_in_world, world_from_floor
-from stages.evaluation.shapes import CHAMFER_POINTS, DENSE, surface
+from stages.evaluation.shapes import CHAMFER_POINTS, DENSE, sample_surface
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import angle_difference, wrap_angle
 
@@ -227,7 +227,7 @@ def _surface_of(model: str, half: str) -> NDArray[np.float64]:
 
 @cache
 def _alike(model: str, half: str, chosen: Path, size: tuple[float, float, float]) -> float:
-    return chamfer(_surface_of(model, half), surface(chosen)[:: DENSE // CHAMFER_POINTS], size)
+    return chamfer(_surface_of(model, half), sample_surface(chosen)[:: DENSE // CHAMFER_POINTS], size)
 
 
 def score(root: Path, results: Path, out: Path, version: str) -> None:

@@ -7,7 +7,7 @@ import trimesh
 
 from stages.geometry.frames import apply, inverse
 from stages.planning.clearance import CLEARANCE, surface_points
-from stages.planning.rollout import Stretch, can_hold, first_feasible
+from stages.planning.rollout import Stretch, can_hold, find_feasible
 from stages.simulation.kinematics import Array
 from stages.skills.attempts import RetryingSkill
 from stages.skills.motion import LOST, OPEN, Motion
@@ -56,7 +56,7 @@ class CarrySkill(RetryingSkill):
         """The first plan that the arm can follow without touching anything; None if none of the first ones can."""
         task = self.task
         where = (task.env.base_from_asset(), self.surroundings())
-        index = first_feasible(task.chain, task.joints()[:7], plans[:CANDIDATES], *where)
+        index = find_feasible(task.chain, task.joints()[:7], plans[:CANDIDATES], *where)
         return None if index is None else plans[index]
 
     def reach(self, motion: Motion, stretches: Sequence[Stretch], gripper: float, name: str) -> str:

@@ -23,12 +23,11 @@ from stages.cli import progress
 from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError, read_options
 from stages.contracts.categories import known_categories
+from stages.contracts.corrected_masks import ROOM
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation, Held
-from stages.contracts.types import FLOOR, WALL
+from stages.contracts.types import WALL
 from stages.geometry.cameras import make_intrinsics
-
-ROOM = (FLOOR, WALL)
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,10 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
             labels = ask_labels(asker, photo.rgb)
         except NoAnswerError as error:
             raise InputError(
-                model.url, f"says not what is in the picture ({error}).", _BY_LABEL, code="E-VLM-ANSWER"
+                model.url,
+                f"says not what is in the picture ({error}).",
+                "photo.captions: labels needs no language model",
+                code="E-VLM-ANSWER",
             ) from None
         print(f"{model.model} lists {', '.join(labels)}")
     depth, focal = depth_of(photo.rgb, settings, device)
@@ -80,9 +82,6 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
         print(asker.summary())
     written = write(out, Frame(photo.rgb, depth, intrinsics), things, line)
     print(f"{out}: {len(written.objects)} objects, {'a' if written.floor else 'no'} floor, {len(written.walls)} walls")
-
-
-_BY_LABEL = "photo.captions: labels needs no language model"
 
 
 def camera_of(photo: Photo, estimated: float | None, options: PhotoConfig) -> tuple[Matrix, str]:

@@ -42,7 +42,6 @@ from stages.tasks.initial_state import nominal_root, sample_initial_state, sampl
 from stages.tasks.observation import CameraRig, Observation
 
 SHOWN_ID = np.array([1], np.int16)  # entity id of what the cloud shows; everything else has 0
-IK_STEPS, IK_ENOUGH = 20, 1e-4  # most steps of the inverse kinematics; radians of the last one
 
 
 class MujocoTaskEnv(TaskEnv):
@@ -213,7 +212,7 @@ class MujocoTaskEnv(TaskEnv):
         error = np.zeros(6)
         wanted, found, away = np.zeros(4), np.zeros(4), np.zeros(4)
         mujoco.mju_mat2Quat(wanted, world[:3, :3].ravel())
-        for _ in range(IK_STEPS):
+        for _ in range(20):
             data.qpos[self._arm] = joints
             mujoco.mj_kinematics(self.model, data)
             mujoco.mj_comPos(self.model, data)
@@ -227,7 +226,7 @@ class MujocoTaskEnv(TaskEnv):
             step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + IK_DAMPING**2 * np.eye(6), error)
             joints = joints + step * min(1.0, MAX_JOINT_STEP / max(np.abs(step).max(), 1e-9))
             joints = np.clip(joints, low + LIMIT_MARGIN, high - LIMIT_MARGIN)
-            if np.abs(step).max() < IK_ENOUGH:
+            if np.abs(step).max() < 1e-4:
                 break
         return joints
 

@@ -27,7 +27,7 @@ class Recorder:
         filming = len(self.filmed) < self.film
         rng = np.random.default_rng((seed, 1))
         disturbance = sample_disturbance(np.random.default_rng((seed, 2)), self.options.recovery)
-        speed = approach_speed(seed, self.options)
+        speed = draw_approach_speed(seed, self.options)
         episode.recovery = disturbance.kind if disturbance else None
 
         def act(action: Float, noisy: bool, ahead: float = FAR) -> None:
@@ -51,6 +51,6 @@ class Recorder:
         return episode, outcome
 
 
-def approach_speed(seed: int, options: DemonstrationsConfig) -> float:
+def draw_approach_speed(seed: int, options: DemonstrationsConfig) -> float:
     """The share of the full speed at which the hand approaches in the attempt `seed`."""
     return float(np.random.default_rng((seed, 3)).uniform(*options.approach_speed))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.films import Film
-from stages.simulation.films import FRAMES, SIZE, strip, write_films, write_png
+from stages.simulation.films import FRAMES, SIZE, make_film_strip, write_films, write_png
 from stages.simulation.studio import Image, Recording, Studio, evenly
 
 
@@ -39,7 +39,7 @@ def plot_cloud(cloud: NDArray[np.floating]) -> Image:
 def make_strip(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> Image:
     """One episode: pictures in a row, the clouds below them."""
     below = [plot_cloud(cloud) for cloud in evenly(clouds, FRAMES)]
-    return np.concatenate([strip(pictures), np.concatenate(below, axis=1)])
+    return np.concatenate([make_film_strip(pictures), np.concatenate(below, axis=1)])
 
 
 def write_demonstration_films(folder: Path, taken: Sequence[FilmedAttempt], role: str, frequency: float) -> None:

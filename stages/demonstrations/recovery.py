@@ -43,16 +43,16 @@ def sample_disturbance(rng: np.random.Generator, share: float) -> Disturbance | 
     if rng.random() >= share:
         return None
     if rng.random() < 0.5:
-        steps = _steps(rng, int(rng.integers(PUSHES[0], PUSHES[1] + 1)), gripper=OPEN)
+        steps = _make_steps(rng, int(rng.integers(PUSHES[0], PUSHES[1] + 1)), gripper=OPEN)
         return Disturbance("push", float(rng.uniform(*PUSHED_WITHIN)), steps)
-    aside = _steps(rng, int(rng.integers(PUSHES[0] + 1)), gripper=OPEN)
+    aside = _make_steps(rng, int(rng.integers(PUSHES[0] + 1)), gripper=OPEN)
     closing = np.zeros((CLOSE_STEPS, 7), np.float32)
     closing[:, 6] = CLOSED
-    pull = _steps(rng, int(rng.integers(PUSHES[1] + 1)), gripper=CLOSED, backwards=True)
+    pull = _make_steps(rng, int(rng.integers(PUSHES[1] + 1)), gripper=CLOSED, backwards=True)
     return Disturbance("miss", float(rng.uniform(*MISSED_WITHIN)), np.concatenate([aside, closing, pull]))
 
 
-def _steps(rng: np.random.Generator, count: int, gripper: float, backwards: bool = False) -> Float:
+def _make_steps(rng: np.random.Generator, count: int, gripper: float, backwards: bool = False) -> Float:
     """(count, 7) equal steps in one random direction; towards the robot if `backwards`, else hardly forwards."""
     direction = rng.standard_normal(3)
     direction[0] = -2.0 * abs(direction[0]) - 0.5 if backwards else min(direction[0], 0.2)

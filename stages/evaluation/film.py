@@ -8,7 +8,7 @@ import numpy as np
 
 from stages.contracts.films import Film
 from stages.evaluation.episodes import RolloutEpisode
-from stages.simulation.films import strip
+from stages.simulation.films import make_film_strip
 from stages.simulation.studio import Image, Studio
 
 CAPTION = 40  # pixels of the line above a strip: read where the strip is shown at half its size
@@ -49,7 +49,7 @@ def take(studio: Studio, episodes: Sequence[RolloutEpisode], role: str, frames: 
 
 def add_caption(filmed: Filmed) -> Image:
     """(H, W, 3): pictures of the episode in a row, below a line of text."""
-    film, row = filmed.film, strip(filmed.pictures)
+    film, row = filmed.film, make_film_strip(filmed.pictures)
     line = np.full((CAPTION, row.shape[1], 3), 255, np.uint8)
     outcome = "success" if film.success else "failure"
     text = f"{film.role} ({film.asset}): {outcome} after {film.steps} steps, opened {max(0.0, film.opened):.0%}"

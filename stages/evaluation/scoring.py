@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from stages.contracts import GeneratedScene, Objects, SceneScore, Truth
 from stages.contracts.generated import PlacedObject
 from stages.contracts.scenes import TrueObject
-from stages.evaluation.shapes import likeness
+from stages.evaluation.shapes import measure_likeness
 from stages.geometry.boxes import UprightBox, axis_aligned_iou, oriented_iou
 from stages.geometry.frames import angle_difference, apply, inverse, yaw_of_matrix
 
@@ -33,7 +33,7 @@ def score_object(
     box, truth = box_in_world(placed, transform), UprightBox(true.position, true.size, true.yaw)
     turn = angle_difference(box.yaw, truth.yaw, true.symmetry)
     known = true.asset in folders and placed.asset in folders
-    shape = likeness(folders[true.asset], folders[placed.asset])._asdict() if known else {}
+    shape = measure_likeness(folders[true.asset], folders[placed.asset])._asdict() if known else {}
     return {
         "status": "ok",
         "asset": placed.asset,

@@ -31,7 +31,7 @@ class Likeness(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def likeness(true: Path, chosen: Path) -> Likeness:
+def measure_likeness(true: Path, chosen: Path) -> Likeness:
     """Of two asset folders, the chosen one stretched into the box of the true one, all joints closed."""
     if true == chosen:
         opens = True if read_asset(true).articulated else None
@@ -42,7 +42,7 @@ def likeness(true: Path, chosen: Path) -> Likeness:
 
 def _shapes(true: Path, chosen: Path, size: Vector) -> tuple[float, float]:
     extents = np.asarray(size)
-    ours, theirs = (surface(folder) * extents for folder in (true, chosen))
+    ours, theirs = (sample_surface(folder) * extents for folder in (true, chosen))
     a, b = (points[:: DENSE // CHAMFER_POINTS] for points in (ours, theirs))
     distances = np.concatenate([cKDTree(b).query(a)[0], cKDTree(a).query(b)[0]])
     full, other = (fill_cells(points / extents) for points in (ours, theirs))
@@ -51,7 +51,7 @@ def _shapes(true: Path, chosen: Path, size: Vector) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=256)
-def surface(folder: Path) -> NDArray[np.float64]:
+def sample_surface(folder: Path) -> NDArray[np.float64]:
     """Points (DENSE, 3) all over the closed model, its box scaled to [0, 1]; the same ones every time."""
     robot = read_model(folder)
     frames = link_frames(robot)

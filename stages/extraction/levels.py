@@ -16,11 +16,11 @@ from stages.geometry.frames import Array, apply, yaw_matrix
 from stages.geometry.minimum_box import minimum_box
 from stages.geometry.room_planes import STRAY
 
-LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above; chosen
-PLAN_CELLS = 16  # of a ground plan along either side; chosen
-LEVEL_SHARE = 0.5  # of the most points at one height, from which on another is a level; chosen
-HIGHEST_POINTS = 3  # of a cell, the last of which is its height, as single ones are noise; chosen
-# Last words of what is closed and ends in a level top, so that what is higher stands on it: no seat, shelf or bowl.
+# Chosen; what levels they find under clutter is measured in docs/results/extraction.md.
+LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above
+PLAN_CELLS = 16  # of a ground plan along either side
+HIGHEST_POINTS = 3  # of a cell, the last of which is its height, as single ones are noise
+# Last words of labels of closed things with a level top, so that what is higher stands on it: no seat, shelf or bowl.
 TOPPED = """
 table desk counter countertop worktop workbench workstation island bar nightstand sideboard credenza buffet console
 cabinet cupboard drawer dresser commode bureau chest stand unit wardrobe closet armoire trunk vanity
@@ -62,8 +62,9 @@ def fit_box_and_levels(
 def find_level(points: Array, box: UprightBox, distance: float) -> float | None:
     """The height of most of an object's upper surface, or where most of its front ends.
 
-    Clutter, a backrest or a tap are higher, but have fewer points. Of heights with nearly as many points it is the
-    lowest, which carries the others. None: a front with nothing above it, or a base, part of what the object stands on.
+    Clutter, a backrest or a tap are higher, but have fewer points. Of heights with at least half as many points as the
+    most it is the lowest, which carries the others. None: a front with nothing above it, or a base, part of what the
+    object stands on.
 
     Args:
         points: (N, 3) of the object, `distance` metres from the camera; their box.
@@ -82,7 +83,7 @@ def find_level(points: Array, box: UprightBox, distance: float) -> float | None:
     )
     is_level = everywhere > PROMINENT * len(heights) / bins
     peaks = is_level & (above >= np.roll(above, 1)) & (above >= np.roll(above, -1))
-    peaks &= above >= LEVEL_SHARE * above.max()
+    peaks &= above >= above.max() / 2
     peak = int(np.argmax(peaks if peaks.any() else above))
     height = low + (peak + 0.5) * (high - low) / bins
     higher = float((heights > height + thick).mean())

@@ -20,11 +20,10 @@ from stages.extraction.wall_contact import (
     find_touched_walls,
     resolve_stated_mounting,
 )
-from stages.geometry.boxes import THINNEST_PLATE, UprightBox, with_bottom, with_top
+from stages.geometry.boxes import THINNEST, UprightBox, with_bottom, with_top
 from stages.geometry.frames import rounded
 
 MAX_STRETCH = 2.0  # of an object's seen height: by more its box is not extended down to what carries it; chosen
-MIN_EXTENT = 0.001  # metres: a box has some depth, also where a cloud has none
 
 
 @dataclass(frozen=True)
@@ -73,7 +72,7 @@ def mount_objects(
             done[name] = one.fail("its top is found below what carries it: the depth of one of the two is wrong")
             continue
         carriers[name] = placed.filled
-        size = rounded(np.maximum(placed.box.size, MIN_EXTENT))
+        size = rounded(np.maximum(placed.box.size, 0.001))  # metres, also where its cloud has no depth
         update = {
             "box": Box(center=rounded(placed.box.center), size=size, yaw=round(placed.box.yaw, 6)),
             "mounting": placed.mounting,
@@ -94,7 +93,7 @@ def end_near(carrier: UprightBox, heights: tuple[float, ...], bottom: float, rea
 def is_collapsed(seen: UprightBox, placed: Placement, tolerance: float) -> bool:
     """Whether an object that is seen to be high would become a thin plate on its carrier: the depth of one is wrong."""
     height, left = seen.size[2], placed.box.size[2]
-    return bool(left < 1.5 * THINNEST_PLATE and height > tolerance)
+    return bool(left < 1.5 * THINNEST and height > tolerance)
 
 
 def place_object(
@@ -137,7 +136,7 @@ def place_object(
     hangs = bool(touched) and (box.bottom - beneath > tolerance if known else is_hanging(box, beneath, view, own))
     measured = Mounting(type=1 if hangs else 3 if touched else 2, walls=[wall.id for wall in touched])
     mounting = stated or measured
-    placed = box if known or mounting.hangs else with_bottom(box, min(beneath, box.top - THINNEST_PLATE))
+    placed = box if known or mounting.hangs else with_bottom(box, min(beneath, box.top - THINNEST))
     behind = next((wall for wall in walls if wall.id in mounting.walls[:1]), None)
     if mounting.hangs:
         support = WALL

@@ -12,35 +12,31 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import DepthNoiseConfig
 
-EDGE = 0.03  # relative jump of depth that makes an outline; chosen
-QUIET = 0.8  # central part of the image without periphery error; chosen
-PERIPHERY = 0.03  # relative error at the image border; A.7 gives no number; chosen
-DRIFT = 0.1  # of the image width, over which that error varies; chosen
-CORRELATION = 6.0  # pixels over which the range noise varies: estimated depth errs in patches; chosen
-BLEEDING = 1.0  # pixels over which near and far depth run into each other at outlines; A.7 gives no number; chosen
+# A.7 names the errors and gives no numbers: these are chosen.
+EDGE = 0.03  # relative jump of depth that makes an outline
+QUIET = 0.8  # central part of the image without periphery error
+PERIPHERY = 0.03  # relative error at the image border
+DRIFT = 0.1  # of the image width, over which that error varies
+CORRELATION = 6.0  # pixels over which the range noise varies: estimated depth errs in patches
+BLEEDING = 1.0  # pixels over which near and far depth run into each other at outlines
 
 
 def smooth_field(shape: tuple[int, int], sigma: float, rng: np.random.Generator) -> NDArray[np.float64]:
     """Gaussian noise of unit variance, correlated over `sigma` pixels."""
-    field = rng.standard_normal(shape)
-    if sigma <= 0:
-        return field
-    smooth = np.asarray(cv2.GaussianBlur(field, (0, 0), sigma), dtype=np.float64)
+    smooth = np.asarray(cv2.GaussianBlur(rng.standard_normal(shape), (0, 0), sigma), dtype=np.float64)
     return smooth / smooth.std()
 
 
-def bleed(depth: NDArray[np.floating], sigma: float) -> NDArray[np.floating]:
-    """Blur depth where it jumps, over `sigma` pixels."""
+def blur_outlines(depth: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Blur depth (H, W) where it jumps."""
     depth = depth.astype(np.float64)
-    if sigma <= 0:
-        return depth
     kernel = np.ones((3, 3), np.uint8)
     jump = cv2.dilate(depth, kernel) - cv2.erode(depth, kernel) > EDGE * np.maximum(depth, 1e-6)
-    reach = 2 * int(np.ceil(sigma)) + 1
+    reach = 2 * int(np.ceil(BLEEDING)) + 1
     near_edge = cv2.dilate(jump.astype(np.uint8), np.ones((reach, reach), np.uint8)) > 0
     known = (depth > 0).astype(float)
-    weight = cv2.GaussianBlur(known, (0, 0), sigma)
-    blurred = cv2.GaussianBlur(depth, (0, 0), sigma) / np.maximum(weight, 1e-9)
+    weight = cv2.GaussianBlur(known, (0, 0), BLEEDING)
+    blurred = cv2.GaussianBlur(depth, (0, 0), BLEEDING) / np.maximum(weight, 1e-9)
     return np.where(near_edge & (depth > 0), blurred, depth)
 
 
@@ -55,7 +51,7 @@ def periphery_ramp(shape: tuple[int, int]) -> NDArray[np.float64]:
 def noisy_depth(depth: NDArray[np.float32], options: DepthNoiseConfig, rng: np.random.Generator) -> NDArray[np.float32]:
     """Disturb perfect depth (H, W) in metres; the same generator state gives the same picture."""
     scale = 1 + options.scale * rng.standard_normal()
-    z = bleed(depth, BLEEDING)
+    z = blur_outlines(depth)
     drift = smooth_field(depth.shape, DRIFT * depth.shape[1], rng)
     z = z * (1 + PERIPHERY * periphery_ramp(depth.shape) * drift)
     sigma = options.range_constant + options.range_quadratic * z**2

@@ -14,7 +14,7 @@ from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
 
 WIDTH = 1280  # pixels to which every picture is drawn: pages show it at about half of that, whatever its own size
-LETTERS, LINE, PADDING = 26, 3, 5  # pixels
+LINE, PADDING = 3, 5  # pixels
 
 
 def _tint_masks(
@@ -57,7 +57,7 @@ class _Captions:
 
     def __init__(self, canvas: ImageDraw.ImageDraw) -> None:
         self.canvas = canvas
-        self.font = ImageFont.load_default(LETTERS)
+        self.font = ImageFont.load_default(26)
         self.taken: list[tuple[float, float, float, float]] = []
 
     def write(self, text: str, at: tuple[float, float], colour: Colour) -> None:

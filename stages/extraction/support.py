@@ -7,21 +7,18 @@ from numpy.typing import NDArray
 
 from stages.contracts.objects import Wall
 from stages.contracts.types import FLOOR
-from stages.extraction.visibility import DepthView, cell_centres
+from stages.extraction.visibility import CONTACT, DepthView, cell_centres
 from stages.extraction.wall_contact import FREE_SHARE
 from stages.geometry.boxes import UprightBox, footprint
 from stages.geometry.frames import yaw_matrix
 from stages.geometry.masks import OUTLINE, Mask
 
-WIDENED, WIDENED_SHARE = 0.05, 0.25  # metres by which a carrier's footprint is widened; at most so much of the carried
-ON_TOP = 0.5  # share of an object's footprint that lies over its carrier's
 JUST_BELOW = 0.15  # metres; farther down furniture may stand before a picture that hangs
 SUNK = 0.04  # share of the distance by which an object reaches below the top of what it is in (a can in a bowl)
-SHELF = 0.5  # share of the pixels just below an object that must show what it stands on
 
 
 def find_carrier(
-    box: UprightBox, carriers: Mapping[str, UprightBox], tolerance: float, sunk: float = np.inf, share: float = ON_TOP
+    box: UprightBox, carriers: Mapping[str, UprightBox], tolerance: float, sunk: float = np.inf, share: float = 0.5
 ) -> tuple[float, str]:
     """Top of the highest carrier below a box and its id, or that of the floor.
 
@@ -31,15 +28,14 @@ def find_carrier(
         tolerance: gap in metres that counts as touching.
         sunk: what reaches so many metres below a carrier's top, and half of its own height, is not on it, but in it,
             and stands where its own box ends.
-        share: of the box's footprint, of which more than that lies over the carrier's.
+        share: of the box's footprint; more than that lies over the carrier's, or as near as to touch it.
     """
     inside = max(sunk, float(box.size[2]) / 2)
-    plan = footprint(box)
-    widened = min(WIDENED, WIDENED_SHARE * float(np.min(box.size[:2])))
+    plan, touching = footprint(box), min(CONTACT, float(np.min(box.size[:2])) / 4)
     tops = [
         (carrier.top if carrier.top <= box.bottom + inside else box.bottom, name)
         for name, carrier in carriers.items()
-        if plan.intersection(footprint(carrier).buffer(widened)).area > share * plan.area
+        if plan.intersection(footprint(carrier).buffer(touching)).area > share * plan.area
         and carrier.top <= box.bottom + 2 * tolerance
         and carrier.top + carrier.bottom < box.top + box.bottom
     ]
@@ -78,7 +74,7 @@ def reaches_down(box: UprightBox, height: float, view: DepthView, own: Mask) -> 
 
 
 def measure_shelf(box: UprightBox, walls: Sequence[Wall], view: DepthView, own: Mask, unnamed: Mask) -> float | None:
-    """Height of an unnamed surface, e.g. a shelf, just below the object's lowest pixels; None: there is none.
+    """Height of an unnamed surface, e.g. a shelf, just below most of the object's lowest pixels; None: there is none.
 
     A wall carries nothing, whether it has a mask there or not.
 
@@ -95,7 +91,7 @@ def measure_shelf(box: UprightBox, walls: Sequence[Wall], view: DepthView, own: 
     near = _is_over(points, box, 2 * tolerance) & (np.abs(points[:, 2] - box.bottom) < tolerance)
     for wall in walls:
         near &= points @ np.array(wall.normal) - wall.offset > tolerance
-    return float(np.median(points[near, 2])) if near.sum() > SHELF * len(columns) else None
+    return float(np.median(points[near, 2])) if near.sum() > len(columns) / 2 else None
 
 
 def lowest_pixels(own: Mask) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

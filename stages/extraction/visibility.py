@@ -9,8 +9,7 @@ from stages.contracts.objects import DepthError
 from stages.geometry.cameras import project
 from stages.geometry.frames import Array, apply, inverse
 
-CONTACT = 0.045  # metres, besides the error of depth: a smaller gap counts as touching; chosen
-MARGIN = 0.04  # metres of depth, and its error, by which something must be nearer to hide
+CONTACT = 0.045  # metres, besides the error of depth: what is less apart touches, and hides nothing; chosen
 
 
 def tolerance_of(error: DepthError, distance: float) -> float:
@@ -66,7 +65,7 @@ class DepthView:
         inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
         columns, rows, z = columns[inside], rows[inside], in_camera[inside, 2]
         shown = self.depth[rows, columns]
-        hidden = own[rows, columns] | (shown < z - MARGIN - self.error.a - self.error.b * z**2)
+        hidden = own[rows, columns] | (shown < z - CONTACT - self.error.a - self.error.b * z**2)
         return float((~hidden[shown > 0]).mean()) if (shown > 0).any() else 0.0
 
 

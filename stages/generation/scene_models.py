@@ -17,7 +17,7 @@ from stages.contracts import Asset, GeneratedScene
 from stages.contracts.look import ROOM_LIGHT, Look
 from stages.generation.placed import Placed
 from stages.geometry.frames import apply
-from stages.simulation.backdrop import Block, backdrop
+from stages.simulation.backdrop import Block, make_backdrop
 
 Matrix = NDArray[np.float64]
 CAMERA = "input_camera"
@@ -75,7 +75,7 @@ def room_of(made: GeneratedScene, items: list[Placed], look: Look | None) -> Roo
         for item in items
     ]
     camera = np.array(made.floor_from_camera)[:3, 3]
-    blocks = backdrop([item.box for item in items], made.walls, camera, look)
+    blocks = make_backdrop([item.box for item in items], made.walls, camera, look)
     return Room(made, bodies, blocks, np.array(look.light if look else ROOM_LIGHT))
 
 

@@ -8,7 +8,7 @@ from shapely import Polygon
 
 from stages.geometry.frames import yaw_matrix
 
-THINNEST_PLATE = 0.01  # metres: noise may put a plate's top below the table's; chosen
+THINNEST = 0.01  # metres: noise may put a plate's top below the table's; chosen
 _SIGNS = np.array([(x, y, z) for z in (-0.5, 0.5) for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))])
 
 
@@ -66,7 +66,7 @@ def bounds(box: UprightBox) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 def with_top(box: UprightBox, top: float) -> UprightBox:
     """The box with its top face moved to height `top`, its bottom face kept below that."""
-    return _between(box, min(box.bottom, top - THINNEST_PLATE), top)
+    return _between(box, min(box.bottom, top - THINNEST), top)
 
 
 def with_bottom(box: UprightBox, bottom: float) -> UprightBox:
@@ -90,7 +90,7 @@ def surface_points(box: UprightBox, count: int) -> NDArray[np.float64]:
 
 
 def round_off_box(points: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
-    """Points (N, 3) of a box, moved towards its axis until they lie in the upright cylinder in it."""
+    """Points (N, 3) of a box, moved towards its vertical axis into the elliptic cylinder that the box holds."""
     turn, half = yaw_matrix(box.yaw), box.size[:2] / 2
     local = (points - box.center) @ turn
     plan = local[:, :2] / half
@@ -122,7 +122,7 @@ def oriented_iou(a: UprightBox, b: UprightBox) -> float:
 
 
 def distances_along(origin: NDArray[np.float64], rays: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
-    """How many of its lengths (...) each ray (..., 3) from `origin` (3,) goes to a box; inf if it misses it (slabs)."""
+    """Distances (...) along rays (..., 3) from `origin` (3,) to a box, in lengths of the ray; inf: it misses."""
     turn = yaw_matrix(box.yaw)
     start, along, half = (origin - box.center) @ turn, rays @ turn, box.size / 2
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -18,7 +18,7 @@ def make_intrinsics(fx: float, fy: float, cx: float, cy: float) -> NDArray[np.fl
 
 
 def scale_intrinsics(intrinsics: NDArray[np.float64], width: float, height: float) -> NDArray[np.float64]:
-    """K after the picture is made `width` and `height` times as large; pixel centres are at integer coordinates."""
+    """K of the picture scaled by the factors `width` and `height`; pixel centres are at integer coordinates."""
     (fx, _, cx), (_, fy, cy), _ = intrinsics
     return make_intrinsics(fx * width, fy * height, (cx + 0.5) * width - 0.5, (cy + 0.5) * height - 0.5)
 

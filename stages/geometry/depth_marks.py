@@ -15,8 +15,8 @@ MIN_RANGE = 2.0  # metres: no camera's range is shorter
 
 
 def find_marks(values: NDArray[Any]) -> list[float]:
-    """Values (h, w) that mean `unknown`, besides what is not above 0: the type's largest, and what many pixels share
-    exactly, at twice the distance of all others or more, or at half of it or less.
+    """Values above 0 that mean `unknown` in depth (h, w): the largest of the type, and one that many pixels share, at
+    least twice as far as all others or at most half as far.
     """
     found, counts = _count_values(values)
     marks: list[float] = []

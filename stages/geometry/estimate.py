@@ -86,16 +86,13 @@ class Sight:
         return UprightBox(center, size, yaw)
 
     def is_one_face(self, normal: Array) -> bool:
-        """Whether the points are no thicker along a direction (3,) than one face far away is made by noise."""
+        """Whether the points spread no wider along a direction (3,) than noise spreads a single face."""
         noise = abs(float(self.ray @ normal)) * self.noise
         low, high = np.quantile(self.points @ normal, [0.05, 0.95])
         return bool(noise > FAINT and high - low < 2 * REACH * noise)
 
     def sees_top(self, box: UprightBox) -> bool:
-        """Whether the top of the object, whose box is `box`, is seen from its front edge to its rear one.
-
-        Its depth is then measured.
-        """
+        """Whether the top of the object with this box is seen from front to rear, so that its depth is measured."""
         size = box.size
         if box.top > self.camera[2]:
             return False

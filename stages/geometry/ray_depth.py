@@ -22,8 +22,8 @@ def along_axis(distance: NDArray[np.float32], intrinsics: NDArray[np.float64]) -
 
 
 def flatter_along(depth: NDArray[np.floating], intrinsics: NDArray[np.float64]) -> str:
-    """Whether floor and walls are flat if depth (H, W; 0: unknown) is taken `ray` by ray, or back along the `axis`,
-    and not as it is; empty: neither is flatter. K (3, 3). On a plane 1 / z is linear in the pixel.
+    """How depth (H, W; 0: unknown) makes floor and walls flatter: converted from `ray` to axis, or from `axis` to ray;
+    empty: as it is. K (3, 3). On a plane 1 / z is linear in the pixel.
     """
     rows, columns = np.nonzero(depth > 0)
     if len(rows) < SAMPLED:

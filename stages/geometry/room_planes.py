@@ -37,7 +37,7 @@ def sample_points(points: Array, rng: np.random.Generator) -> Array:
 
 
 def scale_threshold(points: Array, threshold: float) -> float:
-    """A threshold in metres at 3 m, grown with the median distance of points (N, 3), camera at the origin."""
+    """A threshold given for 3 m, scaled to the median distance of points (N, 3) from the camera, the origin."""
     return threshold * max(1.0, float(np.median(np.linalg.norm(points, axis=1))) / 3.0)
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.geometry.frames import inverse
 from stages.planning.clearance import Surroundings
-from stages.planning.handle_grasp import Grasp, grasp_pose, grasps, last_resorts
-from stages.planning.path import along, distance, handle_path, straight
-from stages.planning.rollout import ON_THE_WAY, Stretch, first_feasible, homing
+from stages.planning.handle_grasp import Grasp, grasp_pose, list_grasps, list_last_resorts
+from stages.planning.path import join_lines, make_handle_path, make_line, measure_distance
+from stages.planning.rollout import ON_THE_WAY, Stretch, find_feasible, plan_homing
 from stages.simulation.kinematics import Array, Chain
 from stages.simulation.robot import GRIPPER_OPEN, REST
 from stages.simulation.target import Target
@@ -53,7 +53,7 @@ def plan_articulation(
     """
     target = surroundings.target
     assert target.handle is not None
-    for offered in (grasps(target, target.handle), last_resorts(target, target.handle)):
+    for offered in (list_grasps(target, target.handle), list_last_resorts(target, target.handle)):
         choice = [grasp for grasp in offered if grasp not in without]
         plans = list(_plans(chain, joints, base_from_asset, target, choice, start, goal, options))
         candidates = [
@@ -64,7 +64,7 @@ def plan_articulation(
             )
             for plan, slack in plans
         ]
-        index = first_feasible(chain, joints, candidates, base_from_asset, surroundings, spare)
+        index = find_feasible(chain, joints, candidates, base_from_asset, surroundings, spare)
         if index is not None:
             return plans[index][0]
     return None
@@ -99,23 +99,23 @@ def _plans(
     asset_hand = inverse(base_from_asset) @ chain.pose(joints[None])[0]
     for grasp in choice:
         pose = grasp_pose(target.handle, grasp, asset_hand)
-        motion = base_from_asset @ handle_path(target, pose, start, goal, grasp.follow)
+        motion = base_from_asset @ make_handle_path(target, pose, start, goal, grasp.follow)
         before = motion[0].copy()
         before[:3, 3] -= options.pregrasp * before[:3, 2]
-        for approach, slack in approaches(chain, joints, before, options.pregrasp):
-            yield Plan(grasp, approach, straight(before, motion[0]), motion), slack
+        for approach, slack in list_approaches(chain, joints, before, options.pregrasp):
+            yield Plan(grasp, approach, make_line(before, motion[0]), motion), slack
 
 
-def approaches(chain: Chain, joints: Array, before: Array, pregrasp: float) -> list[tuple[Array, float]]:
+def list_approaches(chain: Chain, joints: Array, before: Array, pregrasp: float) -> list[tuple[Array, float]]:
     """Ways (K, 4, 4) from where the arm is to a pose of the hand, with their slack: straight; where the hand is higher
     also from above; where it is farther than `pregrasp` from its rest pose (path length) also through that."""
     hand, rest = chain.pose(np.stack([joints, REST]))
-    ways = [(straight(hand, before), 1.0)]
+    ways = [(make_line(hand, before), 1.0)]
     if hand[2, 3] > before[2, 3]:
         over = before.copy()
         over[2, 3] = hand[2, 3]
-        ways.append((along([hand, over, before]), 1.0))
-    if distance(hand[None], rest[None])[0] > pregrasp:
-        to_rest = homing(chain, joints, hand)
-        ways.append((np.concatenate([to_rest, straight(to_rest[-1], before)[1:]]), ON_THE_WAY))
+        ways.append((join_lines([hand, over, before]), 1.0))
+    if measure_distance(hand[None], rest[None])[0] > pregrasp:
+        to_rest = plan_homing(chain, joints, hand)
+        ways.append((np.concatenate([to_rest, make_line(to_rest[-1], before)[1:]]), ON_THE_WAY))
     return ways

@@ -36,7 +36,7 @@ class Grasp:
     swing: float = 0.0
 
 
-def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
+def list_grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
     """Candidates, the preferred ones first: always in the same order, so that demonstrations are consistent."""
     upright = not (handle.elongated and abs(handle.axis[2]) < 0.5)
     tilts = (0.7, 1.0, 0.35, 0.0) if upright else (0.0, 0.35, -0.35, 0.7, -0.7)
@@ -50,7 +50,7 @@ def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
         yield from (Grasp(tilt, 0.0, follow, over=True) for follow in follows for tilt in (0.0, 0.35, -0.35, 0.7, -0.7))
 
 
-def last_resorts(target: Target, handle: Handle) -> Iterator[Grasp]:
+def list_last_resorts(target: Target, handle: Handle) -> Iterator[Grasp]:
     """Candidates for a wide door that no other grasp opens: the hand comes from the side of the hinge, where the front
     stays near the robot as it turns; to a horizontal bar from above, so that the arm need not turn with the front."""
     upright = not (handle.elongated and abs(handle.axis[2]) < 0.5)

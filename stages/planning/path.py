@@ -13,15 +13,15 @@ ANGLE_WEIGHT = 0.15  # metres that a radian counts for in the length of a path; 
 POSE_SPACING = 0.005  # metres between the poses of a path, in that length; chosen
 
 
-def distance(a: Array, b: Array) -> Array:
+def measure_distance(a: Array, b: Array) -> Array:
     """(N,) path length between poses (N, 4, 4): metres, with radians at `ANGLE_WEIGHT`."""
     error = pose_error(a, b)
     return np.asarray(np.linalg.norm(error[:, :3], axis=1) + ANGLE_WEIGHT * np.linalg.norm(error[:, 3:], axis=1))
 
 
-def straight(start: Array, end: Array) -> Array:
+def make_line(start: Array, end: Array) -> Array:
     """(K, 4, 4) poses from `start` to `end`, both included; rotation about one axis."""
-    count = max(2, 1 + int(np.ceil(distance(start[None], end[None])[0] / POSE_SPACING)))
+    count = max(2, 1 + int(np.ceil(measure_distance(start[None], end[None])[0] / POSE_SPACING)))
     error = pose_error(end[None], start[None])[0]
     fraction = np.linspace(0, 1, count)[:, None]
     poses = np.tile(np.eye(4), (count, 1, 1))
@@ -30,13 +30,13 @@ def straight(start: Array, end: Array) -> Array:
     return poses
 
 
-def along(way: Sequence[Array]) -> Array:
+def join_lines(way: Sequence[Array]) -> Array:
     """(K, 4, 4) poses straight from each pose to the next one."""
-    legs = [straight(a, b) for a, b in itertools.pairwise(way)]
+    legs = [make_line(a, b) for a, b in itertools.pairwise(way)]
     return np.concatenate([legs[0], *[leg[1:] for leg in legs[1:]]])
 
 
-def handle_path(target: Target, grasp: Array, start: float, goal: float, follow: float) -> Array:
+def make_handle_path(target: Target, grasp: Array, start: float, goal: float, follow: float) -> Array:
     """(K, 4, 4) poses of a hand that holds the handle while the joint goes from `start` to `goal`, asset frame.
 
     Args:
@@ -44,7 +44,7 @@ def handle_path(target: Target, grasp: Array, start: float, goal: float, follow:
         follow: the part of a door's turn that the hand makes as well; with 0 the handle turns between the fingers.
     """
     ends = target.motions(np.array([start, goal])) @ grasp
-    count = max(2, 1 + int(np.ceil(distance(ends[:1], ends[1:])[0] / POSE_SPACING)))
+    count = max(2, 1 + int(np.ceil(measure_distance(ends[:1], ends[1:])[0] / POSE_SPACING)))
     values = np.linspace(start, goal, count)
     poses = target.motions(values) @ grasp
     if target.revolute:
@@ -62,7 +62,7 @@ class Pursuit:
 
     def __init__(self, path: Array, lookahead: float) -> None:
         self.path = path
-        steps = distance(path[1:], path[:-1])
+        steps = measure_distance(path[1:], path[:-1])
         self.length = np.concatenate([[0.0], np.cumsum(steps)])
         self.lookahead = lookahead
         self.nearest = 0
@@ -70,7 +70,7 @@ class Pursuit:
     def aim(self, pose: Array) -> Array:
         """(4, 4) pose to move to from `pose`."""
         window = self.path[self.nearest : self.nearest + 1 + int(2 * self.lookahead / POSE_SPACING)]
-        gaps = distance(window, np.broadcast_to(pose, window.shape))
+        gaps = measure_distance(window, np.broadcast_to(pose, window.shape))
         self.nearest += int(gaps.argmin())
         ahead = np.searchsorted(self.length, self.length[self.nearest] + self.lookahead)
         return np.asarray(self.path[min(int(ahead), len(self.path) - 1)])

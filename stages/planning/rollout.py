@@ -7,7 +7,7 @@ import numpy as np
 
 from stages.geometry.frames import inverse
 from stages.planning.clearance import CLEARANCE, Surroundings, arm_spheres
-from stages.planning.path import distance, straight
+from stages.planning.path import make_line, measure_distance
 from stages.simulation.kinematics import MAX_JOINT_STEP, Array, Chain, pose_error, track
 from stages.simulation.robot import REST
 
@@ -33,7 +33,7 @@ class Stretch:
     slack: float = 1.0
 
 
-def first_feasible(
+def find_feasible(
     chain: Chain,
     joints: Array,
     candidates: Sequence[Sequence[Stretch]],
@@ -49,7 +49,7 @@ def first_feasible(
     best, widest = None, -np.inf
     for start in range(0, len(candidates), BATCH):
         batch = candidates[start : start + BATCH]
-        sketches = [[thin(stretch.path) for stretch in candidate] for candidate in batch]
+        sketches = [[thin_path(stretch.path) for stretch in candidate] for candidate in batch]
         slack = [
             np.concatenate([np.full(len(path), stretch.slack) for path, stretch in zip(sketch, candidate, strict=True)])
             for sketch, candidate in zip(sketches, batch, strict=True)
@@ -82,27 +82,27 @@ def can_hold(
     """
     across = int(np.ceil(np.ptp([chain.lower, chain.upper], axis=0).max() / MAX_JOINT_STEP))  # of the widest range
     q = track(chain, np.tile(joints, (len(poses), 1)), poses, across)
-    reached = (deviation(poses, chain.pose(q)) < TOLERANCE).all(axis=1)
+    reached = (measure_deviation(poses, chain.pose(q)) < TOLERANCE).all(axis=1)
     spheres = arm_spheres(inverse(base_from_asset) @ chain.frames(q), stretch.fingers, stretch.held)
     gaps = surroundings.gaps(*spheres, np.full(len(poses), stretch.joint[0]))
     return np.asarray(reached & (gaps > CLEARANCE).all(axis=1))
 
 
-def deviation(goals: Array, poses: Array) -> Array:
+def measure_deviation(goals: Array, poses: Array) -> Array:
     """(N, 2) how far poses (N, 4, 4) are from their goals: metres, radians."""
     error = pose_error(goals, poses)
     return np.stack([np.linalg.norm(error[:, :3], axis=1), np.linalg.norm(error[:, 3:], axis=1)], axis=1)
 
 
-def homing(chain: Chain, joints: Array, off: Array) -> Array:
+def plan_homing(chain: Chain, joints: Array, off: Array) -> Array:
     """(K, 4, 4) poses of a hand that goes straight to `off` (4, 4), from where the joints go to rest.
 
     A straight way of the hand would turn some joint to its limit. Nor can the poses be those that the joints pass on a
     straight way to rest: having a joint more than a pose needs, the arm would come to them bent in another way. So
     every pose is a step towards rest from the joints with which the arm comes to the one before.
     """
-    way = list(straight(chain.pose(joints[None])[0], off))
-    for pose in thin(np.stack(way)):
+    way = list(make_line(chain.pose(joints[None])[0], off))
+    for pose in thin_path(np.stack(way)):
         joints = track(chain, joints[None], pose[None])[0]
     for left in range(int(np.ceil(np.abs(REST - joints).max() / ROLLOUT_STEP)), 0, -1):
         way.append(chain.pose((joints + (REST - joints) / left)[None])[0])
@@ -110,9 +110,9 @@ def homing(chain: Chain, joints: Array, off: Array) -> Array:
     return np.stack(way)
 
 
-def thin(path: Array) -> Array:
+def thin_path(path: Array) -> Array:
     """Every `ROLLOUT_STEP` of a path, the last pose included, the first one not."""
-    length = np.concatenate([[0.0], np.cumsum(distance(path[1:], path[:-1]))])
+    length = np.concatenate([[0.0], np.cumsum(measure_distance(path[1:], path[:-1]))])
     count = max(1, int(np.ceil(length[-1] / ROLLOUT_STEP)))
     return np.asarray(path[np.searchsorted(length, np.linspace(0, length[-1], count + 1)[1:] - 1e-9)])
 
@@ -133,7 +133,7 @@ def roll_out(
     history = []
     for step in range(longest):
         q = track(chain, q, padded[:, step])
-        reached &= (deviation(padded[:, step], chain.pose(q)) < TOLERANCE * slacks[:, step, None]).all(axis=1)
+        reached &= (measure_deviation(padded[:, step], chain.pose(q)) < TOLERANCE * slacks[:, step, None]).all(axis=1)
         history.append(q)
     joined = np.stack(history, axis=1)
     return [joined[i, : len(path)] for i, path in enumerate(paths)], reached.tolist()

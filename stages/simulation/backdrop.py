@@ -14,7 +14,6 @@ from stages.simulation.rendering import add_block
 
 THICKNESS, WALL_HEIGHT = 0.1, 2.8  # metres; chosen for pictures
 BEYOND = 1.5  # metres that floor and walls reach beyond it; chosen for pictures
-FLOOR_COLOUR, WALL_COLOUR = (0.62, 0.57, 0.50), (0.86, 0.85, 0.82)  # linear RGB
 Array = NDArray[np.float64]
 
 
@@ -29,7 +28,7 @@ class Block:
     colour: Colour
 
 
-def backdrop(
+def make_backdrop(
     boxes: Sequence[UprightBox], walls: Sequence[Wall], camera: Array, look: Look | None = None
 ) -> list[Block]:
     """Floor and walls as far as the furniture in `boxes` reaches and a little beyond, or as far as the picture shows.
@@ -49,7 +48,7 @@ def backdrop(
             continue
         tangent = np.array([-normal[1], normal[0], 0.0])
         along = points @ tangent
-        left, right, height, colour = along.min() - BEYOND, along.max() + BEYOND, WALL_HEIGHT, WALL_COLOUR
+        left, right, height, colour = along.min() - BEYOND, along.max() + BEYOND, WALL_HEIGHT, (0.86, 0.85, 0.82)
         if wall.id in seen:
             (left, _), (right, height), colour = seen[wall.id].low, seen[wall.id].high, seen[wall.id].colour
             edges.append(wall.offset * normal[None, :2] + np.outer([left, right], tangent[:2]))
@@ -57,7 +56,7 @@ def backdrop(
         yaw = float(np.arctan2(normal[1], normal[0]))
         shown.append(_block(wall.id, center, [THICKNESS, right - left, height], yaw, colour))
     low, high = points[:, :2].min(axis=0) - BEYOND, points[:, :2].max(axis=0) + BEYOND
-    colour = FLOOR_COLOUR
+    colour = (0.62, 0.57, 0.50)
     if "floor" in seen:
         colour = seen["floor"].colour
         low = np.min([low, seen["floor"].low, *(edge.min(axis=0) for edge in edges)], axis=0)
@@ -75,6 +74,6 @@ def _block(name: str, center: Sequence[float] | Array, size: Sequence[float], ya
 def add_backdrop(
     scene: sapien.Scene, boxes: Sequence[UprightBox], walls: Sequence[Wall], camera: Array, look: Look | None = None
 ) -> list[sapien.Entity]:
-    """Add the blocks of `backdrop` to a scene."""
-    blocks = backdrop(boxes, walls, camera, look)
+    """Add the blocks of `make_backdrop` to a scene."""
+    blocks = make_backdrop(boxes, walls, camera, look)
     return [add_block(scene, block.center, block.size, block.colour, block.name, block.yaw) for block in blocks]

@@ -16,7 +16,6 @@ from stages.contracts.films import Film, Films
 from stages.simulation.studio import Image, evenly
 
 FRAMES, SIZE = 8, 192  # pictures on a strip, and their width in pixels
-LAST = 1200  # milliseconds that the last picture of a film stays
 
 
 def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], control_frequency: float) -> None:
@@ -47,11 +46,11 @@ def write_film(path: str | Path, pictures: Iterable[Any], frequency: float, qual
     with atomic(Path(path)) as temporary:
         images[0].save(
             temporary, "WEBP", save_all=True, append_images=images[1:], quality=quality, method=4, loop=0,
-            duration=[step] * (len(images) - 1) + [LAST],
+            duration=[step] * (len(images) - 1) + [1200],  # milliseconds; the last picture stays
         )  # fmt: skip
 
 
-def strip(pictures: Sequence[Image]) -> Image:
+def make_film_strip(pictures: Sequence[Image]) -> Image:
     """An episode in a row: (H, FRAMES * SIZE, 3)."""
     height = SIZE * pictures[0].shape[0] // pictures[0].shape[1]
     row = [cv2.resize(picture, (SIZE, height), interpolation=cv2.INTER_AREA) for picture in evenly(pictures, FRAMES)]

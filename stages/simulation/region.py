@@ -40,7 +40,7 @@ class Region:
         return np.column_stack([self.origin + CELL * cells, np.full(len(cells), self.height)])
 
 
-def level_region(mesh: trimesh.Trimesh) -> Region | None:
+def find_level_region(mesh: trimesh.Trimesh) -> Region | None:
     """The level surface with the most cells among what rays from above hit first; None if nothing is level."""
     low, high = mesh.bounds
     axes = [np.arange(low[i] + CELL / 2, high[i], CELL) for i in (0, 1)]
@@ -60,7 +60,7 @@ def level_region(mesh: trimesh.Trimesh) -> Region | None:
     return Region(height, np.array([axes[0][0], axes[1][0]]), room)
 
 
-def headroom(region: Region, above: trimesh.Trimesh, most: float = 1.0) -> float:
+def measure_headroom(region: Region, above: trimesh.Trimesh, most: float = 1.0) -> float:
     """Distance in metres from a surface up to the lowest part of a mesh over it, at most `most`."""
     places = region.places(0.0)[::4]
     places[:, 2] += 1e-3

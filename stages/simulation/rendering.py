@@ -15,7 +15,6 @@ from stages.simulation.shaders import Pack, use
 
 # OpenCV camera axes (x right, y down, z forward) -> SAPIEN's (x forward, y left, z up)
 SAPIEN_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
-BACKGROUND = (0.82, 0.82, 0.84)
 SHADED, LIGHTS_BEFORE = 8.0, 2.0  # metres: default radius of what casts shadows, and depth of the map beyond it
 _alive: list[sapien.Scene] = []  # the last scene made; while one lives, the next need not compile shaders again (0.1 s)
 
@@ -137,7 +136,7 @@ class RenderCamera:
 
 def _on_background(rgba: NDArray[np.uint8], seen: NDArray[np.bool_]) -> NDArray[np.uint8]:
     """Colours (H, W, 3) of pixels (H, W, 4) that show something, elsewhere the background; four bytes at a time."""
-    background = np.array([*BACKGROUND, 0.0]) * 255
+    background = np.array([0.82, 0.82, 0.84, 0.0]) * 255
     pixels = np.where(
         seen, np.ascontiguousarray(rgba).view(np.uint32)[..., 0], background.round().astype("u1").view("u4")
     )

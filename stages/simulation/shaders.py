@@ -17,9 +17,7 @@ import sapien
 Pack = Literal["default", "minimal"]
 TABLE = re.compile(r"^layout\(.*\) uniform sampler2D samplerBRDFLUT;$", re.MULTILINE)
 READ = re.compile(r"texture\(samplerBRDFLUT, [^;]*\)\.xy;")
-ZERO = "vec2(0.0);"
 SKY = re.compile(r"textureLod\(samplerEnvironment, [^;]*\)\.rgb;")
-BLACK = "vec3(0.0);"
 FORMATS: dict[Pack, tuple[str, str]] = {
     "default": ("r32g32b32a32sfloat", "r32g32b32a32sfloat"),
     "minimal": ("r8g8b8a8unorm", "r16g16b16a16sint"),
@@ -68,7 +66,7 @@ def skyless(pack: str) -> str:
         for part in (pack, "common")
         for path in sorted((shipped / part).iterdir())
     }
-    changed = {name: SKY.sub(BLACK, READ.sub(ZERO, TABLE.sub("", text))) for name, text in files.items()}
+    changed = {name: SKY.sub("vec3(0.0);", READ.sub("vec2(0.0);", TABLE.sub("", text))) for name, text in files.items()}
     if changed == files or any("samplerBRDFLUT" in text for text in changed.values()):
         return pack
     digest = hashlib.sha256("\0".join(changed.values()).encode()).hexdigest()[:16]

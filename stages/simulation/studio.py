@@ -33,13 +33,10 @@ T = TypeVar("T")
 FILM_WIDTH, FILM_ASPECT = 480, 0.75  # pixels; height by width
 FINER = 1.5  # pixels that are rendered for one, each way
 GLANCE = 120  # pixels: width of the pictures by which a view is chosen
-HAND = ("panda_hand", "panda_leftfinger", "panda_rightfinger")
 HAND_SHARE = 0.6  # of the parts of the hand are seen: the farther finger may be hidden
 HAND_DEPTH = 0.08  # metres from what is seen to the middle of a part of the hand, if that is what is seen
 ROOM_MARGIN = 0.15  # metres of a room that are shown about robot and asset
 LIT = 2.2  # metres about robot and asset that cast shadows
-FLOOR_RGB, WALL_RGB, SKIRTING_RGB = (0.42, 0.29, 0.19), (0.36, 0.47, 0.52), (0.75, 0.74, 0.72)  # linear RGB
-PLINTH_RGB = (0.62, 0.60, 0.57)
 
 
 @dataclass(frozen=True)
@@ -170,7 +167,8 @@ class Shot:
     def _hand_seen(self, view: Array) -> float:
         """The share of the hand's parts that are seen, if anything is of the asset."""
         shown, (width, height) = self.studio.finder.render(view), self.studio.glance
-        links = [link for link in self.studio.robot.links if link.name in HAND]
+        parts = ("panda_hand", "panda_leftfinger", "panda_rightfinger")
+        links = [link for link in self.studio.robot.links if link.name in parts]
         points = apply(inverse(view), np.array([link.pose.p for link in links], float))
         columns, rows = np.rint((points @ intrinsics_of(width, height).T)[:, :2] / points[:, 2:]).astype(int).T
         depths = shown.depth[rows.clip(0, height - 1), columns.clip(0, width - 1)]
@@ -206,9 +204,10 @@ def _alone(scene: sapien.Scene, feet: Sequence[Array], low: float) -> list[sapie
     """Floor, wall, and plinths beneath what does not reach the floor."""
     blocks = [_plinth(scene, bounds, low) for bounds in feet if bounds[0, 2] - low > 0.005]
     back = feet[0][0, 0] - 0.03
-    blocks.append(add_block(scene, [0, 0, low - 0.05], [24, 24, 0.1], FLOOR_RGB, "floor"))
-    blocks.append(add_block(scene, [back - 0.05, 0, low + 2], [0.1, 24, 4], WALL_RGB, "wall"))
-    blocks.append(add_block(scene, [back + 0.005, 0, low + 0.045], [0.02, 24, 0.09], SKIRTING_RGB, "skirting"))
+    blocks.append(add_block(scene, [0, 0, low - 0.05], [24, 24, 0.1], (0.42, 0.29, 0.19), "floor"))
+    blocks.append(add_block(scene, [back - 0.05, 0, low + 2], [0.1, 24, 4], (0.36, 0.47, 0.52), "wall"))
+    skirting = [back + 0.005, 0, low + 0.045], [0.02, 24, 0.09]
+    blocks.append(add_block(scene, *skirting, (0.75, 0.74, 0.72), "skirting"))
     return blocks
 
 
@@ -233,4 +232,4 @@ def _plinth(scene: sapien.Scene, bounds: Array, floor: float) -> sapien.Entity:
     size = bounds[1] - bounds[0]
     width = np.minimum(0.92 * size[:2], 0.6)
     center = [*(bounds[0, :2] + bounds[1, :2]) / 2, (bounds[0, 2] + floor) / 2]
-    return add_block(scene, center, [*width, bounds[0, 2] - floor], PLINTH_RGB, "plinth")
+    return add_block(scene, center, [*width, bounds[0, 2] - floor], (0.62, 0.60, 0.57), "plinth")

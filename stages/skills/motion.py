@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from stages.planning.clearance import CLEARANCE
-from stages.planning.path import Pursuit, straight
-from stages.planning.rollout import TOLERANCE, deviation
+from stages.planning.path import Pursuit, make_line
+from stages.planning.rollout import TOLERANCE, measure_deviation
 from stages.simulation.kinematics import Array, pose_error
 from stages.simulation.robot import GRIPPER_OPEN
 from stages.skills import FAR, Act
@@ -127,7 +127,7 @@ class Motion:
         pursuit, stall = Pursuit(path, lookahead), Stall(0.002)
 
         def arriving(hand: Array) -> str:
-            left = deviation(path[-1:], hand[None])[0]
+            left = measure_deviation(path[-1:], hand[None])[0]
             if (left < TOLERANCE).all():
                 return "arrived"
             return watch(hand) or ("stall" if stall(pursuit.progress - left[0]) else "")
@@ -140,7 +140,7 @@ class Motion:
         start = self.task.hand()
         end = start.copy()
         end[:3, 3] -= length * start[:3, 2]
-        word, _ = self.reach(straight(start, end), length, OPEN)
+        word, _ = self.reach(make_line(start, end), length, OPEN)
         while not self.open and not self.out_of_time:
             self.hold(OPEN, 1)
         return word

@@ -19,7 +19,7 @@ from stages.geometry.frames import apply, inverse
 from stages.planning.clearance import Surroundings
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, soften
-from stages.simulation.poses import to_poses
+from stages.simulation.poses import batch_poses
 from stages.simulation.rendering import render_backend
 from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.room import Room
@@ -216,8 +216,8 @@ class OpenTaskEnv(FilmedEnv):
             qpos.append(np.concatenate([REST + setup.joints, [GRIPPER_OPEN, GRIPPER_OPEN]]))
             self.rig.place(self._sensors, index, seed)
         self.agent.robot.set_qpos(torch.as_tensor(np.stack(qpos), dtype=torch.float32, device=self.device))
-        self.agent.robot.set_pose(to_poses(np.stack(bases)))
-        self.object.set_pose(to_poses(np.stack(roots)))
+        self.agent.robot.set_pose(batch_poses(np.stack(bases)))
+        self.object.set_pose(batch_poses(np.stack(roots)))
         self.object.set_qpos(self.object.get_qlimits()[env_idx, :, 0])
         self.object.set_qvel(torch.zeros_like(self.object.get_qvel()[env_idx]))
         self._official[env_idx] = False

@@ -152,7 +152,7 @@ def constant_error(data: DemonstrationSet, training: Sequence[int], validation: 
     return round(error.item(), 5)
 
 
-def windows(data: DemonstrationSet, episodes: Sequence[int], horizon: int, stride: int) -> tuple[Indices, Mask]:
+def list_windows(data: DemonstrationSet, episodes: Sequence[int], horizon: int, stride: int) -> tuple[Indices, Mask]:
     """Frame indices (W, T) of the sequences that start at every `stride`-th step, and (W, T) which steps are real.
 
     Behind its end an episode is padded by its last frame, as robomimic does, but with no weight in the loss.

@@ -30,12 +30,12 @@ def mark_episodes(clouds: Tensor, lengths: Sequence[int]) -> tuple[Tensor, Tenso
     first = 0
     for length in lengths:
         part = slice(first, first + length)
-        fronts[part] = planes[first] * still(planes[part])[:, None]
+        fronts[part] = planes[first] * find_still(planes[part])[:, None]
         first += length
     return marked, fronts
 
 
-def still(planes: Tensor) -> Tensor:
+def find_still(planes: Tensor) -> Tensor:
     """Which frames (T,) of an episode come before its front has turned or been pulled; planes (T, 3)."""
     cosine = planes[:, :2] @ planes[0, :2]
     moved = (cosine < torch.cos(torch.tensor(FRONT_TURNED))) | ((planes[:, 2] - planes[0, 2]).abs() > FRONT_PULLED)

@@ -14,7 +14,7 @@ from stages.contracts.training_run import TrainingRun
 from stages.policies import TrainablePolicy
 from stages.policies.checkpoint import save_weights
 from stages.training.augment import augment
-from stages.training.dataset import Batch, DemonstrationSet, gather, split_episodes, windows
+from stages.training.dataset import Batch, DemonstrationSet, gather, list_windows, split_episodes
 from stages.training.handles import vary_handles
 from stages.training.logbook import Line
 from stages.training.state import TrainingState
@@ -51,7 +51,7 @@ def optimise(policy: TrainablePolicy, state: TrainingState, setting: Setting, lo
     """Train `policy` from `state.step` to the last step; `state` collects the best weights."""
     run, data = setting.run, setting.data
     training, validation = split_episodes(data, run.validation_fraction, setting.seed)
-    frames, real = windows(data, training, run.rnn_horizon, stride=1)
+    frames, real = list_windows(data, training, run.rnn_horizon, stride=1)
     held_out = list(validation_batches(setting, validation))
     keep_at = {round(run.steps * (k + 1) / run.keep) for k in range(run.keep)}
     losses: list[Tensor] = []
@@ -93,7 +93,7 @@ def validation_batches(setting: Setting, episodes: list[int]) -> Iterator[Batch]
     if not episodes:
         return
     run = setting.run
-    frames, real = windows(setting.data, episodes, run.rnn_horizon, stride=run.rnn_horizon)
+    frames, real = list_windows(setting.data, episodes, run.rnn_horizon, stride=run.rnn_horizon)
     random = generator(setting.seed, 2**31)
     for part in np.array_split(np.arange(len(frames)), -(-len(frames) // run.batch_size)):
         yield gather(setting.data, frames[part], real[part], run.network.points, random, run.handle)

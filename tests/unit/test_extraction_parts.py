@@ -10,7 +10,7 @@ from stages.contracts.objects import USUAL_ERROR, Wall, object_ids
 from stages.extraction import clouds, noise
 from stages.extraction.border import continue_depth
 from stages.extraction.clouds import clean_cloud
-from stages.extraction.noise import bleed, noisy_depth, periphery_ramp
+from stages.extraction.noise import blur_outlines, noisy_depth, periphery_ramp
 from stages.extraction.support import find_carrier
 from stages.extraction.visibility import DepthView
 from stages.extraction.wall_contact import find_touched_walls
@@ -25,7 +25,7 @@ QUIET = DepthNoiseConfig(range_constant=0, range_quadratic=0, scale=0)
 
 @pytest.fixture
 def _no_outlines(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(noise, "BLEEDING", 0.0)
+    monkeypatch.setattr(noise, "blur_outlines", lambda depth: depth)
     monkeypatch.setattr(noise, "PERIPHERY", 0.0)
 
 
@@ -55,7 +55,7 @@ def test_range_noise_has_the_documented_size(z: float, sigma: float) -> None:
 def test_bleeding_stays_at_the_outline() -> None:
     depth = np.full((40, 60), 2.0, np.float32)
     depth[:, 30:] = 4.0
-    changed = np.abs(bleed(depth, 1.0) - depth) > 1e-6
+    changed = np.abs(blur_outlines(depth) - depth) > 1e-6
     assert changed[:, 29:31].all() and not changed[:, :26].any() and not changed[:, 34:].any()
 
 

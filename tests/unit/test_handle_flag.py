@@ -15,10 +15,10 @@ from stages.policies.handle_points import find_handle_middles, mark_handle_point
 from stages.training.dataset import Batch, DemonstrationSet, gather, steps_until_release
 from stages.training.handles import (
     Variation,
+    find_still,
     hide_handles,
     mark_episodes,
     move_fronts,
-    still,
     vary_handles,
     widen_grips,
 )
@@ -69,9 +69,9 @@ def test_a_front_moves_when_two_frames_say_so() -> None:
         return [-np.cos(angle), -np.sin(angle), offset]
 
     turning = torch.tensor([plane(0), plane(0.01), plane(0.2), plane(0), plane(0.2), plane(0.5)], dtype=torch.float32)
-    assert still(turning).tolist() == [True, True, True, True, False, False]
+    assert find_still(turning).tolist() == [True, True, True, True, False, False]
     pulled = torch.tensor([plane(0), plane(0, -0.69), plane(0, -0.68), plane(0, -0.6)], dtype=torch.float32)
-    assert still(pulled).tolist() == [True, True, False, False]
+    assert find_still(pulled).tolist() == [True, True, False, False]
 
 
 def sequences(count: int = 6, steps: int = 3) -> Batch:

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import torch
 
-from plugins.exports.tests.test_policy_export import trained
 from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.policies import make_actor
 from stages.policies.checkpoint import load_network
 from stages.policies.loaded import LoadedPolicy, load_policy
 from tests.refusals import refused
+from tests.unit.trained_policy import trained
 
 
 @pytest.fixture

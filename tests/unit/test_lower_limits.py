@@ -13,7 +13,7 @@ from plugins.mujoco.world import MODEL
 from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse, rigid
-from stages.planning.path import handle_path
+from stages.planning.path import make_handle_path
 from stages.simulation.target import Target
 from stages.tasks.api import TaskEnv
 from stages.tasks.base_placement import success_opening
@@ -87,7 +87,7 @@ def test_the_hand_follows_the_handle_alike(both: tuple[TaskEnv, TaskEnv]) -> Non
     ways = []
     for task in both:
         target = task.env.unwrapped.target
-        ways.append(handle_path(target, grasp, target.lower, target.lower + 0.2, follow=0.7))
+        ways.append(make_handle_path(target, grasp, target.lower, target.lower + 0.2, follow=0.7))
     assert ways[0] == pytest.approx(ways[1], abs=1e-3) and ways[0][0] == pytest.approx(grasp, abs=1e-6)
 
 

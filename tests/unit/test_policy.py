@@ -138,9 +138,9 @@ def test_gripper_frame_sees_no_common_shift() -> None:
     moved, moved_proprio = cloud.clone(), proprio.clone()
     moved[..., :3] += shift
     moved_proprio[..., :3] += shift
-    assert torch.allclose(policy.in_frame(cloud, proprio), policy.in_frame(moved, moved_proprio), atol=1e-6)
+    assert torch.allclose(policy.move_to_frame(cloud, proprio), policy.move_to_frame(moved, moved_proprio), atol=1e-6)
     robot = Policy(TrainingRun(network=NetworkConfig(cloud_frame="robot")))
-    assert torch.equal(robot.in_frame(cloud, proprio), cloud[..., :3])
+    assert torch.equal(robot.move_to_frame(cloud, proprio), cloud[..., :3])
 
 
 def test_actor_acts_as_the_network_on_the_last_steps() -> None:

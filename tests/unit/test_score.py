@@ -29,7 +29,7 @@ from stages.contracts.scenes import TrueObject
 from stages.evaluation import leave_out
 from stages.evaluation.score import run
 from stages.evaluation.scoring import score_scene
-from stages.evaluation.shapes import likeness
+from stages.evaluation.shapes import measure_likeness
 from stages.geometry.cameras import look_at
 from stages.geometry.frames import apply, inverse, yaw_of_matrix
 from tests.refusals import refused
@@ -182,11 +182,11 @@ def test_models_are_compared_by_shape_and_by_what_they_offer(tmp_path: Path) -> 
     true = build(recipe, None, tmp_path / "true", "a_0", "bottom_cabinet")
     build(recipe, wide, tmp_path / "wide", "a_1", "bottom_cabinet")
     build(sample("sofa", 0, 0), None, tmp_path / "sofa", "sofa_0", "sofa")
-    same, wider, sofa = (likeness(tmp_path / "true", tmp_path / name) for name in ("true", "wide", "sofa"))
+    same, wider, sofa = (measure_likeness(tmp_path / "true", tmp_path / name) for name in ("true", "wide", "sofa"))
     assert true.articulated and same == (0, 1, True, True, True)
     assert wider.chamfer < 0.01 and wider.shape_iou > 0.9 and wider[2:] == (True, True, True)
     assert sofa.chamfer > 2 * wider.chamfer and sofa.shape_iou < 0.8 and not sofa.panels_correct
-    assert likeness(tmp_path / "sofa", tmp_path / "true")[2:] == (None, None, None)
+    assert measure_likeness(tmp_path / "sofa", tmp_path / "true")[2:] == (None, None, None)
 
 
 @pytest.mark.parametrize("shown", ["cabinet_0", "cabinet_2"])

@@ -16,7 +16,7 @@ from stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
 from stages.config.experiment import ExperimentConfig
 from stages.config.tables import TablesConfig
 from stages.contracts.task_options import TaskConfig
-from stages.demonstrations.attempt import approach_speed
+from stages.demonstrations.attempt import draw_approach_speed
 from stages.demonstrations.collect import attempt_seeds
 from stages.evaluation.states import initial_states
 from stages.policies.bc_rnn_gmm.actor import Actor
@@ -67,7 +67,7 @@ DRAWS: dict[str, Callable[[int], Any]] = {
     "initial state": lambda seed: str(sample_initial_state(seed, TaskConfig())),
     "camera": lambda seed: jitter(seed, 0, TaskConfig(camera_jitter=(0.1, 0.1))).tolist(),
     "noise of depth": noisy_cloud,
-    "speed": lambda seed: approach_speed(seed, DemonstrationsConfig(approach_speed=(0.4, 0.6))),
+    "speed": lambda seed: draw_approach_speed(seed, DemonstrationsConfig(approach_speed=(0.4, 0.6))),
     "factors": lambda seed: sample_factors(seed, RandomiseOptions()),
     "actions": random_actions,
     "batches": lambda seed: torch.rand(3, generator=generator(seed, 5)).tolist(),

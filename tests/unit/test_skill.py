@@ -17,7 +17,7 @@ from stages.geometry.frames import inverse, rigid, yaw_matrix
 from stages.planning.articulation import plan_articulation
 from stages.planning.clearance import Surroundings
 from stages.planning.handle_grasp import Grasp, grasp_pose
-from stages.planning.path import Pursuit, distance, handle_path, straight
+from stages.planning.path import Pursuit, make_handle_path, make_line, measure_distance
 from stages.skills import FAR, Act, Outcome
 from stages.skills.close import CloseSkill
 from stages.skills.motion import Motion
@@ -144,13 +144,13 @@ def test_the_cloud_shows_the_target_or_the_object(tmp_path: Path) -> None:
 
 def test_a_straight_path_keeps_its_ends_and_spacing() -> None:
     start, end = np.eye(4), rigid(yaw_matrix(1.0), [0.1, 0.0, 0.0])
-    path = straight(start, end)
+    path = make_line(start, end)
     assert path[0] == pytest.approx(start) and path[-1] == pytest.approx(end)
-    assert distance(path[1:], path[:-1]).max() < 0.006
+    assert measure_distance(path[1:], path[:-1]).max() < 0.006
 
 
 def test_pursuit_aims_ahead_and_never_back() -> None:
-    path = straight(np.eye(4), rigid(np.eye(3), [1.0, 0.0, 0.0]))
+    path = make_line(np.eye(4), rigid(np.eye(3), [1.0, 0.0, 0.0]))
     pursuit = Pursuit(path, lookahead=0.1)
     assert pursuit.aim(rigid(np.eye(3), [0.05, 0.02, 0.0]))[0, 3] == pytest.approx(0.15, abs=0.01)
     assert pursuit.aim(rigid(np.eye(3), [0.0, 0.0, 0.0]))[0, 3] >= 0.14
@@ -162,7 +162,7 @@ def test_the_opening_path_turns_about_the_hinge(door: TaskEnv) -> None:
     target = door.env.target
     assert target.handle is not None
     grasp = grasp_pose(target.handle, Grasp(0.0, 0.0, 1.0), np.eye(4))
-    path = handle_path(target, grasp, target.lower, target.lower + np.pi / 3, follow=1.0)
+    path = make_handle_path(target, grasp, target.lower, target.lower + np.pi / 3, follow=1.0)
     radii = np.linalg.norm(path[:, :2, 3] - target.origin[:2], axis=1)
     assert np.ptp(radii) < 1e-6
     assert path[-1, 0, 3] > grasp[0, 3] + 0.2  # outwards

@@ -11,11 +11,11 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse
 from stages.planning import rollout
-from stages.planning.articulation import approaches, choose_open_goals, choose_release_opening
+from stages.planning.articulation import choose_open_goals, choose_release_opening, list_approaches
 from stages.planning.clearance import Surroundings
-from stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, grasps, last_resorts
-from stages.planning.path import distance, straight
-from stages.planning.rollout import Stretch, can_hold, first_feasible, roll_out
+from stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, list_grasps, list_last_resorts
+from stages.planning.path import make_line, measure_distance
+from stages.planning.rollout import Stretch, can_hold, find_feasible, roll_out
 from stages.simulation.kinematics import Chain, track
 from stages.simulation.robot import REST
 from stages.skills import FAR, Outcome
@@ -46,7 +46,7 @@ def test_of_ways_that_can_be_followed_the_first_with_joints_to_spare_is_taken(
         [-0.05, 0.0, 0.0],
     ]  # metres from rest, where joint 4 is 0.46 from its limit
     ways = [
-        [Stretch(straight(hand, hand + np.pad([[x] for x in goal], ((0, 1), (3, 0)))), 0.04, (0.0, 0.0))]
+        [Stretch(make_line(hand, hand + np.pad([[x] for x in goal], ((0, 1), (3, 0)))), 0.04, (0.0, 0.0))]
         for goal in goals
     ]
     ends = [chain.margin(joints_at_end(chain, way[0].path)[None]).min() for way in ways]
@@ -57,7 +57,7 @@ def test_of_ways_that_can_be_followed_the_first_with_joints_to_spare_is_taken(
             return True
 
     def taken(order: list[int], spare: float) -> int | None:
-        return first_feasible(chain, REST, [ways[i] for i in order], where, Free(door.env.target), spare)
+        return find_feasible(chain, REST, [ways[i] for i in order], where, Free(door.env.target), spare)
 
     assert taken([1, 2, 0], 0.0) == 0
     assert taken([1, 2, 0], 0.2) == 1, "not the one with most, the first with enough"
@@ -89,13 +89,13 @@ def test_an_arm_that_is_elsewhere_may_go_through_rest(door: TaskEnv) -> None:
     before = rest.copy()
     before[:3, 3] += [0.1, 0.0, -0.1]
     elsewhere = REST + np.array([0.8, 0.4, -0.3, 0.5, 0.4, -0.6, 0.5])
-    assert len(approaches(chain, REST, before, 0.1)) == 2  # straight, and from above
-    way, slack = approaches(chain, elsewhere, before, 0.1)[-1]
+    assert len(list_approaches(chain, REST, before, 0.1)) == 2  # straight, and from above
+    way, slack = list_approaches(chain, elsewhere, before, 0.1)[-1]
     assert slack > 1.0
     assert way[0] == pytest.approx(chain.pose(elsewhere[None])[0]) and way[-1] == pytest.approx(before)
-    gaps = distance(way, np.broadcast_to(rest, way.shape))
+    gaps = measure_distance(way, np.broadcast_to(rest, way.shape))
     assert gaps.min() < 1e-6, "the hand is at rest"
-    assert distance(way[1:], way[:-1]).max() < 0.06
+    assert measure_distance(way[1:], way[:-1]).max() < 0.06
     joints = elsewhere
     for pose in way[: gaps.argmin() + 1]:
         joints = track(chain, joints[None], pose[None])[0]
@@ -126,7 +126,7 @@ def test_a_bar_is_held_from_above_only_on_a_drawer_and_last(door: TaskEnv, tmp_p
     for task, last in ((door, []), (drawer, list(FROM_ABOVE))):
         handle = task.env.target.handle
         assert handle is not None
-        ways = list(grasps(task.env.target, handle))
+        ways = list(list_grasps(task.env.target, handle))
         assert [(way.tilt, way.pitch) for way in ways if way.pitch] == last
         assert [(way.tilt, way.pitch) for way in ways[len(ways) - len(last) :]] == last
     over = grasp_pose(handle, Grasp(0.0, 0.5, 1.0, 0.0), np.eye(4))
@@ -165,7 +165,7 @@ def test_a_grasp_that_missed_twice_gives_way_to_another(door: TaskEnv, monkeypat
     first, again, other, other_again, third, anew = taken
     assert first == again == anew and other == other_again
     assert len({first, other, third}) == 3
-    every = list(grasps(door.env.target, door.env.target.handle))  # type: ignore[arg-type]
+    every = list(list_grasps(door.env.target, door.env.target.handle))  # type: ignore[arg-type]
     skill.missed += 2 * [(grasp, "converge") for grasp in every]
     assert skill.attempt(motion, 1) == "converge" and taken[-1] in every, "where none is left any will do"
 
@@ -194,10 +194,10 @@ def test_where_no_other_grasp_opens_a_door_a_level_bar_is_held_from_above(door: 
     target = door.env.target
     assert target.handle is not None
     level = replace(target.handle, axis=np.array([0.0, 1.0, 0.0]), length=0.2, width=0.01)
-    above = list(last_resorts(target, level))
+    above = list(list_last_resorts(target, level))
     assert all(grasp.pitch > 0 and not grasp.swing for grasp in above) and {g.follow for g in above} == {0.0, 0.5, 1.0}
-    assert not set(above) & set(grasps(target, level))
+    assert not set(above) & set(list_grasps(target, level))
     assert all(grasp_pose(level, grasp, np.eye(4))[2, 2] < -0.2 for grasp in above), "it comes down to the bar"
-    from_the_hinge = list(last_resorts(target, target.handle))
+    from_the_hinge = list(list_last_resorts(target, target.handle))
     assert from_the_hinge and all(grasp.swing * target.side < 0 and not grasp.pitch for grasp in from_the_hinge)
-    assert not list(last_resorts(replace(target, revolute=False), level)), "a drawer has its own"
+    assert not list(list_last_resorts(replace(target, revolute=False), level)), "a drawer has its own"

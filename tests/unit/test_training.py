@@ -18,7 +18,7 @@ from stages.policies import make_policy
 from stages.policies.checkpoint import load_network
 from stages.training import loop
 from stages.training.augment import augment
-from stages.training.dataset import constant_error, frames_of, gather, read_demonstrations, split_episodes, windows
+from stages.training.dataset import constant_error, frames_of, gather, list_windows, read_demonstrations, split_episodes
 from stages.training.logbook import Line
 from stages.training.state import TrainingState, copy_weights
 from stages.training.train import outcome, plateau
@@ -146,7 +146,7 @@ def test_select_last(store: Path, tmp_path: Path) -> None:
 
 def test_windows_pad_at_the_end_without_weight(store: Path) -> None:
     data = read_demonstrations([store], 3)
-    frames, real = windows(data, [1], horizon=10, stride=1)
+    frames, real = list_windows(data, [1], horizon=10, stride=1)
     assert frames.shape == (14, 10)
     assert frames[0].tolist() == list(range(14, 24))
     assert frames[-1].tolist() == [27] * 10
@@ -173,7 +173,7 @@ def test_split_is_by_episode_and_store(store: Path) -> None:
 
 def test_downsampling_takes_one_subset_per_sequence(store: Path) -> None:
     data = read_demonstrations([store], 2)
-    frames, real = windows(data, [0], 5, 5)
+    frames, real = list_windows(data, [0], 5, 5)
     batch = gather(data, frames[:1], real[:1], 20, torch.Generator().manual_seed(0))
     assert batch.clouds.shape == (1, 5, 20, 4)
     whole = data.clouds[int(frames[0, 2])].float()
@@ -253,7 +253,7 @@ def test_the_validation_loss_is_the_mean_over_steps_and_is_no_training(
     store: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     data = read_demonstrations([store], 3)
-    frames, real = windows(data, [0, 1, 2], 5, 5)
+    frames, real = list_windows(data, [0, 1, 2], 5, 5)
     one = gather(data, frames[:2], real[:2], 64, loop.generator(0))
     batches = [replace(one, weights=torch.ones(2, 5)), replace(one, weights=torch.full((2, 5), 0.1))]
     policy = torch.nn.Module()
@@ -316,7 +316,7 @@ def test_the_normaliser_knows_training_episodes_alone(store: Path) -> None:
 def test_batches_are_put_together_where_the_frames_are(store: Path) -> None:
     """Random numbers come from the host: `meta` stands for any device but the host, and refuses to be mixed with it."""
     data = read_demonstrations([store], 2).on("meta")
-    frames, real = windows(data, [0, 1], 5, 5)
+    frames, real = list_windows(data, [0, 1], 5, 5)
     random = torch.Generator().manual_seed(0)
     batch = gather(data, frames, real, 20, random)
     clouds, proprio = augment(batch.clouds, batch.proprio, varied(jitter_probability=1), random)

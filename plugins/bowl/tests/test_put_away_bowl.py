@@ -8,7 +8,7 @@ import pytest
 import torch
 import trimesh
 
-from plugins.bowl.skills.pick.grasps import TURNS, by_turn, object_cloud, sample_grasps, turn_between
+from plugins.bowl.skills.pick.grasps import TURNS, measure_turn, sample_grasps, sample_object_cloud, sort_by_turn
 from plugins.bowl.skills.place.predicates import DROP, inside, on_top, sample_placements
 from plugins.bowl.tasks.put_away_bowl.bowl import default_bowl, seen_mesh
 from plugins.bowl.tasks.put_away_bowl.environment import with_stand_in_view
@@ -17,7 +17,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.geometry.frames import apply, rigid, yaw_matrix
 from stages.planning.path import ANGLE_WEIGHT
-from stages.simulation.region import headroom, level_region
+from stages.simulation.region import find_level_region, measure_headroom
 from stages.tasks.api import TaskEnv
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
@@ -35,7 +35,7 @@ def tray() -> trimesh.Trimesh:
 
 
 def test_the_floor_of_a_drawer_is_between_its_walls() -> None:
-    region = level_region(tray())
+    region = find_level_region(tray())
     assert region is not None
     assert region.height == pytest.approx(0.01, abs=1e-6)
     assert region.low == pytest.approx([-0.14, -0.19, 0.01], abs=0.006)
@@ -46,14 +46,15 @@ def test_the_floor_of_a_drawer_is_between_its_walls() -> None:
     assert places[:, 1].max() == pytest.approx(0.09, abs=0.008)
     assert len(region.places(0.15)) == 0
     lid = trimesh.creation.box((0.5, 0.5, 0.02)).apply_translation((0, 0, 0.13))
-    assert headroom(region, lid) == pytest.approx(0.11, abs=1e-3)
-    assert headroom(region, lid.copy().apply_translation((1, 0, 0)), most=0.5) == 0.5
+    assert measure_headroom(region, lid) == pytest.approx(0.11, abs=1e-3)
+    assert measure_headroom(region, lid.copy().apply_translation((1, 0, 0)), most=0.5) == 0.5
     beam = trimesh.creation.box((0.5, 0.02, 0.04)).apply_translation((0, 0.1, 0.1))
-    assert headroom(region, trimesh.util.concatenate([lid, beam])) == pytest.approx(0.07, abs=1e-3)  # the lowest part
+    both = trimesh.util.concatenate([lid, beam])
+    assert measure_headroom(region, both) == pytest.approx(0.07, abs=1e-3)  # the lowest part
 
 
 def test_a_mesh_without_a_level_surface_has_none_worth_standing_on() -> None:
-    ball = level_region(trimesh.creation.icosphere(3, 0.1))
+    ball = find_level_region(trimesh.creation.icosphere(3, 0.1))
     assert ball is None or len(ball.places(0.05)) == 0
 
 
@@ -61,7 +62,7 @@ def test_a_wall_is_gripped_across_and_never_through_the_floor() -> None:
     """A board on edge, 2 cm thick: the fingers close along its normal, the hand comes from above."""
     board = trimesh.creation.box((0.02, 0.2, 0.1)).apply_translation((0, 0, 0.05))
     pose = rigid(yaw_matrix(0.5), [0.3, 0.1, 0.2])
-    grasps = sample_grasps(object_cloud(board), pose, 0.2, 0.04, seed=0)
+    grasps = sample_grasps(sample_object_cloud(board), pose, 0.2, 0.04, seed=0)
     assert len(grasps) > 20
     across = np.abs(grasps[:, :3, 1] @ pose[:3, 0])
     assert across.min() > 0.98
@@ -70,41 +71,41 @@ def test_a_wall_is_gripped_across_and_never_through_the_floor() -> None:
     assert np.abs(middle).max() < 0.004
     depth = 0.3 - grasps[:, 2, 3]  # below the upper edge
     assert depth.min() > 0.0 and depth.max() < 0.03
-    low = sample_grasps(object_cloud(board), pose, 0.295, 0.04, seed=0)  # a floor just below the edge
+    low = sample_grasps(sample_object_cloud(board), pose, 0.295, 0.04, seed=0)  # a floor just below the edge
     assert len(low) == 0
 
 
 def test_what_is_too_wide_or_walled_in_is_not_gripped() -> None:
     wide = trimesh.creation.box((0.2, 0.2, 0.1)).apply_translation((0, 0, 0.05))
-    assert len(sample_grasps(object_cloud(wide), np.eye(4), 0.0, 0.04, seed=0)) == 0
+    assert len(sample_grasps(sample_object_cloud(wide), np.eye(4), 0.0, 0.04, seed=0)) == 0
     pair = [trimesh.creation.box((0.02, 0.2, 0.1)).apply_translation((x, 0, 0.05)) for x in (-0.03, 0.0, 0.03)]
-    assert len(sample_grasps(object_cloud(trimesh.util.concatenate(pair)), np.eye(4), 0.0, 0.04, seed=0)) == 0
+    assert len(sample_grasps(sample_object_cloud(trimesh.util.concatenate(pair)), np.eye(4), 0.0, 0.04, seed=0)) == 0
 
 
 def test_grasps_are_ordered_by_the_turn_of_the_hand_and_taken_the_near_way_round() -> None:
     turned = [rigid(yaw_matrix(angle), [0, 0, 0]) @ DOWN for angle in (1.0, 0.2, np.pi - 0.1)]
-    ordered = by_turn(np.array(turned), DOWN)
-    assert turn_between(ordered, DOWN)[2] == pytest.approx(1.0, abs=1e-6)
-    assert turn_between(ordered, DOWN)[:2].max() == pytest.approx(0.2, abs=1e-6)
+    ordered = sort_by_turn(np.array(turned), DOWN)
+    assert measure_turn(ordered, DOWN)[2] == pytest.approx(1.0, abs=1e-6)
+    assert measure_turn(ordered, DOWN)[:2].max() == pytest.approx(0.2, abs=1e-6)
 
 
 def test_of_grasps_that_turn_alike_the_nearest_to_the_hand_comes_first() -> None:
     """A bowl is gripped at the same rim whichever contacts were drawn: with two in the data a policy closes between."""
     rest = rigid(DOWN[:3, :3], [0.4, 0.0, 0.4])
     pose = rigid(np.eye(3), [0.45, 0.4, 0.2])
-    cloud = object_cloud(seen_mesh(default_bowl()))
+    cloud = sample_object_cloud(seen_mesh(default_bowl()))
     sides = []
     for seed in range(6):
         grasps = sample_grasps(cloud, pose, 0.2, 0.04, seed)
-        ways = by_turn(grasps, rest)
+        ways = sort_by_turn(grasps, rest)
         sides.append(ways[0, 1, 3] - pose[1, 3])
-        assert turn_between(ways[:1], rest)[0] < turn_between(ways, rest).min() + 2 * np.pi / TURNS
+        assert measure_turn(ways[:1], rest)[0] < measure_turn(ways, rest).min() + 2 * np.pi / TURNS
         assert (grasps[:, 1, 3] > pose[1, 3]).any()  # the other rim is there to be had
     assert max(sides) < -0.04
 
 
 def test_placements_are_upright_inside_the_walls_and_turn_and_fall_least_first() -> None:
-    region, bowl = level_region(tray()), seen_mesh(default_bowl())
+    region, bowl = find_level_region(tray()), seen_mesh(default_bowl())
     assert region is not None
     places = inside(region, bowl)
     radius = bowl.extents[0] / 2
@@ -168,7 +169,7 @@ def test_the_bowl_fits_into_the_drawer(tmp_path: Path) -> None:
     low = TaskEnv("put_away_bowl", tmp_path / "low", "drawer_2_joint", None, OPTIONS, render=False)
     low.place(0)
     floor = low.env.floors[0]
-    assert low.env.bowl_meshes[0].extents[2] < headroom(floor, low.env.target.fixed)
+    assert low.env.bowl_meshes[0].extents[2] < measure_headroom(floor, low.env.target.fixed)
     low.close()
     cabinet(tmp_path / "door")
     with refused("E-TASK-JOINT"):

@@ -13,7 +13,7 @@ from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.plugins import find
 from stages.policies import Choice, TrainablePolicy
 from stages.policies.checkpoint import load_network
-from stages.training.dataset import gather, read_demonstrations, windows
+from stages.training.dataset import gather, list_windows, read_demonstrations
 from stages.training.state import TrainingState
 from stages.training.train import run as train
 from tests.refusals import refused
@@ -54,7 +54,7 @@ def test_loss_and_error_of_the_sampled_actions_fall(tmp_path: Path, store: Path)
 def error_of(policy: TrainablePolicy, store: Path) -> float:
     """RMS error of the actions that a policy samples, on what it was trained on."""
     data = read_demonstrations((store,), 8)
-    frames, real = windows(data, range(8), 6, 6)
+    frames, real = list_windows(data, range(8), 6, 6)
     batch = gather(data, frames, real, 48, torch.Generator().manual_seed(0))
     with torch.no_grad():
         return float(policy.loss(batch.clouds, batch.proprio, batch.actions, batch.weights)[1])

@@ -19,9 +19,6 @@ from stages.contracts.episode_store import AGAIN, EpisodeStore, read_episodes
 from stages.contracts.library_folder import AssetFolders
 from stages.plugins import load
 
-OURS = "stages.tasks"  # `gym.make` imports it first if it stands before the name
-UNSAVED = ("render_backend",)  # of what the environment was made with: for whoever replays to choose
-
 
 class Trajectory(NamedTuple):
     """What is needed to do an episode again."""
@@ -94,7 +91,7 @@ def record(out: Path, folder: Path, subject: Subject, store: EpisodeStore, episo
         "obs_mode": "state",
         "render_backend": "none",
     }
-    name = f"{OURS}:{load('tasks', store.task).gym_id}"
+    name = f"stages.tasks:{load('tasks', store.task).gym_id}"
     env = RecordEpisode(
         gymnasium.make(name, **made), str(out), save_video=False, trajectory_name=subject.asset, save_on_reset=False,
         source_type="motionplanning", source_desc="scripted skills of the ACDC workflow",
@@ -113,7 +110,6 @@ def record(out: Path, folder: Path, subject: Subject, store: EpisodeStore, episo
     about["env_info"]["env_id"] = name
     arguments = about["env_info"]["env_kwargs"]
     arguments["asset_folder"] = folder.relative_to(out).as_posix()  # so that what was exported can be sent elsewhere
-    for key in UNSAVED:
-        arguments.pop(key, None)
+    arguments.pop("render_backend", None)  # for whoever replays to choose
     write_json(path, about)
     return kept

@@ -10,16 +10,14 @@ import pytest
 import torch
 
 from plugins.exports.policy import run
-from stages.contracts import write_json
 from stages.contracts.task_options import TaskConfig
-from stages.contracts.trained import TrainedPolicy, TrainingStore
 from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.policies import make_actor
-from stages.policies.bc_rnn_gmm import Policy
 from stages.policies.bc_rnn_gmm.loader import PortablePolicy
 from stages.policies.checkpoint import load_network, save_weights
 from stages.policies.handle_points import mark_handle_points
 from tests.refusals import refused
+from tests.unit.trained_policy import trained
 
 STRANGER = """
 import sys
@@ -42,29 +40,6 @@ RUNS = (
     TrainingRun(network=NetworkConfig(points=40, mlp=[]), rnn_horizon=3),
     TrainingRun(network=NetworkConfig(points=40), rnn_horizon=3, handle=True),
 )
-
-
-def trained(folder: Path, run: TrainingRun) -> Path:
-    """A policy folder with random weights and a normaliser that does something."""
-    torch.manual_seed(0)
-    policy = Policy(run)
-    random = torch.Generator().manual_seed(1)
-    policy.proprio_mean.normal_(generator=random)
-    policy.proprio_std.uniform_(0.5, 2, generator=random)
-    policy.cloud_mean.normal_(generator=random)
-    policy.cloud_std.fill_(0.3)
-    with torch.no_grad():
-        policy.head.bias[0] += 0.8  # a mode that is heavier than the others
-    for name in ("policy", "last"):
-        save_weights(folder / f"{name}.safetensors", policy.state_dict())
-    parameters = sum(parameter.numel() for parameter in policy.parameters())
-    config = TrainedPolicy(
-        task="door", task_options=TaskConfig(), run=run, seed=0, data_digest="0", parameters=parameters, best_step=1,
-        stores=[TrainingStore(file="episodes.h5", asset="cab", episodes=2, frames=9)], training_episodes=2,
-        validation_episodes=0, best_loss=None,
-    )  # fmt: skip
-    write_json(folder / "config.json", config)
-    return folder
 
 
 def test_the_loader_acts_as_our_actor(tmp_path: Path) -> None:

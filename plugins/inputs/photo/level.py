@@ -15,7 +15,7 @@ from stages.geometry.room_planes import STRAY, find_floor, fit_floor, make_floor
 
 
 def level_camera(frame: Frame, floor: int | None) -> NDArray[np.float64] | None:
-    """`floor_from_camera` (4, 4) with the floor below what is seen, level by lines; None: extraction finds a floor.
+    """`floor_from_camera` (4, 4), levelled by lines, its floor below all that is seen; None: extraction finds a floor.
 
     Args:
         frame: with masks.

@@ -29,9 +29,7 @@ from stages.pretrained import load_pretrained
 
 Picture = NDArray[np.uint8]
 IMAGENET = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
-HALF = (0.5, 0.5, 0.5), (0.5, 0.5, 0.5)
 DETECTOR_SIDES = 800, 1333  # pixels: the shorter side is made so long, the longer one at most that
-DEPTH_SIDE = 518  # pixels of the shorter side (Depth-Anything V2), in patches
 
 
 class Detection(NamedTuple):
@@ -44,7 +42,7 @@ class Detection(NamedTuple):
 
 @contextmanager
 def _free_after(device: str) -> Iterator[None]:
-    """Inference; what was loaded inside is let go after it."""
+    """Inference; memory of what was loaded inside is freed after it."""
     with torch.inference_mode():
         yield
     gc.collect()
@@ -60,7 +58,7 @@ def _pixels(rgb: Picture, width: int, height: int, norm: tuple[Sequence[float], 
 
 
 def detect(rgb: Picture, labels: Sequence[str], options: PhotoConfig, device: str = "cpu") -> list[Detection]:
-    """Boxes of things with these labels, best first. A box is of the label whose words speak most for it.
+    """Boxes of things with these labels, best first; each has the label with the highest score.
 
     Raises:
         InputError: the weights are missing or broken.
@@ -170,7 +168,7 @@ def _depth_anything(rgb: Picture, options: PhotoConfig, device: str) -> tuple[ND
     if model.config.depth_estimation_type != "metric":
         what = f"'{options.depth_anything}' gives relative depth, not metres."
         raise InputError(key, what, "metric weights are asked for", code="E-WEIGHTS-KIND")
-    patch, scale = model.config.patch_size, DEPTH_SIDE / min(width, height)
+    patch, scale = model.config.patch_size, 518 / min(width, height)  # pixels of the shorter side in its preprocessor
     across, down = (max(patch, round(side * scale / patch) * patch) for side in (width, height))
     depth = model(_pixels(rgb, across, down, IMAGENET).to(device)).predicted_depth[0].float().cpu().numpy()
     return cv2.resize(depth, (width, height), interpolation=cv2.INTER_LINEAR).astype(np.float32), None
@@ -180,7 +178,7 @@ def _depth_pro(rgb: Picture, options: PhotoConfig, device: str) -> tuple[NDArray
     height, width = rgb.shape[:2]
     model = load_pretrained(DepthProForDepthEstimation, options.depth_pro, "photo.depth_pro").to(device)
     side = model.config.patch_size * 4  # of the largest of its three scales (1536 pixels)
-    result = model(_pixels(rgb, side, side, HALF).to(device))
+    result = model(_pixels(rgb, side, side, ((0.5, 0.5, 0.5), (0.5, 0.5, 0.5))).to(device))
     inverse = result.predicted_depth[0].float().cpu().numpy()
     if result.field_of_view is None:  # without it the depth has no scale
         fix = "weights with a field of view are needed"

@@ -58,7 +58,7 @@ def contents(path: Path, picture: str = "") -> list[float] | dict[str, Any]:
 
 
 def load(path: Path) -> Any:
-    """A list of floats if a file has nothing else; else what its JSON, YAML, COLMAP lines or `name = value` say."""
+    """A list of floats if a file has nothing else; else its JSON, YAML, COLMAP lines or `name = value`, as data."""
     if path.suffix.lower() == ".npy":
         return np.load(path, allow_pickle=False).astype(float).ravel().tolist()
     if path.suffix.lower() == ".npz":
@@ -97,12 +97,12 @@ def flat(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def has_camera(known: dict[str, Any]) -> bool:
-    """Whether plain names tell a focal length or a matrix."""
+    """Whether plain names include a focal length or a matrix."""
     return any(name in known for name in (*FOCAL, *ANGLE, *MATRICES))
 
 
 def first(known: dict[str, Any], *names: str) -> Any:
-    """What stands under the first of the names that is there."""
+    """The value of the first of the names that has one."""
     return next((known[name] for name in names if known.get(name) is not None), None)
 
 

@@ -24,7 +24,7 @@ NO_PINHOLE = {"omni", "ds", "eucm", "mei", "fov", "equirectangular", "spherical"
 def choose_intrinsics(
     file: Path | None, camera: str, fov: float, matrix: Sequence[float]
 ) -> Callable[[int, int, str], Matrix] | None:
-    """What gives K of a picture of some width, height and name, by the one option of four that is set; None: none is.
+    """The function that gives K by width, height and name of a picture, for the one option that is set; None: none is.
 
     Raises:
         InputError: several are set, or the matrix has not four numbers.
@@ -139,7 +139,7 @@ def read_intrinsics(path: Path, width: int, height: int, picture: str = "") -> M
 
 
 def check_intrinsics(where: object, intrinsics: Matrix, width: int, height: int) -> Matrix:
-    """K, if a camera that took a picture of this size can have it.
+    """K, checked: whether a camera that took a picture of this size can have it.
 
     Raises:
         InputError: it cannot.
@@ -196,7 +196,7 @@ def _read_nerf(known: dict[str, Any], width: float, height: float) -> Matrix:
 
 
 def _read_size(known: dict[str, Any]) -> tuple[float, float] | None:
-    """Width and height of the picture that plain names are of."""
+    """Width and height of the picture in plain names."""
     names = (("{}", "image{}", "img{}", "color{}", "rgb{}", "sensor{}"), ("width", "height"))
     width, height = (first(known, *(name.format(side) for name in names[0]), side[0]) for side in names[1])
     if width is None or height is None:

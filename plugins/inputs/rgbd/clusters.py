@@ -25,7 +25,7 @@ Masks = list[NDArray[np.bool_]]
 
 
 def find_ground(points: NDArray[np.float64], rng: np.random.Generator) -> Plane | None:
-    """The level plane in points (N, 3), camera frame, on which things stand: if near a table top, else a floor."""
+    """The level plane in points (N, 3), camera frame, on which things stand: near a table top, else a floor."""
     distance = float(np.median(points[:, 2])) if len(points) else 0.0
     planes = find_level_planes(points, TILT, rng, OFF_PLANE * max(distance, OFF_PLANE))
     largest = max((plane.inliers.sum() for plane in planes), default=0)
@@ -85,7 +85,8 @@ def _find_things(
 def _label_points(
     points: NDArray[np.float64], inner: NDArray[np.float64], radius: float, least: float, rng: np.random.Generator
 ) -> NDArray[np.int32]:
-    """Cluster (N,) of each of points (N, 3), -1: none; `inner` points (M, 3) make them, `least`: share of them."""
+    """Cluster (N,) of each of points (N, 3), -1: none. The `inner` points (M, 3) form them, each at least a share of
+    `least`."""
     inner, neighbours = sample_points(inner, rng), ExtractionConfig().dbscan_min_points
     if len(inner) <= neighbours:
         return np.full(len(points), -1, dtype=np.int32)

@@ -109,7 +109,7 @@ def choose_stated_scale(path: Path, stated: Sequence[Stated], median: float) -> 
 
 
 def _list_beside(folder: Path) -> list[Path]:
-    """Small files of a folder that may say something."""
+    """Files of a folder that may state a unit."""
     kinds = {".json", ".yaml", ".yml", ".txt", ".cfg"}
     files = sorted(file for file in folder.iterdir() if file.suffix.lower() in kinds) if folder.is_dir() else []
     return files[:MAX_FILES]
@@ -135,7 +135,7 @@ def _read_file(file: Path) -> list[Stated]:
 
 
 def _read_units(data: Any, parent: str = "", deep: int = 4) -> Iterator[tuple[str, tuple[float, ...]]]:
-    """Name with value, and the numbers that may stand for one metre by it."""
+    """Names with values, and the numbers that may stand for one metre by them."""
     if isinstance(data, list):
         data = dict(enumerate(data[:MAX_FILES]))
     if not isinstance(data, dict) or not deep:
@@ -155,7 +155,7 @@ def _read_units(data: Any, parent: str = "", deep: int = 4) -> Iterator[tuple[st
 
 
 def _interpret(value: Any, readings: tuple[str, ...], name: str) -> tuple[float, ...]:
-    """What a value may mean, as numbers that stand for one metre."""
+    """The numbers that may stand for one metre by a value."""
     word = str(value).strip().lower()
     if word.rstrip("s") in WORDS or word in WORDS:
         return (WORDS.get(word) or WORDS[word.rstrip("s")],)

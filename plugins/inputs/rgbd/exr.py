@@ -38,7 +38,7 @@ def read_exr(path: Path) -> NDArray[Any]:
 
 
 def depth_channel(path: Path, channels: dict[str, NDArray[Any]]) -> str:
-    """The name of the channel of depth: called so, or in a layer that is; else the only one, or red of equal colours.
+    """The name of the depth channel: by its own name or that of its layer; else the only one, or red of equal colours.
 
     Raises:
         InputError: there is none, or several.

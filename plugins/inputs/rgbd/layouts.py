@@ -20,10 +20,6 @@ from stages.geometry.cameras import make_intrinsics, scale_intrinsics
 PICTURES = (".png", ".jpg", ".jpeg", ".ppm")
 COLOUR = ("color", "rgb", "image", "colour")  # what folders of pictures are called
 CAMERA_FILES = ("camera.json", "config.json", "metadata.json", "metadata")  # besides those with `intrinsic` in the name
-# Of the TUM RGB-D benchmark's tools: units of a metre; seconds between colour and depth of a frame (associate.py);
-# fx, fy, cx, cy of all three cameras, and the width and height of their pictures.
-TUM_UNIT, TUM_SECONDS = 5000.0, 0.02
-TUM_CAMERA, TUM_SIZE = (525.0, 525.0, 319.5, 239.5), (640, 480)
 
 
 def find_view(path: Path, number: int, intrinsics: Intrinsics | None, camera_file: Path | None = None) -> View:
@@ -56,21 +52,22 @@ def _choose(frames: list[tuple[Path, Path]], number: int, where: Path) -> tuple[
 
 
 def _find_in_lists(path: Path, number: int, intrinsics: Intrinsics | None, camera_file: Path | None) -> View:
-    """A frame of TUM: every picture with the depth image of the nearest time."""
+    """A frame of TUM: every picture with the depth image nearest in time, 20 ms apart at most (its associate.py)."""
     with readable(path / "rgb.txt", "list of a TUM recording"):
         colours, depths = _read_stamps(path / "rgb.txt"), _read_stamps(path / "depth.txt")
         times = np.array([stamp for stamp, _ in depths])
         nearest = [int(np.abs(times - stamp).argmin()) for stamp, _ in colours]
         both = zip(colours, nearest, strict=True)
-        pairs = [(file, depths[k][1]) for (stamp, file), k in both if abs(times[k] - stamp) <= TUM_SECONDS]
+        pairs = [(file, depths[k][1]) for (stamp, file), k in both if abs(times[k] - stamp) <= 0.02]
     colour, depth = _choose(pairs, number, path)
     source = "" if intrinsics else "intrinsics of TUM's tools"
     camera = intrinsics or _make_tum_intrinsics
-    return View(colour, depth, camera, camera_file, camera_file, TUM_UNIT, f"TUM, {colour.name}", source)
+    return View(colour, depth, camera, camera_file, camera_file, 5000.0, f"TUM, {colour.name}", source)
 
 
 def _make_tum_intrinsics(width: int, height: int, _: str) -> NDArray[np.float64]:
-    return scale_intrinsics(make_intrinsics(*TUM_CAMERA), width / TUM_SIZE[0], height / TUM_SIZE[1])
+    """K of all three cameras, as TUM's tools have it for pictures of 640 x 480."""
+    return scale_intrinsics(make_intrinsics(525.0, 525.0, 319.5, 239.5), width / 640, height / 480)
 
 
 def _read_stamps(path: Path) -> list[tuple[float, Path]]:

@@ -97,7 +97,7 @@ def _is_of_lens(name: str, value: Any) -> bool:
 
 
 def _says_number(value: Any) -> bool:
-    """Whether there is a number other than 0 in a value."""
+    """Whether a value holds a number other than 0."""
     if isinstance(value, (list, dict)):
         return any(_says_number(one) for one in (value.values() if isinstance(value, dict) else value))
     return isinstance(value, (int, float)) and not isinstance(value, bool) and value != 0
@@ -106,7 +106,7 @@ def _says_number(value: Any) -> bool:
 def _invert_distortion(
     inverse: NDArray[np.float64], intrinsics: Matrix, width: int, height: int
 ) -> NDArray[np.float64]:
-    """Coefficients from straight to bent out of those from bent to straight, as RealSense's, by least squares."""
+    """OpenCV's coefficients (undistorted to distorted) of the inverse ones that RealSense writes, by least squares."""
     u, v = np.meshgrid(np.linspace(0, width - 1, 20), np.linspace(0, height - 1, 20))
     bent = np.stack([u, v, np.ones_like(u)], axis=-1).reshape(-1, 3) @ np.linalg.inv(intrinsics).T
     x, y = cv2.projectPoints(bent, np.zeros(3), np.zeros(3), np.eye(3), inverse)[0][:, 0].T
@@ -125,7 +125,7 @@ def _read_fisheye(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
 
 
 def _read_coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
-    """OpenCV's, made up to one of its counts by zeros; zeros beyond say nothing."""
+    """OpenCV's coefficients, padded with zeros to one of its counts; further zeros are dropped."""
     found = _read_numbers(known, COEFFICIENTS)
     used = len(found) if np.isnan(found).any() else len(np.trim_zeros(found, "b"))
     count = next((count for count in COUNTS if count >= used), 0)
@@ -135,7 +135,7 @@ def _read_coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]
 
 
 def _read_numbers(known: dict[str, Any], names: tuple[str, ...]) -> NDArray[np.float64]:
-    """Coefficients from a list, or by their names; nan: none."""
+    """Coefficients from a list, or by their names; NaN: none."""
     values = next((known[name] for name in LISTS if name in known), None)
     values = values.get("data") if isinstance(values, dict) and "data" in values else values
     values = values.replace(",", " ").split() if isinstance(values, str) else values

@@ -18,7 +18,6 @@ from stages.contracts import InputError
 from stages.contracts.arrays import readable
 
 OUTSIDE = 3  # pixels by which a mask may leave its box; chosen
-INSIDE = 0.5  # share of a mask that its own box holds at least; chosen
 
 
 def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> list[Shape]:
@@ -91,13 +90,13 @@ def _holds(box: Any, mask: Mask) -> bool:
     left, top = box[0] - OUTSIDE, box[1] - OUTSIDE
     for right, bottom in ((box[0] + box[2], box[1] + box[3]), (box[2], box[3])):
         inside = (columns >= left) & (columns <= right + OUTSIDE) & (rows >= top) & (rows <= bottom + OUTSIDE)
-        if inside.sum() >= INSIDE * len(rows):
+        if inside.sum() >= len(rows) / 2:
             return True
     return False
 
 
 def _read_segmentation(given: Any, size: tuple[int, int]) -> tuple[Mask, list[str]]:
-    """Pixels (H, W) of run lengths, or of polygons: lists of numbers or of pairs, several or one alone."""
+    """Pixels (H, W) of run lengths, or of one or several polygons, each a list of numbers or of pairs."""
     if isinstance(given, dict):
         stated = given.get("size")
         if stated is not None and list(map(int, stated)) != list(size):
@@ -130,7 +129,7 @@ def _are_runs(part: list[Any], size: tuple[int, int]) -> bool:
 
 
 def _fill_runs(counts: Any, size: tuple[int, int]) -> Mask:
-    """Pixels (H, W) of run lengths, column by column, the first outside; a text packs them."""
+    """Pixels (H, W) of run lengths, column by column, starting outside; a string is compressed."""
     runs = _unpack_runs(counts) if isinstance(counts, str) else [int(count) for count in counts]
     if sum(runs) != size[0] * size[1] or min(runs, default=0) < 0:
         raise ShapeError(f"has run lengths of {sum(runs)} pixels, the picture has {size[0] * size[1]}")
@@ -139,7 +138,7 @@ def _fill_runs(counts: Any, size: tuple[int, int]) -> Mask:
 
 
 def _unpack_runs(text: str) -> list[int]:
-    """COCO's compressed run lengths: five bits a character, least first; from the fourth on less the last but one."""
+    """COCO's compressed run lengths: 5 bits a character, low bits first; from the fourth on, less the last but one."""
     runs: list[int] = []
     value, shift = 0, 0
     for letter in text:

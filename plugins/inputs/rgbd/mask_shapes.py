@@ -14,7 +14,7 @@ from stages.contracts import InputError
 from stages.geometry.masks import polygon
 
 Mask = NDArray[np.bool_]
-NO_PIXELS, COVERED = "has no pixels", "is covered by others"
+NO_PIXELS = "has no pixels"
 FARTHEST_OUT = 2  # times the picture's longer side: no corner that somebody drew lies farther out; chosen
 
 
@@ -65,7 +65,7 @@ def lay_shapes(path: Path, shapes: Sequence[Shape], kind: str) -> Labelled:
         values[objects[key]] = numbers[key]
     shown = set(np.unique(values).tolist())
     used = {key: members[key] for key in objects if numbers[key] in shown}
-    remarks += [(shape.label, COVERED) for key in objects if key not in used for shape in members[key]]
+    remarks += [(shape.label, "is covered by others") for key in objects if key not in used for shape in members[key]]
     count = sum(map(len, used.values()))
     grouped = f", as {len(used)} objects" if len(used) < count else ""
     unused = f": {list_remarks(remarks)}" if remarks else ""
@@ -80,7 +80,7 @@ def list_remarks(remarks: Iterable[tuple[str, str]]) -> str:
 
 
 def fill_outline(points: Any, shape: tuple[int, int]) -> Mask:
-    """Pixels (H, W) inside a polygon of corners in pixels, as pairs or one after the other.
+    """Pixels (H, W) inside a polygon; its corners, in pixels, are pairs or x and y in turn.
 
     Raises:
         ShapeError: no numbers, not in pairs, in shares of the picture, or far outside of it: no corners.
@@ -99,7 +99,7 @@ def fill_outline(points: Any, shape: tuple[int, int]) -> Mask:
 
 
 def list_corners(left: float, top: float, right: float, bottom: float) -> NDArray[np.float64]:
-    """Its corners (4, 2)."""
+    """The corners (4, 2) of a rectangle."""
     return np.array([[left, top], [right, top], [right, bottom], [left, bottom]])
 
 

@@ -26,7 +26,7 @@ class ObjectCloud:
     normals: Array
 
 
-def object_cloud(mesh: trimesh.Trimesh) -> ObjectCloud:
+def sample_object_cloud(mesh: trimesh.Trimesh) -> ObjectCloud:
     """Points evenly over a closed surface; the same mesh gives the same points."""
     points, faces = trimesh.sample.sample_surface(mesh, 4000, seed=0)
     return ObjectCloud(np.asarray(points), np.asarray(mesh.face_normals[faces]))
@@ -48,17 +48,17 @@ def sample_grasps(cloud: ObjectCloud, object_pose: Array, floor: float, opening:
     poses = []
     level = np.flatnonzero(np.abs(normals[:, 2]) <= np.sin(LEAN))  # an approach within the cone is across these
     for first in rng.choice(level, min(CANDIDATES, len(level)), replace=False):
-        second = opposite(points, normals, first, 2 * (opening - CLEARANCE))
+        second = find_opposite(points, normals, first, 2 * (opening - CLEARANCE))
         if second is None:
             continue
         closing = -normals[first]
         middle = points[first] + closing * ((points[second] - points[first]) @ closing) / 2
-        for approach in approaches(closing):
+        for approach in list_approaches(closing):
             poses.append(rigid(np.stack([np.cross(closing, approach), closing, approach], axis=1), middle))
-    return fitting(np.array(poses).reshape(-1, 4, 4), points, floor, opening)
+    return keep_free_grasps(np.array(poses).reshape(-1, 4, 4), points, floor, opening)
 
 
-def opposite(points: Array, normals: Array, first: int, widest: float) -> int | None:
+def find_opposite(points: Array, normals: Array, first: int, widest: float) -> int | None:
     """The nearest point that a line from point `first` through the object comes out at, facing away.
 
     None if there is none, if what lies between them is thicker than `widest`, or too thin to tell it from nothing.
@@ -71,7 +71,7 @@ def opposite(points: Array, normals: Array, first: int, widest: float) -> int | 
     return int(candidates[along[candidates].argmin()]) if len(candidates) else None
 
 
-def approaches(closing: Array) -> Array:
+def list_approaches(closing: Array) -> Array:
     """(N, 3) directions at a right angle to the closing axis (3,), within a cone about straight down."""
     across = np.cross(closing, [0.0, 0.0, 1.0])
     if np.linalg.norm(across) < 0.1:
@@ -82,7 +82,7 @@ def approaches(closing: Array) -> Array:
     return np.asarray(around[around[:, 2] < -np.cos(LEAN)])
 
 
-def fitting(poses: Array, points: Array, floor: float, opening: float) -> Array:
+def keep_free_grasps(poses: Array, points: Array, floor: float, opening: float) -> Array:
     """Those of the poses (N, 4, 4) at which an open gripper touches neither the points (P, 3) nor the floor.
 
     Each is first moved along its approach until the pads reach past the edge of what they hold: a contact below an edge
@@ -101,7 +101,7 @@ def fitting(poses: Array, points: Array, floor: float, opening: float) -> Array:
     return np.asarray(poses[(gaps > CLEARANCE).all(axis=1) & (depth > -2 * HALF_PAD)])
 
 
-def by_turn(poses: Array, hand: Array) -> Array:
+def sort_by_turn(poses: Array, hand: Array) -> Array:
     """Grasps (N, 4, 4), those with the least change of orientation from `hand` (4, 4) first.
 
     A gripper looks the same after half a turn: the nearer of the two orientations is used. Among equal turns, to one
@@ -109,12 +109,12 @@ def by_turn(poses: Array, hand: Array) -> Array:
     demonstrations take either, a policy closes between them (docs/results/742a43a/table3-why.md).
     """
     flipped = poses @ np.diag([-1.0, -1.0, 1.0, 1.0])
-    turns = np.stack([turn_between(ways, hand) for ways in (poses, flipped)])
+    turns = np.stack([measure_turn(ways, hand) for ways in (poses, flipped)])
     nearer = np.where((turns[0] <= turns[1])[:, None, None], poses, flipped)
     distance = np.linalg.norm(poses[:, :3, 3] - hand[:3, 3], axis=1)
     return np.asarray(nearer[np.lexsort([distance, np.round(turns.min(axis=0) * TURNS / (2 * np.pi))])])
 
 
-def turn_between(poses: Array, hand: Array) -> Array:
+def measure_turn(poses: Array, hand: Array) -> Array:
     """(N,) radians between the orientations of poses (N, 4, 4) and of `hand` (4, 4)."""
     return np.asarray(Rotation.from_matrix(poses[:, :3, :3] @ hand[:3, :3].T).magnitude())

@@ -3,10 +3,10 @@
 import numpy as np
 
 from plugins.bowl.carry import CarrySkill, make_held_spheres, shift_pose
-from plugins.bowl.skills.pick.grasps import by_turn, object_cloud, sample_grasps
+from plugins.bowl.skills.pick.grasps import sample_grasps, sample_object_cloud, sort_by_turn
 from stages.geometry.frames import apply, inverse
-from stages.planning.path import along, straight
-from stages.planning.rollout import ON_THE_WAY, Stretch, homing
+from stages.planning.path import join_lines, make_line
+from stages.planning.rollout import ON_THE_WAY, Stretch, plan_homing
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import GRIPPER_OPEN, REST
 from stages.skills.motion import CLOSED, OPEN, Motion
@@ -19,10 +19,10 @@ class PickSkill(CarrySkill):
     def attempt(self, motion: Motion, number: int) -> str:
         item = self.movable()
         floor = float(apply(item.base_from_object, item.mesh.vertices)[:, 2].min())
-        grasps = sample_grasps(object_cloud(item.mesh), item.base_from_object, floor, GRIPPER_OPEN, number)
+        grasps = sample_grasps(sample_object_cloud(item.mesh), item.base_from_object, floor, GRIPPER_OPEN, number)
         if len(grasps) == 0:
             return "no_grasp"
-        plan = self.first(self._plans(by_turn(grasps, self.rest), item))
+        plan = self.first(self._plans(sort_by_turn(grasps, self.rest), item))
         if plan is None:
             return "no_plan"
         cause = self.reach(motion, plan[:2], OPEN, "move")
@@ -46,14 +46,14 @@ class PickSkill(CarrySkill):
         hand, back = self.task.hand(), self.options.pregrasp
         off = shift_pose(hand, back * self.task.env.base_from_asset()[:3, 0])  # the way that a drawer opens
         joint = (self.joint(), self.joint())
-        to_rest = homing(self.task.chain, self.task.joints()[:7], off)
+        to_rest = plan_homing(self.task.chain, self.task.joints()[:7], off)
         plans = []
         for grasp in grasps:
             above = shift_pose(grasp, -back * grasp[:3, 2])
             held = make_held_spheres(item.mesh, inverse(grasp) @ item.base_from_object)
-            down = Stretch(straight(above, grasp), GRIPPER_OPEN, joint)
-            lift = Stretch(straight(grasp, shift_pose(grasp, np.array([0.0, 0.0, back]))), None, joint, held)
-            home = np.concatenate([to_rest, straight(to_rest[-1], above)[1:]])
-            for way in (straight(hand, above), along([hand, off, above]), home):
+            down = Stretch(make_line(above, grasp), GRIPPER_OPEN, joint)
+            lift = Stretch(make_line(grasp, shift_pose(grasp, np.array([0.0, 0.0, back]))), None, joint, held)
+            home = np.concatenate([to_rest, make_line(to_rest[-1], above)[1:]])
+            for way in (make_line(hand, above), join_lines([hand, off, above]), home):
                 plans.append((Stretch(way, GRIPPER_OPEN, joint, slack=ON_THE_WAY), down, lift))
         return plans

@@ -7,7 +7,7 @@ import numpy as np
 from plugins.bowl.carry import CANDIDATES, CarrySkill, make_held_spheres, shift_pose
 from plugins.bowl.skills.place.predicates import PREDICATES, sample_placements
 from stages.geometry.frames import apply, inverse
-from stages.planning.path import along, straight
+from stages.planning.path import join_lines, make_line
 from stages.planning.rollout import ON_THE_WAY, Stretch
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import GRIPPER_OPEN
@@ -51,10 +51,10 @@ class PlaceSkill(CarrySkill):
             above = shift_pose(pose, np.array([0.0, 0.0, max(0.02, top - low)]))
             high = hand.copy()
             high[2, 3] = max(hand[2, 3], above[2, 3])
-            down = Stretch(straight(above, pose), None, joint, held)
+            down = Stretch(make_line(above, pose), None, joint, held)
             up = shift_pose(pose, np.array([0.0, 0.0, max(self.options.pregrasp, top - pose[2, 3])]))
-            retreat = Stretch(straight(pose, up), GRIPPER_OPEN, joint)
-            way = along([hand, high, above] if high[2, 3] > hand[2, 3] else [hand, above])
+            retreat = Stretch(make_line(pose, up), GRIPPER_OPEN, joint)
+            way = join_lines([hand, high, above] if high[2, 3] > hand[2, 3] else [hand, above])
             plans.append((Stretch(way, None, joint, held, ON_THE_WAY), down, retreat))
         return plans
 

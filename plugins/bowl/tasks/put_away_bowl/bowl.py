@@ -12,7 +12,7 @@ from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.articulated.model import RGBA, Link, RobotModel, Visual
 from stages.geometry.solids import DENSITY, MINIMUM_INERTIA
 from stages.simulation.kinematics import Array
-from stages.simulation.region import Region, headroom, level_region
+from stages.simulation.region import Region, find_level_region, measure_headroom
 from stages.simulation.robot import cache_folder
 from stages.simulation.target import Target
 
@@ -94,10 +94,10 @@ def fitting_scale(extents: Array, floor: Region, target: Target) -> float:
     """
     across = 2 * float(floor.room.max()) - AROUND
     along = 0.9 * (target.upper - target.lower) - 2 * AROUND
-    up = headroom(floor, target.fixed) - ABOVE
+    up = measure_headroom(floor, target.fixed) - ABOVE
     return min(min(across, along) / float(extents[:2].max()), up / float(extents[2]))
 
 
 def drawer_floor(target: Target) -> Region | None:
     """The floor of a drawer, in the asset frame with the drawer shut; None if it has none that is level."""
-    return level_region(target.moving)
+    return find_level_region(target.moving)

@@ -27,7 +27,7 @@ from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
 from stages.planning.clearance import surface_points
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset
-from stages.simulation.poses import to_poses
+from stages.simulation.poses import batch_poses
 from stages.simulation.region import Region
 from stages.simulation.studio import Prop
 from stages.tasks.base_placement import AJAR
@@ -138,8 +138,8 @@ class PutAwayBowlEnv(OpenTaskEnv):
             at = [*rng.uniform(-BOWL_VARIES, BOWL_VARIES, 2), 1e-3 - float(self.bowl_meshes[index].bounds[0, 2])]
             stands.append(stand)
             bowls.append(stand @ rigid(yaw_matrix(rng.uniform(-np.pi, np.pi)), at))
-        self.stand.set_pose(to_poses(np.stack(stands)))
-        self.bowl.set_pose(to_poses(np.stack(bowls)))
+        self.stand.set_pose(batch_poses(np.stack(stands)))
+        self.bowl.set_pose(batch_poses(np.stack(bowls)))
         for set_velocity in (self.bowl.set_linear_velocity, self.bowl.set_angular_velocity):
             set_velocity(torch.zeros(3, device=self.device))
 
