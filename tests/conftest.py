@@ -1,6 +1,7 @@
 """The order in which two workers go through the tests, a file at a time; each takes one core."""
 
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -8,8 +9,17 @@ import pytest
 # Before numpy and torch are loaded: two workers of two threads each, on two cores, wait for each other's threads.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+PLUGINS = Path(__file__).resolve().parents[1] / "plugins"
 FIRST = ("test_own_commands.py",)  # makes the micro run, which takes longest, while the other worker does the rest
 LAST = ("test_kill.py", "test_shipped_swaps.py", "test_run.py", "test_package.py", "test_notebook.py")  # use it
+
+
+def pytest_ignore_collect(collection_path: Path) -> bool | None:
+    """Leave out tests of packages beside the core that are not here: the core is tested without them, too."""
+    if collection_path.suffix != ".py":
+        return None
+    named = re.findall(r"^\s*(?:from|import) plugins\.(\w+)", collection_path.read_text(encoding="utf-8"), re.MULTILINE)
+    return True if any(not (PLUGINS / name).is_dir() for name in named) else None
 
 
 def _place(item: pytest.Item) -> int:
