@@ -7,9 +7,9 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from stages.articulated.forward_kinematics import closed_box
+from stages.articulated.fronts import front_direction, squared
 from stages.articulated.hung import Hinge, Slide, hinges, slides
 from stages.articulated.model import Matrix, RobotModel
-from stages.articulated.sense import front_direction, squared
 from stages.assets.importers import Axis, Importer
 from stages.assets.imports import in_file, standing, usual_front
 from stages.assets.upright import CLEAR, FITS, FOOT, UPS, Up, chosen, number, said_by_hinges, said_by_slides

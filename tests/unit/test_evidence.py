@@ -4,7 +4,7 @@ from pathlib import Path
 
 from stages.articulated.urdf_reader import read_urdf
 from stages.assets.evidence import evidence
-from tests.unit.test_sense import box, joint
+from tests.unit.test_fronts import box, joint
 
 
 def test_buttons_say_nothing_of_what_is_up(tmp_path: Path) -> None:

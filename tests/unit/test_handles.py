@@ -12,7 +12,7 @@ from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.handle import exact_width, find_handle
 from stages.articulated.model import RobotModel
 from stages.articulated.urdf_reader import read_urdf
-from tests.unit.test_sense import box, joint
+from tests.unit.test_fronts import box, joint
 
 FRAME = [  # a raised frame of 60 x 80 cm, 6 cm wide, 2 cm proud of its panel
     box("0.02 0.06 0.8", "0.02 -0.27 0"), box("0.02 0.06 0.8", "0.02 0.27 0"),

@@ -22,7 +22,7 @@ from stages.contracts.category import describe_unusual
 from stages.contracts.errors import InputError
 from tests.refusals import refused
 from tests.unit.own_models import import_folder
-from tests.unit.test_sense import box, cabinet, joint, write_partnet
+from tests.unit.test_fronts import box, cabinet, joint, write_partnet
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,8 @@ from stages.assets.import_ import run
 from stages.assets.imports import Notes
 from stages.assets.pack import read_pack
 from stages.contracts.errors import InputError
+from tests.unit.test_fronts import box, cabinet, joint, write_partnet
 from tests.unit.test_report_browser import FLAGS
-from tests.unit.test_sense import box, cabinet, joint, write_partnet
 
 Y_UP = '<origin rpy="-1.5707963 -1.5707963 0"/></joint><link'
 FLAP = (

@@ -21,7 +21,7 @@ from stages.tasks.api import TaskEnv
 from stages.tasks.base_placement import MOTION, NEARBY, can_follow, reachable_base
 from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state, sampled_scale
 from tests.unit.own_models import import_model
-from tests.unit.test_sense import box, joint
+from tests.unit.test_fronts import box, joint
 
 OPTIONS = TaskConfig()
 

@@ -11,10 +11,10 @@ import pytest
 import trimesh
 from PIL import Image
 
+from stages.articulated.fronts import doors_and_drawers
 from stages.articulated.mesh_reader import load_meshes
 from stages.articulated.mesh_writer import write_glb
 from stages.articulated.roles import contract_joints, with_roles
-from stages.articulated.sense import doors_and_drawers
 from stages.articulated.urdf_reader import read_urdf
 from stages.assets import pushing
 from stages.assets.discover import bare, discover
@@ -24,7 +24,7 @@ from stages.assets.portrait import Portraits
 from stages.assets.weighing import weighed_sanely
 from stages.contracts.categories import category_in
 from tests.refusals import refused
-from tests.unit.test_sense import box, joint
+from tests.unit.test_fronts import box, joint
 
 
 def urdf(path: Path, body: str, before: str = "", after: str = "") -> Path:

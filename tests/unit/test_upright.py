@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from stages.articulated.forward_kinematics import closed_box, rebased
+from stages.articulated.fronts import doors_and_drawers
 from stages.articulated.model import RobotModel
-from stages.articulated.sense import doors_and_drawers
 from stages.articulated.urdf_reader import read_urdf
 from stages.assets.evidence import Told, evidence, shared
 from stages.assets.import_ import run
@@ -17,7 +17,7 @@ from stages.assets.importers.urdf import IMPORTER
 from stages.assets.imports import axis_vector
 from stages.contracts.categories import known_categories
 from stages.geometry.frames import rigid
-from tests.unit.test_sense import box, joint
+from tests.unit.test_fronts import box, joint
 
 BACK, LEVEL, UPRIGHT = "0 -1 0", "0 1 0", "0 0 -1"
 

@@ -8,7 +8,7 @@ import pytest
 from stages.articulated.model import Link
 from stages.articulated.urdf_reader import read_urdf
 from stages.assets.weighing import weighed_sanely
-from tests.unit.test_sense import box, joint
+from tests.unit.test_fronts import box, joint
 
 
 def _drawer(folder: Path, kilograms: float) -> Link:

@@ -11,10 +11,10 @@ import trimesh
 
 from stages.articulated.asset_folder import read_model
 from stages.articulated.forward_kinematics import link_frames
+from stages.articulated.fronts import doors_and_drawers, front_direction
 from stages.articulated.handle import find_handle
 from stages.articulated.resizing import resize_asset
 from stages.articulated.roles import contract_joints, with_roles
-from stages.articulated.sense import doors_and_drawers, front_direction
 from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.urdf_reader import read_urdf
 from stages.assets.discover import discover, numbered_names
