@@ -36,7 +36,7 @@ def run(
     looks = read_json(Look, look) if look else None
     with TemporaryDirectory(prefix="acdc-sized-") as cache:
         for path in scenes:
-            made = read_json(GeneratedScene, path)
-            items = read_items(made, folders, Path(cache), path)
-            folder = out / f"rank_{made.rank}"
-            writer.write(room_of(made, items, looks), folder / "scene.glb" if format == "glb" else folder)
+            generated = read_json(GeneratedScene, path)
+            items = read_items(generated, folders, Path(cache), path)
+            folder = out / f"rank_{generated.rank}"
+            writer.write(room_of(generated, items, looks), folder / "scene.glb" if format == "glb" else folder)

@@ -10,9 +10,9 @@ from plugins.importing.importers import Axis, Importer
 from plugins.importing.imports import in_file, standing, usual_front
 from plugins.importing.upright import CLEAR, FITS, FOOT, UPS, Up, chosen, number, said_by_hinges, said_by_slides
 from stages.articulated.forward_kinematics import closed_box
+from stages.articulated.fronts import front_direction, squared
 from stages.articulated.hung import Hinge, Slide, hinges, slides
 from stages.articulated.model import Matrix, RobotModel
-from stages.articulated.sense import front_direction, squared
 from stages.contracts.categories import usual_size
 from stages.contracts.files import Contract
 

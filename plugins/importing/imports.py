@@ -22,11 +22,11 @@ from plugins.importing.sandbox import apart
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.attributes import ungraspable
 from stages.articulated.forward_kinematics import closed_box, link_frames, rebased
+from stages.articulated.fronts import doors_and_drawers, front_direction, squared
 from stages.articulated.inside import check_inside
 from stages.articulated.mesh_reader import FLAT, thickened
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
-from stages.articulated.sense import doors_and_drawers, front_direction, squared
 from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.stretching import stretched
 from stages.assets.snapshots import Look

@@ -12,7 +12,7 @@ from stages.geometry.frames import apply
 ALONG = 0.9  # cosine: a slide goes along a direction, a panel's hinge across it
 LEAST_TURN = np.deg2rad(20)  # by which a door turns at least
 THIN = 0.6  # thickness of a door, at most, as a share of its width
-STAYS = 0.3  # of a slide's way: what leaves its parent's box by less is a sliding door, no drawer
+LEAST_OUT = 0.3  # of a slide's way: what leaves its parent's box by less is a sliding door, no drawer
 SMALL = 0.05  # of a thing's largest extent: what is smaller, or slides by less, says nothing of it
 AT_SIDE = 0.25  # of its width, by which the middle of a panel is away from its hinge at least
 MOUTH = 0.2  # of its extent along a slide: the end of a body that something slides out of
@@ -80,7 +80,7 @@ def slides(robot: RobotModel) -> list[Slide]:
             continue
         ahead = (moving @ axis).max() - (body @ axis).max()
         lift = on_something_narrower(robot, joint, frames)
-        if ahead > 0 if lift else ahead + reach > STAYS * reach:
+        if ahead > 0 if lift else ahead + reach > LEAST_OUT * reach:
             found.append(Slide(along, not lift))
     return found
 

@@ -10,15 +10,15 @@ import trimesh
 from PIL import Image
 from trimesh import Scene, Trimesh
 
-from stages.articulated.beside import Beside
 from stages.articulated.mesh_files.dae import read_dae
 from stages.articulated.mesh_files.gltf import read_gltf
 from stages.articulated.mesh_files.obj import read_obj
 from stages.articulated.mesh_files.ply_off import read_off, read_ply, read_stl
+from stages.articulated.mesh_resolver import MeshResolver
 from stages.articulated.urdf_tree import LARGEST
 from stages.contracts.errors import InputError
 
-READERS: dict[str, Callable[[Path, Beside], tuple[Scene, list[str]]]] = {
+READERS: dict[str, Callable[[Path, MeshResolver], tuple[Scene, list[str]]]] = {
     ".obj": read_obj, ".glb": read_gltf, ".gltf": read_gltf, ".dae": read_dae, ".ply": read_ply, ".off": read_off,
     ".stl": read_stl,
 }  # fmt: skip
@@ -45,7 +45,7 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
             ", ".join(sorted(READERS)),
             code="E-MESH-KIND",
         )
-    files = Beside(path, folder)
+    files = MeshResolver(path, folder)
     try:
         scene, lost = READERS[path.suffix.lower()](path, files)
         if lost:

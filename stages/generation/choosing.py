@@ -46,17 +46,17 @@ def choose(
     Raises:
         InputError: the object has no cousin left, or the library lacks it.
     """
-    said, name = one.correction, one.object.id
+    stated, name = one.correction, one.object.id
     if one.failed:
         raise InputError(name, one.failed, code="E-OBJECT-FAILED")
-    if said.like is not None and said.like in models:
-        return take_stated(models[said.like], one, place, "the model of what it is like, as a person says")
-    if said.model is not None and (said.pinned or rank == 1):
-        return take_stated(said.model, one, place, "chosen by a person")
-    cousins = [cousin for cousin in one.cousins if cousin.asset not in {said.model, *said.banned}]
+    if stated.like is not None and stated.like in models:
+        return take_stated(models[stated.like], one, place, "the model of what it is like, as a person says")
+    if stated.model is not None and (stated.pinned or rank == 1):
+        return take_stated(stated.model, one, place, "chosen by a person")
+    cousins = [cousin for cousin in one.cousins if cousin.asset not in {stated.model, *stated.banned}]
     if not cousins:
         raise InputError(name, "all of its cousins are banned", code="E-COUSINS-BANNED")
-    rank -= said.model is not None and rank > 1
+    rank -= stated.model is not None and rank > 1
     categories = find_synonyms(one.distances, cousins[0].category)
     return choose_by_rank((place(cousin) for cousin in cousins), rank, limit, categories)
 
@@ -88,8 +88,8 @@ def choose_by_rank(placed: Iterable[Placed], rank: int, limit: float | None, cat
         limit: how far they may be stretched; None: they all fit.
         categories: that the object's label means, that of the nearest among them.
     """
-    alike: list[Placed] = []
-    akin: list[Placed] = []
+    same_fronts: list[Placed] = []
+    other_fronts: list[Placed] = []
     passed: list[tuple[float, Placed]] = []
     nearest: Asset | None = None
     for one in placed:
@@ -98,16 +98,16 @@ def choose_by_rank(placed: Iterable[Placed], rank: int, limit: float | None, cat
             continue
         same = (one.asset.doors, one.asset.drawers) == (nearest.doors, nearest.drawers)
         if limit is None or times <= limit:
-            (alike if same else akin).append(one)
+            (same_fronts if same else other_fronts).append(one)
         elif same:
             passed.append((times, one))
-        if len(alike) == rank:
+        if len(same_fronts) == rank:
             break
-    if not alike:
+    if not same_fronts:
         least = min(passed, key=lambda one: one[0])
         passed.remove(least)
-        alike = [replace(least[1], doubts=(*least[1].doubts, DoubtKind.STRETCHED.of(times=least[0])))]
-    fitting = alike + akin
+        same_fronts = [replace(least[1], doubts=(*least[1].doubts, DoubtKind.STRETCHED.of(times=least[0])))]
+    fitting = same_fronts + other_fronts
     one = fitting[min(rank, len(fitting)) - 1]
     steps: tuple[str, ...] = ()
     if len(fitting) < rank:

@@ -42,18 +42,18 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
     look, origins = None, {}
     with TemporaryDirectory(prefix="acdc-sized-") as cache:
         for path in progress(scenes, "scenes drawn", len(scenes)):
-            made = read_json(GeneratedScene, path)
-            origins[path.name] = made.made.model_dump_json() if made.made else "{}"
-            items = read_items(made, folders, Path(cache), path)
-            look = look or estimate_look(extracted, seen, made, items)
-            picture = draw_preview(furnish(made, items, look), made, width)
+            generated = read_json(GeneratedScene, path)
+            origins[path.name] = generated.made.model_dump_json() if generated.made else "{}"
+            items = read_items(generated, folders, Path(cache), path)
+            look = look or estimate_look(extracted, seen, generated, items)
+            picture = draw_preview(furnish(generated, items, look), generated, width)
             with atomic(out / f"{path.stem}.png") as temporary:
                 Image.fromarray(picture).save(temporary, pnginfo=_text({path.name: origins[path.name]}))
-            room = room_of(made, items, look)
+            room = room_of(generated, items, look)
             glb.write(room, out / f"{path.stem}.glb")
             if path == scenes[0]:
                 glb.write(room, out / "view.glb", VIEW_TEXTURE)
-            pictures.append((f"rank {made.rank}", picture))
+            pictures.append((f"rank {generated.rank}", picture))
     with atomic(out / "comparison.png") as temporary:
         draw_side_by_side(pictures).save(temporary, pnginfo=_text(origins))
     with atomic(out / "thumbnail.webp") as temporary:

@@ -81,7 +81,7 @@ def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[
         raise InputError(cousins, what, "match them again", code="E-SCENE-MIXED")
     clouds = read_clouds(objects, extracted)
     bearings = find_bearings(extracted, read_object_masks(objects, extracted))
-    told = corrections_of(corrections, "generation")
+    corrected = corrections_of(corrections, "generation")
     by_id = {entry.id: entry for entry in matched.objects}
     found = []
     for item in extracted.objects:
@@ -93,7 +93,7 @@ def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[
                 distances={match.category: match.distance for match in entry.categories} if entry else {},
                 cloud=clouds.get(item.id, np.empty((0, 3), np.float32)),
                 bearings=bearings.get(item.id),
-                correction=told.get(item.mask, Correction(mask=item.mask)),
+                correction=corrected.get(item.mask, Correction(mask=item.mask)),
                 failed=_find_failure(item, entry, item.id in clouds),
             )
         )

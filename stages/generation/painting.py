@@ -20,13 +20,15 @@ from stages.simulation.backdrop import BEYOND, add_backdrop
 from stages.simulation.rendering import RenderCamera, instance_id, make_scene
 
 
-def furnish(made: GeneratedScene, items: list[Placed], look: Look) -> sapien.Scene:
+def furnish(generated: GeneratedScene, items: list[Placed], look: Look) -> sapien.Scene:
     """The scene in its look, to be rendered: floor, walls, furniture, and a light whose shadows reach all of it."""
     points = np.concatenate([corners(item.box) for item in items])
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     radius = float(np.linalg.norm(points - center, axis=1).max()) + BEYOND
     scene = make_scene(light=look.light, shaded=(center.tolist(), radius))
-    add_backdrop(scene, [item.box for item in items], made.walls, np.array(made.floor_from_camera)[:3, 3], look)
+    add_backdrop(
+        scene, [item.box for item in items], generated.walls, np.array(generated.floor_from_camera)[:3, 3], look
+    )
     load_items(scene, items)
     return scene
 
@@ -34,7 +36,7 @@ def furnish(made: GeneratedScene, items: list[Placed], look: Look) -> sapien.Sce
 def estimate_look(
     objects: Objects,
     pictures: tuple[NDArray[np.uint8], NDArray[np.uint16], NDArray[np.float32] | None],
-    made: GeneratedScene,
+    generated: GeneratedScene,
     items: list[Placed],
 ) -> Look:
     """The look of a picture, its furniture told by one scene made of it.
@@ -44,19 +46,19 @@ def estimate_look(
     """
     seen = find_surfaces(*pictures, objects)
     direction, correlation = estimate_light(seen, merge_meshes(items))
-    told = correlation >= LEAST_CORRELATION
-    light = direction if told else np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)
+    found = correlation >= LEAST_CORRELATION
+    light = direction if found else np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)
     surfaces = []
     for name, one in seen.items():
         low, high = find_bounds(name, one)
         surfaces.append(Surface(id=name, colour=(0.5, 0.5, 0.5), low=low, high=high))
     look = Look(
         light=(round(light[0], 6), round(light[1], 6), round(light[2], 6)),
-        light_from="shadows" if told else "default",
+        light_from="shadows" if found else "default",
         shadow_correlation=round(correlation, 4),
         surfaces=surfaces,
     )
-    scene = furnish(made, items, look)
+    scene = furnish(generated, items, look)
     for _ in range(2):  # each mends the colours of the one before
         look.surfaces = _adjust_colours(scene, look.surfaces, seen, objects)
     return look

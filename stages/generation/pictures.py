@@ -11,13 +11,13 @@ from stages.simulation.rendering import RenderCamera
 SMOOTHING = 2  # rendered so many times larger and averaged
 
 
-def draw_preview(scene: sapien.Scene, made: GeneratedScene, width: int) -> NDArray[np.uint8]:
+def draw_preview(scene: sapien.Scene, generated: GeneratedScene, width: int) -> NDArray[np.uint8]:
     """The scene as the input camera sees it, (H, width, 3); its world is the floor frame."""
-    factor = SMOOTHING * width / made.width
-    height = round(made.height * width / made.width)
-    intrinsics = np.array(made.intrinsics) * [[factor], [factor], [1.0]]
+    factor = SMOOTHING * width / generated.width
+    height = round(generated.height * width / generated.width)
+    intrinsics = np.array(generated.intrinsics) * [[factor], [factor], [1.0]]
     intrinsics[:2, 2] += (factor - 1) / 2  # pixel centres are at integers
-    picture = RenderCamera(scene, intrinsics, SMOOTHING * width, SMOOTHING * height).render(made.floor_from_camera)
+    picture = RenderCamera(scene, intrinsics, SMOOTHING * width, SMOOTHING * height).render(generated.floor_from_camera)
     return np.asarray(Image.fromarray(picture.rgb).resize((width, height), Image.Resampling.BOX))
 
 

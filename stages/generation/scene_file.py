@@ -74,7 +74,7 @@ def summarise(scene: GeneratedScene, left: list[tuple[str, str]]) -> str:
     return "; ".join(parts)
 
 
-def read_items(made: GeneratedScene, folders: Mapping[str, Path], cache: Path, path: Path) -> list[Placed]:
+def read_items(generated: GeneratedScene, folders: Mapping[str, Path], cache: Path, path: Path) -> list[Placed]:
     """What stands in a scene, with models at their sizes.
 
     Args:
@@ -86,7 +86,7 @@ def read_items(made: GeneratedScene, folders: Mapping[str, Path], cache: Path, p
         InputError: nothing stands in it, or an asset is not in the library.
     """
     items = []
-    for item in made.objects:
+    for item in generated.objects:
         if item.status != "ok":
             continue
         if item.asset not in folders:

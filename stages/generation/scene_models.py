@@ -68,19 +68,19 @@ class Room:
         return np.array(self.scene.floor_from_camera)
 
 
-def room_of(made: GeneratedScene, items: list[Placed], look: Look | None) -> Room:
+def room_of(generated: GeneratedScene, items: list[Placed], look: Look | None) -> Room:
     """A scene with the models of its items, which are at their sizes."""
     bodies = [
         Body(item.id, item.label, item.asset, item.folder, read_model(item.folder), item.pose, item.held)
         for item in items
     ]
-    camera = np.array(made.floor_from_camera)[:3, 3]
-    blocks = make_backdrop([item.box for item in items], made.walls, camera, look)
-    return Room(made, bodies, blocks, np.array(look.light if look else ROOM_LIGHT))
+    camera = np.array(generated.floor_from_camera)[:3, 3]
+    blocks = make_backdrop([item.box for item in items], generated.walls, camera, look)
+    return Room(generated, bodies, blocks, np.array(look.light if look else ROOM_LIGHT))
 
 
 def surface_of(block: Block) -> ColouredMesh:
     """A block of the backdrop, about its own centre."""
-    made = shaded(Visual(trimesh.creation.box(block.size), flat=True))
-    assert made.normals is not None
-    return ColouredMesh(made.vertices, made.faces, made.normals, (*block.colour, 1.0))
+    generated = shaded(Visual(trimesh.creation.box(block.size), flat=True))
+    assert generated.normals is not None
+    return ColouredMesh(generated.vertices, generated.faces, generated.normals, (*block.colour, 1.0))

@@ -17,21 +17,21 @@ def note_differences(entry: ObjectCousins, item: SceneObject, library: Library) 
     if item.doors + item.drawers == 0:
         return entry
     models = {one.id: one for one in library.assets}
-    said = describe_counts(item.doors, item.drawers)
-    alike = [one.rank for one in entry.cousins if count_gap(item, models[one.asset]) == 0]
+    stated = describe_counts(item.doors, item.drawers)
+    fitting = [one.rank for one in entry.cousins if count_gap(item, models[one.asset]) == 0]
 
     def differs(one: Cousin) -> str:
         model = models[one.asset]
         if count_gap(item, model) == 0:
             return ""
         kind = one.category.replace("_", " ")
-        if alike:
-            better = f"cousin {alike[0]} has that"
+        if fitting:
+            better = f"cousin {fitting[0]} has that"
         elif any(other.category == one.category and count_gap(item, other) == 0 for other in library.assets):
             better = f"another {kind} of the library has that"
         else:
             better = f"no {kind} of the library has that"
-        return f"was said to have {said}, the model has {describe_counts(model.doors, model.drawers)}; {better}"
+        return f"was said to have {stated}, the model has {describe_counts(model.doors, model.drawers)}; {better}"
 
     return entry.model_copy(
         update={"cousins": [one.model_copy(update={"differs": differs(one)}) for one in entry.cousins]}

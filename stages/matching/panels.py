@@ -19,23 +19,25 @@ def panel_gap(item: SceneObject, entry: LibraryEntry) -> float:
     return layout_gap(item.panels, entry.panels) if item.panels and entry.panels else float(count_gap(item, entry))
 
 
-def layout_gap(said: Sequence[Panel], own: Sequence[Panel]) -> float:
+def layout_gap(stated: Sequence[Panel], own: Sequence[Panel]) -> float:
     """Sum of 1 - IoU over pairs of the same kind, paired so that it is least, and 1 for each without a partner.
 
     With all of them in place it is |d doors| + |d drawers| (`count_gap`). The model's may be laid over those that were
     said, all together and by `SHIFT` at most: the front that a person drew on is that of an estimated box.
     """
-    ours, theirs = to_boxes(said), to_boxes(own)
-    return min(_gap(said, ours, own, there) for there in (theirs, lay_over(theirs, ours)))
+    ours, theirs = to_boxes(stated), to_boxes(own)
+    return min(_gap(stated, ours, own, there) for there in (theirs, lay_over(theirs, ours)))
 
 
-def _gap(said: Sequence[Panel], ours: NDArray[np.float64], own: Sequence[Panel], theirs: NDArray[np.float64]) -> float:
+def _gap(
+    stated: Sequence[Panel], ours: NDArray[np.float64], own: Sequence[Panel], theirs: NDArray[np.float64]
+) -> float:
     """The sum with the boxes (N, 2, 2) and (M, 2, 2) of both."""
     gap = 0.0
     for kind in ("door", "drawer"):
-        mine, others = [panel.kind == kind for panel in said], [panel.kind == kind for panel in own]
-        apart = 1 - measure_overlaps(ours[mine], theirs[others])
-        gap += float(apart[linear_sum_assignment(apart)].sum()) + abs(sum(mine) - sum(others))
+        mine, others = [panel.kind == kind for panel in stated], [panel.kind == kind for panel in own]
+        gaps = 1 - measure_overlaps(ours[mine], theirs[others])
+        gap += float(gaps[linear_sum_assignment(gaps)].sum()) + abs(sum(mine) - sum(others))
     return gap
 
 
@@ -45,13 +47,13 @@ def to_boxes(panels: Sequence[Panel]) -> NDArray[np.float64]:
     return np.array(found, dtype=float).reshape(-1, 2, 2)
 
 
-def lay_over(own: NDArray[np.float64], said: NDArray[np.float64]) -> NDArray[np.float64]:
+def lay_over(own: NDArray[np.float64], stated: NDArray[np.float64]) -> NDArray[np.float64]:
     """Boxes (N, 2, 2) with the outline of all of them nearer to that of others, its edges by at most `SHIFT`."""
-    if not len(own) or not len(said):
+    if not len(own) or not len(stated):
         return own
     low, high = own[..., 0].min(axis=0), own[..., 1].max(axis=0)
-    to_low = low + np.clip(said[..., 0].min(axis=0) - low, -SHIFT, SHIFT)
-    to_high = high + np.clip(said[..., 1].max(axis=0) - high, -SHIFT, SHIFT)
+    to_low = low + np.clip(stated[..., 0].min(axis=0) - low, -SHIFT, SHIFT)
+    to_high = high + np.clip(stated[..., 1].max(axis=0) - high, -SHIFT, SHIFT)
     scale = np.maximum(to_high - to_low, 0) / (high - low)
     return np.asarray((own - low[:, None]) * scale[:, None] + to_low[:, None])
 

@@ -129,9 +129,9 @@ def shortlist(
         len(assets),
         False,
     )
-    apart = MEDIAN_DISTANCE * squared[0] / max(float(np.median(squared[0])), 1e-9)
-    apart += [sum(more.values()) for more in list_addends(item, candidates, options)]
-    nearest = np.sort(np.argsort(apart, kind="stable")[: options.shortlist])
+    distances = MEDIAN_DISTANCE * squared[0] / max(float(np.median(squared[0])), 1e-9)
+    distances += [sum(more.values()) for more in list_addends(item, candidates, options)]
+    nearest = np.sort(np.argsort(distances, kind="stable")[: options.shortlist])
     return candidates._replace(assets=[assets[number] for number in nearest])
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from plugins.importing.tests.test_sense import box, joint
+from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.attributes import measured_handle, ungraspable
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.handle import exact_width, find_handle

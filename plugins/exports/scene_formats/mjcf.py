@@ -38,9 +38,9 @@ def _furnish(writer: ModelWriter, world: ET.Element, room: Room) -> None:
 
 
 def _camera(world: ET.Element, room: Room) -> None:
-    made, pose = room.scene, room.world_from_camera
-    k = np.array(made.intrinsics)
-    width, height = made.width, made.height
+    generated, pose = room.scene, room.world_from_camera
+    k = np.array(generated.intrinsics)
+    width, height = generated.width, generated.height
     # MuJoCo counts from the middle of the picture to the principal point, leftwards and upwards
     middle = [(width - 1) / 2 - k[0, 2], (height - 1) / 2 - k[1, 2]]
     ET.SubElement(

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from plugins.importing.evidence import evidence
-from plugins.importing.tests.test_sense import box, joint
+from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.urdf_reader import read_urdf
 
 

@@ -18,7 +18,7 @@ from plugins.importing.imports import axis_vector, in_file
 from plugins.importing.own import run as own
 from plugins.importing.portrait import ARROW
 from plugins.importing.tests.own_models import import_folder
-from plugins.importing.tests.test_sense import box, cabinet, joint, write_partnet
+from plugins.importing.tests.test_fronts import box, cabinet, joint, write_partnet
 from stages.contracts.categories import known_categories
 from stages.contracts.category import describe_unusual
 from stages.contracts.errors import InputError

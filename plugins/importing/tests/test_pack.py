@@ -13,7 +13,7 @@ from plugins.importing.examine import Examined
 from plugins.importing.import_ import run
 from plugins.importing.imports import Notes
 from plugins.importing.pack import read_pack
-from plugins.importing.tests.test_sense import box, cabinet, joint, write_partnet
+from plugins.importing.tests.test_fronts import box, cabinet, joint, write_partnet
 from stages.contracts.errors import InputError
 from tests.unit.test_report_browser import FLAGS
 

@@ -10,7 +10,7 @@ from plugins.furniture.library import make
 from plugins.importing import reach
 from plugins.importing.reach import out_of_reach, undisturbed
 from plugins.importing.tests.own_models import import_model
-from plugins.importing.tests.test_sense import box, joint
+from plugins.importing.tests.test_fronts import box, joint
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder

@@ -17,11 +17,11 @@ from plugins.importing.import_ import run
 from plugins.importing.importers.mjcf import read_mjcf
 from plugins.importing.inertia_repair import weighed_sanely
 from plugins.importing.portrait import Portraits
-from plugins.importing.tests.test_sense import box, joint
+from plugins.importing.tests.test_fronts import box, joint
+from stages.articulated.fronts import doors_and_drawers
 from stages.articulated.mesh_reader import load_meshes
 from stages.articulated.mesh_writer import write_glb
 from stages.articulated.roles import contract_joints, with_roles
-from stages.articulated.sense import doors_and_drawers
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.categories import category_in
 from tests.refusals import refused

@@ -11,10 +11,10 @@ from plugins.importing.import_ import run
 from plugins.importing.importers import Axis
 from plugins.importing.importers.urdf import IMPORTER
 from plugins.importing.imports import axis_vector
-from plugins.importing.tests.test_sense import box, joint
+from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.forward_kinematics import closed_box, rebased
+from stages.articulated.fronts import doors_and_drawers
 from stages.articulated.model import RobotModel
-from stages.articulated.sense import doors_and_drawers
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.categories import known_categories
 from stages.geometry.frames import rigid

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plugins.importing.inertia_repair import weighed_sanely
-from plugins.importing.tests.test_sense import box, joint
+from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.model import Link
 from stages.articulated.urdf_reader import read_urdf
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.articulated.beside import Beside
+from stages.articulated.mesh_resolver import MeshResolver
 
 Header = dict[str, Any]
 Numbers = NDArray[np.float64]
@@ -46,7 +46,7 @@ class Accessors:
         header: of the file; its buffers, their views and accessors are changed.
     """
 
-    def __init__(self, header: Header, binary: bytes, files: Beside) -> None:
+    def __init__(self, header: Header, binary: bytes, files: MeshResolver) -> None:
         self.header = header
         self._chunk, starts = bytearray(), list[int]()
         for buffer in header.get("buffers", []):
@@ -125,7 +125,7 @@ class Accessors:
         self._chunk += bytes(-len(self._chunk) % 8)
 
 
-def _buffer(buffer: Header, binary: bytes, files: Beside) -> bytes:
+def _buffer(buffer: Header, binary: bytes, files: MeshResolver) -> bytes:
     """The bytes of a buffer, as many as it says."""
     name, length = buffer.get("uri"), buffer["byteLength"]
     if name is None:

@@ -8,8 +8,8 @@ import numpy as np
 import trimesh
 from trimesh import Scene
 
-from stages.articulated.beside import Beside
 from stages.articulated.mesh_files.polygons import Corners, Triangles, split
+from stages.articulated.mesh_resolver import MeshResolver
 
 SPACE = "http://www.collada.org/2005/11/COLLADASchema"
 UNREAD = {
@@ -22,7 +22,7 @@ LARGEST = 1e6  # metres that a unit may be
 DEEPEST = 8  # controllers that hold one another
 
 
-def read_dae(path: Path, files: Beside) -> tuple[Scene, list[str]]:
+def read_dae(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     """The meshes of a file, and what of it is not read, a line each.
 
     Raises:

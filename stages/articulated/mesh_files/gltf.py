@@ -9,10 +9,10 @@ import trimesh
 from PIL import features
 from trimesh import Scene
 
-from stages.articulated.beside import PICTURES, Beside, fault_of
 from stages.articulated.mesh_files.accessors import Accessors, Header, header_of
 from stages.articulated.mesh_files.gltf_nodes import INSTANCES, VISIBILITY, placed
 from stages.articulated.mesh_files.gltf_parts import DRACO, GLOSSY, MOVED, Parts
+from stages.articulated.mesh_resolver import PICTURES, MeshResolver, fault_of
 from stages.articulated.urdf_tree import MOST_SHAPES
 from stages.contracts.errors import InputError
 
@@ -24,7 +24,7 @@ KTX2 = b"\xabKTX 20\xbb"
 UNUSED = ("skins", "animations", "cameras", "extensions", "extensionsUsed", "extensionsRequired")
 
 
-def read_gltf(path: Path, files: Beside) -> tuple[Scene, list[str]]:
+def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     """The meshes of the file's scene, as it stands, and what of it is not read, a line each.
 
     Raises:
@@ -91,7 +91,7 @@ def _left_out(header: Header, parts: Parts) -> list[str]:
     return [f"has what is not read: {', '.join(names)[:300]}"] if names else []
 
 
-def _lost_pictures(header: Header, accessors: Accessors, files: Beside) -> list[str]:
+def _lost_pictures(header: Header, accessors: Accessors, files: MeshResolver) -> list[str]:
     """A line for every picture that cannot be shown; textures are left with the one picture that can."""
     lost, images, used = list[str](), header.get("images", []), list[int]()
     for texture in header.get("textures", []):
@@ -109,7 +109,7 @@ def _lost_pictures(header: Header, accessors: Accessors, files: Beside) -> list[
     return lost
 
 
-def _fault(image: Header, accessors: Accessors, files: Beside) -> str | None:
+def _fault(image: Header, accessors: Accessors, files: MeshResolver) -> str | None:
     """The reason why a picture cannot be read; None: it can, or is a file that whoever reads it complains of."""
     name = image.get("uri", "")
     try:

@@ -11,9 +11,9 @@ import trimesh
 from numpy.typing import NDArray
 from trimesh import Scene
 
-from stages.articulated.beside import Beside, With
 from stages.articulated.mesh_files.mtl import Material, decoded, materials_in
 from stages.articulated.mesh_files.polygons import triangles_of
+from stages.articulated.mesh_resolver import MeshResolver, With
 
 FACES = re.compile(
     r"^[ \t]*f[ \t]+(?:(?:\S+[ \t]+){3,}\S|[^\n]*-\d)", re.MULTILINE
@@ -26,7 +26,7 @@ OTHERS = {"l": "lines", "p": "points", "curv": "curves", "surf": "free-form surf
 OTHER = re.compile(rf"^[ \t]*({'|'.join(OTHERS)})[ \t]", re.MULTILINE)
 
 
-def read_obj(path: Path, files: Beside) -> tuple[Scene, list[str]]:
+def read_obj(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     """The meshes of a file, one per material, and what was not read of it, a line each."""
     text = decoded(path.read_bytes()).replace("\t", " ").replace("\\\r\n", " ").replace("\\\n", " ")
     materials, lines = _materials(text, path, files)
@@ -48,7 +48,7 @@ def read_obj(path: Path, files: Beside) -> tuple[Scene, list[str]]:
     return scene, lines
 
 
-def _materials(text: str, path: Path, files: Beside) -> tuple[dict[str, Material], list[str]]:
+def _materials(text: str, path: Path, files: MeshResolver) -> tuple[dict[str, Material], list[str]]:
     """The materials of all libraries that the file names, and what was not read of them or is in none of them."""
     materials, lines, missing = dict[str, Material](), list[str](), False
     for named in LIBRARIES.findall(text):

@@ -8,13 +8,13 @@ import trimesh
 from numpy.typing import NDArray
 from trimesh import Scene, Trimesh
 
-from stages.articulated.beside import Beside
 from stages.articulated.mesh_files.polygons import split
+from stages.articulated.mesh_resolver import MeshResolver
 
 COLOURS = ("red", "green", "blue", "alpha")
 
 
-def read_ply(path: Path, files: Beside) -> tuple[Scene, list[str]]:
+def read_ply(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     """The meshes of a file as trimesh reads it; polygons of more than three corners are filled again."""
     scene = trimesh.load_scene(path, resolver=files)
     for name, mesh in scene.geometry.items():
@@ -28,7 +28,7 @@ def read_ply(path: Path, files: Beside) -> tuple[Scene, list[str]]:
     return scene, []
 
 
-def read_off(path: Path, files: Beside) -> tuple[Scene, list[str]]:
+def read_off(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     """The mesh of a file.
 
     Raises:
@@ -55,7 +55,7 @@ def read_off(path: Path, files: Beside) -> tuple[Scene, list[str]]:
     return Scene(_filled(vertices[:, :3], polygons, own, of_faces)), []
 
 
-def read_stl(path: Path, files: Beside) -> tuple[Scene, list[str]]:
+def read_stl(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     """The meshes of a file as trimesh reads it, and whether faces have colours: programs write them in several ways."""
     data = path.read_bytes()
     count = int.from_bytes(data[80:84], "little")

@@ -15,7 +15,7 @@ EpsImagePlugin.gs_binary = False  # PostScript is a program, and Pillow would ha
 PICTURES = {".bmp", ".gif", ".jpeg", ".jpg", ".png", ".tga", ".tif", ".tiff", ".webp"}
 
 
-class Beside(Resolver):  # type: ignore[misc]
+class MeshResolver(Resolver):  # type: ignore[misc]
     """The files that the mesh file `path` names, looked for beside it and above, up to `folder`.
 
     trimesh goes on without what cannot be read; `lost` says so, a line each.
@@ -60,7 +60,7 @@ class Beside(Resolver):  # type: ignore[misc]
         """Nothing is written."""
         raise PermissionError(name)
 
-    def namespaced(self, namespace: str) -> "Beside":
+    def namespaced(self, namespace: str) -> "MeshResolver":
         """The same files."""
         return self
 
@@ -68,7 +68,7 @@ class Beside(Resolver):  # type: ignore[misc]
 class With(Resolver):  # type: ignore[misc]
     """The files of another resolver, and some that are made up, by name."""
 
-    def __init__(self, files: Beside, made: dict[str, bytes]) -> None:
+    def __init__(self, files: MeshResolver, made: dict[str, bytes]) -> None:
         self.files, self.made, self.file_name = files, made, files.file_name
 
     def get(self, name: str) -> bytes:

@@ -8,7 +8,7 @@ import numpy as np
 
 from stages.articulated.attributes import moved_by, seen_of
 from stages.articulated.forward_kinematics import closed_box, link_frames, rebased, visual_bounds
-from stages.articulated.hung import ALONG, LEAST_TURN, STAYS, THIN, carried_by, on_something_narrower
+from stages.articulated.hung import ALONG, LEAST_OUT, LEAST_TURN, THIN, carried_by, on_something_narrower
 from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.geometry.frames import rigid, yaw_matrix
 
@@ -96,7 +96,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> F
         if around is not None:
             front, body = ((box @ outward).max() for box in (np.array([low, high]), around))
             reach, depth = joint.upper - joint.lower, np.ptp(around @ outward)
-            if front + reach - body < STAYS * reach or body - front > BEHIND * depth:
+            if front + reach - body < LEAST_OUT * reach or body - front > BEHIND * depth:
                 return "slides along what it is in"
         if on_something_narrower(robot, joint, frames):
             return "slides on something narrower than itself"
