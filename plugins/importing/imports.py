@@ -39,8 +39,23 @@ from stages.geometry.frames import rigid, yaw_matrix
 from stages.geometry.solids import board_mass
 from stages.plugins import load, short
 
-IMPORTERS = tuple(  # in this order, unless the config names others
-    f"plugins.importing.importers.{kind}" for kind in ("urdf", "mjcf", "glb", "gltf", "obj", "dae", "ply", "stl")
+IMPORTERS = (  # in this order, unless the config names others
+    "plugins.importing.importers.urdf",
+    "plugins.importing.importers.mjcf",
+    "plugins.importing.importers.glb",
+    "plugins.importing.importers.gltf",
+    "plugins.importing.importers.obj",
+    "plugins.importing.importers.dae",
+    "plugins.importing.importers.ply",
+    "plugins.importing.importers.stl",
+)
+MESH_FILES = (  # found by their suffix; named here so that an edit of one imports models anew
+    "plugins.importing.mesh_files.dae",
+    "plugins.importing.mesh_files.glb",
+    "plugins.importing.mesh_files.gltf",
+    "plugins.importing.mesh_files.off",
+    "plugins.importing.mesh_files.ply",
+    "plugins.importing.mesh_files.stl",
 )
 
 

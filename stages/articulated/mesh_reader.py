@@ -1,31 +1,43 @@
 """Read mesh files with trimesh, and cut them into convex pieces to collide."""
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from copy import copy
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import trimesh
 from PIL import Image
-from trimesh import Scene, Trimesh
+from trimesh import Trimesh
 
-from stages.articulated.mesh_files.dae import read_dae
-from stages.articulated.mesh_files.gltf import read_gltf
-from stages.articulated.mesh_files.obj import read_obj
-from stages.articulated.mesh_files.ply_off import read_off, read_ply, read_stl
+from stages.articulated.mesh_files import MeshReader
 from stages.articulated.mesh_resolver import MeshResolver
 from stages.articulated.urdf_tree import LARGEST
 from stages.contracts.errors import InputError
+from stages.plugins import available, load
 
-READERS: dict[str, Callable[[Path, MeshResolver], tuple[Scene, list[str]]]] = {
-    ".obj": read_obj, ".glb": read_gltf, ".gltf": read_gltf, ".dae": read_dae, ".ply": read_ply, ".off": read_off,
-    ".stl": read_stl,
-}  # fmt: skip
 NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 MOST_PIECES = 64
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
 FLAT = 1e-4  # metres: a piece thinner than this gets that thickness
+
+
+def find_reader(path: Path) -> MeshReader:
+    """How files of this kind are read, by the suffix.
+
+    Raises:
+        InputError: no package that is here reads them.
+    """
+    if (reader := _reader(path.suffix.lower().lstrip("."))) is None:
+        what, kinds = f"'{path.suffix}' is not a mesh file that is read here.", sorted(available("mesh_files"))
+        raise InputError(path, what, ", ".join(f".{kind}" for kind in kinds), code="E-MESH-KIND")
+    return reader
+
+
+@cache
+def _reader(kind: str) -> MeshReader | None:
+    return load("mesh_files", kind) if kind in available("mesh_files") else None
 
 
 def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
@@ -38,16 +50,10 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
     Raises:
         InputError: the file is of no known kind, cannot be read, or holds no triangle that has an area.
     """
-    if path.suffix.lower() not in READERS:
-        raise InputError(
-            path,
-            f"'{path.suffix}' is not a mesh file that is read here.",
-            ", ".join(sorted(READERS)),
-            code="E-MESH-KIND",
-        )
+    reader = find_reader(path)
     files = MeshResolver(path, folder)
     try:
-        scene, lost = READERS[path.suffix.lower()](path, files)
+        scene, lost = reader.read(path, files)
         if lost:
             _drop_broken(scene.geometry.values())
         meshes = [mesh for mesh in scene.dump() if isinstance(mesh, Trimesh) and len(mesh.faces)]

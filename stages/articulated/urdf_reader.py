@@ -11,8 +11,7 @@ import trimesh
 from trimesh import Trimesh
 
 from stages.articulated.inside import OutsideError, find_inside, missing
-from stages.articulated.mesh_files.dae import up_of
-from stages.articulated.mesh_reader import convex_pieces, has_texture, load_meshes
+from stages.articulated.mesh_reader import convex_pieces, find_reader, has_texture, load_meshes
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
 from stages.articulated.urdf_tree import UrdfTree
 from stages.contracts.errors import InputError
@@ -135,7 +134,7 @@ class UrdfReader:
                 )
             file = self._mesh_file(kind.get("filename", ""), where)
             meshes, lost = load_meshes(file, self.folder)
-            if file.suffix.lower() == ".dae" and (up := up_of(file)) not in ("", "Z_UP"):
+            if (up := find_reader(file).up(file)) not in ("", "Z_UP"):
                 lost = [*lost, f"{file.name} says {up}: not turned, as a URDF's meshes never are (RViz)"]
             self.remarks += lost if looks else []
             if (scale == 1).all():

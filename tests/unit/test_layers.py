@@ -5,7 +5,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 ORDER = (
-    *("geometry", "contracts", "articulated", "plugins", "config", "cli", "pretrained"),
+    *("geometry", "contracts", "plugins", "articulated", "config", "cli", "pretrained"),
     *("simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction"),
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
     *("tables", "doctor", "api"),

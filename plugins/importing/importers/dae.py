@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 
 from plugins.importing.importers import Importer
+from plugins.importing.mesh_files.dae import up_of
 from plugins.importing.single_body import read_mesh
 from stages.articulated.forward_kinematics import rebased
-from stages.articulated.mesh_files.dae import up_of
 from stages.articulated.model import RobotModel
 from stages.geometry.frames import rigid
 

@@ -1,1 +1,28 @@
-"""What each kind of mesh file can say, read or told: `read_<kind>` makes plain triangles of it for trimesh."""
+"""What each kind of mesh file can say, read or told: a module per suffix, with its `READER`.
+
+The core has that of its own assets, OBJ; others are in packages (docs/your-models.md).
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from trimesh import Scene
+
+from stages.articulated.mesh_resolver import MeshResolver
+
+
+def no_direction(path: Path) -> str:
+    """Files of most kinds do not say what is up."""
+    return ""
+
+
+class MeshReader(NamedTuple):
+    """How a kind of file is read.
+
+    read: from the file, and what resolves the files that it names, to plain triangles; and what of it is lost, a line
+    each. up: the direction up that a file says, X_UP, Y_UP or Z_UP; empty: it says none.
+    """
+
+    read: Callable[[Path, MeshResolver], tuple[Scene, list[str]]]
+    up: Callable[[Path], str] = no_direction

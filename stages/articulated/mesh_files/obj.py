@@ -11,6 +11,7 @@ import trimesh
 from numpy.typing import NDArray
 from trimesh import Scene
 
+from stages.articulated.mesh_files import MeshReader
 from stages.articulated.mesh_files.mtl import Material, decoded, materials_in
 from stages.articulated.mesh_files.polygons import triangles_of
 from stages.articulated.mesh_resolver import MeshResolver, With
@@ -109,3 +110,6 @@ def _move_picture(mesh: Any, materials: dict[str, Material]) -> None:
     uv: NDArray[np.float64] | None = getattr(mesh.visual, "uv", None)
     if material is not None and uv is not None and (material.scale, material.offset) != ((1.0, 1.0), (0.0, 0.0)):
         mesh.visual.uv = np.asarray(uv) * material.scale + material.offset
+
+
+READER = MeshReader(read_obj)

@@ -9,9 +9,9 @@ import trimesh
 from PIL import features
 from trimesh import Scene
 
-from stages.articulated.mesh_files.accessors import Accessors, Header, header_of
-from stages.articulated.mesh_files.gltf_nodes import INSTANCES, VISIBILITY, placed
-from stages.articulated.mesh_files.gltf_parts import DRACO, GLOSSY, MOVED, Parts
+from plugins.importing.mesh_files.accessors import Accessors, Header, header_of
+from plugins.importing.mesh_files.gltf_nodes import INSTANCES, VISIBILITY, placed
+from plugins.importing.mesh_files.gltf_parts import DRACO, GLOSSY, MOVED, Parts
 from stages.articulated.mesh_resolver import PICTURES, MeshResolver, fault_of
 from stages.articulated.urdf_tree import MOST_SHAPES
 from stages.contracts.errors import InputError

@@ -8,6 +8,7 @@ import numpy as np
 import trimesh
 from trimesh import Scene
 
+from stages.articulated.mesh_files import MeshReader
 from stages.articulated.mesh_files.polygons import Corners, Triangles, split
 from stages.articulated.mesh_resolver import MeshResolver
 
@@ -153,3 +154,6 @@ def _bound(url: str, named: dict[str, ET.Element]) -> tuple[str, list[str]]:
     if (mesh := named.get(url)) is None or mesh.tag != "geometry":
         raise ValueError(f"its skin holds no mesh ('{first[:60]}')")
     return url, matrices
+
+
+READER = MeshReader(read_dae, up_of)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from stages.articulated.mesh_files.accessors import Accessors, Header, Numbers
+from plugins.importing.mesh_files.accessors import Accessors, Header, Numbers
 
 INSTANCES, VISIBILITY = "EXT_mesh_gpu_instancing", "KHR_node_visibility"
 MOST = 10_000  # meshes that are shown: each is a copy

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.articulated.mesh_files.accessors import Accessors, Header, Numbers
-from stages.articulated.mesh_files.gltf_nodes import Placed
+from plugins.importing.mesh_files.accessors import Accessors, Header, Numbers
+from plugins.importing.mesh_files.gltf_nodes import Placed
 from stages.contracts.look import GAMMA
 
 DRACO, MOVED, GLOSSY = "KHR_draco_mesh_compression", "KHR_texture_transform", "KHR_materials_pbrSpecularGlossiness"

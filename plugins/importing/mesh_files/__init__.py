@@ -1,0 +1,1 @@
+"""Mesh files that assets of ours are not: a module per suffix, with its `READER`."""

@@ -1,0 +1,6 @@
+"""PLY."""
+
+from plugins.importing.mesh_files.ply_off import read_ply
+from stages.articulated.mesh_files import MeshReader
+
+READER = MeshReader(read_ply)
