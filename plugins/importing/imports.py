@@ -14,20 +14,20 @@ import numpy as np
 from pydantic import Field, ValidationError
 
 from plugins.importing.discover import Found, discover, numbered_names
+from plugins.importing.fronts import doors_and_drawers, front_direction, squared
 from plugins.importing.importers import Axis, Importer
 from plugins.importing.inertia_repair import weighed_sanely, with_mass
 from plugins.importing.proposal import Guess
 from plugins.importing.pushing import stuck_joints, touching_when_closed
 from plugins.importing.sandbox import apart
+from plugins.importing.solid_handle import with_solid_handles
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.attributes import ungraspable
 from stages.articulated.forward_kinematics import closed_box, link_frames, rebased
-from stages.articulated.fronts import doors_and_drawers, front_direction, squared
 from stages.articulated.inside import check_inside
 from stages.articulated.mesh_reader import FLAT, thickened
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
-from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.stretching import stretched
 from stages.assets.snapshots import Look
 from stages.cli import progress

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.inputs.config import PhotoConfig
+from plugins.inputs.own_scene import write_config
 from plugins.inputs.photo.captions import NONE, ask_labels, ask_mounting, ask_object
 from plugins.inputs.photo.level import level_camera
 from plugins.inputs.photo.networks import Detection, depth_of, detect, segment
@@ -20,7 +21,6 @@ from plugins.inputs.rgbd.write import make_annotations
 from plugins.vlm.ask import Asker, NoAnswerError
 from plugins.vlm.config import VlmConfig
 from stages.cli import progress
-from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError, read_options
 from stages.contracts.categories import known_categories
 from stages.contracts.corrected_masks import ROOM

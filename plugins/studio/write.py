@@ -7,12 +7,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.inputs.own_scene import write_config
 from plugins.inputs.photo.metrology import View
 from plugins.inputs.rgbd.upright import is_stretched
 from plugins.studio.paint import SPARSE, paint
 from plugins.studio.project import DrawnObject, Project
 from plugins.studio.solve import Solved, solve
-from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError
 from stages.contracts.images import colour_of
 from stages.contracts.objects import Box, object_ids

@@ -10,15 +10,15 @@ import sapien
 import trimesh
 
 from plugins.importing.discover import discover, numbered_names
+from plugins.importing.fronts import doors_and_drawers, front_direction
 from plugins.importing.pushing import stuck_joints
+from plugins.importing.solid_handle import with_solid_handles
 from plugins.importing.tests.own_models import import_folder
 from stages.articulated.asset_folder import read_model
 from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.fronts import doors_and_drawers, front_direction
 from stages.articulated.handle import find_handle
 from stages.articulated.resizing import resize_asset
 from stages.articulated.roles import contract_joints, with_roles
-from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.categories import category_in
 from stages.simulation.loading import load_asset, physics_scene

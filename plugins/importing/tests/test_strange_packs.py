@@ -13,12 +13,12 @@ from PIL import Image
 
 from plugins.importing import pushing
 from plugins.importing.discover import bare, discover
+from plugins.importing.fronts import doors_and_drawers
 from plugins.importing.import_ import run
 from plugins.importing.importers.mjcf import read_mjcf
 from plugins.importing.inertia_repair import weighed_sanely
 from plugins.importing.portrait import Portraits
 from plugins.importing.tests.test_fronts import box, joint
-from stages.articulated.fronts import doors_and_drawers
 from stages.articulated.mesh_reader import load_meshes
 from stages.articulated.mesh_writer import write_glb
 from stages.articulated.roles import contract_joints, with_roles

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from plugins.importing.evidence import Told, evidence, shared
+from plugins.importing.fronts import doors_and_drawers
 from plugins.importing.import_ import run
 from plugins.importing.importers import Axis
 from plugins.importing.importers.urdf import IMPORTER
 from plugins.importing.imports import axis_vector
 from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.forward_kinematics import closed_box, rebased
-from stages.articulated.fronts import doors_and_drawers
 from stages.articulated.model import RobotModel
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.categories import known_categories

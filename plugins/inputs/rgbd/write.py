@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.inputs.own_scene import write_config
 from plugins.inputs.rgbd.clusters import TILT
 from plugins.inputs.rgbd.frame import Frame, Labelled, fit_frame, is_nothing
-from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
