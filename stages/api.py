@@ -132,8 +132,8 @@ def _settings(config: Mapping[str, Any] | None) -> "Config":
 
     given, usual = dict(config or {}), Config().model_dump(mode="json")
     own = "experiment" in given
-    if not own:  # the usual rooms and tasks would want models that a library need not have
-        usual["experiment"] |= {"rooms": ["*"], "tasks": {}}
+    if not own:  # the usual rooms and targets would want models that a library need not have
+        usual["experiment"] |= {"rooms": ["*"], "targets": {}}
     return load(merged(usual, given), rooms_named=own)
 
 

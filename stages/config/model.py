@@ -11,18 +11,19 @@ from stages.config.containers import ContainersConfig
 from stages.config.contradictions import contradictions
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import EvaluationConfig
-from stages.config.experiment import ExperimentConfig, TaskTarget
+from stages.config.experiment import ExperimentConfig
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.inputs import Input, scene_of, with_inputs
 from stages.config.matching import MatchingConfig, MatchingSection
-from stages.config.mistakes import Mistake, mistakes_of, truths, validated, without_removed, without_sharers
+from stages.config.mistakes import Mistake, mistakes_of, truths, validated, without_removed
 from stages.config.names import resolved
 from stages.config.photo import PhotoSection
 from stages.config.replaced import Replaced
 from stages.config.room_files import room_files
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
+from stages.config.targets import Target
 from stages.config.training import TrainingConfig
 from stages.config.vlm import VlmConfig
 from stages.contracts.errors import InputError
@@ -85,9 +86,9 @@ class Config(Section):
         changes = self.experiment.placements.get(variant, {})
         return GenerationConfig.model_validate(merged(self.generation.model_dump(), changes))
 
-    def task_of(self, name: str) -> TaskConfig:
-        """The task options of one row of the policy experiment: those of `task` with what it changes, key by key."""
-        return TaskConfig.model_validate(merged(self.task.model_dump(), self.experiment.plan(name).target.options))
+    def task_of(self, target: str) -> TaskConfig:
+        """The task options of a target: those of `task` with what it changes, key by key."""
+        return TaskConfig.model_validate(merged(self.task.model_dump(), self.experiment.targets[target].options))
 
     def room_files(self) -> dict[str, Path]:
         """Files of all rooms that could be asked for, by their names."""
@@ -97,10 +98,10 @@ class Config(Section):
         """The name by which a stage loads an implementation."""
         return find(kind, name, self.plugins)
 
-    def simulated(self, task: str, simulator: str) -> bool:
-        """Whether a simulator has the task of a row of the policy experiment: MuJoCo has those of one skill."""
-        named = self.experiment.plan(task).task
-        return simulator != "mujoco" or len(load_plugin("tasks", self.implementation("tasks", named)).skills) == 1
+    def simulated(self, target: str, simulator: str) -> bool:
+        """Whether a simulator has the task of a target: MuJoCo has those of one skill."""
+        task = self.experiment.task(target)
+        return simulator != "mujoco" or len(load_plugin("tasks", self.implementation("tasks", task)).skills) == 1
 
 
 def merged(base: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
@@ -123,7 +124,7 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
         InputError: names all mistakes, a line each, with key and mend.
     """
     config, unread = with_inputs(config)
-    valid, mistakes = validated(Config, without_removed(without_sharers(config), Config))
+    valid, mistakes = validated(Config, without_removed(config, Config))
     mistakes += unread
     wrong = [mistake.key for mistake in mistakes] + (["experiment.rooms"] if unread else [])
     valid = valid.model_copy(update={"plugins": _packages(valid.plugins, mistakes)})
@@ -144,17 +145,17 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
 
 
 def _overlays(config: Config) -> Iterator[Mistake]:
-    """What is wrong with the keys that variants, placements and tasks change; such changes are taken back."""
+    """What is wrong with the keys that variants, placements and targets change; such changes are taken back."""
     kinds: tuple[tuple[str, type[Section], Callable[[str], Section]], ...] = (
         ("variants", MatchingConfig, config.matching_of),
         ("placements", GenerationConfig, config.generation_of),
-        ("tasks", TaskConfig, config.task_of),
+        ("targets", TaskConfig, config.task_of),
     )
     for section, model, read in kinds:
         entries = getattr(config.experiment, section)
         for name, entry in list(entries.items()):
             key, changes = f"experiment.{section}.{name}", entry
-            if isinstance(entry, TaskTarget):
+            if isinstance(entry, Target):
                 key, changes = f"{key}.options", entry.options
             yield from truths(changes, model, key)
             try:
@@ -164,14 +165,15 @@ def _overlays(config: Config) -> Iterator[Mistake]:
                 yield from mistakes_of(model, error, f"{key}.")
             except InputError as error:
                 yield Mistake.of(error)
-            entries[name] = entry.model_copy(update={"options": {}}) if isinstance(entry, TaskTarget) else {}
+            entries[name] = entry.model_copy(update={"options": {}}) if isinstance(entry, Target) else {}
 
 
 def of_picture(config: Config) -> ExperimentConfig:
-    """The experiment whose one scene is the picture of `image`, found by `inputs estimate`; no tasks, no protocols."""
+    """The experiment whose one scene is the picture of `image`, found by `inputs estimate`, without policies."""
     name = scene_of(Path(config.image).with_suffix(""))
     name = f"{name}-photo" if name in config.room_files() else name
-    only = {"rooms": [name], "inputs": {name: Input(image=config.image)}, "tasks": {}, "protocols": {}}
+    only = {"rooms": [name], "inputs": {name: Input(image=config.image)}}
+    only |= {key: {} for key in ("targets", "policies", "pools", "protocols")}
     return config.experiment.model_copy(update=only)
 
 

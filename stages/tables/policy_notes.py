@@ -2,7 +2,6 @@
 
 from stages.config.tables import PolicyTables
 from stages.tables.methods import kinds_of
-from stages.tables.order import title
 
 SIMULATORS = {"maniskill": "ManiSkill", "mujoco": "MuJoCo"}
 UNKNOWN = (
@@ -17,13 +16,13 @@ def policy_notes(options: PolicyTables) -> list[str]:
 
 
 def _pooled(options: PolicyTables) -> list[str]:
-    """Rows that hold more than one hyper-parameter set."""
+    """Policies of more than one hyper-parameter set."""
     kinds = kinds_of(options)
-    found = [f"{title(name)}: {kinds[name]}" for name, row in options.rows.items() if row.best and row.best > 1]
+    found = [kinds[name] for name, about in options.policies.items() if about.best and about.best > 1]
     if not found:
         return []
     return [
-        "Runs are training seeds of one method. Where more hyper-parameter sets were tried, those that did best in "
+        "Runs are training seeds of one policy. Where more hyper-parameter sets were tried, those that did best in "
         f"trials on the twin, by training set, are pooled, as in the paper ({'; '.join(found)})."
     ]
 
