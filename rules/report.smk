@@ -28,7 +28,9 @@ BENCHMARKS = [
         file
         for name in TARGETS
         if name not in PINNED
-        for file in of_target(SimpleNamespace(target=name, variant=EXPERIMENT.policy_variant), rules.distances.benchmark)
+        for file in of_target(
+            SimpleNamespace(target=name, variant=EXPERIMENT.policy_variant), rules.distances.benchmark
+        )
     ],
     *trained(rules.demonstrate.benchmark),
     *in_scenes(rules.demonstrate_in_scene.benchmark),

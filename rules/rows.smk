@@ -69,7 +69,9 @@ def possible_policies(pattern):
     """The files of `pattern` for all policies that this run might train, whichever are chosen."""
     plans = {cell: EXPERIMENT.plan(cell.policy) for cell in EXPERIMENT.cells}
     return [
-        file for cell, plan in plans.items() for file in files(pattern, **cell._asdict(), run=plan.runs, seed=plan.seeds)
+        file
+        for cell, plan in plans.items()
+        for file in files(pattern, **cell._asdict(), run=plan.runs, seed=plan.seeds)
     ]
 
 

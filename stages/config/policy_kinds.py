@@ -24,14 +24,11 @@ def kind_in_words(run: TrainingRun) -> str:
 
 def about_policies(config: "Config") -> dict[str, PolicyAbout]:
     """The policies of a run that open something."""
-    experiment = config.experiment
-    best = {name: experiment.best_runs if experiment.chooses(name) else None for name in experiment.policies}
-    plans = {name: experiment.plan(name) for name in experiment.policies}
-    return {
-        name: PolicyAbout(runs=plan.runs, best=best[name], targets=plan.targets)
-        for name, plan in plans.items()
-        if plan.targets
-    }
+    experiment, found = config.experiment, {}
+    for name in experiment.policies:
+        plan, best = experiment.plan(name), experiment.best_runs if experiment.chooses(name) else None
+        found[name] = PolicyAbout(runs=plan.runs, best=best, targets=plan.targets)
+    return {name: about for name, about in found.items() if about.targets}
 
 
 def policy_tables(config: "Config") -> PolicyTables:

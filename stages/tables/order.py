@@ -45,10 +45,15 @@ def title(name: str) -> str:
     return NAMES.get(name, name.replace("_", " "))
 
 
+def task_title(task: str) -> str:
+    """A task for people."""
+    return TASKS.get(task, title(task))
+
+
 def target_title(target: str, task: str) -> str:
     """A target for people, by what is done there: 'Door opening', 'Door opening, room 1' (door_room_1)."""
-    what, rest = TASKS.get(task, title(task)), title(target.removeprefix(f"{task}_"))
-    return what if target in task else f"{what}, {rest}"
+    rest = title(target.removeprefix(f"{task}_"))
+    return task_title(task) if target in task else f"{task_title(task)}, {rest}"
 
 
 def row_title(row: Mapping[str, Any]) -> str:

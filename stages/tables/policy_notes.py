@@ -1,7 +1,7 @@
 """What tables of policies say below: what is pooled, and what policies are given that a real robot would not have."""
 
 from stages.config.tables import PolicyTables
-from stages.tables.methods import kinds_of
+from stages.tables.methods import kind, kinds_of
 
 SIMULATORS = {"maniskill": "ManiSkill", "mujoco": "MuJoCo"}
 UNKNOWN = (
@@ -18,7 +18,7 @@ def policy_notes(options: PolicyTables) -> list[str]:
 def _pooled(options: PolicyTables) -> list[str]:
     """Policies of more than one hyper-parameter set."""
     kinds = kinds_of(options)
-    found = [kinds[name] for name, about in options.policies.items() if about.best and about.best > 1]
+    found = [kind(name, kinds) for name, about in options.policies.items() if about.best and about.best > 1]
     if not found:
         return []
     return [
