@@ -11,7 +11,7 @@ STAMP := .venv/.installed
 STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml --
 # Success over unseen assets, of the same assets, by config/study/over_assets.yaml.
 UNSEEN := $(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml config/study/over_assets.yaml --
-cells = $(foreach task,$(1),$(foreach set,$(2),results/evaluation/policies/$(task)/$(set)/rollouts.csv))
+cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(policy)/$(set)/rollouts.csv))
 
 .PHONY: help setup site wheel demo all study unseen registered second table2 photo test slurm test-cluster lint types config reference loc lock containers clean
 help: ## list the verbs
@@ -32,10 +32,10 @@ all: setup ## run the default workflow: library, scenes, policies, tables, repor
 	$(BIN)/snakemake --cores $(CORES) all
 
 study: setup ## Table 3 on two cores, overnight; the cells that tell most come first
-	$(STUDY) $(call cells,door door_handle,twin cousins_8)
-	$(STUDY) $(call cells,drawer drawer_handle,twin cousins_8)
-	$(STUDY) $(call cells,door_object,twin cousins_8)
-	$(STUDY) $(call cells,door drawer,cousins_4 all cousins_2)
+	$(STUDY) $(call cells,door/lite door/lite_handle,twin cousins_8)
+	$(STUDY) $(call cells,drawer/lite drawer/lite_handle_floor,twin cousins_8)
+	$(STUDY) $(call cells,door_object/lite_object,twin cousins_8)
+	$(STUDY) $(call cells,door/lite drawer/lite,cousins_4 all cousins_2)
 	$(STUDY) all
 	$(BIN)/python -m stages.tables results --configs config.yaml config/study/table3.yaml --out docs/results
 

@@ -38,7 +38,7 @@ def read_pairs(results: Path, assets: Path, task: str) -> pd.DataFrame:
     runs = []
     for file in sorted(assets.glob(f"{task}_room_*.json")):
         plan, room = read_json(TaskAssets, file), file.stem
-        for path in sorted((results / "evaluation/policies" / room).glob("*/lite/seed_*/rollouts.csv")):
+        for path in sorted((results / "evaluation/policies" / room / "lite").glob("*/lite/seed_*/rollouts.csv")):
             rows = pd.read_csv(path, usecols=["training_set", "seed", "test_asset", "asset", "family", "success"])
             rows = rows[rows.test_asset == "test"].assign(room=room)
             shown = assets_shown(plan, rows.training_set.iat[0], rows.seed.iat[0])

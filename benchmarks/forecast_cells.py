@@ -8,6 +8,7 @@ of the success to be expected of them (`stages.experiment.coverage`). Printed ar
 
 import argparse
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 
 import pandas as pd
@@ -21,21 +22,20 @@ from stages.tables.writing import write_csv
 
 
 def expected(config: Config) -> pd.DataFrame:
-    """A policy a row, `FORECAST` and `distance`; the rows of the experiment have committed files of assets."""
+    """A policy a row, `FORECAST` and `distance`; targets have committed files of assets and one policy that counts."""
     return pd.DataFrame(_rows(config), columns=[*FORECAST, "distance"])
 
 
 def _rows(config: Config) -> Iterator[tuple[object, ...]]:
     experiment, tests = config.experiment, config.evaluation
-    for row, target in experiment.tasks.items():
-        file = Path(target.assets or "")
-        chosen, plan = read_json(TaskAssets, file), experiment.plan(row)
+    for name, target in experiment.targets.items():
+        file, task = Path(target.assets or ""), experiment.task(name)
+        chosen, (plan, *_) = read_json(TaskAssets, file), experiment.plans(name).values()
         unseen = chosen.split(tests.split, tests.assets)
-        for name in plan.training_sets:
-            for seed in plan.seeds:
-                shown = [asset for role in experiment.roles(name, seed) for asset in chosen.assets_of(role, file)]
-                told = forecast_mean(plan.task, unseen, shown)
-                yield plan.task, row, name, seed, told, float(nearest(unseen, shown).mean())
+        for training_set, seed in product(plan.training_sets, plan.seeds):
+            shown = [asset for role in experiment.roles(training_set, seed) for asset in chosen.assets_of(role, file)]
+            told = forecast_mean(task, unseen, shown)
+            yield task, name, training_set, seed, told, float(nearest(unseen, shown).mean())
 
 
 def main() -> None:

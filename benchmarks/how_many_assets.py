@@ -31,11 +31,11 @@ Float = NDArray[np.float64]
 
 def successes(folder: Path, task: str, training_set: str, run: str = "lite") -> Float:
     """Successes (objects, assets, starts, runs) on the unseen assets of a task."""
-    files = sorted(folder.glob(f"{task}_room_?/{training_set}/{run}/seed_*/rollouts.csv"))
+    files = sorted(folder.glob(f"{task}_room_?/{run}/{training_set}/{run}/seed_*/rollouts.csv"))
     rows = read_rows(Rollout, files, ONE_TEST)
     rows = rows[rows["test_asset"] == "test"]
-    keys = ["task", "asset", "initial_state", "seed"]
-    shape = [rows["task"].nunique(), -1, rows.groupby(["task", "asset"])["initial_state"].nunique().max()]
+    keys = ["target", "asset", "initial_state", "seed"]
+    shape = [rows["target"].nunique(), -1, rows.groupby(["target", "asset"])["initial_state"].nunique().max()]
     return rows.sort_values(keys)["success"].to_numpy(float).reshape(*shape, rows["seed"].nunique())
 
 

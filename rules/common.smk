@@ -73,9 +73,8 @@ SHOWN = [room for room in ROOMS if room not in set(MORE)]
 MET = EXPERIMENT.met()
 VARIANTS = list(EXPERIMENT.variants)
 matching_of = cache(CONFIG.matching_of)  # asked for by every job of matching
-TASKS = list(EXPERIMENT.tasks)
-PINNED = {task: target.assets for task, target in EXPERIMENT.tasks.items() if target.assets}
-SOURCES = EXPERIMENT.sources  # of them those with assets and demonstrations of their own
+TARGETS = list(EXPERIMENT.targets)
+PINNED = {name: target.assets for name, target in EXPERIMENT.targets.items() if target.assets}
 # Shards of the procedural models, or of what a command of the user's makes in their place.
 PROCEDURAL = (
     CONFIG.assets.shards if any(CONFIG.assets.counts.values()) or "library" in CONFIG.stages.get("furniture", {}) else 0
@@ -89,7 +88,8 @@ wildcard_constraints:
     scene=r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*(\.(" + "|".join(EXPERIMENT.protocols) + r")\.\d+)?",
     variant=r"[A-Za-z0-9_-]+",
     store=r"[A-Za-z0-9_]+-[0-9a-f]{8}",
-    task="|".join(TASKS) or "-",
+    target="|".join(TARGETS) or "-",
+    policy="|".join(EXPERIMENT.policies) or "-",
     condition="|".join(CONFIG.evaluation.conditions) or "-",
     object=r"[^/]+",
     role=ROLE_NAME,

@@ -1,6 +1,6 @@
 # Policies and skills under the conditions of `evaluation.conditions`, paired with the usual rollouts. No part of `all`.
 # Reads:  what rollouts read.
-# Writes: results/evaluation/conditions/<condition>/<task>/{<training set>/<run>/seed_<n>,skill}/rollouts.csv,
+# Writes: results/evaluation/conditions/<condition>/<target>/{<policy>/<training set>/<run>/seed_<n>,skill}/rollouts.csv,
 #         results/tables/conditions.{csv,html,tex}.
 
 
@@ -9,26 +9,27 @@ use rule rollout as rollout_under with:
         **filmed(
             "evaluation",
             "rollout",
-            "results/evaluation/conditions/{condition}/{task}/{training_set}/{run}/seed_{seed}",
+            "results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}",
             condition="{condition}",
-            task="{task}",
+            target="{target}",
+            policy="{policy}",
             **{"training set": "{training_set}"},
             seed="{seed}",
         ),
-        rollouts="results/evaluation/conditions/{condition}/{task}/{training_set}/{run}/seed_{seed}/rollouts.csv",
+        rollouts="results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
     log:
-        "logs/evaluation/{condition}_{task}_{training_set}_{run}_{seed}.log",
+        "logs/evaluation/{condition}_{target}_{policy}_{training_set}_{run}_{seed}.log",
     benchmark:
-        "benchmarks/evaluation/{condition}_{task}_{training_set}_{run}_{seed}.tsv"
+        "benchmarks/evaluation/{condition}_{target}_{policy}_{training_set}_{run}_{seed}.tsv"
 
 
 use rule skill as skill_under with:
     output:
-        rollouts="results/evaluation/conditions/{condition}/{task}/skill/rollouts.csv",
+        rollouts="results/evaluation/conditions/{condition}/{target}/skill/rollouts.csv",
     log:
-        "logs/evaluation/{condition}_skill_{task}.log",
+        "logs/evaluation/{condition}_skill_{target}.log",
     benchmark:
-        "benchmarks/evaluation/{condition}_skill_{task}.tsv"
+        "benchmarks/evaluation/{condition}_skill_{target}.tsv"
 
 
 rule conditions:

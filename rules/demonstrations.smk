@@ -1,40 +1,40 @@
 # Automatic demonstrations by the skills, successes only (paper A.4, A.5), and some inside generated scenes (Figure 7).
-# Reads:  the assets of a task, generated scenes, the library.
-# Writes: results/demonstrations/<task>/<role>/{episodes.h5,attempts.jsonl,film.png,films.zip},
-#         results/demonstrations/<task>/in_scene/{in_scene.json,episodes.zip,film.png,films.zip}.
+# Reads:  the assets of a target, generated scenes, the library.
+# Writes: results/demonstrations/<target>/<role>/{episodes.h5,attempts.jsonl,film.png,films.zip},
+#         results/demonstrations/<target>/in_scene/{in_scene.json,episodes.zip,film.png,films.zip}.
 
 
 rule demonstrate:
     """Collect the demonstrations of one asset."""
     input:
         **LIBRARY,
-        assets=lambda wildcards: task_assets(wildcards.task),
+        assets=lambda wildcards: target_assets(wildcards.target),
     output:
         **filmed(
             "demonstrations",
             "collect",
-            "results/demonstrations/{task}/{role}",
-            task="{task}",
+            "results/demonstrations/{target}/{role}",
+            target="{target}",
             asset="{role}",
         ),
-        episodes="results/demonstrations/{task}/{role}/episodes.h5",
-        attempts="results/demonstrations/{task}/{role}/attempts.jsonl",
+        episodes="results/demonstrations/{target}/{role}/episodes.h5",
+        attempts="results/demonstrations/{target}/{role}/attempts.jsonl",
     log:
-        "logs/demonstrations/{task}_{role}.log",
+        "logs/demonstrations/{target}_{role}.log",
     benchmark:
-        "benchmarks/demonstrations/{task}_{role}.tsv"
+        "benchmarks/demonstrations/{target}_{role}.tsv"
     container:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        **needs(3000, lambda wildcards: 15 + EXPERIMENT.episodes_of(wildcards.task, wildcards.role) / 5),
+        **needs(3000, lambda wildcards: 15 + EXPERIMENT.episodes_of(wildcards.target, wildcards.role) / 5),
     params:
         command=command("demonstrations", "collect"),
         code=task_code("demonstrations", "collect"),
         check=check(episodes="episodes", attempts="attempts"),
         options=options("demonstrations", "collect"),
-        task_options=lambda wildcards: CONFIG.task_of(wildcards.task).model_dump_json(),
-        episodes=lambda wildcards: EXPERIMENT.episodes_of(wildcards.task, wildcards.role),
+        task_options=lambda wildcards: CONFIG.task_of(wildcards.target).model_dump_json(),
+        episodes=lambda wildcards: EXPERIMENT.episodes_of(wildcards.target, wildcards.role),
         seed=CONFIG.seed,
     shell:
         "({params.command} --assets {input.assets:q} --library {input.library:q} --role {wildcards.role} "
@@ -47,19 +47,19 @@ rule demonstrate_in_scene:
     """Demonstrate a task once in the generated scene of every rank, furniture in the way."""
     input:
         **LIBRARY,
-        scenes=task_scenes,
+        scenes=target_scenes,
     output:
         **(
             {}
             if "scene" in CONFIG.stages.get("demonstrations", {})
-            else {name: f"results/demonstrations/{{task}}/in_scene/{file}" for name, file in FILMS.items()}
+            else {name: f"results/demonstrations/{{target}}/in_scene/{file}" for name, file in FILMS.items()}
         ),
-        in_scene="results/demonstrations/{task}/in_scene/in_scene.json",
-        episodes="results/demonstrations/{task}/in_scene/episodes.zip",
+        in_scene="results/demonstrations/{target}/in_scene/in_scene.json",
+        episodes="results/demonstrations/{target}/in_scene/episodes.zip",
     log:
-        "logs/demonstrations/{task}_in_scene.log",
+        "logs/demonstrations/{target}_in_scene.log",
     benchmark:
-        "benchmarks/demonstrations/{task}_in_scene.tsv"
+        "benchmarks/demonstrations/{target}_in_scene.tsv"
     container:
         CONFIG.containers.simulation
     threads: 1
@@ -70,9 +70,9 @@ rule demonstrate_in_scene:
         code=task_code("demonstrations", "scene"),
         check=check(in_scene="in_scene"),
         options=options("demonstrations", "scene"),
-        task_options=lambda wildcards: CONFIG.task_of(wildcards.task).model_dump_json(),
-        task=lambda wildcards: implementation(wildcards.task),
-        object=lambda wildcards: EXPERIMENT.plan(wildcards.task).target.object,
+        task_options=lambda wildcards: CONFIG.task_of(wildcards.target).model_dump_json(),
+        task=lambda wildcards: implementation(wildcards.target),
+        object=lambda wildcards: EXPERIMENT.targets[wildcards.target].object,
         seed=CONFIG.seed,
         out=subpath(output.in_scene, parent=True),
     shell:

@@ -1,9 +1,8 @@
 # Rollouts of the policies, one row each; nothing is aggregated here (paper B.3).
-# Reads:  policies, their trials and the task's assets.
-#         An assets.json is that of the row itself or of the row that it shares assets with (`assets_of`).
-# Writes: results/evaluation/policies/<task>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films.zip},
-#         results/evaluation/policies/<task>/<training set>/rollouts.csv,
-#         results/evaluation/skill/<task>/rollouts.csv.
+# Reads:  policies, their trials and the assets of targets.
+# Writes: results/evaluation/policies/<target>/<policy>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films.zip},
+#         results/evaluation/policies/<target>/<policy>/<training set>/rollouts.csv,
+#         results/evaluation/skill/<target>/rollouts.csv.
 
 
 rule rollout:
@@ -14,22 +13,23 @@ rule rollout:
         last=rules.train.output.last,
         checkpoints=rules.train.output.checkpoints,
         config=rules.train.output.config,
-        assets=lambda wildcards: task_assets(wildcards.task),
+        assets=lambda wildcards: target_assets(wildcards.target),
         trial=rules.trial.output.rollouts if CONFIG.evaluation.checkpoint == "rollouts" else [],
     output:
         **filmed(
             "evaluation",
             "rollout",
-            "results/evaluation/policies/{task}/{training_set}/{run}/seed_{seed}",
-            task="{task}",
+            "results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}",
+            target="{target}",
+            policy="{policy}",
             **{"training set": "{training_set}"},
             seed="{seed}",
         ),
-        rollouts="results/evaluation/policies/{task}/{training_set}/{run}/seed_{seed}/rollouts.csv",
+        rollouts="results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
     log:
-        "logs/evaluation/{task}_{training_set}_{run}_{seed}.log",
+        "logs/evaluation/{target}_{policy}_{training_set}_{run}_{seed}.log",
     benchmark:
-        "benchmarks/evaluation/{task}_{training_set}_{run}_{seed}.tsv"
+        "benchmarks/evaluation/{target}_{policy}_{training_set}_{run}_{seed}.tsv"
     container:
         CONFIG.containers.simulation
     threads: 1
@@ -44,11 +44,10 @@ rule rollout:
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
         roles=lambda wildcards: EXPERIMENT.roles(wildcards.training_set, int(wildcards.seed)),
-        source=lambda wildcards: EXPERIMENT.source(wildcards.task),
     shell:
         "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
-        "--task-name {wildcards.task} --training-set {wildcards.training_set} --trained-roles {params.roles} "
-        "--run-name {wildcards.run} --assets-of {params.source} --options {params.options:q} "
+        "--target {wildcards.target} --policy-name {wildcards.policy} --training-set {wildcards.training_set} "
+        "--run-name {wildcards.run} --trained-roles {params.roles} --options {params.options:q} "
         "--trial {input.trial:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
@@ -57,13 +56,13 @@ rule skill:
     """Do a task by the scripted skill on what its policies are rolled out on, from the same states."""
     input:
         **LIBRARY,
-        assets=lambda wildcards: task_assets(wildcards.task),
+        assets=lambda wildcards: target_assets(wildcards.target),
     output:
-        rollouts="results/evaluation/skill/{task}/rollouts.csv",
+        rollouts="results/evaluation/skill/{target}/rollouts.csv",
     log:
-        "logs/evaluation/skill_{task}.log",
+        "logs/evaluation/skill_{target}.log",
     benchmark:
-        "benchmarks/evaluation/skill_{task}.tsv"
+        "benchmarks/evaluation/skill_{target}.tsv"
     container:
         CONFIG.containers.simulation
     threads: 1
@@ -75,23 +74,23 @@ rule skill:
         check=check(rollouts="rollouts"),
         options=options("evaluation", "skill"),
         skill_options=CONFIG.demonstrations.model_dump_json(include=set(MotionOptions.model_fields)),
-        task_options=lambda wildcards: CONFIG.task_of(wildcards.task).model_dump_json(),
+        task_options=lambda wildcards: CONFIG.task_of(wildcards.target).model_dump_json(),
         seed=CONFIG.seed,
     shell:
-        "({params.command} --assets {input.assets:q} --library {input.library:q} --task-name {wildcards.task} "
+        "({params.command} --assets {input.assets:q} --library {input.library:q} --target {wildcards.target} "
         "--options {params.options:q} --skill-options {params.skill_options:q} "
         "--task-options {params.task_options:q} --seed {params.seed} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule gather:
-    """Put the rollouts of all policies of one training set into one table."""
+    """Put the rollouts of all policies of one cell into one table."""
     input:
-        rollouts=lambda wildcards: policies_of(wildcards.task, wildcards.training_set, rules.rollout.output.rollouts),
+        rollouts=lambda wildcards: policies_of(Cell(**wildcards), rules.rollout.output.rollouts),
     output:
-        rollouts="results/evaluation/policies/{task}/{training_set}/rollouts.csv",
+        rollouts="results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv",
     log:
-        "logs/evaluation/gather_{task}_{training_set}.log",
+        "logs/evaluation/gather_{target}_{policy}_{training_set}.log",
     localrule: True
     container:
         CONFIG.containers.learning

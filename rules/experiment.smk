@@ -1,11 +1,11 @@
 # The assets of the policy experiment: who is twin, cousin, test asset (paper B.3, B.4).
-# Reads:  the cousins and distances of the object that a task is about, its generated scene, the library, the room's truth;
-#         or a committed file of the assets (experiment.tasks.<task>.assets), and the library alone.
-# Writes: results/experiment/<variant>/<task>/assets.json, and for people assets.png, splits.png.
+# Reads:  the cousins and distances of the object that is opened, its generated scene, the library, the room's truth;
+#         or a committed file of the assets (experiment.targets.<target>.assets), and the library alone.
+# Writes: results/experiment/<variant>/<target>/assets.json, and for people assets.png, splits.png.
 
 
 rule select:
-    """Name the assets of a task: the object's twin, its cousins, a dissimilar one, those of training and test."""
+    """Name the assets of a target: the object's twin, its cousins, a dissimilar one, those of training and test."""
     input:
         **LIBRARY,
         cousins=lambda wildcards: of_target(wildcards, rules.match.output.cousins),
@@ -14,13 +14,13 @@ rule select:
         truth=known_truth,
         objects=lambda wildcards: of_target(wildcards, rules.extract.output.objects),
     output:
-        assets="results/experiment/{variant}/{task}/assets.json",
+        assets="results/experiment/{variant}/{target}/assets.json",
     log:
-        "logs/experiment/{variant}_{task}.log",
+        "logs/experiment/{variant}_{target}.log",
     benchmark:
-        "benchmarks/experiment/{variant}_{task}.tsv"
+        "benchmarks/experiment/{variant}_{target}.tsv"
     wildcard_constraints:
-        task="|".join(task for task in TASKS if task not in PINNED) or "-",
+        target="|".join(name for name in TARGETS if name not in PINNED) or "-",
     localrule: True
     container:
         CONFIG.containers.learning
@@ -31,8 +31,8 @@ rule select:
         command=command("experiment", "select"),
         code=task_code("experiment", "select"),
         check=check(task="assets"),
-        task=lambda wildcards: implementation(wildcards.task),
-        object=lambda wildcards: EXPERIMENT.plan(wildcards.task).target.object,
+        task=lambda wildcards: implementation(wildcards.target),
+        object=lambda wildcards: EXPERIMENT.targets[wildcards.target].object,
         cousins=EXPERIMENT.cousins,
         held_out=EXPERIMENT.held_out,
         truth=truth_flags,
@@ -48,18 +48,18 @@ rule select:
 
 
 rule pinned:
-    """Take the assets of a task from a committed file, if the library has the very same models."""
+    """Take the assets of a target from a committed file, if the library has the very same models."""
     input:
         **LIBRARY,
-        assets=lambda wildcards: PINNED[wildcards.task],
+        assets=lambda wildcards: PINNED[wildcards.target],
     output:
-        assets="results/experiment/{variant}/{task}/assets.json",
+        assets="results/experiment/{variant}/{target}/assets.json",
     log:
-        "logs/experiment/pinned_{variant}_{task}.log",
+        "logs/experiment/pinned_{variant}_{target}.log",
     benchmark:
-        "benchmarks/experiment/{variant}_{task}.tsv"
+        "benchmarks/experiment/{variant}_{target}.tsv"
     wildcard_constraints:
-        task="|".join(PINNED) or "-",
+        target="|".join(PINNED) or "-",
     localrule: True
     container:
         CONFIG.containers.learning
@@ -70,7 +70,7 @@ rule pinned:
         command=command("experiment", "pinned"),
         code=task_code("experiment", "pinned"),
         check=check(task="assets"),
-        task=lambda wildcards: implementation(wildcards.task),
+        task=lambda wildcards: implementation(wildcards.target),
     shell:
         "({params.command} --assets {input.assets:q} --task {params.task} --library {input.library:q} "
         "--out {output.assets:q} && "
@@ -78,26 +78,26 @@ rule pinned:
 
 
 rule draw_roles:
-    """Draw the assets of a task with their roles and what a gripper meets there."""
+    """Draw the assets of a target with their roles and what a gripper meets there."""
     input:
-        assets=lambda wildcards: task_assets(wildcards.task),
+        assets=lambda wildcards: target_assets(wildcards.target),
         snapshots=files(rules.snapshots.output.images, shard=SHARDS),
         indices=files(rules.snapshots.output.index, shard=SHARDS),
     output:
         picture=report(
-            "results/experiment/{variant}/{task}/assets.png",
+            "results/experiment/{variant}/{target}/assets.png",
             caption="../report/captions/roles.rst",
             category="Policies",
-            labels={"task": "{task}", "picture": "assets"},
+            labels={"target": "{target}", "picture": "assets"},
         ),
         splits=report(
-            "results/experiment/{variant}/{task}/splits.png",
+            "results/experiment/{variant}/{target}/splits.png",
             caption="../report/captions/roles.rst",
             category="Policies",
-            labels={"task": "{task}", "picture": "validation and test assets"},
+            labels={"target": "{target}", "picture": "validation and test assets"},
         ),
     log:
-        "logs/experiment/draw_{variant}_{task}.log",
+        "logs/experiment/draw_{variant}_{target}.log",
     localrule: True
     container:
         CONFIG.containers.learning
@@ -113,8 +113,8 @@ rule draw_roles:
 
 
 rule experiment:
-    """The assets of all tasks, and their pictures."""
+    """The assets of all targets, and their pictures."""
     input:
-        [task_assets(task) for task in SOURCES],
-        files(rules.draw_roles.output.picture, variant=EXPERIMENT.policy_variant, task=SOURCES),
+        [target_assets(name) for name in TARGETS],
+        files(rules.draw_roles.output.picture, variant=EXPERIMENT.policy_variant, target=TARGETS),
     localrule: True

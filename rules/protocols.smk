@@ -37,8 +37,8 @@ def truth_of(wildcards):
 
 
 def known_truth(wildcards):
-    """The truth of a scene, or of the scene of a task; none if it is one of the user's."""
-    scene = EXPERIMENT.plan(wildcards.task).target.scene if "task" in wildcards.keys() else wildcards.scene
+    """The truth of a scene, or of the room of a target; none if it is one of the user's."""
+    scene = EXPERIMENT.targets[wildcards.target].room if "target" in wildcards.keys() else wildcards.scene
     return [] if scene in EXPERIMENT.inputs else truth_of(SimpleNamespace(scene=scene))
 
 

@@ -23,12 +23,14 @@ BENCHMARKS = [
         [rules.match.benchmark, rules.generate.benchmark, rules.draw_scenes.benchmark], variant=VARIANTS, scene=SHOWN
     ),
     *files(rules.score.benchmark, variant=VARIANTS, scene=SCORED_ROOMS),
-    *files(rules.select.benchmark, variant=EXPERIMENT.policy_variant, task=SOURCES),
+    *files(rules.select.benchmark, variant=EXPERIMENT.policy_variant, target=TARGETS),
     *[
         file
-        for task in SOURCES
-        if task not in PINNED
-        for file in of_target(SimpleNamespace(task=task, variant=EXPERIMENT.policy_variant), rules.distances.benchmark)
+        for name in TARGETS
+        if name not in PINNED
+        for file in of_target(
+            SimpleNamespace(target=name, variant=EXPERIMENT.policy_variant), rules.distances.benchmark
+        )
     ],
     *trained(rules.demonstrate.benchmark),
     *in_scenes(rules.demonstrate_in_scene.benchmark),
@@ -74,7 +76,7 @@ rule report_page:
         previews=files(
             [*rules.draw_scenes.output.previews, rules.draw_scenes.output.view], variant=VARIANTS, scene=SHOWN
         ),
-        assets=[task_assets(task) for task in SOURCES],
+        assets=[target_assets(name) for name in TARGETS],
         films=DEMO_FILMS,
         scene_films=SCENE_FILMS,
         rollout_films=ROLLOUT_FILMS,

@@ -1,6 +1,6 @@
 # Policies: BC-RNN-GMM on point clouds (paper B.3).
 # Reads:  the demonstrations of a training set.
-# Writes: results/training/<task>/<training set>/<run>/seed_<n>/{policy,last}.safetensors,
+# Writes: results/training/<target>/<policy>/<training set>/<run>/seed_<n>/{policy,last}.safetensors,
 #         .../{checkpoints.zip,config.json,metrics.jsonl}; results/tables/trainings.{csv,html,tex}.
 
 
@@ -9,19 +9,19 @@ rule train:
     input:
         episodes=lambda wildcards: files(
             rules.demonstrate.output.episodes,
-            task=EXPERIMENT.source(wildcards.task),
+            target=wildcards.target,
             role=EXPERIMENT.roles(wildcards.training_set, int(wildcards.seed)),
         ),
     output:
-        policy="results/training/{task}/{training_set}/{run}/seed_{seed}/policy.safetensors",
-        last="results/training/{task}/{training_set}/{run}/seed_{seed}/last.safetensors",
-        checkpoints="results/training/{task}/{training_set}/{run}/seed_{seed}/checkpoints.zip",
-        config="results/training/{task}/{training_set}/{run}/seed_{seed}/config.json",
-        metrics="results/training/{task}/{training_set}/{run}/seed_{seed}/metrics.jsonl",
+        policy="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/policy.safetensors",
+        last="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/last.safetensors",
+        checkpoints="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/checkpoints.zip",
+        config="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/config.json",
+        metrics="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/metrics.jsonl",
     log:
-        "logs/training/{task}_{training_set}_{run}_{seed}.log",
+        "logs/training/{target}_{policy}_{training_set}_{run}_{seed}.log",
     benchmark:
-        "benchmarks/training/{task}_{training_set}_{run}_{seed}.tsv"
+        "benchmarks/training/{target}_{policy}_{training_set}_{run}_{seed}.tsv"
     container:
         CONFIG.containers.learning
     threads: 1
@@ -32,8 +32,8 @@ rule train:
         code=lambda wildcards: code("training", "train", *modules(CONFIG.training.runs[wildcards.run], "policy")),
         check=check(policy="config", metrics="metrics"),
         options=options("training", "train"),
-        task=lambda wildcards: implementation(wildcards.task),
-        share=lambda wildcards: EXPERIMENT.share(wildcards.task, wildcards.training_set),
+        task=lambda wildcards: implementation(wildcards.target),
+        share=lambda wildcards: EXPERIMENT.share(wildcards.target, wildcards.training_set),
         device=CONFIG.device,
         out=subpath(output.policy, parent=True),
     shell:

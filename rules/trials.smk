@@ -1,8 +1,8 @@
 # Trials of policies on the twin, which choose checkpoints and hyper-parameter sets (verbs of `evaluation`; paper B.3, B.4).
-# If a task has more hyper-parameter sets than `experiment.best_runs`, each is trained with the first seed and tried on the twin;
+# If a policy has more runs than `experiment.best_runs`, each is trained with the first seed and tried on the twin;
 # when `choose` has named the best, Snakemake knows which policies to train with all seeds and to roll out on all test assets.
-# Reads:  policies and the task's assets.
-# Writes: results/evaluation/trials/<task>/<training set>/{<run>/seed_<n>/rollouts.csv,chosen.json}.
+# Reads:  policies and the assets of targets.
+# Writes: results/evaluation/trials/<target>/<policy>/<training set>/{<run>/seed_<n>/rollouts.csv,chosen.json}.
 
 
 rule trial:
@@ -13,13 +13,13 @@ rule trial:
         last=rules.train.output.last,
         checkpoints=rules.train.output.checkpoints,
         config=rules.train.output.config,
-        assets=lambda wildcards: task_assets(wildcards.task),
+        assets=lambda wildcards: target_assets(wildcards.target),
     output:
-        rollouts="results/evaluation/trials/{task}/{training_set}/{run}/seed_{seed}/rollouts.csv",
+        rollouts="results/evaluation/trials/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
     log:
-        "logs/evaluation/trial_{task}_{training_set}_{run}_{seed}.log",
+        "logs/evaluation/trial_{target}_{policy}_{training_set}_{run}_{seed}.log",
     benchmark:
-        "benchmarks/evaluation/trial_{task}_{training_set}_{run}_{seed}.tsv"
+        "benchmarks/evaluation/trial_{target}_{policy}_{training_set}_{run}_{seed}.tsv"
     container:
         CONFIG.containers.simulation
     threads: 1
@@ -33,11 +33,10 @@ rule trial:
         seed=CONFIG.seed,
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
-        source=lambda wildcards: EXPERIMENT.source(wildcards.task),
     shell:
         "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
-        "--task-name {wildcards.task} --training-set {wildcards.training_set} --run-name {wildcards.run} "
-        "--assets-of {params.source} --options {params.options:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
+        "--target {wildcards.target} --policy-name {wildcards.policy} --training-set {wildcards.training_set} "
+        "--run-name {wildcards.run} --options {params.options:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
@@ -46,14 +45,14 @@ checkpoint choose:
     input:
         trials=lambda wildcards: files(
             rules.trial.output.rollouts,
-            run=EXPERIMENT.plan(wildcards.task).runs,
-            seed=EXPERIMENT.plan(wildcards.task).seeds[0],
+            run=EXPERIMENT.plan(wildcards.policy).runs,
+            seed=EXPERIMENT.plan(wildcards.policy).seeds[0],
             **wildcards,
         ),
     output:
-        chosen="results/evaluation/trials/{task}/{training_set}/chosen.json",
+        chosen="results/evaluation/trials/{target}/{policy}/{training_set}/chosen.json",
     log:
-        "logs/evaluation/choose_{task}_{training_set}.log",
+        "logs/evaluation/choose_{target}_{policy}_{training_set}.log",
     localrule: True
     container:
         CONFIG.containers.learning

@@ -132,8 +132,8 @@ def _settings(config: Mapping[str, Any] | None) -> "Config":
 
     given = with_defaults(dict(config or {}))
     own = "experiment" in (config or {})
-    if not own:  # the usual rooms and tasks would want models that a library need not have
-        given["experiment"] |= {"rooms": ["*"], "tasks": {}}
+    if not own:  # the usual rooms and targets would want models that a library need not have
+        given["experiment"] |= {"rooms": ["*"], "targets": {}}
     return load(given, rooms_named=own)
 
 

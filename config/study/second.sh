@@ -8,7 +8,7 @@ run() {
     for object in $(seq -w 1 24); do for task in door drawer; do
         cells=()
         for set in random_8 cousins_8 cover_8 twin_randomised; do
-            cells+=("results/evaluation/$1/${task}_$object/$set/lite/seed_$2/rollouts.csv")
+            cells+=("results/evaluation/$1/${task}_$object/lite/$set/lite/seed_$2/rollouts.csv")
         done
         workflow "${cells[@]}"
     done; done

@@ -1,7 +1,7 @@
 # Scenes, demonstrations and policies for people without this workflow; `snakemake exports`, no part of `all`.
 # Reads:  generated scenes; the demonstrations of a training set; a policy.
 # Writes: results/exports/scenes/<format>/<variant>/<scene>/rank_<n>/,
-#         results/exports/demonstrations/<format>/<task>/<training set>/, results/exports/policies/<task>/.../seed_<n>/.
+#         results/exports/demonstrations/<format>/<target>/<training set>/, results/exports/policies/<target>/.../seed_<n>/.
 
 from plugins.exports.package import with_portable_form
 
@@ -37,15 +37,15 @@ rule export_demonstrations:
         **LIBRARY,
         episodes=lambda wildcards: files(
             rules.demonstrate.output.episodes,
-            task=EXPERIMENT.source(wildcards.task),
-            role=EXPERIMENT.roles_of(EXPERIMENT.source(wildcards.task), wildcards.training_set),
+            target=wildcards.target,
+            role=EXPERIMENT.roles_of(wildcards.target, wildcards.training_set),
         ),
     output:
-        folder=directory("results/exports/demonstrations/{format}/{task}/{training_set}"),
+        folder=directory("results/exports/demonstrations/{format}/{target}/{training_set}"),
     log:
-        "logs/exports/{format}_{task}_{training_set}.log",
+        "logs/exports/{format}_{target}_{training_set}.log",
     benchmark:
-        "benchmarks/exports/{format}_{task}_{training_set}.tsv"
+        "benchmarks/exports/{format}_{target}_{training_set}.tsv"
     container:
         CONFIG.containers.simulation
     threads: 1
@@ -65,11 +65,11 @@ rule export_policy:
         config=rules.train.output.config,
         policy=rules.train.output.policy,
     output:
-        folder=directory("results/exports/policies/{task}/{training_set}/{run}/seed_{seed}"),
+        folder=directory("results/exports/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}"),
     log:
-        "logs/exports/{task}_{training_set}_{run}_{seed}.log",
+        "logs/exports/{target}_{policy}_{training_set}_{run}_{seed}.log",
     benchmark:
-        "benchmarks/exports/{task}_{training_set}_{run}_{seed}.tsv"
+        "benchmarks/exports/{target}_{policy}_{training_set}_{run}_{seed}.tsv"
     container:
         CONFIG.containers.learning
     threads: 1
@@ -91,12 +91,12 @@ rule exports:
         with_portable_form(policies(rules.export_policy.output.folder), CONFIG.training.runs),
         [
             folder
-            for task in SOURCES
+            for name in TARGETS
             for folder in files(
                 rules.export_demonstrations.output.folder,
                 format=["robomimic", "lerobot", "maniskill"],
-                task=task,
-                training_set=EXPERIMENT.sets_of(task),
+                target=name,
+                training_set=EXPERIMENT.sets_of(name),
             )
         ],
     localrule: True

@@ -17,8 +17,8 @@ def write_config(folder: Path, **sections: dict[str, Any]) -> Path:
     `sections`: further keys of the config that fit the folder.
     """
     scene = scene_of(folder.resolve())
-    tasks = dict.fromkeys(ExperimentConfig().tasks)  # null: the default run's objects are not in this picture
-    experiment = {"rooms": [scene], "inputs": {scene: folder.as_posix()}, "tasks": tasks}
+    targets = dict.fromkeys(ExperimentConfig().targets)  # null: the default run's objects are not in this picture
+    experiment = {"rooms": [scene], "inputs": {scene: folder.as_posix()}, "targets": targets}
     path = folder / "config.yaml"
     write_text(path, yaml.safe_dump({"experiment": experiment, **sections}, sort_keys=False))
     return path

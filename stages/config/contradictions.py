@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from stages.config import experiment_contradictions as experiment
 from stages.config import places
-from stages.config import row_contradictions as rows
 from stages.config.assets import COUNTS
 from stages.config.evaluation import USUAL
 from stages.config.inputs import NAME
@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 def contradictions(config: "Config") -> list[Mistake]:
     """All of them, in the order of config.yaml."""
     checks = (
-        _packages, _names, _scenes, rows.tasks, rows.shared_rows, pinned_assets, rows.training_sets, rows.test_assets,
-        rows.simulators, _library, _matching, rows.choices, rows.policies, _environment, _stages,
+        _packages, _names, _scenes, experiment.targets, experiment.pools, pinned_assets, experiment.training_sets,
+        experiment.test_assets, experiment.simulators, _library, _matching, experiment.policies, experiment.choices,
+        experiment.networks, _environment, _stages,
     )  # fmt: skip
     return [found for check in checks for found in check(config)]
 
@@ -46,7 +47,9 @@ def _names(config: "Config") -> Iterator[Mistake]:
         "experiment.inputs": experiment.inputs,
         "experiment.variants": experiment.variants,
         "experiment.protocols": experiment.protocols,
-        "experiment.tasks": experiment.tasks,
+        "experiment.targets": experiment.targets,
+        "experiment.policies": experiment.policies,
+        "experiment.pools": experiment.pools,
         "training.runs": config.training.runs,
         "evaluation.conditions": config.evaluation.conditions,
     }
@@ -57,7 +60,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
     if USUAL in config.evaluation.conditions:
         what = f"'{USUAL}' is what the table calls section evaluation itself"
         yield Mistake("evaluation.conditions", what, "give the condition another name", "E-CONFIG-NAME")
-    for key in ("rooms", "training_sets", "held_out", "runs", "seeds"):
+    for key in ("rooms", "training_sets", "held_out", "seeds"):
         yield from _twice(f"experiment.{key}", getattr(experiment, key))
     for key, chosen in (
         ("placements", experiment.placements),
@@ -72,9 +75,9 @@ def _names(config: "Config") -> Iterator[Mistake]:
     for variant, changes in experiment.placements.items():
         if "ranks" in changes:
             yield Mistake(f"experiment.placements.{variant}.ranks", "is one for all variants", "set generation.ranks")
-    for task, target in experiment.tasks.items():
-        for key in ("training_sets", "runs", "seeds"):
-            yield from _twice(f"experiment.tasks.{task}.{key}", getattr(target, key) or ())
+    for name, policy in experiment.policies.items():
+        for key in ("targets", "training_sets", "runs", "seeds"):
+            yield from _twice(f"experiment.policies.{name}.{key}", getattr(policy, key) or ())
     for name, protocol in experiment.protocols.items():
         yield from _twice(f"experiment.protocols.{name}.seeds", protocol.seeds)
     yield from _twice("evaluation.test_assets", config.evaluation.test_assets)
@@ -174,11 +177,11 @@ def _matching(config: "Config") -> Iterator[Mistake]:
 
 
 def _environment(config: "Config") -> Iterator[Mistake]:
-    """Options of the task, and of the rows of the experiment that change them, that fit together."""
+    """Options of the task, and of the targets that change them, that fit together."""
     found = list(_of_environment(config, "task", config.task))
-    for name, row in config.experiment.tasks.items():
-        if row.options and not found:
-            yield from _of_environment(config, f"experiment.tasks.{name}.options", config.task_of(name))
+    for name, target in config.experiment.targets.items():
+        if target.options and not found:
+            yield from _of_environment(config, f"experiment.targets.{name}.options", config.task_of(name))
     yield from found
 
 

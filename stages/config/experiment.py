@@ -2,49 +2,14 @@
 
 import fnmatch
 from itertools import chain
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator
 
 from stages.config.inputs import Input
+from stages.config.targets import Cell, Policy, PolicyPlan, Target, TrainingSet
 from stages.contracts.section import Rank, Section, Seed
-from stages.contracts.training_sets import DRAWN, RANDOMISED, RULES, SET_NAME, drawn_role, read_set
-
-TrainingSet = Annotated[str, Field(pattern=f"^{SET_NAME}$")]
-
-
-class TaskTarget(Section):
-    """A row of the policy experiment: a task, the object it is about, and what differs from the experiment's own."""
-
-    task: str | None = Field(None, description="which task this is: door, drawer, ... or yours; null: as it is named")
-    scene: str = Field("room_3", description="room of the object, one of `rooms`")
-    object: str = Field("hanging_cabinet_1", description="its id in that room's objects.json")
-    options: dict[str, Any] = Field({}, description="keys of section `task` that differ here, e.g. {max_steps: 200}")
-    assets: str | None = Field(
-        None,
-        description="a committed file of the row's assets (docs/policies.md), checked against the library; null: "
-        "chosen anew",
-    )
-    assets_of: str | None = Field(
-        None,
-        description="another row whose object, options, assets and demonstrations this one shares: only its policies "
-        "are its own",
-    )
-    training_sets: list[TrainingSet] | None = Field(None, description="null: those of the experiment; so for the rest")
-    runs: list[str] | None = Field(None, min_length=1)
-    seeds: list[Seed] | None = Field(None, min_length=1)
-    episodes: int | None = Field(None, ge=1)
-
-
-class TaskPlan(NamedTuple):
-    """A row of the policy experiment with nothing left open; `task`: name of the implementation."""
-
-    task: str
-    target: TaskTarget
-    training_sets: list[TrainingSet]
-    runs: list[str]
-    seeds: list[int]
-    episodes: int
+from stages.contracts.training_sets import DRAWN, RANDOMISED, RULES, drawn_role, read_set
 
 
 class Protocol(Section):
@@ -126,14 +91,20 @@ class ExperimentConfig(Section):
         "unknown: true, scale_error: false, variants}, as far as they differ (docs/scenes.md).",
     )
     policy_variant: str = Field("b", description="The variant whose cousins the policy experiment uses.")
-    tasks: dict[str, TaskTarget] = Field(
-        {
-            "door": TaskTarget(scene="room_3", object="hanging_cabinet_1"),
-            "door_handle": TaskTarget(assets_of="door", runs=["lite_handle"]),
-        },
-        description="Tasks of the policy experiment (Table 3), by names that paths and tables use. One task may stand "
-        "here twice, e.g. as `door` and, with other `options`, as `my_door: {task: door, ...}`. A row goes "
-        "with the one whose assets it shares: `door: null` removes `door_handle` as well.",
+    targets: dict[str, Target] = Field(
+        {"door": Target(room="room_3", object="hanging_cabinet_1")},
+        description="What is opened (Table 3), by names that paths and tables use. Demonstrations belong to a target; "
+        "all policies share them.",
+    )
+    policies: dict[str, Policy] = Field(
+        {"lite": Policy(), "lite_handle": Policy()},
+        description="What opens it: every policy is trained for every target and rolled out there, unless it names "
+        "some. The first of a target is what its others are compared with.",
+    )
+    pools: dict[str, list[str]] = Field(
+        {},
+        description="Targets that are one row of the tables, by its name, e.g. {door: [door_1, door_2]}: one task with "
+        "the same options, for several objects.",
     )
     training_sets: list[TrainingSet] = Field(
         ["twin", "cousins_4"],
@@ -157,25 +128,27 @@ class ExperimentConfig(Section):
         description="Demonstrations in every training set, shared evenly by its assets so that sets compare: a "
         "multiple of their numbers.",
     )
-    runs: list[str] = Field(
-        ["lite"],
-        description="Hyper-parameter sets to train, from `training.runs`: each has rows of its own in the tables, and "
-        "the first is what the others are compared with.",
-    )
     best_runs: int = Field(
         2,
         ge=1,
-        description="How many of `runs` are trained with all seeds, per task and training set: if there are more, "
-        "each is trained with the first seed and tried on the twin, and the best are chosen (paper: 2). Those are "
-        "pooled in the tables, so all must be one kind of policy.",
+        description="Of a policy with more runs than this, how many are trained with all seeds: each is trained with "
+        "the first seed and tried on the twin, per target and training set, and the best are chosen (paper: 2). Those "
+        "are pooled in the tables.",
     )
     seeds: list[Seed] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")
     in_scene: int = Field(
         2,
         ge=0,
-        description="In how many ranks' generated scenes every task is demonstrated once, with a film (the paper's "
+        description="In how many ranks' generated scenes every target is demonstrated once, with a film (the paper's "
         "Figure 7); 0: in none.",
     )
+
+    @field_validator("targets", "policies")
+    @classmethod
+    def _default_first(cls, given: dict[str, Any], info: ValidationInfo) -> dict[str, Any]:
+        """Those of config.yaml first: Snakemake puts what a further file adds before them."""
+        default = cls.model_fields[str(info.field_name)].default
+        return {name: given[name] for name in (*default, *given) if name in given}
 
     def named(self) -> list[str]:
         """`rooms`, with names from `inputs` in the place of patterns, each once."""
@@ -206,36 +179,39 @@ class ExperimentConfig(Section):
             for room in scored
         }
 
-    def source(self, name: str) -> str:
-        """The row whose object, options, assets and demonstrations a row uses: that of its `assets_of`, or itself."""
-        shared = self.tasks[name].assets_of
-        return shared if shared in self.tasks else name
+    def task(self, target: str) -> str:
+        """Which task a target is."""
+        return self.targets[target].task or target
 
-    @property
-    def sources(self) -> list[str]:
-        """The rows that have assets and demonstrations of their own."""
-        return [name for name in self.tasks if self.source(name) == name]
-
-    def sharing(self, source: str) -> list[str]:
-        """The rows that use the assets and demonstrations of a row, itself included."""
-        return [name for name in self.tasks if self.source(name) == source]
-
-    def plan(self, name: str) -> TaskPlan:
-        """What is asked of one task."""
-        own, source = self.tasks[name], self.source(name)
-        target = self.tasks[source]
-        return TaskPlan(
-            task=target.task or source,
-            target=target,
+    def plan(self, policy: str) -> PolicyPlan:
+        """What is asked of a policy; the pools among its targets are resolved."""
+        own = self.policies[policy]
+        named = list(self.targets) if own.targets is None else own.targets
+        return PolicyPlan(
+            targets=list(dict.fromkeys(chain(*(self.pools.get(name, [name]) for name in named)))),
+            runs=[policy] if own.runs is None else own.runs,
             training_sets=self.training_sets if own.training_sets is None else own.training_sets,
-            runs=self.runs if own.runs is None else own.runs,
             seeds=self.seeds if own.seeds is None else own.seeds,
-            episodes=self.episodes if target.episodes is None else target.episodes,
         )
 
-    def chooses(self, name: str) -> bool:
-        """Whether a task has more hyper-parameter sets than are trained with all seeds."""
-        return len(self.plan(name).runs) > self.best_runs
+    def plans(self, target: str) -> dict[str, PolicyPlan]:
+        """The policies that open a target."""
+        plans = {policy: self.plan(policy) for policy in self.policies}
+        return {policy: plan for policy, plan in plans.items() if target in plan.targets}
+
+    @property
+    def cells(self) -> list[Cell]:
+        """All cells of the policy experiment, target by target."""
+        return [
+            Cell(target, policy, name)
+            for target in self.targets
+            for policy, plan in self.plans(target).items()
+            for name in plan.training_sets
+        ]
+
+    def chooses(self, policy: str) -> bool:
+        """Whether a policy has more hyper-parameter sets than are trained with all seeds."""
+        return len(self.plan(policy).runs) > self.best_runs
 
     def roles(self, training_set: str, seed: int) -> list[str]:
         """Roles whose demonstrations the policies of a training set and seed learn from, in order; one store each.
@@ -256,24 +232,25 @@ class ExperimentConfig(Section):
         """Cousins that training may use."""
         return [rank for rank in range(1, self.cousins + 1) if rank not in self.held_out]
 
-    def share(self, task: str, training_set: str) -> int:
+    def share(self, target: str, training_set: str) -> int:
         """Demonstrations that each store gives to a training set."""
-        return self.plan(task).episodes // read_set(training_set).size
+        return (self.targets[target].episodes or self.episodes) // read_set(training_set).size
 
-    def sets_of(self, task: str) -> list[str]:
-        """The training sets of all rows that use a row's demonstrations."""
-        return sorted({name for row in self.sharing(task) for name in self.plan(row).training_sets})
+    def sets_of(self, target: str) -> list[str]:
+        """The training sets of all policies that open a target."""
+        return sorted({name for plan in self.plans(target).values() for name in plan.training_sets})
 
-    def trained_roles(self, task: str) -> list[str]:
-        """Roles on which a task's demonstrations are collected; none where they are another row's."""
-        return sorted({role for name in self.sets_of(task) for role in self.roles_of(task, name)})
+    def trained_roles(self, target: str) -> list[str]:
+        """Roles on which a target's demonstrations are collected."""
+        return sorted({role for name in self.sets_of(target) for role in self.roles_of(target, name)})
 
-    def roles_of(self, task: str, training_set: str) -> list[str]:
-        """`roles` of all seeds of the rows that use a row's demonstrations for a training set."""
-        plans = [plan for plan in map(self.plan, self.sharing(task)) if training_set in plan.training_sets]
+    def roles_of(self, target: str, training_set: str) -> list[str]:
+        """`roles` of all seeds of the policies that open a target after a training set."""
+        plans = [plan for plan in self.plans(target).values() if training_set in plan.training_sets]
         seeds = sorted({seed for plan in plans for seed in plan.seeds})
         return list(dict.fromkeys(role for seed in seeds for role in self.roles(training_set, seed)))
 
-    def episodes_of(self, task: str, role: str) -> int:
-        """Demonstrations to collect for a role: the largest share that any training set of any row asks of it."""
-        return max((self.share(task, n) for n in self.sets_of(task) if role in self.roles_of(task, n)), default=0)
+    def episodes_of(self, target: str, role: str) -> int:
+        """Demonstrations to collect for a role: the largest share that any training set asks of it."""
+        shares = [self.share(target, name) for name in self.sets_of(target) if role in self.roles_of(target, name)]
+        return max(shares, default=0)

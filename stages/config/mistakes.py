@@ -14,9 +14,10 @@ from stages.contracts.errors import InputError, nearest
 
 M = TypeVar("M", bound=BaseModel)
 
-# Keys of 0.1 that configs may still have, and what to do instead. Keys that became fixed values are told by themselves.
+# Keys of older versions that configs may still have, and what to do instead. Those that are fixed now say so.
 GONE = {
     "articulated_only": "leave it out: articulated objects get articulated cousins",
+    "assets_of": "leave it out: every policy of `experiment.policies` opens every target",
     "batch": "leave it out: pictures are encoded one by one",
     "coverage": "leave it out: a patch counts if the mask covers half of it",
     "download": "name a folder with config.json and model.safetensors",
@@ -33,9 +34,13 @@ GONE = {
     "refinement": "snap_articulated: 0 and snap_other: 0, where it was off; else leave it out",
     "resolve_collisions": "leave it out: overlapping stacks are pushed apart",
     "revision": "leave it out: weights.lock.json pins what `fetch` downloads",
+    "runs": "policies: {lite: {}, mine: {}}, or, where trials choose, policies: {best: {runs: [lite, mine]}}",
+    "scene": "room: room_3",
     "seen_through": "leave it out: it is 0.35",
     "sha256": "leave it out: weights.lock.json pins what `fetch` downloads",
     "simulation": "image: a name with {family} and {tag} in it",
+    "tasks": "targets: {door: {room: room_3, object: hanging_cabinet_1}} for what is opened, policies: {lite: {}, "
+    "lite_handle: {}} for the runs that open it; rows with `assets_of` are policies now (docs/train.md)",
     "training_threads": "snakemake --set-threads train=2",
     "vlm": "the section `vlm`, on the top level, for matching and photo",
 }
@@ -101,16 +106,6 @@ def without_removed(value: Any, annotation: Any) -> Any:
         kept = {key: without_removed(item, inner) for key, item in items if item is not None}
         return kept if isinstance(value, dict) or value is None else value
     return value
-
-
-def without_sharers(config: dict[str, Any]) -> dict[str, Any]:
-    """`config` without the rows of the policy experiment that share the assets of a removed (null) row."""
-    experiment = config.get("experiment")
-    if not isinstance(experiment, dict) or not isinstance(rows := experiment.get("tasks"), dict):
-        return config
-    gone = {name for name, row in rows.items() if row is None}
-    kept = {name: row for name, row in rows.items() if not (isinstance(row, dict) and row.get("assets_of") in gone)}
-    return config | {"experiment": experiment | {"tasks": kept}}
 
 
 def validated(model: type[M], given: dict[str, Any]) -> tuple[M, list[Mistake]]:

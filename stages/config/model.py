@@ -12,19 +12,20 @@ from stages.config.containers import ContainersConfig
 from stages.config.contradictions import contradictions
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import EvaluationConfig
-from stages.config.experiment import ExperimentConfig, TaskTarget
+from stages.config.experiment import ExperimentConfig
 from stages.config.extraction import ExtractionConfig
 from stages.config.files import read_file
 from stages.config.generation import GenerationConfig
 from stages.config.inputs import Input, scene_of, with_inputs
 from stages.config.matching import MatchingConfig, MatchingSection, matching_model
-from stages.config.mistakes import Mistake, mistakes_of, truths, validated, without_removed, without_sharers
+from stages.config.mistakes import Mistake, mistakes_of, truths, validated, without_removed
 from stages.config.names import resolved
 from stages.config.packages import present, with_sections
 from stages.config.replaced import Replaced
 from stages.config.room_files import room_files
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
+from stages.config.targets import Target
 from stages.config.training import TrainingConfig
 from stages.contracts.errors import InputError, nearest
 from stages.contracts.section import Section, Seed
@@ -104,9 +105,9 @@ class Config(Section):
         changes = self.experiment.placements.get(variant, {})
         return GenerationConfig.model_validate(merged(self.generation.model_dump(), changes))
 
-    def task_of(self, name: str) -> TaskConfig:
-        """The task options of one row of the policy experiment: those of `task` with what it changes, key by key."""
-        return TaskConfig.model_validate(merged(self.task.model_dump(), self.experiment.plan(name).target.options))
+    def task_of(self, target: str) -> TaskConfig:
+        """The task options of a target: those of `task` with what it changes, key by key."""
+        return TaskConfig.model_validate(merged(self.task.model_dump(), self.experiment.targets[target].options))
 
     def room_files(self) -> dict[str, Path]:
         """Files of all rooms that could be asked for, by their names."""
@@ -116,10 +117,10 @@ class Config(Section):
         """The name by which a stage loads an implementation."""
         return find(kind, name, self.implementations)
 
-    def simulated(self, task: str, simulator: str) -> bool:
-        """Whether a simulator has the task of a row: others than that of the demonstrations have those of one skill."""
-        named = self.experiment.plan(task).task
-        return simulator == "maniskill" or len(load_plugin("tasks", self.implementation("tasks", named)).skills) == 1
+    def simulated(self, target: str, simulator: str) -> bool:
+        """Whether a simulator has a target's task: others than that of the demonstrations have those of one skill."""
+        task = self.experiment.task(target)
+        return simulator == "maniskill" or len(load_plugin("tasks", self.implementation("tasks", task)).skills) == 1
 
 
 def merged(base: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
@@ -157,7 +158,7 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
     """
     config, unread = with_inputs(config)
     model, config = _with_packages(config)
-    valid, mistakes = validated(model, without_removed(without_sharers(config), model))
+    valid, mistakes = validated(model, without_removed(config, model))
     mistakes += unread
     wrong = [mistake.key for mistake in mistakes] + (["experiment.rooms"] if unread else [])
     valid = valid.model_copy(update={"plugins": _packages(valid.plugins, mistakes)})
@@ -193,17 +194,17 @@ def _with_packages(config: dict[str, Any]) -> tuple[type[Config], dict[str, Any]
 
 
 def _overlays(config: Config) -> Iterator[Mistake]:
-    """What is wrong with the keys that variants, placements and tasks change; such changes are taken back."""
+    """What is wrong with the keys that variants, placements and targets change; such changes are taken back."""
     kinds: tuple[tuple[str, type[Section], Callable[[str], Section]], ...] = (
         ("variants", MatchingConfig, config.matching_of),
         ("placements", GenerationConfig, config.generation_of),
-        ("tasks", TaskConfig, config.task_of),
+        ("targets", TaskConfig, config.task_of),
     )
     for section, model, read in kinds:
         entries = getattr(config.experiment, section)
         for name, entry in list(entries.items()):
             key, changes = f"experiment.{section}.{name}", entry
-            if isinstance(entry, TaskTarget):
+            if isinstance(entry, Target):
                 key, changes = f"{key}.options", entry.options
             yield from truths(changes, model, key)
             try:
@@ -213,14 +214,15 @@ def _overlays(config: Config) -> Iterator[Mistake]:
                 yield from mistakes_of(model, error, f"{key}.")
             except InputError as error:
                 yield Mistake.of(error)
-            entries[name] = entry.model_copy(update={"options": {}}) if isinstance(entry, TaskTarget) else {}
+            entries[name] = entry.model_copy(update={"options": {}}) if isinstance(entry, Target) else {}
 
 
 def of_picture(config: Config) -> ExperimentConfig:
-    """The experiment whose one scene is the picture of `image`, found by `inputs estimate`; no tasks, no protocols."""
+    """The experiment whose one scene is the picture of `image`, found by `inputs estimate`, without policies."""
     name = scene_of(Path(config.image).with_suffix(""))
     name = f"{name}-photo" if name in config.room_files() else name
-    only = {"rooms": [name], "inputs": {name: Input(image=config.image)}, "tasks": {}, "protocols": {}}
+    only = {"rooms": [name], "inputs": {name: Input(image=config.image)}}
+    only |= {key: {} for key in ("targets", "policies", "pools", "protocols")}
     return config.experiment.model_copy(update=only)
 
 

@@ -18,7 +18,7 @@ def outside(config: Config) -> list[str]:
     named = [
         *_of_inputs(config),
         *config.experiment.room_files,
-        *(target.assets for target in config.experiment.tasks.values() if target.assets),
+        *(target.assets for target in config.experiment.targets.values() if target.assets),
         *config.assets.folders,
         *(name for own in commands for name in own.code),
         *(path for options in matching for path in _weights(options)),

@@ -1,4 +1,4 @@
-"""Committed files of assets that rows of the policy experiment name: they are there, and are about what the row is."""
+"""Committed files of assets that targets name: they are there, and are about the target."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 
 def pinned_assets(config: "Config") -> Iterator[Mistake]:
-    """What is wrong with `experiment.tasks.<row>.assets`."""
+    """What is wrong with `experiment.targets.<name>.assets`."""
     experiment = config.experiment
-    for name, target in experiment.tasks.items():
-        key, file = f"experiment.tasks.{name}", target.assets
+    for name, target in experiment.targets.items():
+        key, file = f"experiment.targets.{name}", target.assets
         if file is None:
             continue
         if not Path(file).is_file():
@@ -30,8 +30,8 @@ def pinned_assets(config: "Config") -> Iterator[Mistake]:
             mend = "choose the assets anew: docs/reproduce.md"
             yield Mistake(f"{key}.assets", str(error).rstrip("."), mend, error.code)
             continue
-        if (plan.scene, plan.object) != (target.scene, target.object):
-            what = f"{target.object} of {target.scene}, but {file} is about {plan.object} of {plan.scene}"
+        if (plan.scene, plan.object) != (target.room, target.object):
+            what = f"{target.object} of {target.room}, but {file} is about {plan.object} of {plan.scene}"
             yield Mistake(f"{key}.object", what, "name that object, or another file")
         cousins = sum(asset.role.startswith("cousin_") for asset in plan.assets)
         if cousins < experiment.cousins:
@@ -48,4 +48,4 @@ def pinned_assets(config: "Config") -> Iterator[Mistake]:
             rule, count, _ = read_set(training_set)
             if count > plan.length(rule):
                 what = f"{training_set} needs {count} assets, {file} has {plan.length(rule)} in a draw"
-                yield Mistake(f"{key}.training_sets", what, "leave it out, or choose the assets anew")
+                yield Mistake("experiment.training_sets", what, "leave it out, or choose the assets anew")

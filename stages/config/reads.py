@@ -11,7 +11,7 @@ from stages.config.matching import ComparisonOptions, EncoderOptions, matching_m
 from stages.config.model import Config
 from stages.config.names import kind_of
 from stages.config.packages import present
-from stages.config.policy_rows import policy_tables
+from stages.config.policy_kinds import policy_tables
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import MethodTables, PolicyTables, TablesConfig
 from stages.contracts.section import Section

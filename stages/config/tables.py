@@ -35,31 +35,34 @@ class TablesConfig(Section):
     picture_quality: ClassVar[int] = 80
 
 
-class PolicyRow(Section):
-    """A row of the policy experiment: its hyper-parameter sets, and how many of them trials choose, to be pooled.
+class PolicyAbout(Section):
+    """A policy of the experiment.
 
-    best: None where every set is trained and stands alone.
+    best: how many of its runs trials choose, to be pooled; None: there is one run. targets: what it opens.
     """
 
-    runs: list[str] = []
+    runs: list[str]
     best: int | None = None
+    targets: list[str]
 
 
 class MethodTables(TablesConfig):
-    """What tells which policies are one method; of rows that are not named, no sets are pooled."""
+    """Policies and pools of targets by their names, as far as they are known."""
 
-    rows: dict[str, PolicyRow] = {}
+    policies: dict[str, PolicyAbout] = {}
+    pools: dict[str, list[str]] = {}
 
 
 class PolicyTables(MethodTables):
     """What tables say of the policies, as far as it is known.
 
-    kinds: hyper-parameter set -> its kind of policy in words. encoder: by whose features assets are near the twin.
-    met: how policies see the test assets. starts: of the rows, how far off its place before the handle the robot
-    stands, along and up, metres.
+    kinds: policy -> its kind in words. papers: policies of the paper's kind. encoder: by whose features assets are near
+    the twin. met: how policies see the test assets. starts: of the targets, how far off its place before the handle the
+    robot stands, along and up, metres.
     """
 
     kinds: dict[str, str] = {}
+    papers: list[str] = []
     encoder: str = ""
     met: SensingOptions | None = None
     starts: list[tuple[float, float]] = []

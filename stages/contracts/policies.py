@@ -207,13 +207,12 @@ class Attempt(Contract):
 class Rollout(Contract):
     """A row of `rollouts.csv`; `once` names the columns that tell rows apart."""
 
-    once: ClassVar = ("task", "training_set", "run", "seed", "checkpoint", "test_asset", "episode")
+    once: ClassVar = ("target", "policy", "training_set", "run", "seed", "checkpoint", "test_asset", "episode")
 
-    task: Id = Field(description="name of the task's row in the experiment, e.g. door")
-    assets_of: Id = Field(
-        description="the row whose assets and demonstrations it shares; its own name if it has its own"
-    )
+    target: Id = Field(description="name in `experiment.targets`, e.g. door_room_1")
+    task: Id = Field(description="what is done there: door, drawer, ...")
     cloud: Literal["target_link", "object"] = Field(description="what the policy's cloud shows of the object")
+    policy: Id = Field(description="name in `experiment.policies`; skill: the scripted skill")
     training_set: Id
     run: Id
     seed: Seed
@@ -245,9 +244,10 @@ class RunScore(Contract):
 
 
 class ChosenRuns(Document):
-    """`chosen.json`: the hyper-parameter sets of one task and training set that are trained with all seeds (B.4)."""
+    """`chosen.json`: the hyper-parameter sets of one cell that are trained with all seeds (B.4)."""
 
-    task: Id
+    target: Id
+    policy: Id
     training_set: Id
     runs: list[Id] = Field(min_length=1, description="those chosen, the best one first")
     scores: list[RunScore] = Field(description="all candidates, as they were asked for")

@@ -21,6 +21,7 @@ from stages.contracts.policy_folder import read_config
 from stages.contracts.task_options import TaskConfig
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.states import Start
+from stages.plugins import short
 from stages.policies import TrainablePolicy, make_actor
 from stages.policies.checkpoint import load_network
 from stages.simulation.studio import Studio
@@ -31,11 +32,11 @@ from stages.tasks.observation import Sensing
 class Acting(NamedTuple):
     """Who acts, as the experiment calls it: the columns of a row that are the same for all episodes.
 
-    task, assets_of: the experiment's row, and the row whose assets it uses. seed: of the training.
+    seed: of the training.
     """
 
-    task: str
-    assets_of: str
+    target: str
+    policy: str
     training_set: str
     run: str
     seed: int
@@ -134,6 +135,7 @@ class Arena:
             Rollout.model_validate(
                 acting._asdict()
                 | {
+                    "task": short(self.plan.task),
                     "cloud": self.options.cloud,
                     "test_asset": role,
                     "asset": episode.asset.asset,

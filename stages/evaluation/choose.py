@@ -19,7 +19,7 @@ def best_checkpoint(rows: Sequence[Rollout]) -> RunScore:
 
 
 def run(*, trials: tuple[Path, ...], count: int, out: Path) -> None:
-    """Name the best hyper-parameter sets of one task and training set; of equals those given first.
+    """Name the best hyper-parameter sets of one cell; of equals those given first.
 
     Args:
         trials: rollouts.csv of every candidate's trial, all from the same initial states.
@@ -27,15 +27,16 @@ def run(*, trials: tuple[Path, ...], count: int, out: Path) -> None:
         out: chosen.json (contract ChosenRuns).
     """
     rows = {path: read_rows(Rollout, path, "run `evaluation trial` again") for path in trials}
-    about = {(row.task, row.training_set) for each in rows.values() for row in each}
+    about = {(row.target, row.policy, row.training_set) for each in rows.values() for row in each}
     states = {tuple(dict.fromkeys(row.initial_state for row in each)) for each in rows.values()}
     if len(about) != 1 or len(states) != 1:
-        what = "are not of one task and training set from the same states."
+        what = "are not of one target, policy and training set from the same states."
         raise InputError("--trials", what, "run them again", code="E-TRIALS-MIXED")
     scores = [best_checkpoint(each) for each in rows.values()]
     best = sorted(scores, key=lambda score: -score.successes)[:count]
     for score in scores:
         mark = "chosen" if score in best else "left"
         print(f"evaluation: {score.run} {score.successes}/{score.episodes}, {mark}", file=sys.stderr)
-    ((task, training_set),) = about
-    write_json(out, ChosenRuns(task=task, training_set=training_set, runs=[score.run for score in best], scores=scores))
+    ((target, policy, training_set),) = about
+    runs = [score.run for score in best]
+    write_json(out, ChosenRuns(target=target, policy=policy, training_set=training_set, runs=runs, scores=scores))

@@ -16,6 +16,6 @@ def run(*, rollouts: tuple[Path, ...], out: Path) -> None:
         out: the table, of the same columns.
     """
     rows = [row for path in rollouts for row in read_rows(Rollout, path, "run `evaluation rollout` again")]
-    if len({(row.task, row.training_set) for row in rows}) > 1:
-        raise InputError("--rollouts", "are of more than one task and training set.", code="E-ROLLOUTS-MIXED")
+    if len({(row.target, row.policy, row.training_set) for row in rows}) > 1:
+        raise InputError("--rollouts", "are of more than one target, policy and training set.", code="E-ROLLOUTS-MIXED")
     write_rows(out, rows)

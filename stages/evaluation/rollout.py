@@ -24,12 +24,12 @@ def run(
     policy: Path,
     assets: Path,
     library: Path,
-    task_name: str,
+    target: str,
+    policy_name: str,
     training_set: str,
     trained_roles: tuple[str, ...],
     run_name: str,
     out: Path,
-    assets_of: str = "",
     trial: tuple[Path, ...] = (),
     options: str = "",
     seed: int = 0,
@@ -40,14 +40,14 @@ def run(
 
     Args:
         policy: folder that `training train` wrote.
-        assets: the experiment's assets (contract TaskAssets).
+        assets: those of the target (contract TaskAssets).
         library: library.json that they come from.
-        task_name: name of the task's row in the experiment, for the rows.
+        target: what is opened, by its name in the experiment, for the rows.
+        policy_name: name of the policy there, for the rows.
         training_set: name of the training set, for the rows.
         trained_roles: roles of the assets that it was trained on.
         run_name: name of the hyper-parameter set, for the rows.
         out: rollouts.csv; film.png and films.zip lie beside it.
-        assets_of: the row whose assets these are, if another's.
         trial: rollouts.csv of the policy's trial, if there was one; `checkpoint: rollouts` goes by it.
         options: the `evaluation` section as JSON, or a JSON file.
         seed: of the initial states; the same for every policy that is to be compared.
@@ -63,7 +63,7 @@ def run(
         tested = starts_of(arena.plan, assets, settings, trained_roles, seed)
         checkpoint = checkpoint_of(settings, trial)
         network = arena.network(checkpoint)
-        acting = Acting(task_name, assets_of or task_name, training_set, run_name, arena.trained.seed, checkpoint)
+        acting = Acting(target, policy_name, training_set, run_name, arena.trained.seed, checkpoint)
         for role, starts in tested.items():
             same = tuple((asset.asset, state) for asset, state in starts)
             if same not in played:

@@ -20,7 +20,7 @@ def run(
     *,
     assets: Path,
     library: Path,
-    task_name: str,
+    target: str,
     out: Path,
     options: str = "",
     skill_options: str = "",
@@ -34,8 +34,8 @@ def run(
     Args:
         assets: the experiment's assets (contract TaskAssets).
         library: library.json that they come from.
-        task_name: name of the task's row in the experiment, for the rows.
-        out: rollouts.csv; training_set is `skill`, run `scripted`, checkpoint `none`.
+        target: what is opened, by its name in the experiment, for the rows.
+        out: rollouts.csv; policy and training_set are `skill`, run `scripted`, checkpoint `none`.
         options: the `evaluation` section as JSON, or a JSON file.
         skill_options: the `demonstrations` section, likewise.
         task_options: the `task` section, likewise.
@@ -48,7 +48,7 @@ def run(
         for role, starts in starts_of(arena.plan, assets, settings, (), seed).items():
             episodes = [skill.episode(start) for start in starts]
             print(f"evaluation: {role} {sum(episode.success for episode in episodes)}/{len(starts)}", file=sys.stderr)
-            acting = Acting(task_name, task_name, "skill", "scripted", 0, "none")
+            acting = Acting(target, "skill", "skill", "scripted", 0, "none")
             rows += arena.rows(acting, role, episodes)
     write_rows(out, rows)
 

@@ -18,11 +18,11 @@ def run(
     policy: Path,
     assets: Path,
     library: Path,
-    task_name: str,
+    target: str,
+    policy_name: str,
     training_set: str,
     run_name: str,
     out: Path,
-    assets_of: str = "",
     options: str = "",
     seed: int = 0,
     device: Literal["cpu", "cuda"] = "cpu",
@@ -31,13 +31,13 @@ def run(
 
     Args:
         policy: folder that `training train` wrote.
-        assets: the experiment's assets (contract TaskAssets).
+        assets: those of the target (contract TaskAssets).
         library: library.json that they come from.
-        task_name: name of the task's row in the experiment, for the rows.
+        target: what is opened, by its name in the experiment, for the rows.
+        policy_name: name of the policy there, for the rows.
         training_set: name of the training set, for the rows.
         run_name: name of the hyper-parameter set, for the rows.
         out: rollouts.csv.
-        assets_of: the row whose assets these are, if another's.
         options: the `evaluation` section as JSON, or a JSON file.
         seed: of the initial states; the same for every policy that is to be compared.
         device: where the policy runs.
@@ -57,6 +57,6 @@ def run(
             played = arena.episodes(arena.network(name), starts)
             successes = sum(episode.success for episode in played)
             print(f"evaluation: {name} opens the twin {successes}/{len(starts)} times", file=sys.stderr)
-            acting = Acting(task_name, assets_of or task_name, training_set, run_name, arena.trained.seed, name)
+            acting = Acting(target, policy_name, training_set, run_name, arena.trained.seed, name)
             rows += arena.rows(acting, "twin", played)
     write_rows(out, rows)

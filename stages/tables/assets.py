@@ -1,9 +1,9 @@
 """Success over sets of unseen assets: tables `assets` and `assets_by_handle`.
 
-Rows of the experiment that share their assets (`assets_of`) are a group: its own policies, and others on the
-same demonstrations, assets and states.
+The policies of a target are a group: they share demonstrations, assets and states.
 """
 
+from collections.abc import Mapping
 from typing import get_args
 
 import numpy as np
@@ -15,9 +15,12 @@ from stages.tables.cells import CELL, RATE, gains, in_order, rates
 from stages.tables.order import SKILL, SPLITS
 from stages.tables.table3 import BASELINE, RANDOMISED
 
-OWN = "own"  # of the column `kind`: the row that the others of its group share the assets of
+FIRST = ""  # stands for the first policy of a target
 ENDS = ["difference", "low", "high"]
-BASELINES = {"twin": BASELINE, "randomised": RANDOMISED}  # training sets that the same row's others are compared with
+BASELINES = {
+    "twin": BASELINE,
+    "randomised": RANDOMISED,
+}  # training sets that the same policy's others are compared with
 FROM = {name: {old: f"{name}_{old}" for old in ENDS} for name in (*BASELINES, "network")}
 COLUMNS = [*CELL, *RATE, *(column for columns in FROM.values() for column in columns.values())]
 LENGTHS = [0, 0.05, 0.1, 0.2, np.inf]  # of handles, metres
@@ -36,28 +39,28 @@ def judged_over(rollouts: pd.DataFrame) -> str:
     return next((split for split in SPLITS if (rollouts["test_asset"] == split).any()), "roles")
 
 
-def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
-    """A row per task, set of assets and training set, with `COLUMNS`.
+def build(rollouts: pd.DataFrame, options: TablesConfig, first: Mapping[str, str]) -> pd.DataFrame:
+    """A row per target, policy, set of assets and training set, with `COLUMNS`.
 
-    `twin_difference`: minus the policies of the same row trained on the twin; `randomised_difference`: minus those
-    trained on the twin, randomised; `network_difference`: minus those of the row whose assets it shares, trained on
-    the same set.
+    `twin_difference`: minus the same policy trained on the twin; `randomised_difference`: minus that trained on the
+    twin, randomised; `network_difference`: minus the first policy of the target (`first`), trained on the same set.
     """
     found = of_splits(rollouts)
     policies = found[found["training_set"] != SKILL]
-    kinds = policies.assign(kind=policies["task"].where(policies["task"] != policies["assets_of"], OWN))
-    to_own = gains(kinds, ["assets_of", "test_asset", "training_set"], "kind", OWN, options)
+    others = policies.assign(
+        policy=policies["policy"].where(policies["policy"] != policies["target"].map(first), FIRST)
+    )
     table = rates(found, CELL, options)
-    found_gains = {"network": to_own.rename(columns={"kind": "task"})}
+    found_gains = {"network": gains(others, ["target", "test_asset", "training_set"], "policy", FIRST, options)}
     for name, baseline in BASELINES.items():
-        found_gains[name] = gains(policies, ["task", "test_asset"], "training_set", baseline, options)
+        found_gains[name] = gains(policies, ["target", "policy", "test_asset"], "training_set", baseline, options)
     for name, gained in found_gains.items():
         table = table.merge(gained[[*CELL, *ENDS]].rename(columns=FROM[name]), "left", CELL, suffixes=("", "_"))
     return table[COLUMNS]
 
 
 def by_handle(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
-    """A row per task, set of assets, training set and bin of handles (`by`: kind, length), with `BY_HANDLE`."""
+    """A row per target, policy, set of assets, training set, bin of handles (`by`: kind, length), with `BY_HANDLE`."""
     found = of_splits(rollouts)
     lengths = pd.cut(found["handle_length"], LENGTHS, labels=BINS, right=False).astype(str)
     binned = pd.concat([found.assign(by="kind"), found.assign(by="length", handle=lengths)])

@@ -1,7 +1,6 @@
 """Which unseen assets policies open: rank correlations of success with what is known of an asset."""
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -11,10 +10,10 @@ from numpy.typing import NDArray
 from stages.config.tables import TablesConfig
 from stages.contracts.policies import TaskAsset
 from stages.tables.assets import of_splits
-from stages.tables.cells import in_order
+from stages.tables.cells import ROW, in_order
 from stages.tables.intervals import PLACE, place_weights, quantiles
 from stages.tables.markup import Table
-from stages.tables.order import SKILL, set_key, title
+from stages.tables.order import SKILL, row_title, set_key, title
 from stages.tables.rows import records
 from stages.tables.text import cell, count
 
@@ -24,7 +23,7 @@ TRAITS = {
     "handle_height": "height of the handle on the front",
     "coverage": "coverage by the training set",
 }
-COLUMNS = ["task", "trait", "training_set", "assets", "families", "correlation", "low", "high"]
+COLUMNS = [*ROW, "trait", "training_set", "assets", "families", "correlation", "low", "high"]
 
 
 class Shown(NamedTuple):
@@ -64,7 +63,7 @@ def traits(tested: Sequence[TaskAsset], sets: Mapping[tuple[str, int], Shown]) -
 
 
 def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
-    """A row per task, trait and training set with `COLUMNS`: Spearman's correlation over assets.
+    """A row per target, policy, trait and training set with `COLUMNS`: Spearman's correlation over assets.
 
     Its interval is a bootstrap over families of assets; ranks are those among all assets.
 
@@ -74,7 +73,7 @@ def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     policies = of_splits(rollouts)
     policies = policies[policies["training_set"] != SKILL]
     rows = []
-    for (task, name), part in policies.groupby(["task", "training_set"]):
+    for (*row, name), part in policies.groupby([*ROW, "training_set"], sort=False):
         # what is known of an asset is the same in all its rows, but for the coverage by sets that differ with the seed
         known = {trait: (trait, "mean" if trait == "coverage" else "first") for trait in TRAITS}
         each = part.groupby(["family", "asset"]).agg(success=("success", "mean"), **known)
@@ -85,7 +84,8 @@ def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
             pair = ranks[:, [0, column]]
             low, high = quantiles(_correlation(pair, weights), options)
             rows.append(
-                {"task": task, "trait": trait, "training_set": name, "assets": len(each), "low": low, "high": high}
+                dict(zip(ROW, row, strict=True))
+                | {"trait": trait, "training_set": name, "assets": len(each), "low": low, "high": high}
                 | {"families": each.index.get_level_values("family").nunique()}
                 | {"correlation": float(_correlation(pair, np.ones((1, len(each))))[0])}
             )
@@ -108,14 +108,13 @@ def signed(value: float) -> str:
 
 
 def associations_table(table: pd.DataFrame) -> Table:
-    """The rows as text: a row per task and trait, a column per training set."""
+    """The rows as text: a row per target, policy and trait, a column per training set."""
     sets = sorted(table["training_set"].unique(), key=set_key)
     rows = []
-    for task, trait in product(dict.fromkeys(table["task"]), TRAITS):
-        part = table[(table["task"] == task) & (table["trait"] == trait)]
+    for (_, trait), part in table.groupby([table[ROW].agg("/".join, axis=1), "trait"], sort=False):
         line = {row["training_set"]: row for row in records(part)}
         texts = [cell(signed(line[n]["correlation"]), _remark(line[n])) if n in line else "" for n in sets]
-        rows.append([title(task), TRAITS[trait], *texts])
+        rows.append([row_title(records(part)[0]), TRAITS[str(trait)], *texts])
     return Table(
         "associations",
         "Which unseen assets are opened: Spearman's correlation of success with what is known of an asset.",

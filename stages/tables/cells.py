@@ -7,22 +7,27 @@ import pandas as pd
 
 from stages.config.tables import TablesConfig
 from stages.tables.intervals import difference_interval, paired, rate_interval, rate_of, side_of
-from stages.tables.order import set_key, task_key
+from stages.tables.order import SKILL, set_key
 from stages.tables.statistics import std
 
-CELL = ["task", "test_asset", "training_set"]
+ROW = ["target", "task", "policy"]
+CELL = ["target", "policy", "test_asset", "training_set"]
 RATE = [
-    "assets_of", "cloud", "feature_distance", "assets", "families", "places", "runs", "episodes", "successes",
+    "task", "cloud", "feature_distance", "assets", "families", "places", "runs", "episodes", "successes",
     "official_successes", "mean", "std", "low", "high",
 ]  # fmt: skip
 GAIN = ["assets", "places", "runs", "baseline_runs", "difference", "low", "high"]
 
 
-def in_order(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows in the paper's order of tasks, test assets and training sets."""
-    keys = {"task": task_key, "test_asset": set_key, "training_set": set_key}
-    names = [name for name in keys if name in table]
-    return table.sort_values(names, key=lambda column: column.map(keys[str(column.name)]), ignore_index=True)
+def in_order(table: pd.DataFrame, by: Sequence[str] = CELL) -> pd.DataFrame:
+    """Targets and policies in the order in which they come, in the paper's order of test assets and training sets."""
+
+    def places(column: pd.Series) -> pd.Series:
+        if column.name in ROW:
+            return pd.Series(pd.factorize(column)[0], column.index).mask(column == SKILL, len(column))
+        return column.map(set_key) if column.name in CELL else column
+
+    return table.sort_values([name for name in by if name in table], key=places, ignore_index=True)
 
 
 def rates(rollouts: pd.DataFrame, by: Sequence[str], options: TablesConfig) -> pd.DataFrame:
@@ -32,12 +37,12 @@ def rates(rollouts: pd.DataFrame, by: Sequence[str], options: TablesConfig) -> p
     states over all assets.
     """
     rows: list[dict[str, Any]] = []
-    for key, group in rollouts.groupby(list(by)):
+    for key, group in rollouts.groupby(list(by), sort=False):
         side = side_of(group)
         low, high = rate_interval(side, options)
         rows.append(
             dict(zip(by, key, strict=True))
-            | {"assets_of": group["assets_of"].iloc[0], "cloud": group["cloud"].iloc[0]}
+            | {"task": group["task"].iloc[0], "cloud": group["cloud"].iloc[0]}
             | {"feature_distance": float(group["feature_distance"].mean()), "places": side.shape[1], "runs": len(side)}
             | {"assets": group["asset"].nunique(), "families": group["family"].nunique(), "episodes": len(group)}
             | {"successes": int(group["success"].sum()), "official_successes": int(group["official_success"].sum())}
@@ -57,8 +62,8 @@ def gains(
         same: both sides are the same policies: those that are on one alone are left out.
     """
     rows: list[dict[str, Any]] = []
-    for key, group in rollouts.groupby(list(within)):
-        sides = {str(name): side_of(part) for name, part in group.groupby(side)}
+    for key, group in rollouts.groupby(list(within), sort=False):
+        sides = {str(name): side_of(part) for name, part in group.groupby(side, sort=False)}
         for name in sides if baseline in sides else ():
             ours, theirs = sides[name], sides[baseline]
             if same:

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from stages.config.tables import TablesConfig
 from stages.tables.assets import judged_over
+from stages.tables.cells import ROW
 from stages.tables.intervals import Side, paired, quantiles, resampled, score_interval, side_of, unit_rates
-from stages.tables.order import SKILL, SPLITS, set_key, task_key
+from stages.tables.order import SKILL, SPLITS, set_key
 from stages.tables.statistics import Interval
 from stages.tables.table3 import BASELINE, RANDOMISED, TRAINED, UNSEEN
 
@@ -25,10 +26,10 @@ MIN_SPREAD_RUNS = 3  # a side, to speak of how runs differ
 COLLAPSED = 0.25  # a run is collapsed if it succeeds less often than this share of the best run of its task
 HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot be said"
 COLUMNS = [
-    "task", "claim", "training_set", "baseline", "over", "assets", "verdict", "difference", "low", "high", "ours",
+    *ROW, "claim", "training_set", "baseline", "over", "assets", "verdict", "difference", "low", "high", "ours",
     "theirs", "runs", "baseline_runs", "published_difference", "published_ours", "published_theirs",
 ]  # fmt: skip
-STABILITY = ["task", "training_set", "runs", "collapsed", "spread"]
+STABILITY = [*ROW, "training_set", "runs", "collapsed", "spread"]
 STABILITY += ["published_runs", "published_collapsed", "published_spread"]
 
 Rates = Mapping[str, NDArray[np.float64]]  # `twin`, `unseen` (of the paper: test assets) -> (..., runs) rates
@@ -143,11 +144,11 @@ def _sides(rollouts: pd.DataFrame, ours: str, theirs: str) -> tuple[Sides, Sides
     return sides
 
 
-def published_cells(published: pd.DataFrame) -> dict[tuple[str, str], Rates]:
-    """The paper's rates by task and training set; `published` as `rows.published_runs` gives them."""
-    found: dict[tuple[str, str], dict[str, Any]] = {}
-    for (task, name, asset), group in published.groupby(["task", "training_set", "test_asset"]):
-        found.setdefault((str(task), str(name)), {})[str(asset)] = group["rate"].to_numpy(dtype=float)
+def published_cells(published: pd.DataFrame) -> dict[tuple[str, str, str], Rates]:
+    """The paper's rates by target, policy and training set; `published` as `methods.beside_ours` gives them."""
+    found: dict[tuple[str, str, str], dict[str, Any]] = {}
+    for (*row, name, asset), group in published.groupby(["target", "policy", "training_set", "test_asset"]):
+        found.setdefault((str(row[0]), str(row[1]), str(name)), {})[str(asset)] = group["rate"].to_numpy(dtype=float)
     return dict(found)
 
 
@@ -162,16 +163,15 @@ def published_sides(rates: Rates) -> Rates:
 
 
 def answer(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
-    """One row per task and claim with `COLUMNS`, for every claim whose training sets were rolled out.
+    """One row per target, policy and claim with `COLUMNS`, for every claim whose training sets were rolled out.
 
     Args:
-        rollouts: rows of `Rollout`, a task being policies of one method (`methods.by_method`).
-        published: success of the paper's runs, for the same numbers of the paper.
+        rollouts: rows of `Rollout`.
+        published: success of the paper's runs beside ours (`methods.beside_ours`), for the same numbers of the paper.
     """
     paper, rows = published_cells(published), []
     rollouts = rollouts[rollouts["training_set"] != SKILL]
-    for task in sorted(rollouts["task"].unique(), key=task_key):
-        mine = rollouts[rollouts["task"] == task]
+    for (target, task, policy), mine in rollouts.groupby(ROW, sort=False):
         sets = set(mine["training_set"])
         if (most := most_cousins(sets)) is None:
             continue
@@ -181,11 +181,15 @@ def answer(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfi
             ours, theirs = pairs.get(claim.baseline, ({}, {}))
             if not {main, claim.minus or main} <= set(ours):
                 continue
-            row = {"task": task, "claim": name, "training_set": most, "baseline": claim.baseline}
+            row = dict(zip(ROW, (target, task, policy), strict=True)) | {
+                "claim": name,
+                "training_set": most,
+                "baseline": claim.baseline,
+            }
             row["over"] = BASELINE if main == BASELINE else judged_over(mine)
             row["assets"] = ours[main].columns.get_level_values("asset").nunique()
             row |= compare(name, ours, theirs, options)
-            known = [paper.get((task, side)) for side in (most, claim.baseline)]
+            known = [paper.get((str(target), str(policy), side)) for side in (most, claim.baseline)]
             if known[0] and known[1]:
                 ends = [float(claim.measure(published_sides(side))) for side in known if side]
                 row |= {"published_ours": ends[0], "published_theirs": ends[1]}
@@ -201,31 +205,32 @@ def _collapsed(gates: Mapping[str, NDArray[np.float64]]) -> dict[str, int]:
 
 
 def stability(table: pd.DataFrame, published: pd.DataFrame) -> pd.DataFrame:
-    """Per task and training set how many runs collapsed, and how runs differ, with `STABILITY`.
+    """Per target, policy and training set how many runs collapsed, and how runs differ, with `STABILITY`.
 
     A run is judged by its success on the very assets it was trained on, or on the twin if those were not tested (so
     the paper's).
 
     Args:
         table: as `table3.build` gives.
-        published: success of the paper's runs.
+        published: success of the paper's runs beside ours.
     """
     paper, rows = published_cells(published), []
     ran = table[table["status"] == "run"]
-    for task in sorted(ran["task"].unique(), key=task_key):
-        mine = ran[ran["task"] == task]
+    for key, mine in ran.groupby(ROW, sort=False):
+        target, _, policy = map(str, key)
         gate = TRAINED if (mine["test_asset"] == TRAINED).any() else BASELINE
         rates = {
             str(name): {str(a): np.asarray(g["success_rate"], dtype=float) for a, g in group.groupby("test_asset")}
             for name, group in mine.groupby("training_set")
         }
         ours = _collapsed({name: cells[gate] for name, cells in rates.items() if gate in cells})
-        known = {name: cells for (of, name), cells in paper.items() if of == task}
+        known = {name: cells for (*of, name), cells in paper.items() if of == [target, policy]}
         theirs = _collapsed({name: cells[BASELINE] for name, cells in known.items()})
         for name in sorted(rates, key=set_key):
             tested = {asset: cell for asset, cell in rates[name].items() if asset != TRAINED}
             runs = max(len(cell) for cell in rates[name].values())
-            row: dict[str, Any] = {"task": task, "training_set": name, "runs": runs, "collapsed": ours.get(name)}
+            row: dict[str, Any] = dict(zip(ROW, key, strict=True)) | {"training_set": name, "runs": runs}
+            row["collapsed"] = ours.get(name)
             row["spread"] = float(spread(tested)) if tested and runs > 1 else float("nan")
             if name in known:
                 row |= {"published_runs": len(known[name][BASELINE]), "published_collapsed": theirs[name]}

@@ -9,18 +9,17 @@ from stages.config.evaluation import USUAL
 from stages.config.tables import MethodTables, TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
-from stages.contracts.policies import Rollout
 from stages.tables.assets import BASELINES
 from stages.tables.cells import CELL, gains, in_order, rates
 from stages.tables.markup import Table
-from stages.tables.methods import by_method
-from stages.tables.order import SKILL, title
-from stages.tables.rows import ONE_TEST, read_rows, records
+from stages.tables.methods import read_pooled
+from stages.tables.order import SKILL, row_title, title
+from stages.tables.rows import records
 from stages.tables.text import cell, count, percent, points, span
 from stages.tables.writing import write
 
 ENDS = {"difference": "difference", "low": "difference_low", "high": "difference_high"}
-COLUMNS = [*CELL, "condition", "assets", "runs", "episodes", "successes", "mean", "low", "high", *ENDS.values()]
+COLUMNS = [*CELL, "task", "condition", "assets", "runs", "episodes", "successes", "mean", "low", "high", *ENDS.values()]
 
 
 def run(
@@ -38,15 +37,15 @@ def run(
         rollouts: rollouts.csv files under the usual condition.
         elsewhere: rollouts.csv files under others, each below a folder `conditions` and one called as its condition.
         names: of the conditions.
-        options: JSON of the config section `tables`, and of which policies are one method.
+        options: JSON of the config section `tables`, and of what is pooled.
     """
     settings = read_options(MethodTables, options)
     by_name: dict[str, list[Path]] = {name: [] for name in names}
     for path in elsewhere:
         by_name[_condition(path, names)].append(path)
-    frames = [read_rows(Rollout, rollouts, ONE_TEST).assign(condition=USUAL)]
-    frames += [read_rows(Rollout, paths, ONE_TEST).assign(condition=name) for name, paths in by_name.items() if paths]
-    table = build(by_method(pd.concat(frames, ignore_index=True), settings.rows), settings)
+    files = {USUAL: list(rollouts)} | {name: paths for name, paths in by_name.items() if paths}
+    frames = [read_pooled(paths, settings).assign(condition=name) for name, paths in files.items()]
+    table = build(pd.concat(frames, ignore_index=True), settings)
     write(out, "conditions", table, [conditions_table(table)])
 
 
@@ -58,7 +57,7 @@ def _condition(path: Path, names: tuple[str, ...]) -> str:
 
 
 def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
-    """A row per task, test asset, training set and condition, with `COLUMNS`.
+    """A row per target, policy, test asset, training set and condition, with `COLUMNS`.
 
     Args:
         rollouts: rows of `Rollout` with a column `condition`; `usual` is what the others are compared with, at the same
@@ -74,7 +73,7 @@ def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
 
 def against_baselines(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """Success of every training set minus that of each baseline, under each condition: what is left of the gain."""
-    within = ["task", "test_asset", "condition"]
+    within = ["target", "task", "policy", "test_asset", "condition"]
     policies = rollouts[rollouts["training_set"] != SKILL]
     parts = [
         gains(policies, within, "training_set", baseline, options).assign(baseline=baseline)
@@ -89,12 +88,12 @@ def baselines_table(table: pd.DataFrame) -> Table:
     for row in records(table):
         runs = f"{row['assets']} assets, {row['runs']} against {count(row['baseline_runs'], 'run')}"
         gain = cell(points(row["difference"]), f"[{span(row['low'], row['high'])}] {runs}")
-        names = (row[name] for name in ("task", "test_asset", "training_set", "baseline", "condition"))
-        rows.append([*map(title, names), gain])
+        names = (row[name] for name in ("test_asset", "training_set", "baseline", "condition"))
+        rows.append([row_title(row), *map(title, names), gain])
     return Table(
         "gains_under_conditions",
         "What a training set gains over a baseline, under each condition",
-        ["task", "tested on", "trained on", "minus", "condition", "difference"],
+        ["policy", "tested on", "trained on", "minus", "condition", "difference"],
         rows,
         headers=5,
         notes=["Both sides on the same assets from the same initial states."],
@@ -110,13 +109,12 @@ def conditions_table(table: pd.DataFrame) -> Table:
         if not pd.isna(row["difference"]):
             between = span(row["difference_low"], row["difference_high"])
             difference = cell(points(row["difference"]), f"[{between}]")
-        rows.append(
-            [*(title(row[name]) for name in (*CELL, "condition")), cell(percent(row["mean"]), remark), difference]
-        )
+        names = (row[name] for name in ("test_asset", "training_set", "condition"))
+        rows.append([row_title(row), *map(title, names), cell(percent(row["mean"]), remark), difference])
     return Table(
         "conditions",
         "Success under other conditions: mean over assets, 95 % interval over assets, states and runs",
-        ["task", "tested on", "trained on", "condition", "success", "minus usual"],
+        ["policy", "tested on", "trained on", "condition", "success", "minus usual"],
         rows,
         headers=4,
         notes=["Differences are of the same policies on the same assets from the same initial states."],

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from stages.tables.markup import Table
-from stages.tables.order import title
+from stages.tables.order import task_title, title
 from stages.tables.rows import records
 from stages.tables.statistics import NAN
 from stages.tables.text import NOT_RUN, number, percent, points
@@ -55,7 +55,7 @@ def agreement_table(table: pd.DataFrame) -> Table:
         if row["cells"]:
             cells += [percent(row["measured"]), percent(row["forecast"]), points(row["error"]).lstrip("+")]
             cells += [number(row["correlation"], 2), number(row["slope"], 2)]
-        rows.append([title(row["task"]), title(row["condition"]), row["bin"], *cells, *[""] * (6 - len(cells))])
+        rows.append([task_title(row["task"]), title(row["condition"]), row["bin"], *cells, *[""] * (6 - len(cells))])
     return Table(
         "agreement",
         "Measured success and forecast, policy by policy.",

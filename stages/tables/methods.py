@@ -1,84 +1,85 @@
-"""Rows of the tables: policies of one method each. What differs in more than its seed is never averaged.
-
-A row of the experiment with several hyper-parameter sets is a row of the tables for each set: the first has the row's
-name, another is `<row>/<set>`. Sets are one row only where trials chose the best of them, as the paper does (B.4).
-"""
+"""Policies of one method each. What differs in more than its seed is never averaged, but where trials chose (B.4)."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
 
-from stages.config.tables import MethodTables, PolicyRow, PolicyTables
+from stages.config.tables import MethodTables, PolicyTables
 from stages.contracts.errors import InputError
 from stages.contracts.policies import Rollout
-from stages.tables.order import SKILL, title
+from stages.tables.order import SKILL
+from stages.tables.pooling import pooled
 from stages.tables.rows import ONE_TEST, read_rows
 
-Kinds = Mapping[str, str]  # row of the tables -> its policies in words
+Kinds = Mapping[str, str]  # policy -> what it is, in words
 
 
-def name_of(row: str, run: str, first: str) -> str:
-    """The row of the tables for a hyper-parameter set of a row of the experiment; `first`: the row's first set."""
-    return row if run == first else f"{row}/{run}"
-
-
-def row_of(name: str) -> str:
-    """The row of the experiment that a row of the tables is of."""
-    return name.partition("/")[0]
-
-
-def methods(rows: Mapping[str, PolicyRow]) -> dict[str, list[str]]:
-    """Rows of the tables -> their hyper-parameter sets: one, or all those that trials choose from."""
-    found: dict[str, list[str]] = {}
-    for name, row in rows.items():
-        found |= {name: row.runs} if row.best else {name_of(name, run, row.runs[0]): [run] for run in row.runs}
-    return found
-
-
-def by_method(rollouts: pd.DataFrame, rows: Mapping[str, PolicyRow]) -> pd.DataFrame:
-    """The rollouts with `task` as a row of the tables; of rows that are not known, the set that comes first is first.
-
-    Where more sets were rolled out than trials choose, some were not chosen: then all stand alone.
+def read_rollouts(paths: Sequence[Path], options: MethodTables) -> pd.DataFrame:
+    """All rows of some files of `Rollout`.
 
     Raises:
-        InputError: a policy was rolled out at several checkpoints, which would count as several runs.
+        InputError: rows of a policy are of several checkpoints, or of more runs than trials choose.
     """
-    _check_checkpoints(rollouts)
-    names = rollouts["task"].copy()
-    for task, part in rollouts[rollouts["training_set"] != SKILL].groupby("task", sort=False):
-        row = rows.get(str(task), PolicyRow())
-        if row.best and part.groupby("training_set")["run"].nunique().max() <= row.best:
-            continue
-        first = next(iter(row.runs), part["run"].iloc[0])
-        names[part.index] = [name_of(str(task), run, first) for run in part["run"]]
-    return rollouts.assign(task=names)
+    rollouts = read_rows(Rollout, paths, ONE_TEST)
+    check_methods(rollouts, options)
+    return rollouts
 
 
-def _check_checkpoints(rollouts: pd.DataFrame) -> None:
-    policy = ["task", "training_set", "run", "seed", *(["condition"] if "condition" in rollouts else [])]
+def read_pooled(paths: Sequence[Path], options: MethodTables) -> pd.DataFrame:
+    """`read_rollouts`, with the pools of the run in the place of their targets."""
+    return pooled(read_rollouts(paths, options), options)
+
+
+def check_methods(rollouts: pd.DataFrame, options: MethodTables) -> None:
+    """Refuse rows that would count as several runs of a method and are not.
+
+    Raises:
+        InputError: rows of a policy are of several checkpoints, or of more runs than trials choose.
+    """
+    policy = ["target", "policy", "training_set", "run", "seed"]
     for key, checkpoints in rollouts.groupby(policy)["checkpoint"]:
         if checkpoints.nunique() > 1:
             what = f"hold checkpoints {' and '.join(sorted(set(checkpoints)))} of the policy {'/'.join(map(str, key))}."
             raise InputError("--rollouts", what, "give those of one checkpoint", "E-CHECKPOINTS-MIXED")
-
-
-def read_rollouts(paths: Sequence[Path], options: MethodTables) -> pd.DataFrame:
-    """All rows of some files of `Rollout`, with `task` as `by_method` has it."""
-    return by_method(read_rows(Rollout, paths, ONE_TEST), options.rows)
+    for (target, name, training_set), runs in rollouts.groupby(policy[:3])["run"]:
+        best = options.policies[name].best if name in options.policies else None
+        if runs.nunique() > (best or 1):
+            what = f"hold the runs {' and '.join(sorted(set(runs)))} of {target}/{name}/{training_set}."
+            raise InputError("--rollouts", what, "give those that trials chose, or make each a policy", "E-RUNS-MIXED")
 
 
 def kinds_of(options: PolicyTables) -> dict[str, str]:
-    """Rows of the tables -> what their policies are, in words."""
-    found = {}
-    for name, runs in methods(options.rows).items():
-        best = options.rows[name].best if name in options.rows else None
-        sets = f"best {best} of {', '.join(runs)}" if best else runs[0]
-        text = options.kinds.get(runs[0], sets)
-        found[name] = text if text == sets else f"{text} ({sets})"
-    return found
+    """Policy -> what it is, in words: its kind and its name, or the runs that trials chose from."""
+    found = options.policies.items()
+    sets = {name: f"best {about.best} of {', '.join(about.runs)}" if about.best else name for name, about in found}
+    return {name: name if kind == name else f"{kind} ({sets[name]})" for name, kind in options.kinds.items()}
 
 
-def kind(name: str, known: Kinds) -> str:
-    """What the policies of a row of the tables are, in words; its name where that is not known."""
-    return known.get(name) or name.partition("/")[2] or title(name)
+def kind(policy: str, known: Kinds) -> str:
+    """What a policy is, in words; its name where that is not known."""
+    return known.get(policy, policy)
+
+
+def first_policies(policies: pd.DataFrame, options: MethodTables) -> dict[str, str]:
+    """Target or pool -> its first policy, which others are compared with: by the config, else by the order of rows."""
+    pools = {name: pool for pool, names in options.pools.items() for name in names}
+    known = reversed(options.policies.items())
+    first = {pools.get(name, name): policy for policy, about in known for name in about.targets}
+    return dict(policies.drop_duplicates("target")[["target", "policy"]].itertuples(index=False)) | first
+
+
+def beside_ours(published: pd.DataFrame, ours: pd.DataFrame, options: PolicyTables) -> pd.DataFrame:
+    """Rows of the paper with `target` and `policy`: those of ours that they stand beside.
+
+    These are, of every task, the first target whose clouds show the link that is meant, and there the first policy of
+    the paper's kind. Where there is none, the paper's rows stand alone: `target` is the task, `policy` empty.
+
+    Args:
+        ours: has the columns target, task, policy, cloud.
+    """
+    others = {*options.kinds, SKILL} - {*options.papers}
+    alike = (ours["cloud"] == "target_link") & ~ours["policy"].isin(others)
+    first = ours.loc[alike, ["task", "target", "policy"]].drop_duplicates("task")
+    found = published.merge(first, "left", on="task")
+    return found.assign(target=found["target"].fillna(found["task"]), policy=found["policy"].fillna(""))

@@ -1,12 +1,12 @@
-"""The order in which the paper lists tasks, training sets and test assets, and how a page names them."""
+"""The order in which the paper lists training sets and test assets, and how a page names them."""
 
 import re
+from collections.abc import Mapping
+from typing import Any
 
 from stages.contracts.training_sets import DRAW, DRAWN, SetName, is_randomised, is_set, plain, read_set
 
-TASKS = {"door": "Door opening", "drawer": "Drawer opening", "bowl": "Putting away bowl"}
-TASKS |= {"door_object": "Door, whole object", "drawer_object": "Drawer, whole object"}  # of config/study
-ENDINGS = ["", "_handle", "_diffusion", "_blind"]  # rows of one task by their names, in this order
+TASKS = {"door": "Door opening", "drawer": "Drawer opening", "put_away_bowl": "Putting away bowl"}
 SPLITS = ("test", "validation")  # test assets that are sets of unseen assets
 SKILL = "skill"  # training set of the scripted skill's rows
 NAMES = {"all": "all assets", "trained": "training assets"}
@@ -29,18 +29,6 @@ def natural(text: str) -> tuple[tuple[int, int, str], ...]:
     return tuple((0, int(part), "") if part.isdigit() else (1, 0, part) for part in re.split(r"(\d+)", str(text)))
 
 
-def ending(task: str) -> str:
-    """The ending of a row's name by which it is sorted beside the row that it shares assets with; else nothing."""
-    return next((name for name in ENDINGS if name and task.endswith(name)), "")
-
-
-def task_key(task: str) -> tuple[int, str, int, str]:
-    """Sort key of a task: the paper's order, others after it; rows of one task and their sets beside each other."""
-    row, _, run = task.partition("/")
-    base, known = row.removesuffix(ending(row)), list(TASKS)
-    return (known.index(base) if base in known else len(known), base, ENDINGS.index(ending(row)), run)
-
-
 def set_key(name: str) -> tuple[int, tuple[tuple[int, int, str], ...]]:
     """Sort key of a training set or test asset: twin, by number, 'all', 'dissimilar', 'trained', sets, the skill."""
     first = {"twin": 0, "all": 2, "dissimilar": 2, "trained": 3, "unseen": 4}
@@ -48,23 +36,30 @@ def set_key(name: str) -> tuple[int, tuple[tuple[int, int, str], ...]]:
 
 
 def title(name: str) -> str:
-    """A name for people: cousins_4 -> '4 cousins', cousin_2 -> 'cousin 2', door_handle -> 'Door opening, handle',
-    cover_8_randomised -> '8 covering assets, randomised'.
-
-    A row's name is no word about its policies: what they are, the config says (`methods.kind`).
-    """
-    row, _, run = name.partition("/")
-    if run:
-        return f"{title(row)}, {run}"
-    if name in TASKS:
-        return TASKS[name]
-    if task := next((task for task in TASKS if name.startswith(f"{task}_")), None):
-        return f"{TASKS[task]}, {name.removeprefix(f'{task}_').replace('_', ' ')}"
+    """A name for people: cousins_4 -> '4 cousins', cousin_2 -> 'cousin 2', cover_8_randomised -> '8 covering assets,
+    randomised'."""
     if is_randomised(name):
         return f"{title(plain(name))}, randomised"
     if is_set(name) and (read := read_set(name)).rule in SETS:
         return f"{read.size} {SETS[read.rule]}"
     return NAMES.get(name, name.replace("_", " "))
+
+
+def task_title(task: str) -> str:
+    """A task for people."""
+    return TASKS.get(task, title(task))
+
+
+def target_title(target: str, task: str) -> str:
+    """A target for people, by what is done there: 'Door opening', 'Door opening, room 1' (door_room_1)."""
+    rest = title(target.removeprefix(f"{task}_"))
+    return task_title(task) if target in task else f"{task_title(task)}, {rest}"
+
+
+def row_title(row: Mapping[str, Any]) -> str:
+    """A row of a table for people: its target and its policy, which the paper's and the skill's do not have."""
+    target, policy = target_title(row["target"], row["task"]), row["policy"]
+    return target if policy in ("", SKILL) else f"{target}, {policy}"
 
 
 def role_title(role: str) -> str:

@@ -10,20 +10,24 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stages.tables import asset_panels
+from stages.tables.cells import ROW
 from stages.tables.drawing import GREY, colour, draw_rates, mark_not_run, rate_axis
-from stages.tables.order import set_key, task_key, title
+from stages.tables.order import row_title, set_key, title
+from stages.tables.rows import records
 from stages.tables.table3 import TRAINED
 from stages.tables.text import distance_from_twin
 
+Row = dict[str, Any]  # target, task, policy
 
-def _of(table: pd.DataFrame, task: str, training_set: str | None = None) -> pd.DataFrame:
-    found = table[table["task"] == task]
+
+def _of(table: pd.DataFrame, row: Row, training_set: str | None = None) -> pd.DataFrame:
+    found = table[(table["target"] == row["target"]) & (table["policy"] == row["policy"])]
     return found if training_set is None else found[found["training_set"] == training_set]
 
 
-def _tasks(cells: pd.DataFrame, published: pd.DataFrame) -> list[str]:
-    """The tasks that were run; if none was, the paper's."""
-    return sorted({*cells["task"]} or {*published["task"]}, key=task_key)
+def _rows(cells: pd.DataFrame, published: pd.DataFrame) -> list[Row]:
+    """Targets and policies that were run; if none was, the paper's."""
+    return records((cells if len(cells) else published)[ROW].drop_duplicates())
 
 
 def _tested(cells: pd.DataFrame) -> pd.DataFrame:
@@ -52,28 +56,28 @@ def figure4(
     over: tuple[pd.DataFrame, pd.DataFrame] | None = None,
     encoder: str = "",
 ) -> Figure:
-    """Success against what tells a test asset from the twin: a row per task that was run, a colour per set.
+    """Success against what tells a test asset from the twin: a row per target and policy, a colour per set.
 
     From the left, of `over` (as `asset_panels.points` and `.thirds` give): success on unseen assets against distance
     and against the length of the handle; on the roles of Table 3, with our intervals; the paper's figure, its bars the
     standard deviation over runs. `encoder` is ours, by whose features distances are.
     """
     cells = _tested(cells)
-    tasks = _tasks(cells if over is None else pd.concat([cells, over[0]]), published)
+    rows = _rows(cells if over is None else pd.concat([cells, over[0]]), published)
     first = 0 if over is None else len(asset_panels.AXES)
-    columns = first + (2 if len(cells) and published["task"].isin(tasks).any() else 1)
+    columns = first + (2 if len(cells) and any(len(_of(published, row)) for row in rows) else 1)
     width = max(4.6, 3.4 * columns)
     figure, axes = plt.subplots(
-        len(tasks), columns, figsize=(width, 3.0 * len(tasks) + 0.3), squeeze=False, layout="constrained"
+        len(rows), columns, figsize=(width, 3.0 * len(rows) + 0.3), squeeze=False, layout="constrained"
     )
-    for panels, task in zip(axes, tasks, strict=True):
+    for panels, row in zip(axes, rows, strict=True):
         if over is not None:
-            asset_panels.draw(panels[:first], _of(over[0], task), _of(over[1], task), encoder)
-        name = f"{title(task)}{', roles' if first else ''}"
-        _distances(panels[first], _of(cells, task), name, "not run", encoder)
+            asset_panels.draw(panels[:first], _of(over[0], row), _of(over[1], row), encoder)
+        name = f"{row_title(row)}{', roles' if first else ''}"
+        _distances(panels[first], _of(cells, row), name, "not run", encoder)
         if columns == first + 2:
-            paper = _with_deviation(_of(published, task))
-            _distances(panels[-1], paper, f"{title(task)}, paper", "not in the paper", "DINOv2")
+            paper = _with_deviation(_of(published, row))
+            _distances(panels[-1], paper, f"{row_title(row)}, paper", "not in the paper", "DINOv2")
         panels[0].set_ylabel("success (%)")
     _legend(figure, int(width / 2.2))
     return figure
@@ -99,28 +103,28 @@ def _distances(panel: Axes, cells: pd.DataFrame, name: str, missing: str, encode
 
 
 def figure9(cells: pd.DataFrame, published: pd.DataFrame) -> Figure:
-    """A panel per task that was run (rows) and training set (columns): ours, and the paper's as a faint dashed line.
+    """A panel per target and policy (rows) and training set (columns): ours, and the paper's as a faint dashed line.
 
     The four test assets stand from left to right, as in the paper: distances under different encoders do not compare.
     Our bars are the standard deviation over runs where there are two or more, else the interval of the run.
     """
     cells = _tested(cells)
-    tasks, sets = _tasks(cells, published), sorted({*cells["training_set"], *published["training_set"]}, key=set_key)
+    rows, sets = _rows(cells, published), sorted({*cells["training_set"], *published["training_set"]}, key=set_key)
     roles = sorted({*cells["test_asset"], *published["test_asset"]}, key=set_key)
     figure, axes = plt.subplots(
-        len(tasks), len(sets), figsize=(2.1 * len(sets), 2.0 * len(tasks) + 0.5), squeeze=False, sharex=True,
+        len(rows), len(sets), figsize=(2.1 * len(sets), 2.0 * len(rows) + 0.5), squeeze=False, sharex=True,
         sharey=True, layout="constrained",
     )  # fmt: skip
-    for row, task in enumerate(tasks):
+    for number, row in enumerate(rows):
         for column, name in enumerate(sets):
-            panel = axes[row, column]
+            panel = axes[number, column]
             rate_axis(panel, column == 0)
             panel.set_xticks(range(len(roles)), [title(role) for role in roles], size=6.5, rotation=30)
             panel.set_xlim(-0.4, len(roles) - 0.6)
-            if row == 0:
+            if number == 0:
                 panel.set_title(title(name), color=colour(name))
-            _positions(panel, name, roles, _of(cells, task, name), _of(published, task, name))
-        axes[row, 0].set_ylabel(f"{fill(title(task), 16)}\nsuccess (%)")
+            _positions(panel, name, roles, _of(cells, row, name), _of(published, row, name))
+        axes[number, 0].set_ylabel(f"{fill(row_title(row), 16)}\nsuccess (%)")
     _legend(figure, 6)
     return figure
 

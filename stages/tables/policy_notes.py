@@ -2,8 +2,7 @@
 
 from stages.config.tables import PolicyTables
 from stages.plugins import short
-from stages.tables.methods import kinds_of
-from stages.tables.order import title
+from stages.tables.methods import kind, kinds_of
 
 SIMULATORS = {"mujoco": "MuJoCo"}  # as people write them
 UNKNOWN = (
@@ -18,13 +17,13 @@ def policy_notes(options: PolicyTables) -> list[str]:
 
 
 def _pooled(options: PolicyTables) -> list[str]:
-    """Rows that hold more than one hyper-parameter set."""
+    """Policies of more than one hyper-parameter set."""
     kinds = kinds_of(options)
-    found = [f"{title(name)}: {kinds[name]}" for name, row in options.rows.items() if row.best and row.best > 1]
+    found = [kind(name, kinds) for name, about in options.policies.items() if about.best and about.best > 1]
     if not found:
         return []
     return [
-        "Runs are training seeds of one method. Where more hyper-parameter sets were tried, those that did best in "
+        "Runs are training seeds of one policy. Where more hyper-parameter sets were tried, those that did best in "
         f"trials on the twin, by training set, are pooled, as in the paper ({'; '.join(found)})."
     ]
 

@@ -10,7 +10,7 @@ from stages.tables.cells import CELL
 from stages.tables.claims import COLLAPSED, MARGIN, MIN_RUNS, MIN_SPREAD_RUNS
 from stages.tables.markup import Table
 from stages.tables.methods import Kinds, kind
-from stages.tables.order import CLOUDS, SKILL, set_key, task_key, title
+from stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title
 from stages.tables.rows import records
 from stages.tables.scene_tables import level
 from stages.tables.table3 import BASELINE, RANDOMISED
@@ -65,11 +65,14 @@ def _group(table: pd.DataFrame, sets: list[str], kinds: Kinds) -> list[list[str]
     """The rows of one group and set of assets: rates, minus those of `MINUS`, the skill."""
     first = records(table)[0]
     about = f"{first['assets']} assets of {first['families']} families, {first['places']} initial states"
-    group = cell(f"{title(first['assets_of'])}, {title(first['test_asset'])}", about)
-    policies = [(kind(task, kinds), line) for (task,), line in _lines(table[table["training_set"] != SKILL], ["task"])]
+    about += f", {CLOUDS['object']}" * (first["cloud"] == "object")
+    group = cell(f"{target_title(first['target'], first['task'])}, {title(first['test_asset'])}", about)
+    policies = [
+        (kind(name, kinds), line) for (name,), line in _lines(table[table["training_set"] != SKILL], ["policy"])
+    ]
     rows = [_side_by_side([group, name], line, sets, _rate) for name, line in policies]
     for versus, what in MINUS.items():
-        minus = what.format(own=kind(first["assets_of"], kinds))
+        minus = what.format(own=kind(first["policy"], kinds))
         gains = [_side_by_side([group, f"{name}, {minus}"], line, sets, _gain(versus)) for name, line in policies]
         rows += [row for row in gains if any(row[2:])]
     for row in records(table[table["training_set"] == SKILL]):
@@ -87,7 +90,7 @@ def assets_table(
 ) -> Table:
     """Success over unseen assets; `table` as `assets.build` gives, `kinds` as `kinds_of`, `notes` as `policy_notes`."""
     sets = _policy_sets(table) or [BASELINE]
-    groups = [group for _, group in table.groupby(["assets_of", "test_asset"], sort=False)]
+    groups = [group for _, group in table.groupby(["target", "test_asset"], sort=False)]
     return Table(
         name="assets",
         caption="Success over unseen assets, by kind of policy (rows) and training set (columns).",
@@ -112,15 +115,19 @@ def assets_table(
 
 def by_handle_table(table: pd.DataFrame, options: TablesConfig) -> Table:
     """The same by kind and length of the handle; `table` as `assets.by_handle` gives."""
-    sets = [*_policy_sets(table), *([SKILL] if (table["training_set"] == SKILL).any() else [])]
+    skill = table["training_set"] == SKILL
+    sets = [*_policy_sets(table), *([SKILL] if skill.any() else [])]
+    policy_of = table.drop_duplicates("target").set_index("target")["policy"]
+    table = table.assign(policy=table["policy"].mask(skill, table["target"].map(policy_of)))  # beside a policy
     rows = []
-    for (task, split, _, handle), line in _lines(table, ["task", "test_asset", "by", "handle"]):
-        assets = f"n = {next(iter(line.values()))['assets']}"
-        rows.append(_side_by_side([cell(title(task), title(split)), cell(handle, assets)], line, sets, _rate))
+    for (_, _, split, _, handle), line in _lines(table, ["target", "policy", "test_asset", "by", "handle"]):
+        first = next(iter(line.values()))
+        head = [cell(row_title(first), title(split)), cell(handle, f"n = {first['assets']}")]
+        rows.append(_side_by_side(head, line, sets, _rate))
     return Table(
         name="assets_by_handle",
         caption="Success over unseen assets, by kind and length of the handle.",
-        columns=["Task", "Handle", *(title(name) for name in sets)],
+        columns=["Policy", "Handle", *(title(name) for name in sets)],
         rows=rows,
         headers=2,
         notes=[f"n: assets. Intervals ({level(options)}) as in the table over all assets."],
@@ -141,20 +148,29 @@ def policies_table(
     kinds: Kinds | None = None,
     notes: Sequence[str] = (),
 ) -> Table:
-    """Table 3, laid out as in the paper; `table` as `table3.cells` gives: a row per test asset, a column per set."""
+    """Table 3, laid out as in the paper: a row per test asset, a column per set.
+
+    Args:
+        table: as `table3.cells` gives.
+        published: the paper's, beside ours (`methods.beside_ours`).
+    """
     ours = {tuple(row[name] for name in CELL): row for row in records(table)}
     theirs = {tuple(row[name] for name in CELL): row for row in records(published)}
     keys = [*ours, *theirs]
-    sets = sorted({key[2] for key in keys}, key=set_key)
+    sets = sorted({key[3] for key in keys}, key=set_key)
+    tested: dict[tuple[str, str], set[str]] = {}
+    for target, policy, asset, _ in keys:
+        tested.setdefault((target, policy), set()).add(asset)
     rows = []
-    for task, asset in sorted({key[:2] for key in keys}, key=lambda key: (task_key(key[0]), set_key(key[1]))):
-        ran = {name: ours[task, asset, name] for name in sets if (task, asset, name) in ours}
+    for target, policy, asset in ((*of, name) for of, names in tested.items() for name in sorted(names, key=set_key)):
+        ran = {name: ours[target, policy, asset, name] for name in sets if (target, policy, asset, name) in ours}
         first = next(iter(ran.values()), None)
-        about = [(kinds or {}).get(task, ""), CLOUDS[first["cloud"]]] if first else []
-        line = [cell(title(task), "\n".join(filter(None, about))), title(asset)]
+        task = next(row["task"] for key, row in (ours | theirs).items() if key[:2] == (target, policy))
+        about = [kind(policy, kinds or {}), CLOUDS[first["cloud"]]] if first else []
+        line = [cell(target_title(target, task), "\n".join(about)), title(asset)]
         line.append(number(first["feature_distance"], 2) if first else "")
         for name in sets:
-            paper = theirs.get((task, asset, name))
+            paper = theirs.get((target, policy, asset, name))
             missing = (NOT_RUN if paper or ran else "", "")
             value, remark = _role(ran[name]) if name in ran else missing
             line.append(cell(value, remark, percent(paper["mean"], paper["std"]) if paper else ""))
@@ -229,11 +245,11 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         few, sides = too_few_runs(row), _sides(row["claim"], row["ours"], row["theirs"])
         difference = cell(evidence(row), sides + ", of these policies" * bool(few and sides), paper)
         verdict, runs = cell(row["verdict"], few), f"{row['runs']} against {row['baseline_runs']}"
-        rows.append([title(row["task"]), claim_sentence(row), verdict, difference, _judged_over(row), runs])
+        rows.append([row_title(row), claim_sentence(row), verdict, difference, _judged_over(row), runs])
     return Table(
         name="table3_claims",
         caption="Claims about policies (the paper's, and cousins against a randomised twin), and what rollouts say.",
-        columns=["Task", "Claim", "Verdict", "Difference", "Judged over", "Runs"],
+        columns=["Policy", "Claim", "Verdict", "Difference", "Judged over", "Runs"],
         rows=rows,
         headers=2,
         notes=[
@@ -241,8 +257,8 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
             "does not hold if it lies on the other side; if it contains zero, it cannot be said. To do as well "
             f"is to be at most {100 * MARGIN:g} points worse. A claim needs {MIN_RUNS} runs a side, one about "
             f"differences from run to run {MIN_SPREAD_RUNS}; with one run a side the interval is about these policies "
-            "only, not about training again. Runs are training seeds of one method (of each of the "
-            "hyper-parameter sets that trials chose): policies of another method are another row.",
+            "only, not about training again. Runs are training seeds of one policy (of each of the "
+            "hyper-parameter sets that trials chose).",
             "Unseen assets: the set of unseen assets where policies were rolled out on one, else the three held-out "
             "roles of Table 3, which are too few for most claims. Intervals: bootstrap over assets, their initial "
             f"states and runs, crossed ({options.bootstrap_samples} resamples, seed {options.seed}); of means never "
@@ -262,18 +278,16 @@ def stability_table(table: pd.DataFrame) -> Table:
         collapsed = f"{row['collapsed']} of {row['runs']}" if pd.notna(row["collapsed"]) else NOT_RUN
         known = pd.notna(row["published_runs"])
         paper = f"{row['published_collapsed']} of {row['published_runs']}" if known else ""
-        rows.append(
-            [title(row["task"]), title(row["training_set"]), cell(collapsed, "", paper), cell(ours, "", theirs)]
-        )
+        rows.append([row_title(row), title(row["training_set"]), cell(collapsed, "", paper), cell(ours, "", theirs)])
     return Table(
         name="table3_stability",
         caption="Stability of training: collapsed runs, and spread over runs.",
-        columns=["Task", "Training set", "Collapsed runs", "Spread over runs"],
+        columns=["Policy", "Training set", "Collapsed runs", "Spread over runs"],
         rows=rows,
         headers=2,
         notes=[
             "A run is collapsed if on the assets it was trained on (the paper's: on the twin) it succeeds less often "
-            f"than {100 * COLLAPSED:g} % of what the best run of its task does there. Spread: sample standard "
+            f"than {100 * COLLAPSED:g} % of what the best run of its policy does there. Spread: sample standard "
             "deviation over runs, pooled over the test assets."
         ],
     )

@@ -13,8 +13,9 @@ from markupsafe import Markup
 from stages.config.tables import PolicyTables
 from stages.contracts.files import read_options, read_text, write_text
 from stages.tables import assets, claims, policy_tables, robustness, scene_tables, table2, table3
+from stages.tables.cells import CELL
 from stages.tables.markup import Table, environment
-from stages.tables.methods import kinds_of
+from stages.tables.methods import beside_ours, kinds_of
 from stages.tables.order import role_title
 from stages.tables.page import library, policies, result, rooms
 from stages.tables.page.benchmarks import by_stage, longest_table, read_jobs, times_table
@@ -67,7 +68,7 @@ def _frames(files: RunFiles) -> dict[str, pd.DataFrame]:
     found = {}
     for name, columns in COLUMNS.items():
         if path := files.one(f"tables/{name}.csv"):
-            table = read_table(path, columns, ["scene", "variant", "judge", "test_asset", "training_set"])
+            table = read_table(path, columns, ["scene", "variant", "judge", *CELL, "task"])
             found[name] = table.convert_dtypes(
                 infer_objects=False, convert_string=False, convert_boolean=False, convert_floating=False
             )
@@ -84,24 +85,26 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
         return [form(frames[name], *more)] if name in frames else []
 
     judged, cells = frames.get("table3_claims"), frames.get("table3_cells")
-    over_assets, by_role = result.over_assets(frames.get("assets"), judged, kinds), result.over_roles(cells, judged)
-    first = [*over_assets, *(each for each in by_role if each.group not in {one.group for one in over_assets})]
-    models, tasks = library.collect(files, album), policies.collect(files, album, options.confidence)
+    over_assets = result.over_assets(frames.get("assets"), judged, kinds)
+    by_role = result.over_roles(cells, judged, kinds)
+    first = [*over_assets, *(each for each in by_role if each.target not in {one.target for one in over_assets})]
+    paper = None if cells is None else beside_ours(published_policies(published), cells, options)
+    models, targets = library.collect(files, album), policies.collect(files, album, options.confidence)
     shown = rooms.collect(files, album)
-    of_tasks = [room for task in tasks for room in shown if room.name == task.scene]
+    opened = [room for target in targets for room in shown if room.name == target.scene]
     drawings = {name: (files.one(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
     return (
         environment()
         .get_template("page/page.html.jinja")
         .render(
             **facts,
-            first=next(iter([*of_tasks, *shown]), None),
+            first=next(iter([*opened, *shown]), None),
             results=first,
             came_out=result.came_out(shown, models.models if models else 0, first, len(trainings)),
             roles=[each for each in by_role if each not in first],
             rooms=shown,
             library=models,
-            tasks=tasks,
+            targets=targets,
             of_policies=[
                 *(trained if failed(trainings) else []),
                 *table(policy_tables.assets_table, "assets", options, kinds, notes),
@@ -114,9 +117,7 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
             tables=[
                 *table(scene_tables.scenes_table, "table2", options),
                 *table(scene_tables.robustness_table, "table2_robustness"),
-                *table(
-                    policy_tables.policies_table, "table3_cells", published_policies(published), options, kinds, notes
-                ),
+                *table(policy_tables.policies_table, "table3_cells", paper, options, kinds, notes),
                 *table(policy_tables.stability_table, "table3_stability"),
             ],
             figures={

@@ -2,33 +2,32 @@
 
 import os
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Literal, NamedTuple
 
 import pandas as pd
 
 from stages.config.model import Config, read_files
-from stages.config.policy_rows import policy_tables
+from stages.config.policy_kinds import policy_tables
+from stages.config.targets import Cell
 from stages.contracts.files import read_json, write_text
 from stages.contracts.library import Library
 from stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
 from stages.contracts.training_sets import is_randomised
-from stages.tables import assets, conditions, robustness, table2, table3, trainings
+from stages.tables import conditions, robustness, table2, table3, trainings
 from stages.tables.assets import of_splits
 from stages.tables.associations import Shown, associations_table, traits
 from stages.tables.associations import build as associate
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table, markdown
-from stages.tables.methods import kinds_of, read_rollouts, row_of
-from stages.tables.order import SKILL, SPLITS, title
-from stages.tables.policies import asset_tables, collect, role_tables, write_figures
+from stages.tables.methods import kinds_of, read_pooled, read_rollouts
+from stages.tables.order import SKILL, SPLITS, target_title, title
+from stages.tables.policies import asset_tables, collect, role_tables, target_tables, write_figures
 from stages.tables.policy_notes import policy_notes
-from stages.tables.policy_tables import assets_table
-from stages.tables.pooling import pooled, pools
+from stages.tables.pooling import pool_of, pooled
 from stages.tables.progress import policy_file, progress_table, runs_that_count
 from stages.tables.roles import demonstrated_assets, lists_table, roles_table
-from stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
+from stages.tables.rows import ONE_SCENE, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
 from stages.tables.scene_tables import robustness_table, scenes_table
 from stages.tables.study import cost, facts
@@ -48,65 +47,60 @@ class StudyResults(NamedTuple):
     figures: dict[str, str]
 
 
-def policies_of(config: Config, results: Path, task: str) -> Iterator[tuple[str, str, int]]:
-    """Training set, hyper-parameters and seed of the policies of a row."""
-    plan = config.experiment.plan(task)
-    for name in plan.training_sets:
-        for run in runs_that_count(config, results, task, name):
-            yield from ((name, run, seed) for seed in plan.seeds)
+def policies_of(config: Config, results: Path) -> Iterator[tuple[Cell, str, int]]:
+    """Cell, hyper-parameters and seed of the policies of a study that count."""
+    for cell in config.experiment.cells:
+        for run in runs_that_count(config, results, cell):
+            yield from ((cell, run, seed) for seed in config.experiment.plan(cell.policy).seeds)
 
 
 def rollout_files(config: Config, results: Path, condition: str = "") -> Iterator[Path]:
     """The rollouts of the study's policies, and of the skill on the same assets, as far as they are there."""
     skills = f"conditions/{condition}/{{}}/skill" if condition else "skill/{}"
-    for task in config.experiment.tasks:
-        paths = [results / "evaluation" / skills.format(task) / "rollouts.csv"]
-        paths += [policy_file(results, condition, task, *policy) for policy in policies_of(config, results, task)]
-        yield from filter(Path.is_file, paths)
+    paths = [policy_file(results, condition, *policy) for policy in policies_of(config, results)]
+    paths += [results / "evaluation" / skills.format(name) / "rollouts.csv" for name in config.experiment.targets]
+    yield from filter(Path.is_file, paths)
 
 
 def _trainings(config: Config, results: Path) -> pd.DataFrame:
     """How the trainings of the study ended, as far as they are there."""
-    paths = [
-        results / f"training/{task}/{name}/{run}/seed_{seed}/config.json"
-        for task in config.experiment.tasks
-        for name, run, seed in policies_of(config, results, task)
-    ]
+    found = policies_of(config, results)
+    paths = [results / "training" / Path(*cell) / f"{run}/seed_{seed}/config.json" for cell, run, seed in found]
     return trainings.collect([path for path in paths if path.is_file()])
 
 
 def asked_cells(config: Config) -> pd.DataFrame:
-    """The cells that the study is to fill, with the columns `table3.CELL`; rows pooled."""
+    """The cells that the study is to fill, with `table3.CELL`, task and cloud; targets pooled."""
+    experiment, pools = config.experiment, pool_of(policy_tables(config), config.experiment.targets)
     cells = [
-        (pool, asset, name)
-        for row, pool in pools(config).items()
+        (pools[target], policy, asset, name, experiment.task(target), config.task_of(target).cloud)
+        for target, policy, name in experiment.cells
         for asset in config.evaluation.test_assets
-        for name in config.experiment.plan(row_of(row)).training_sets
     ]
-    return pd.DataFrame(cells, columns=table3.CELL).drop_duplicates()
+    return pd.DataFrame(cells, columns=[*table3.CELL, "task", "cloud"]).drop_duplicates()
 
 
 def _chosen(config: Config, results: Path) -> list[Table]:
     """The trials of the hyper-parameter sets; nothing if there were none."""
     rows = []
-    for task in config.experiment.tasks:
-        for name in config.experiment.plan(task).training_sets:
-            path = results / f"evaluation/trials/{task}/{name}/chosen.json"
-            if config.experiment.chooses(task) and path.is_file():
-                chosen = read_json(ChosenRuns, path)
-                scores = ", ".join(f"{score.run} {score.successes}/{score.episodes}" for score in chosen.scores)
-                rows.append([title(task), title(name), ", ".join(chosen.runs), scores])
-    columns = ["Task", "Training set", "Chosen", "Trials on the twin (best checkpoint of the first seed)"]
+    for cell in config.experiment.cells:
+        path = results / "evaluation/trials" / Path(*cell) / "chosen.json"
+        if config.experiment.chooses(cell.policy) and path.is_file():
+            chosen = read_json(ChosenRuns, path)
+            scores = ", ".join(f"{score.run} {score.successes}/{score.episodes}" for score in chosen.scores)
+            name = f"{target_title(cell.target, config.experiment.task(cell.target))}, {cell.policy}"
+            rows.append([name, title(cell.training_set), ", ".join(chosen.runs), scores])
+    columns = ["Policy", "Training set", "Chosen", "Trials on the twin (best checkpoint of the first seed)"]
     return [Table("chosen", "Hyper-parameter sets chosen by trials.", columns, rows, headers=2)] if rows else []
 
 
 def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.DataFrame:
-    """The rollouts on unseen assets of the rows whose assets.json is there, with what is known of each asset."""
+    """The rollouts on unseen assets of the targets whose assets.json is there, with what is known of each asset."""
     experiment, parts = config.experiment, []
-    for task, part in of_splits(rollouts).groupby(rollouts["task"].map(row_of)):
-        path = results / f"experiment/{experiment.policy_variant}/{experiment.source(str(task))}/assets.json"
+    for target, part in of_splits(rollouts).groupby("target", sort=False):
+        path = results / f"experiment/{experiment.policy_variant}/{target}/assets.json"
         if path.is_file():
-            chosen, stretch = read_json(TaskAssets, path), config.task_of(str(task)).scale_range
+            chosen, stretch = read_json(TaskAssets, path), config.task_of(str(target)).scale_range
             wider, policies = config.demonstrations.randomise.extents, part[part["training_set"] != SKILL]
             sets = {
                 (name, seed): Shown(
@@ -121,16 +115,17 @@ def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.Da
 
 def _elsewhere(config: Config, results: Path, usual: pd.DataFrame) -> list[Table]:
     """Success under each of `evaluation.conditions`, and there minus the baselines; nothing where none was met."""
-    found = {name: list(rollout_files(config, results, name)) for name in config.evaluation.conditions}
-    met = [read_rollouts(paths, policy_tables(config)).assign(condition=name) for name, paths in found.items() if paths]
+    found, options = (
+        {name: list(rollout_files(config, results, name)) for name in config.evaluation.conditions},
+        policy_tables(config),
+    )
+    met = [read_pooled(paths, options).assign(condition=name) for name, paths in found.items() if paths]
     if not met:
         return []
-    rows = pd.concat([usual.assign(condition=conditions.USUAL), *met], ignore_index=True)
-    episodes = pd.concat([pooled(part, config) for _, part in rows.groupby("condition")], ignore_index=True)
-    options = config.tables
+    episodes = of_splits(pd.concat([usual.assign(condition=conditions.USUAL), *met], ignore_index=True))
     return [
-        conditions.conditions_table(conditions.build(of_splits(episodes), options)),
-        conditions.baselines_table(conditions.against_baselines(of_splits(episodes), options)),
+        conditions.conditions_table(conditions.build(episodes, options)),
+        conditions.baselines_table(conditions.against_baselines(episodes, options)),
     ]
 
 
@@ -138,50 +133,49 @@ def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, s
     """Seeds and numbers of rollouts."""
     policies = episodes[episodes["training_set"] != SKILL]
     seeds = sorted(policies["seed"].unique())
-    policy = ["task", "training_set", "run", "seed"]
-    each = policies.groupby([*policy, "test_asset"]).size().groupby(["task", "test_asset"]).max()
+    policy = ["target", "task", "policy", "training_set", "run", "seed"]
+    each = policies.groupby([*policy, "test_asset"]).size().groupby(["target", "task", "test_asset"]).max()
     rollouts = f"{len(policies)} episodes of {policies.groupby(policy).ngroups} policies"
-    roles = each[~each.index.isin(SPLITS, level="test_asset")].groupby("task").max()
-    counts = [f"{count} ({'; '.join(map(title, part.index))})" for count, part in roles.groupby(roles)]
+    roles = each[~each.index.isin(SPLITS, level="test_asset")].groupby(["target", "task"]).max()
+    counts = [
+        f"{count} ({'; '.join(target_title(*name) for name in part.index)})" for count, part in roles.groupby(roles)
+    ]
     if len(roles):
         rollouts += f", {' and '.join(counts) if len(counts) > 1 else roles.iloc[0]} per role"
     about = [("Seeds", f"{', '.join(map(str, seeds)) or 'none'} of training; {config.seed} of everything else")]
     about.append(("Rollouts", rollouts))
-    for (group, split), part in of_splits(policies).groupby(["assets_of", "test_asset"]):
+    for (target, task, split), part in of_splits(policies).groupby(["target", "task", "test_asset"], sort=False):
         pairs, models = part["asset"].nunique(), part["asset"].str.rsplit("/").str[-1].nunique()
         assets = f"{pairs} pairs of room and asset, {models} assets" if models < pairs else str(pairs)
         assets += f" of {part['family'].nunique()} families"
         states = part.groupby("asset")["initial_state"].nunique().max()
-        about.append((f"{title(str(group))}, {title(str(split))}", f"{assets}, {states} initial states each"))
+        about.append(
+            (f"{target_title(str(target), str(task))}, {title(str(split))}", f"{assets}, {states} initial states each")
+        )
     return about
 
 
 def _policies(config: Config, results: Path, published: Path, out: Path) -> StudyResults:
-    options, paper = policy_tables(config), published_policies(published)
-    rows, names = read_rollouts(list(rollout_files(config, results)), options), pools(config)
-    episodes, asked = pooled(rows, config), asked_cells(config)
-    found = collect(episodes, pd.concat([asked, paper[table3.CELL]]).drop_duplicates(), published, options)
-    kinds = kinds_of(options)
-    pooled_kinds = {names[row]: text for row, text in kinds.items()}
-    trained = _trainings(config, results)
+    options, trained = policy_tables(config), _trainings(config, results)
+    rows, kinds = read_rollouts(list(rollout_files(config, results)), options), kinds_of(options)
+    episodes, asked = pooled(rows, options), asked_cells(config)
+    found = collect(episodes, published, options, asked)
     notes = [*policy_notes(options), *trainings.failed_note(trained)]
-    tables = asset_tables(found, options, pooled_kinds, notes)
-    tables += role_tables(found, paper, options, pooled_kinds, notes)
+    tables = asset_tables(found, options, kinds, notes) + role_tables(found, options, kinds, notes)
     tables += [trainings.trainings_table(trained)] if len(trained) else []
-    if set(rows["task"]) - set(episodes["task"]):
-        alone = assets_table(assets.build(rows[rows["task"] != rows["task"].map(names)], options), options, kinds)
-        tables.append(replace(alone, name="assets_by_room", caption=f"{alone.caption[:-1]}, room by room."))
+    tables += target_tables(rows, options, kinds)
     known = _with_traits(config, results, rows)
     if len(known):
-        tables.append(associations_table(associate(pooled(known, config), options)))
-    tables += _elsewhere(config, results, rows)
-    for task in config.experiment.tasks:
-        path = results / f"experiment/{config.experiment.policy_variant}/{task}/assets.json"
+        tables.append(associations_table(associate(pooled(known, options), options)))
+    tables += _elsewhere(config, results, episodes)
+    for target in config.experiment.targets:
+        path = results / f"experiment/{config.experiment.policy_variant}/{target}/assets.json"
         if path.is_file():
-            chosen, roles = read_json(TaskAssets, path), config.experiment.trained_roles(task)
-            tables.append(roles_table(chosen, roles, f"roles-{task}", f"{title(task)}: the assets."))
-            tables += lists_table(chosen, f"lists-{task}", f"{title(task)}: sets of assets.")
-    write_figures(out, episodes, found.cells, paper, options)
+            chosen, roles = read_json(TaskAssets, path), config.experiment.trained_roles(target)
+            name = target_title(target, config.experiment.task(target))
+            tables.append(roles_table(chosen, roles, f"roles-{target}", f"{name}: the assets."))
+            tables += lists_table(chosen, f"lists-{target}", f"{name}: sets of assets.")
+    write_figures(out, episodes, found, options)
     done = found.runs[found.runs["status"] == "run"].drop_duplicates(table3.CELL)
     print(f"{len(done)} of {len(asked)} cells of the study, {len(episodes)} episodes")
     return StudyResults(

@@ -5,7 +5,7 @@ from typing import Any
 import pandas as pd
 
 from stages.tables.markup import Table
-from stages.tables.order import title
+from stages.tables.order import task_title, title
 from stages.tables.rows import records
 from stages.tables.text import NOT_RUN, cell, count, percent, points, span
 
@@ -56,7 +56,7 @@ def comparisons_table(table: pd.DataFrame) -> Table:
 
 
 def _where(row: dict[str, Any]) -> list[str]:
-    return [title(row["task"]), title(row["condition"])]
+    return [task_title(row["task"]), title(row["condition"])]
 
 
 def _rate(row: dict[str, Any]) -> str:

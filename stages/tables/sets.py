@@ -1,7 +1,7 @@
 """Verb `sets`: how training sets compare over many objects, measured and forecast; also while a study is running."""
 
 from collections.abc import Iterator
-from itertools import combinations, product
+from itertools import combinations, islice, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,6 +10,7 @@ import pandas as pd
 from stages.config.evaluation import USUAL
 from stages.config.model import Config, read_files
 from stages.config.tables import TablesConfig
+from stages.config.targets import Cell
 from stages.contracts.files import write_text
 from stages.contracts.policies import Rollout
 from stages.tables import trainings
@@ -42,7 +43,7 @@ def run(
 ) -> None:
     """Write cells.csv, sets.csv, comparisons.csv, agreement.csv and sets.md; what has not run is marked `not run`.
 
-    Every row of the experiment is an object, and what is compared is success over its unseen assets.
+    Every target is an object; what is compared is success over its unseen assets, of its first policy.
 
     Args:
         out: folder to write into.
@@ -79,16 +80,18 @@ class Asked(NamedTuple):
     object: str
     training_set: str
     seed: int
+    policy: str
     run: str
 
 
 def asked(config: Config) -> Iterator[Asked]:
     """All policies that the study asks for, under the usual condition and the others."""
     for condition in (USUAL, *config.evaluation.conditions):
-        for row in config.experiment.tasks:
-            plan = config.experiment.plan(row)
-            for name in plan.training_sets:
-                yield from (Asked(condition, plan.task, row, name, *one) for one in product(plan.seeds, plan.runs[:1]))
+        for target in config.experiment.targets:
+            task = config.experiment.task(target)
+            for policy, plan in islice(config.experiment.plans(target).items(), 1):
+                for name, seed in product(plan.training_sets, plan.seeds):
+                    yield Asked(condition, task, target, name, seed, policy, plan.runs[0])
 
 
 def collect(config: Config, results: Path, told: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -97,7 +100,7 @@ def collect(config: Config, results: Path, told: pd.DataFrame) -> tuple[pd.DataF
     parts = [pd.DataFrame(columns=SUCCESS)]
     for one in asked(config):
         folder = "" if one.condition == USUAL else one.condition
-        path = policy_file(results, folder, one.object, one.training_set, one.run, one.seed)
+        path = policy_file(results, folder, Cell(one.object, one.policy, one.training_set), one.run, one.seed)
         about: dict[str, Any] = dict(zip(CELL, one, strict=False)) | {"status": "not run"}
         if path.is_file():
             found = read_rows(Rollout, [path], ONE_TEST)
@@ -106,7 +109,7 @@ def collect(config: Config, results: Path, told: pd.DataFrame) -> tuple[pd.DataF
             parts.append(part[SUCCESS])
             about |= {"status": "run", "assets": len(part), "success": part["success"].mean()}
         rows.append(about)
-    outcomes = ended(config, results).rename(columns={"task": "object"})[[*POLICY, "outcome"]]
+    outcomes = ended(config, results).rename(columns={"target": "object"})[[*POLICY, "outcome"]]
     cells = pd.DataFrame(rows, columns=[*CELL, "assets", "success", "status"]).astype({"assets": "Int64"})
     cells = cells.merge(outcomes, "left", on=POLICY).merge(told[FORECAST], "left", on=["task", *POLICY])
     return cells[CELLS], pd.concat(parts[1:] or parts, ignore_index=True)
@@ -114,7 +117,7 @@ def collect(config: Config, results: Path, told: pd.DataFrame) -> tuple[pd.DataF
 
 def ended(config: Config, results: Path) -> pd.DataFrame:
     """How the trainings ended that are there (`trainings.collect`)."""
-    folders = {f"{one.object}/{one.training_set}/{one.run}/seed_{one.seed}" for one in asked(config)}
+    folders = {f"{one.object}/{one.policy}/{one.training_set}/{one.run}/seed_{one.seed}" for one in asked(config)}
     paths = [results / f"training/{folder}/config.json" for folder in sorted(folders)]
     return trainings.collect([path for path in paths if path.is_file()])
 

@@ -6,23 +6,30 @@ import pandas as pd
 
 from stages.config.tables import TablesConfig
 from stages.tables.cells import CELL, GAIN, RATE, gains, rates
-from stages.tables.order import SKILL, SPLITS, set_key, task_key
+from stages.tables.order import SKILL, SPLITS, set_key
+from stages.tables.rows import records
 from stages.tables.statistics import wilson
 
 COLUMNS = [
-    "task", "cloud", "test_asset", "feature_distance", "training_set", "run", "seed", "episodes", "successes",
-    "official_successes", "success_rate", "wilson_low", "wilson_high",
+    "target", "task", "policy", "cloud", "test_asset", "feature_distance", "training_set", "run", "seed", "episodes",
+    "successes", "official_successes", "success_rate", "wilson_low", "wilson_high",
 ]  # fmt: skip
 ALL_COLUMNS = [*COLUMNS, "checkpoint", "asset", "status"]
-DIFFERENCE_COLUMNS = ["task", "test_asset", "training_set", *GAIN]
+DIFFERENCE_COLUMNS = [*CELL, *GAIN]
 CELL_COLUMNS = [*CELL, *RATE]
 BASELINE, RANDOMISED, UNSEEN, TRAINED = "twin", "twin_randomised", "unseen", "trained"
 
 
-def _order(row: Any) -> tuple[Any, ...]:
-    order = task_key(row["task"]), set_key(row["test_asset"]), set_key(row["training_set"])
-    seed = row.get("seed")
-    return (*order, str(row.get("run", "")), -1 if seed is None else seed, str(row.get("checkpoint", "")))
+def _in_order(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Targets and policies as they come, the paper's alone at the end."""
+    targets, policies = (list(dict.fromkeys(row[name] for row in rows)) for name in ("target", "policy"))
+
+    def place(row: dict[str, Any]) -> tuple[Any, ...]:
+        order = set_key(row["test_asset"]), set_key(row["training_set"]), str(row.get("run", "")), row.get("seed", -1)
+        of = not row["policy"], targets.index(row["target"]), policies.index(row["policy"])
+        return (*of, *order, str(row.get("checkpoint", "")))
+
+    return sorted(rows, key=place)
 
 
 def of_roles(rollouts: pd.DataFrame) -> pd.DataFrame:
@@ -30,30 +37,33 @@ def of_roles(rollouts: pd.DataFrame) -> pd.DataFrame:
     return rollouts[~rollouts["test_asset"].isin(SPLITS) & (rollouts["training_set"] != SKILL)]
 
 
-def build(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
-    """One row per (task, test asset, training set, run, seed) with `ALL_COLUMNS`.
+def build(rollouts: pd.DataFrame, asked: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
+    """One row per (target, policy, test asset, training set, run, seed) with `ALL_COLUMNS`.
 
     Args:
         rollouts: rows of `Rollout`.
-        published: cells of Table 3 of the paper; a cell without rollouts becomes one row `not run`.
+        asked: cells with their task; one without rollouts becomes one row `not run`.
     """
     rows: list[dict[str, Any]] = []
     keys = [*CELL, "run", "seed", "checkpoint"]
-    for key, group in of_roles(rollouts).groupby(keys):
+    for key, group in of_roles(rollouts).groupby(keys, sort=False):
         successes, episodes = int(group["success"].sum()), len(group)
         low, high = wilson(successes, episodes, options.confidence)
         rows.append(
             dict(zip(keys, key, strict=True))
             | {"feature_distance": float(group["feature_distance"].mean()), "asset": _assets(group["asset"])}
-            | {"cloud": group["cloud"].iloc[0], "official_successes": int(group["official_success"].sum())}
+            | {"task": group["task"].iloc[0], "cloud": group["cloud"].iloc[0]}
+            | {"official_successes": int(group["official_success"].sum())}
             | {"episodes": episodes, "successes": successes, "success_rate": successes / episodes}
             | {"wilson_low": low, "wilson_high": high, "status": "run"}
         )
     ran = {tuple(row[name] for name in CELL) for row in rows}
-    for cell in published[CELL].itertuples(index=False, name=None):
-        if cell not in ran:
-            rows.append(dict(zip(CELL, cell, strict=True)) | {"status": "not run"})
-    table = pd.DataFrame(sorted(rows, key=_order), columns=ALL_COLUMNS)
+    rows += [
+        cell | {"status": "not run"}
+        for cell in records(asked[[*CELL, "task"]])
+        if tuple(cell[name] for name in CELL) not in ran
+    ]
+    table = pd.DataFrame(_in_order(rows), columns=ALL_COLUMNS)
     return table.astype(dict.fromkeys(["seed", "episodes", "successes", "official_successes"], "Int64"))
 
 
@@ -68,7 +78,7 @@ def cells(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
 
 
 def differences(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
-    """Success of each training set minus that of the twin's, per task and test asset, with `DIFFERENCE_COLUMNS`.
+    """Success of a training set minus that of the twin's, per target, policy and test asset: `DIFFERENCE_COLUMNS`.
 
     The test asset `unseen` pools all roles but the twin: what the comparison is about (paper B.4). The role `trained`
     stands for other assets in every set: there is nothing to pair.
@@ -76,6 +86,6 @@ def differences(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     compared = of_roles(rollouts)
     compared = compared[compared["test_asset"] != TRAINED]
     unseen = compared[compared["test_asset"] != BASELINE]
-    roles = unseen.groupby("task")["test_asset"].transform("nunique")
+    roles = unseen.groupby(["target", "policy"])["test_asset"].transform("nunique")
     compared = pd.concat([compared, unseen[roles > 1].assign(test_asset=UNSEEN)])
-    return gains(compared, ["task", "test_asset"], "training_set", BASELINE, options)
+    return gains(compared, ["target", "policy", "test_asset"], "training_set", BASELINE, options)

@@ -9,16 +9,18 @@ import pandas as pd
 
 from stages.contracts import read_json, trained
 from stages.contracts.trained import TrainedPolicy
+from stages.plugins import short
+from stages.tables.cells import in_order
 from stages.tables.markup import Table
-from stages.tables.order import set_key, task_key, title
+from stages.tables.order import row_title, title
 from stages.tables.rows import read_table, records
 from stages.tables.text import NOTHING, cell, count, number
 from stages.tables.writing import write
 
-ALIKE = ["task", "run"]  # trainings whose losses can be compared: one row's assets, one method
+ALIKE = ["target", "policy", "run"]  # trainings whose losses can be compared: one target's assets, one method
 COLUMNS = [
-    *("task", "run", "training_set", "seed", "best_step", "validation_loss", "validation_error", "constant_error"),
-    *("plateau", "others", "others_loss", "outcome"),
+    *("target", "task", "policy", "run", "training_set", "seed", "best_step", "validation_loss", "validation_error"),
+    *("constant_error", "plateau", "others", "others_loss", "outcome"),
 ]
 LEARNED, LATE, BEHIND, STUCK = "learned", "learned late", "stayed behind", "did not learn"
 FAILED = (LATE, BEHIND, STUCK)
@@ -29,23 +31,22 @@ PART = 0.25  # of the others' loss; which episodes a seed validates on moved it 
 
 
 def collect(configs: Sequence[Path]) -> pd.DataFrame:
-    """A row per policy with `COLUMNS`; `configs`: .../<task>/<training set>/<run>/seed_<n>/config.json.
+    """A row per policy with `COLUMNS`; `configs`: .../<target>/<policy>/<training set>/<run>/seed_<n>/config.json.
 
     others, others_loss: how many other seeds of its training set learned (or, without any, other trainings of its
-    row), and their median loss. Without validation episodes losses and outcome are missing.
+    target and policy), and their median loss. Without validation episodes losses and outcome are missing.
     """
     rows: list[dict[str, Any]] = []
     for path in configs:
-        policy, (task, name, run) = read_json(TrainedPolicy, path, AGAIN), path.absolute().parts[-5:-2]
-        outcome = LATE if policy.late else LEARNED if policy.learned else STUCK
-        about = {"task": task, "run": run, "training_set": name, "seed": policy.seed, "best_step": policy.best_step}
-        losses = {"validation_loss": policy.best_loss, "validation_error": policy.best_error}
-        constant = {"constant_error": policy.constant_error, "plateau": policy.plateau}
-        rows.append(about | losses | constant | {"outcome": None if policy.best_loss is None else outcome})
-    rows.sort(key=lambda row: (task_key(row["task"]), row["run"], set_key(row["training_set"]), row["seed"]))
-    table = pd.DataFrame(rows, columns=COLUMNS).astype(
-        {"validation_loss": float, "plateau": "Int64", "others": "Int64"}
-    )
+        config, (target, policy, name, run) = read_json(TrainedPolicy, path, AGAIN), path.absolute().parts[-6:-2]
+        outcome = LATE if config.late else LEARNED if config.learned else STUCK
+        about = {"target": target, "task": short(config.task), "policy": policy, "run": run, "training_set": name}
+        losses = {"validation_loss": config.best_loss, "validation_error": config.best_error}
+        losses |= {"seed": config.seed, "best_step": config.best_step}
+        constant = {"constant_error": config.constant_error, "plateau": config.plateau}
+        rows.append(about | losses | constant | {"outcome": None if config.best_loss is None else outcome})
+    table = in_order(pd.DataFrame(rows, columns=COLUMNS), [*ALIKE, "training_set", "seed"])
+    table = table.astype({"validation_loss": float, "plateau": "Int64", "others": "Int64"})
     for index, row in table.dropna(subset="validation_loss").iterrows():
         known = table.drop(index).dropna(subset="validation_loss")
         alike = known[(known[ALIKE] == row[ALIKE]).all(axis=1) & ~known["outcome"].isin([LATE, STUCK])]  # no measure
@@ -79,15 +80,22 @@ def read_trainings(path: Path | None) -> pd.DataFrame:
     """The frame that `collect` gave, from its file; without one no rows."""
     if path is None:
         return collect([])
-    return read_table(path, COLUMNS, ["task", "run", "training_set", "outcome"]).convert_dtypes(convert_floating=False)
+    return read_table(path, COLUMNS, ["target", "task", "policy", "run", "training_set", "outcome"]).convert_dtypes(
+        convert_floating=False
+    )
 
 
 def failed(table: pd.DataFrame) -> list[str]:
     """A phrase for every training that failed; `table` as `collect` gives."""
     return [
-        f"{title(row['task'])}, {title(row['training_set'])}, {row['run']}: {_phrase(row)}"
+        f"{row_title(row)}, {title(row['training_set'])}{_run(row)}: {_phrase(row)}"
         for row in records(table[table["outcome"].isin(FAILED)])
     ]
+
+
+def _run(row: dict[str, Any]) -> str:
+    """The run, where the policy is not called so."""
+    return "" if row["run"] == row["policy"] else f", {row['run']}"
 
 
 def _phrase(row: dict[str, Any]) -> str:
@@ -118,8 +126,11 @@ def trainings_table(table: pd.DataFrame) -> Table:
     return Table(
         name="trainings",
         caption="Trainings: what they reached on validation episodes, and which failed.",
-        columns=["Task", "Hyper-parameters", "Training set", "Validation loss", "Error", "Constant action", "Failed"],
-        rows=[[title(str(task)), str(run), title(str(name)), *_cells(group)] for (task, run, name), group in groups],
+        columns=["Policy", "Hyper-parameters", "Training set", "Validation loss", "Error", "Constant action", "Failed"],
+        rows=[
+            [row_title(records(group)[0]), str(run), title(str(name)), *_cells(group)]
+            for (*_, run, name), group in groups
+        ],
         headers=3,
         notes=[
             "Medians over seeds, of the weights that are rolled out. Error: root mean square of what actions are off "

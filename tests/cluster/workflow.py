@@ -14,8 +14,8 @@ from tests.workflow.workspace import MICRO, copy
 HERE = Path(__file__).parent
 PROFILES = ("--profile", "profiles/slurm", "--profile", str(HERE / "profile"))
 POLICIES = [
-    f"results/training/{run}/seed_0/policy.safetensors"
-    for run in ("door/twin/micro", "door/twin/micro_small", "door_handle/twin/micro_handle")
+    f"results/training/door/{run}/seed_0/policy.safetensors"
+    for run in ("micro/twin/micro", "micro/twin/micro_small", "micro_handle/twin/micro_handle")
 ]
 ROOM = "results/scenes/room_1/truth.json"
 

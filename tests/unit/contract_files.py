@@ -254,14 +254,14 @@ def _evaluation(root: Path) -> None:
     folder = root / "evaluation"
     folder.mkdir()
     (folder / "rollouts.csv").write_text(
-        "task,assets_of,cloud,training_set,run,seed,checkpoint,test_asset,asset,family,handle,handle_length,"
+        "target,task,cloud,policy,training_set,run,seed,checkpoint,test_asset,asset,family,handle,handle_length,"
         "feature_distance,episode,initial_state,success,official_success,steps,opened\n"
-        "door,door,target_link,twin,lite,0,best,twin,cabinet_0,cabinet_0,bar,0.2,0.0,0,2147483648,True,True,60,0.9\n"
-        "door,door,target_link,twin,lite,0,best,twin,cabinet_0,cabinet_0,bar,0.2,0.0,1,2147483649,False,True,99,0.2\n"
+        "door,door,target_link,lite,twin,lite,0,best,twin,cabinet_0,cabinet_0,bar,0.2,0.0,0,2147483648,True,True,60,0.9\n"
+        "door,door,target_link,lite,twin,lite,0,best,twin,cabinet_0,cabinet_0,bar,0.2,0.0,1,2147483649,False,True,99,0.2\n"
     )
     score = {"checkpoint": "best", "episodes": 20}
     scores = [{"run": "lite", "successes": 19, **score}, {"run": "wide", "successes": 3, **score}]
-    _json(folder / "chosen.json", task="door", training_set="twin", runs=["lite"], scores=scores)
+    _json(folder / "chosen.json", target="door", policy="lite", training_set="twin", runs=["lite"], scores=scores)
     (folder / "scores.csv").write_text(
         "scene,variant,rank,scale_m,object,status,true_asset,asset,category_correct,model_correct,l2_cm,"
         "orientation_rad,orientation_paper_rad,iou,oriented_iou,stable,shift_cm,penetration_cm,chamfer,shape_iou,"

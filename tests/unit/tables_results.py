@@ -110,7 +110,7 @@ def rollout(episode: int = 0, success: bool = True, **changes: object) -> Rollou
     """A rollout on the twin of a policy that was trained on it; every role is an asset of a family of its own."""
     asset = changes.get("asset", f"cabinet_{changes.get('test_asset', 'twin')}")
     values = {
-        "task": "door", "assets_of": changes.get("task", "door"), "cloud": "target_link", "training_set": "twin",
+        "target": "door", "task": "door", "cloud": "target_link", "policy": "lite", "training_set": "twin",
         "run": "lite", "seed": 0, "checkpoint": "best", "test_asset": "twin", "asset": asset, "family": asset,
         "handle": "bar", "handle_length": 0.12, "feature_distance": 0.0, "episode": episode,
         "initial_state": 1000 + episode, "success": success, "official_success": success, "steps": 80, "opened": 0.9,
@@ -136,18 +136,19 @@ def rollouts() -> list[BaseModel]:
 HANDLES = [("knob", 0.03), ("arch", 0.08), ("bar", 0.15), ("edge", 0.4)]
 
 
-def over_assets(policies: dict[tuple[str, str], float], assets: int = 24, split: str = "test") -> list[Rollout]:
+def over_assets(
+    policies: dict[tuple[str, str], float], assets: int = 24, split: str = "test", target: str = "door"
+) -> list[Rollout]:
     """Two seeds of each policy on unseen assets, twice each; long handles are easy. The skill opens all.
 
     Args:
-        policies: (task, training set) -> handles longer than this (metres) are opened, and every third of the others.
+        policies: (policy, training set) -> handles longer than this (metres) are opened, and every third of the others.
     """
     rows = []
-    for (task, name), length in policies.items():
-        group = task.removesuffix("_handle").removesuffix("_blind")
+    for (policy, name), length in policies.items():
         for seed in (0,) if name == "skill" else (0, 1):
-            of = {"seed": seed, "training_set": name, "task": task, "assets_of": group, "test_asset": split}
-            of |= {"run": "scripted", "checkpoint": "none"} if name == "skill" else {}
+            of = {"seed": seed, "training_set": name, "target": target, "policy": policy, "test_asset": split}
+            of |= {"run": "scripted", "checkpoint": "none"} if name == "skill" else {"run": policy}
             for number in range(assets):
                 handle, extent = HANDLES[number % 4]
                 at = {"asset": f"wall_cabinet_{number:02d}", "family": f"wall_cabinet_{number // 2:02d}"}
@@ -158,8 +159,8 @@ def over_assets(policies: dict[tuple[str, str], float], assets: int = 24, split:
 
 
 UNSEEN = {
-    ("door", "twin"): 0.2, ("door", "cousins_4"): 0.1, ("door", "skill"): 0.0,
-    ("door_handle", "twin"): 0.05, ("door_handle", "cousins_4"): 0.05,
+    ("lite", "twin"): 0.2, ("lite", "cousins_4"): 0.1, ("lite_handle", "twin"): 0.05,
+    ("lite_handle", "cousins_4"): 0.05, ("skill", "skill"): 0.0,
 }  # fmt: skip
 
 
@@ -237,13 +238,16 @@ def _policies(results: Path) -> None:
     ]
     write_json(folder / "in_scene.json", SceneDemonstrations(task="door", object="cabinet_1", demonstrations=done))
     for name in ("twin", "cousins_4"):
-        folder = results / "training" / "door" / name / "lite" / "seed_0"
+        folder = results / "training" / "door" / "lite" / name / "lite" / "seed_0"
         folder.mkdir(parents=True)
         lines = [
             {"step": s, "train_loss": 5 - s / 300, "valid_loss": 5 - s / 400, "lr": 1e-3} for s in range(0, 900, 50)
         ]
         (folder / "metrics.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
-        films(results / "evaluation" / "policies" / "door" / name / "lite" / "seed_0" / "films", ["twin", "dissimilar"])
+        films(
+            results / "evaluation" / "policies" / "door" / "lite" / name / "lite" / "seed_0" / "films",
+            ["twin", "dissimilar"],
+        )
 
 
 def write_run(root: Path) -> Path:

@@ -46,14 +46,14 @@ def test_success_follows_what_decides_it_and_nothing_else() -> None:
     rng = np.random.default_rng(0)
     chance = dict(zip(sorted(set(rows["asset"])), rng.random(rows["asset"].nunique()), strict=True))
     rows = rows.assign(handle_height=rows["asset"].map(chance), coverage=1.0)
-    table = build(rows, OPTIONS).set_index(["task", "training_set", "trait"])
-    twin = table.loc[("door", "twin")]
+    table = build(rows, OPTIONS).set_index(["policy", "training_set", "trait"])
+    twin = table.loc[("lite", "twin")]
     assert twin.loc["handle_length", "low"] > 0.3 and twin.loc["handle_length", "correlation"] > 0.6
     assert twin.loc["handle_height", "low"] < 0 < twin.loc["handle_height", "high"]
     assert tuple(twin.loc["coverage", ["correlation", "low", "high"]]) == (0, 0, 0)  # it does not vary
     assert set(table["assets"]) == {24} and set(table["families"]) == {12}
     assert "skill" not in table.index.get_level_values("training_set")
-    each = rows[(rows["task"] == "door") & (rows["training_set"] == "twin")].groupby("asset")
+    each = rows[(rows["policy"] == "lite") & (rows["training_set"] == "twin")].groupby("asset")
     expected = each["success"].mean().corr(each["handle_length"].first(), method="spearman")
     assert twin.loc["handle_length", "correlation"] == pytest.approx(expected)
 
@@ -68,4 +68,4 @@ def test_table_of_associations() -> None:
     rows = pd.DataFrame([row.model_dump() for row in over_assets(UNSEEN)]).assign(handle_height=0.5, coverage=1.0)
     shown = associations_table(build(rows, OPTIONS))
     assert shown.columns[2:] == ["twin", "4 cousins"] and len(shown.rows) == 2 * 4
-    assert shown.rows[1][:2] == ["Door opening", "length of the handle"] and "24 assets" in shown.rows[1][2]
+    assert shown.rows[1][:2] == ["Door opening, lite", "length of the handle"] and "24 assets" in shown.rows[1][2]

@@ -6,11 +6,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from stages.config.tables import TablesConfig
+from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout
 from stages.tables import assets, claims, table3
 from stages.tables.intervals import PLACE, Side, score_interval, unit_rates
 from stages.tables.markup import markdown
+from stages.tables.methods import beside_ours
 from stages.tables.page.result import sentences
 from stages.tables.policy_tables import claims_table, stability_table
 from stages.tables.rows import published_policies, published_runs
@@ -42,9 +43,14 @@ def rolled(rates: Rates, over: str = "test") -> list[Rollout]:
     return rows
 
 
+def papers(ours: pd.DataFrame) -> pd.DataFrame:
+    """The paper's runs, beside ours."""
+    return beside_ours(published_runs(PUBLISHED), ours, PolicyTables())
+
+
 def answers(rates: Rates, over: str = "test") -> pd.DataFrame:
     frame = pd.DataFrame([row.model_dump() for row in rolled(rates, over)])
-    return claims.answer(frame, published_runs(PUBLISHED), OPTIONS).set_index("claim")
+    return claims.answer(frame, papers(frame), OPTIONS).set_index("claim")
 
 
 AS_PAPER: Rates = {
@@ -76,7 +82,7 @@ def test_all_claims_hold_where_the_rollouts_are_like_the_papers() -> None:
 
 def test_a_claim_over_unseen_assets_has_the_interval_of_their_table() -> None:
     rows = pd.DataFrame([row.model_dump() for row in rolled(AS_PAPER)])
-    shown = assets.build(rows, OPTIONS).set_index("training_set").loc["cousins_8"]
+    shown = assets.build(rows, OPTIONS, {}).set_index("training_set").loc["cousins_8"]
     table = answers(AS_PAPER)
     for claim, name in (("unseen", "twin"), ("randomised", "randomised")):
         assert list(table.loc[claim, ["low", "high"]]) == list(shown[[f"{name}_low", f"{name}_high"]])
@@ -168,7 +174,7 @@ def test_the_papers_own_numbers_stand_beside_ours() -> None:
 
 def test_the_headline_gives_the_numbers_of_one_seed_and_says_what_they_are() -> None:
     one = answers({name: runs[:1] for name, runs in AS_PAPER.items()}).reset_index()
-    line, (said, again) = sentences(one, {"door": "lite"})
+    line, (said, again) = sentences(one, {"lite": "lite"})
     row = one[one["claim"] == "unseen"].iloc[0]
     ends = f"{percent(row['theirs'])} → {percent(row['ours'])}".replace(" ", "\N{NO-BREAK SPACE}")
     assert line.startswith("success at door opening on ") and line.endswith(f"8 cousins instead of the twin: {ends}")
@@ -176,19 +182,19 @@ def test_the_headline_gives_the_numbers_of_one_seed_and_says_what_they_are() -> 
         "with 8 cousins instead of the twin, for these policies."
     )
     assert "[" in said and "training again: set <code>experiment: {seeds: [0, 1]}" in again
-    _, (judged,) = sentences(answers(AS_PAPER).reset_index(), {"door": "lite"})
+    _, (judged,) = sentences(answers(AS_PAPER).reset_index(), {"lite": "lite"})
     assert judged.endswith("over 6 and 6 seeds of training: that cousins help holds.")
-    assert sentences(None, {}) == ("", []) == sentences(one, {"drawer": "lite"})
+    assert sentences(None, {}) == ("", []) == sentences(one, {"other": "lite"})
 
 
 def build(rows: list[Rollout]) -> pd.DataFrame:
     frame = pd.DataFrame([row.model_dump() for row in rows])
-    return table3.build(frame, published_policies(PUBLISHED), OPTIONS)
+    return table3.build(frame, beside_ours(published_policies(PUBLISHED), frame, PolicyTables()), OPTIONS)
 
 
 def test_collapsed_runs_are_counted_on_the_assets_of_the_training() -> None:
     rows = rolled({"twin": [(0.9, 0), (0.1, 0.3)], "cousins_4": [(0.1, 0.4)]}, "roles")
-    published = published_runs(PUBLISHED)
+    published = papers(pd.DataFrame([row.model_dump() for row in rows]))
     table = claims.stability(build(rows), published).set_index("training_set")
     assert table["collapsed"].to_dict() == {"twin": 1, "cousins_4": 1}  # on the twin, for want of anything better
     assert table.loc["twin", "spread"] == pytest.approx(np.sqrt((0.8**2 + 3 * 0.3**2) / 2 / 4))
@@ -206,6 +212,6 @@ def test_a_run_is_collapsed_beside_the_best_of_its_task_however_good_that_is() -
 
 
 def test_six_drawer_policies_of_the_paper_collapsed() -> None:
-    cells = claims.published_cells(published_runs(PUBLISHED))
-    drawer = {name: rates["twin"] for (task, name), rates in cells.items() if task == "drawer"}
+    cells = claims.published_cells(papers(pd.DataFrame([rollout().model_dump()])))
+    drawer = {name: rates["twin"] for (target, _, name), rates in cells.items() if target == "drawer"}
     assert claims._collapsed(drawer) == {"twin": 1, "cousins_2": 1, "cousins_4": 2, "cousins_8": 0, "all": 2}

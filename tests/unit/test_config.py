@@ -73,35 +73,49 @@ def test_a_set_that_no_rule_makes_is_refused(name: str) -> None:
         load({"experiment": {"training_sets": [name]}})
 
 
-def test_rows_that_share_assets_share_demonstrations_and_options() -> None:
-    shared = {"assets_of": "near", "training_sets": ["cousins_2", "cousins_4"], "runs": ["lite_x"], "seeds": [5]}
-    near = {"task": "door", "options": {"max_steps": 200}, "episodes": 32, "training_sets": ["twin", "cousins_4"]}
+def test_the_policies_of_a_target_share_its_demonstrations_and_options() -> None:
+    near = {"task": "door", "options": {"max_steps": 200}, "episodes": 32}
+    policies = {
+        "lite": {"training_sets": ["twin", "cousins_4"]},
+        "flag": {"runs": ["lite_x"], "targets": ["near"], "training_sets": ["cousins_2", "cousins_4"], "seeds": [5]},
+    }
     runs = {"lite": {}, "lite_x": {"steps": 9}}
-    config = load({"experiment": {"tasks": {"near": near, "flag": shared}}, "training": {"runs": runs}})
+    config = load({"experiment": {"targets": {"near": near}, "policies": policies}, "training": {"runs": runs}})
     experiment = config.experiment
-    plan = experiment.plan("flag")
-    assert (plan.task, plan.target, plan.runs, plan.seeds) == ("door", experiment.tasks["near"], ["lite_x"], [5])
-    assert plan.episodes == 32 and config.task_of("flag").max_steps == 200
-    assert (experiment.source("flag"), experiment.source("near")) == ("near", "near")
-    assert experiment.sources == ["near"] and experiment.sharing("near") == ["near", "flag"]
-    # cousin_1 gives 8 to cousins_4 of both rows, 16 to cousins_2 of the other row alone
+    assert experiment.plan("flag") == (["near"], ["lite_x"], ["cousins_2", "cousins_4"], [5])
+    assert experiment.plan("lite") == (["near"], ["lite"], ["twin", "cousins_4"], [0])
+    assert experiment.task("near") == "door" and config.task_of("near").max_steps == 200
+    assert config.task_of("near").camera_eye == config.task.camera_eye
+    # cousin_1 gives 8 to cousins_4 of both policies, 16 to cousins_2 of the other alone
     assert experiment.episodes_of("near", "cousin_1") == 16 and experiment.episodes_of("near", "cousin_5") == 8
     assert experiment.trained_roles("near") == ["cousin_1", "cousin_3", "cousin_4", "cousin_5", "twin"]
-    assert experiment.trained_roles("flag") == []
 
 
-def test_a_row_of_the_experiment_may_differ_from_the_others() -> None:
-    options = {"max_steps": 200, "points": 2048}
-    asked = {"training_sets": ["twin", "all"], "runs": ["lite_handle"], "seeds": [3, 4], "episodes": 30}
-    rows = {"door": {}, "far_door": {"task": "door", "options": options} | asked}
-    config = load({"experiment": {"tasks": rows}})
-    plain, far = config.experiment.plan("door"), config.experiment.plan("far_door")
-    assert (plain.task, plain.runs, plain.seeds, plain.episodes) == ("door", ["lite"], [0], 160)
-    assert (far.task, far.runs, far.seeds, far.episodes) == ("door", ["lite_handle"], [3, 4], 30)
-    assert far.training_sets == ["twin", "all"] and config.experiment.trained_roles("far_door") == ["all", "twin"]
-    assert config.task_of("far_door").max_steps == 200
-    assert config.task_of("far_door").camera_eye == config.task.camera_eye
-    assert config.task_of("door") == config.task
+def test_a_policy_opens_every_target_or_those_that_it_names_also_by_their_pool() -> None:
+    targets = {
+        "door": {},
+        "fridge_handle": {"task": "door"},
+        "drawer": {"room": "room_2", "object": "chest_of_drawers_1"},
+    }
+    policies = {"lite": {}, "lite_handle": {"targets": ["doors"], "training_sets": ["all"]}}
+    experiment = load(
+        {"experiment": {"targets": targets, "policies": policies, "pools": {"doors": ["door", "fridge_handle"]}}}
+    ).experiment
+    assert experiment.cells == [
+        ("door", "lite", "twin"), ("door", "lite", "cousins_4"), ("door", "lite_handle", "all"),
+        ("fridge_handle", "lite", "twin"), ("fridge_handle", "lite", "cousins_4"),
+        ("fridge_handle", "lite_handle", "all"), ("drawer", "lite", "twin"), ("drawer", "lite", "cousins_4"),
+    ]  # fmt: skip
+    assert experiment.sets_of("drawer") == ["cousins_4", "twin"] and "all" in experiment.trained_roles("door")
+
+
+def test_what_the_default_has_comes_first_however_files_are_merged() -> None:
+    policies = {"diffusion": {"runs": ["lite"]}, "lite_handle": {}, "lite": {}}
+    assert list(load({"experiment": {"policies": policies}}).experiment.policies) == [
+        "lite",
+        "lite_handle",
+        "diffusion",
+    ]
 
 
 def test_unknown_key_suggests_the_right_one() -> None:

@@ -36,7 +36,7 @@ CASES = [
     ("evaluation: {test_assets: [cousin_11]}", "evaluation.test_assets: there is no 'cousin_11'"),
     ("evaluation: {test_assets: []}", "evaluation.test_assets: List should have at least 1 item"),
     (
-        "{evaluation: {checkpoint: rollouts}, experiment: {tasks: {door_handle: null}}}",
+        "{evaluation: {checkpoint: rollouts}, experiment: {policies: {lite_handle: null}}}",
         "evaluation.checkpoint: is rollouts, but training.runs.lite.keep = 0",
     ),
     ("evaluation: {rollouts: 0}", "evaluation.rollouts: Input should be greater than or equal to 1"),
@@ -91,14 +91,17 @@ CASES = [
     ("experiment: {protocols: {a: {variants: [c]}}}", "experiment.protocols.a.variants: 'c' is not one of"),
     ("experiment: {protocols: {a.b: {}}}", "experiment.protocols: 'a.b' is no name"),
     ("experiment: {protocols: {a: {seeds: [1, 1]}}}", "experiment.protocols.a.seeds: '1' is named 2 times"),
-    ("experiment: {rooms: [room_1]}", "experiment.tasks.door.scene: 'room_3' is not one of experiment.rooms"),
+    ("experiment: {rooms: [room_1]}", "experiment.targets.door.room: 'room_3' is not one of experiment.rooms"),
     ("experiment: {rooms: []}", "experiment.rooms: List should have at least 1 item"),
-    ("experiment: {tasks: {door: {object: cabinet_7}}}", "experiment.tasks.door.object: room_3 has no 'cabinet_7'"),
-    ("experiment: {tasks: {door: {object: stool_1}}}", "experiment.tasks.door.object: 'stool_1' of room_3 has no door"),
-    ("experiment: {tasks: {dor: {}}}", "experiment.tasks.dor: there is no 'dor'. Fix: did you mean 'door'?"),
+    ("experiment: {targets: {door: {object: cabinet_7}}}", "experiment.targets.door.object: room_3 has no 'cabinet_7'"),
     (
-        "experiment: {tasks: {drawer: {scene: room_1, object: cabinet_1}}}",
-        "experiment.tasks.drawer.object: 'cabinet_1' of room_1 has no drawer",
+        "experiment: {targets: {door: {object: stool_1}}}",
+        "experiment.targets.door.object: 'stool_1' of room_3 has no door",
+    ),
+    ("experiment: {targets: {dor: {}}}", "experiment.targets.dor: there is no 'dor'. Fix: did you mean 'door'?"),
+    (
+        "experiment: {targets: {drawer: {room: room_1, object: cabinet_1}}}",
+        "experiment.targets.drawer.object: 'cabinet_1' of room_1 has no drawer",
     ),
     ("experiment: {inputs: {mine: nowhere}, rooms: [room_3, mine]}", "experiment.inputs.mine: no folder nowhere"),
     ("experiment: {inputs: {room_2: nowhere}}", "experiment.inputs.room_2: is the name of a room"),
@@ -120,60 +123,75 @@ CASES = [
         "experiment.training_sets: cousins_2 needs 2 cousins, experiment.cousins = 10 leaves 1",
     ),
     (
-        "{experiment: {cousins: 6, tasks: {door: {training_sets: [cousins_8]}}}}",
-        "experiment.tasks.door.training_sets: cousins_8 needs 8 cousins, experiment.cousins = 6 leaves 4",
+        "{experiment: {cousins: 6, policies: {lite: {training_sets: [cousins_8]}}}}",
+        "experiment.policies.lite.training_sets: cousins_8 needs 8 cousins, experiment.cousins = 6 leaves 4",
     ),
-    ("experiment: {tasks: {door: {runs: [huge]}}}", "experiment.tasks.door.runs: 'huge' is not one of training.runs"),
-    ("experiment: {tasks: {door: {runs: []}}}", "experiment.tasks.door.runs: List should have at least 1 item"),
-    ("experiment: {tasks: {door: {seeds: [1, 1]}}}", "experiment.tasks.door.seeds: '1' is named 2 times"),
-    ("experiment: {tasks: {far: {task: dor}}}", "experiment.tasks.far.task: there is no 'dor'. Fix: did you mean"),
+    ("experiment: {policies: {huge: {}}}", "experiment.policies.huge: 'huge' is not one of training.runs. Fix: one of"),
+    ("experiment: {policies: {a: {runs: [huge]}}}", "experiment.policies.a.runs: 'huge' is not one of training.runs"),
+    ("experiment: {policies: {lite: {runs: []}}}", "experiment.policies.lite.runs: List should have at least 1 item"),
+    ("experiment: {policies: {lite: {seeds: [1, 1]}}}", "experiment.policies.lite.seeds: '1' is named 2 times"),
     (
-        "experiment: {tasks: {flag: {assets_of: dor}}}",
-        "experiment.tasks.flag.assets_of: 'dor' is no row with assets of its own. Fix: one of door",
+        "experiment: {policies: {lite: {targets: [dor]}}}",
+        "experiment.policies.lite.targets: 'dor' is not one of experiment.targets. Fix: one of door",
     ),
     (
-        "experiment: {tasks: {a: {assets_of: door}, b: {assets_of: a}}}",
-        "experiment.tasks.b.assets_of: 'a' is no row with assets of its own. Fix: one of door",
+        "experiment: {policies: {both: {runs: [lite, lite_handle]}}}",
+        "experiment.policies.both.runs: lite and lite_handle are other kinds of policies, which are never pooled. Fix: "
+        "a policy for each: `policies: {lite: {}, lite_handle: {}}`",
     ),
+    (
+        "{training: {runs: {wide: {steps: 9}}}, experiment: {policies: {a: {runs: [lite, wide]}}}}",
+        "experiment.policies.a.runs: lite and wide are no more than experiment.best_runs = 2. Fix: a policy for each",
+    ),
+    ("experiment: {targets: {far: {task: dor}}}", "experiment.targets.far.task: there is no 'dor'. Fix: did you mean"),
+    ("experiment: {pools: {all: [door, dor]}}", "experiment.pools.all: 'dor' is not one of experiment.targets"),
+    ("experiment: {pools: {door: [door]}}", "experiment.pools.door: is the name of a target, too"),
+    ("experiment: {pools: {a: [door], b: [door]}}", "experiment.pools.b: door is in the pool a, too"),
     *(
         (
-            f"experiment: {{tasks: {{flag: {{assets_of: door, {key}: {value}}}}}}}",
-            f"experiment.tasks.flag.{key}: differs from that of door, whose assets the row shares. Fix: leave it out",
+            f"experiment: {{targets: {{far: {{task: door, {differs}}}}}, pools: {{doors: [door, far]}}}}",
+            "experiment.pools.doors: door and far differ in task, options or episodes. Fix: pool targets that",
         )
-        for key, value in (
-            ("task", "drawer"),
-            ("scene", "room_1"),
-            ("object", "cabinet_1"),
-            ("options", "{max_steps: 50}"),
-            ("episodes", "9"),
-        )
-    ),
-    ("experiment: {tasks: {'a/b': {task: door}}}", "experiment.tasks: 'a/b' is no name"),
-    (
-        "experiment: {tasks: {door: {options: {camera_eyes: [0, 0, 0]}}}}",
-        "experiment.tasks.door.options.camera_eyes: unknown key. Fix: did you mean 'camera_eye'?",
+        for differs in ("options: {max_steps: 50}", "episodes: 80")
     ),
     (
-        "experiment: {tasks: {door: {options: {points: 128}}, door_handle: null}}",
-        "training.runs.lite.network.points: 192 of experiment.tasks.door.options.points = 128",
+        "experiment: {tasks: {door: {scene: room_3, object: hanging_cabinet_1}, flag: {assets_of: door}}}",
+        "experiment.tasks: is no option. Fix: targets: {door: {room: room_3, object: hanging_cabinet_1}} for what is",
     ),
-    (  # beside a row that has enough
-        "experiment: {tasks: {near: {task: door, object: hanging_cabinet_1, options: {points: 128}}}}",
-        "training.runs.lite.network.points: 192 of experiment.tasks.near.options.points = 128",
+    ("experiment: {runs: [lite, wide]}", "experiment.runs: is no option. Fix: policies: {lite: {}, mine: {}}"),
+    (
+        "experiment: {targets: {a: {assets_of: door}}}",
+        "experiment.targets.a.assets_of: is no option. Fix: leave it out",
+    ),
+    (
+        "experiment: {targets: {door: {scene: room_3}}}",
+        "experiment.targets.door.scene: is no option. Fix: room: room_3",
+    ),
+    ("experiment: {targets: {'a/b': {task: door}}}", "experiment.targets: 'a/b' is no name"),
+    (
+        "experiment: {targets: {door: {options: {camera_eyes: [0, 0, 0]}}}}",
+        "experiment.targets.door.options.camera_eyes: unknown key. Fix: did you mean 'camera_eye'?",
+    ),
+    (
+        "experiment: {targets: {door: {options: {points: 128}}}, policies: {lite_handle: null}}",
+        "training.runs.lite.network.points: 192 of experiment.targets.door.options.points = 128",
+    ),
+    (  # beside a target that has enough
+        "experiment: {targets: {near: {task: door, options: {points: 128}}}, policies: {lite_handle: null}}",
+        "training.runs.lite.network.points: 192 of experiment.targets.near.options.points = 128",
     ),
     (
         "{experiment: {cousins: 6, training_sets: [cousins_8]}}",
         "experiment.training_sets: cousins_8 needs 8 cousins, experiment.cousins = 6 leaves 4",
     ),
-    ("experiment: {runs: [huge]}", "experiment.runs: 'huge' is not one of training.runs"),
     ("seed: yes", "seed: is True (YAML's yes and no, too), not a number"),
     ("experiment: {seeds: [no]}", "experiment.seeds: is False"),
     ("training: {runs: {lite: {steps: on}}}", "training.runs.lite.steps: is True"),
     ("generation: {snap_other: yes}", "generation.snap_other: is True"),
     ("experiment: {variants: {b: {k_model: yes}}}", "experiment.variants.b.k_model: is True"),
     (
-        "{experiment: {tasks: {door_handle: null, door: {options: {scale_variants: yes}}}}}",
-        "experiment.tasks.door.options.scale_variants: is True",
+        "experiment: {targets: {door: {options: {scale_variants: yes}}}}",
+        "experiment.targets.door.options.scale_variants: is True",
     ),
     (f"seed: {2**53}", "seed: Input should be less than 9007199254740992"),
     ("generation: {settle_seconds: 1e9}", "generation.settle_seconds: Input should be less than or equal to 60"),
@@ -182,8 +200,8 @@ CASES = [
         "experiment.episodes: 3 cannot be shared evenly by the assets of cousins_2, cousins_4. Fix: a multiple of 4",
     ),
     (
-        "experiment: {tasks: {door: {training_sets: [random_3], episodes: 4}, door_handle: null}}",
-        "experiment.tasks.door.episodes: 4 cannot be shared evenly by the assets of random_3",
+        "experiment: {targets: {door: {episodes: 4}}, training_sets: [random_3]}",
+        "experiment.targets.door.episodes: 4 cannot be shared evenly by the assets of random_3",
     ),
     (
         "experiment: {training_sets: [cousins_9_randomised], episodes: 9}",
@@ -199,8 +217,8 @@ CASES = [
     ("evaluation: {conditions: {'a/b': {own_size: true}}}", "evaluation.conditions: 'a/b' is no name"),
     ("evaluation: {conditions: {usual: {own_size: true}}}", "evaluation.conditions: 'usual' is what the table calls"),
     (
-        "{evaluation: {simulator: mujoco}, experiment: {tasks: {bowl: {task: put_away_bowl, object: oven_1}}}}",
-        "evaluation.simulator: mujoco does not have the task put_away_bowl of experiment.tasks.bowl",
+        "{evaluation: {simulator: mujoco}, experiment: {targets: {bowl: {task: put_away_bowl, object: oven_1}}}}",
+        "evaluation.simulator: mujoco does not have the task put_away_bowl of experiment.targets.bowl",
     ),
     (
         "training: {runs: {lite: {steps: 10, keep: 20}}}",
@@ -295,11 +313,11 @@ def test_all_mistakes_are_told_at_once() -> None:
 @pytest.mark.parametrize(
     ("text", "path", "left"),
     [
-        ("experiment: {tasks: {door: null}}", "experiment.tasks", set()),
-        ("experiment: {tasks: null}", "experiment.tasks", set()),
+        ("experiment: {targets: {door: null}}", "experiment.targets", set()),
+        ("experiment: {targets: null}", "experiment.targets", set()),
         ("experiment: {variants: {b: null, c: {}}, policy_variant: c}", "experiment.variants", {"c"}),
         (
-            "{training: {runs: {lite_handle: null}}, experiment: {tasks: {door_handle: null}}}",
+            "{training: {runs: {lite_handle: null}}, experiment: {policies: {lite_handle: null}}}",
             "training.runs",
             {"lite"},
         ),
@@ -333,12 +351,12 @@ def test_objects_of_an_own_scene_are_known_by_its_annotations(tmp_path: Path) ->
         (tmp_path / name).touch()
     objects = [{"mask": 1, "label": "Tall Cabinet", "articulated": True, "doors": 1}, {"mask": 2, "label": "bowl"}]
     (tmp_path / "annotations.json").write_text(json.dumps({"objects": objects}))
-    text = "experiment: {{rooms: [mine], inputs: {{mine: {}}}, tasks: {{door: {{scene: mine, object: {}}}}}}}"
+    text = "experiment: {{rooms: [mine], inputs: {{mine: {}}}, targets: {{door: {{room: mine, object: {}}}}}}}"
     assert lines(text.format(tmp_path, "tall_cabinet_1")) == []
     assert "has no 'cabinet_1'. Fix: one of tall_cabinet_1" in lines(text.format(tmp_path, "cabinet_1"))[0]
     assert "'bowl_1' of mine has no door" in lines(text.format(tmp_path, "bowl_1"))[0]
     (said,) = lines(text.format(tmp_path, "tall_cabinet_1").replace("door:", "door: null, drawer:"))
-    assert "has no drawer. Fix: no object there has one; remove the task: `drawer: null`" in said
+    assert "has no drawer. Fix: no object there has one; remove the target: `drawer: null`" in said
     (tmp_path / "depth.npz").unlink()
     assert f"experiment.inputs.mine: {tmp_path} has no depth.npz" in lines(text.format(tmp_path, "tall_cabinet_1"))[0]
 
@@ -346,8 +364,8 @@ def test_objects_of_an_own_scene_are_known_by_its_annotations(tmp_path: Path) ->
 def test_rooms_of_the_users_are_known(tmp_path: Path) -> None:
     file = tmp_path / "attic.yaml"
     file.write_text((ROOT / "stages/scenes/rooms/room_2.yaml").read_text())
-    tasks = "tasks: {{drawer: {{scene: attic, object: {}}}, door: null}}"
-    text = f"experiment: {{{{room_files: [{file}], rooms: [attic], {tasks}}}}}"
+    targets = "targets: {{drawer: {{room: attic, object: {}}}, door: null}}"
+    text = f"experiment: {{{{room_files: [{file}], rooms: [attic], {targets}}}}}"
     assert lines(text.format("chest_of_drawers_1")) == []
     assert "'tv_1' of attic has no drawer" in lines(text.format("tv_1"))[0]
     file.write_text(file.read_text().replace("television", "hammock"))

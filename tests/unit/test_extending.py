@@ -81,14 +81,19 @@ def test_every_config_line_of_the_page_is_one(package: Path) -> None:
     lines = re.findall(r"^\| .* \| `(\w+: \{.*?\})`[^|]*\|$", page, re.MULTILINE)
     lines += [text for text in re.findall(r"```yaml\n(.*?)```", page, re.DOTALL) if not text.startswith("#")]
     assert len(lines) == len(YOURS) + 1  # a skill is named by its task; plugins, and options of an own one
-    base = merged(DEFAULT, {"plugins": ["my_package"], "experiment": {"tasks": {"door": None}}})
+    base = merged(DEFAULT, {"plugins": ["my_package"], "experiment": {"targets": {"door": None}}})
     for line in lines:
         assert "my_package" in load(merged(base, yaml.safe_load(line))).model_dump_json()
 
 
 def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> None:
     training = {"runs": {"mine": {"policy": "mean_action"}}}
-    experiment = {"variants": {"b": {"model_selection": "by_name"}}, "rooms": ["attic"], "tasks": {}, "runs": ["mine"]}
+    experiment = {
+        "variants": {"b": {"model_selection": "by_name"}},
+        "rooms": ["attic"],
+        "targets": {},
+        "policies": {"mine": {}},
+    }
     config = load(
         {
             "plugins": ["my_package"],
@@ -108,7 +113,7 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
         ({"plugins": ["your_package"]}, "E-PLUGIN-PACKAGE", "your_package"),
     ):
         with refused(kind) as caught:
-            load({"plugins": ["my_package"], "experiment": {"tasks": {}}} | wrong)
+            load({"plugins": ["my_package"], "experiment": {"targets": {}}} | wrong)
         assert named in str(caught.value)
 
 
@@ -360,7 +365,7 @@ def test_a_run_with_plugins_has_a_dag(tmp_path: Path) -> None:
         "extraction: {source: smoothed}\n"
         "matching: {encoder: colours, text_encoder: last_word, search: brute, model_selection: by_name}\n"
         "training: {runs: {micro: {policy: mean_action}, micro_small: {policy: mean_action}}}\n"
-        "experiment: {rooms: [room_1, attic], tasks: {touch: {scene: room_1, object: cabinet_1}, door: null}}\n"
+        "experiment: {rooms: [room_1, attic], targets: {touch: {room: room_1, object: cabinet_1}, door: null}}\n"
     )
     files = ("config.yaml", "config/test/micro.yaml", "mine.yaml")
     done = snakemake(folder, "-n", "-p", "--configfile", *files, "--", "all")

@@ -54,12 +54,12 @@ def test_successes_are_laid_out_by_object_asset_start_and_run(tmp_path: Path) ->
     for room in (1, 2):
         for seed in (0, 1):
             rows = [
-                rollout(4 * asset + start, asset > start and seed == 1, task=f"door_room_{room}", seed=seed,
+                rollout(4 * asset + start, asset > start and seed == 1, target=f"door_room_{room}", seed=seed,
                         test_asset="test", asset=f"cabinet_{asset}", initial_state=start)
                 for asset in (2, 0, 1) for start in (0, 1)
             ]  # fmt: skip
-            rows.append(rollout(99, True, task=f"door_room_{room}", seed=seed))  # on the twin: does not count
-            write_rows(tmp_path / f"door_room_{room}/twin/lite/seed_{seed}/rollouts.csv", list(rows))
+            rows.append(rollout(99, True, target=f"door_room_{room}", seed=seed))  # on the twin: does not count
+            write_rows(tmp_path / f"door_room_{room}/lite/twin/lite/seed_{seed}/rollouts.csv", list(rows))
     found = successes(tmp_path, "door", "twin")
     assert found.shape == (2, 3, 2, 2)
     assert found[1, :, :, 1].tolist() == [[0, 0], [1, 0], [1, 1]] and not found[..., 0].any()

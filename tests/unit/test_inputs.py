@@ -36,7 +36,7 @@ def table(data: Path, *rows: str, head: str = HEAD, name: str = "pictures.csv") 
 
 
 def config(inputs: Any, rooms: list[str] | None = None) -> Any:
-    return load({"experiment": {"inputs": inputs, "rooms": rooms or ["*"], "tasks": {"door": None}}}).experiment
+    return load({"experiment": {"inputs": inputs, "rooms": rooms or ["*"], "targets": {"door": None}}}).experiment
 
 
 def lines(inputs: Any, rooms: list[str] | None = None) -> list[str]:
@@ -156,5 +156,5 @@ def test_containers_see_the_folders_of_many_pictures(data: Path) -> None:
             (data / f"pictures/{name}{end}").touch()
     rows = [f"{name},pictures/{name}.png,pictures/{name}_d.png,xtion,pictures/{name}_m.png" for name in names]
     many = table(data, *rows, head="scene,image,depth,camera,masks")
-    loaded = load({"experiment": {"inputs": many, "rooms": ["*"], "tasks": {"door": None}}})
+    loaded = load({"experiment": {"inputs": many, "rooms": ["*"], "targets": {"door": None}}})
     assert outside(loaded) == [str(data / "pictures")]

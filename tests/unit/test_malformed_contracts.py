@@ -156,7 +156,7 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
     ],
     "chosen": [
         ("runs", []), ("runs", ["narrow"], "narrow was not tried"), ("runs", ["lite", "lite"]),
-        ("scores.1.run", "lite"), ("scores.0.episodes", 0), ("scores.0.successes", -1), ("task", "../door"),
+        ("scores.1.run", "lite"), ("scores.0.episodes", 0), ("scores.0.successes", -1), ("target", "../door"),
     ],
     "library": [
         ("assets", []), ("assets.0.archive", "../../etc"), ("assets.0.archive", "/etc"),
@@ -247,7 +247,7 @@ def test_a_field(bench: Bench, case: tuple) -> None:
         ("rollouts", "door,target_link,", "door,everything,", "cloud"),
         ("rollouts", "0.0,1,2147483649", "-1,1,2147483649", "rollouts.csv:3"),
         ("rollouts", "0.0,1,2147483649", "0.0,,2147483649", "episode"),
-        ("rollouts", "door,door,target_link,twin,lite,0,best,twin", 'door,"twin,lite,0', "rollouts.csv"),
+        ("rollouts", "door,door,target_link,lite,twin,lite,0,best,twin", 'door,"twin,lite,0', "rollouts.csv"),
         ("rollouts", "0.0,1,2147483649", "0.0,0,2147483649", "rollouts.csv:3: is line 2 again"),
         ("scores", "3.68,lamp_1", "3.68,cabinet_1", "scores.csv:3: is line 2 again"),
         ("scores", "3.68,lamp_1", "nan,lamp_1", "scale_m"),

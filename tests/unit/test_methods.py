@@ -13,14 +13,13 @@ import yaml
 from matplotlib.figure import Figure
 
 from stages.config.model import Config, load, with_defaults
-from stages.config.policy_rows import policy_tables
-from stages.config.tables import PolicyRow, PolicyTables, TablesConfig
+from stages.config.policy_kinds import policy_tables
+from stages.config.tables import PolicyAbout, PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout
-from stages.tables import assets, claims, conditions, policies, report, results
-from stages.tables.methods import by_method, kinds_of, methods
-from stages.tables.order import title
+from stages.tables import claims, conditions, policies, report, results
+from stages.tables.methods import beside_ours, check_methods, kinds_of
+from stages.tables.order import target_title
 from stages.tables.policy_notes import policy_notes
-from stages.tables.pooling import pooled, pools
 from stages.tables.rows import published_runs
 from tests.refusals import refused
 from tests.unit.tables_results import declared, rollout, write_rows, write_run
@@ -34,9 +33,9 @@ MIXED = {23 / 32, 15 / 32}
 IN_WORDS = re.compile(r"23/32|15/32|\b(72|47)( ±[^%]*)? (\\?)%|71\.9|46\.9")
 CONFIG = """
 experiment:
-  tasks: {door: {scene: room_1, object: cabinet_1}, drawer: null}
+  targets: {door: {room: room_1, object: cabinet_1}}
   rooms: [room_1]
-  runs: [lite, mine]
+  policies: {lite: {}, lite_handle: null, mine: {}}
 training: {runs: {lite: {}, mine: {network: {pointnet_width: 32}}}}
 evaluation: {conditions: {noisy: {depth_noise: true}}}
 tables: {bootstrap_samples: 100}
@@ -46,7 +45,7 @@ tables: {bootstrap_samples: 100}
 def rolled(name: str, run: str, **changes: Any) -> list[Rollout]:
     """A policy on the twin, and on unseen assets."""
     twin, unseen = OPENED[run]
-    of = {"training_set": name, "run": run} | changes
+    of = {"training_set": name, "policy": run, "run": run} | changes
     on_assets = [
         rollout(n, n < unseen, test_asset="test", asset=f"a_{n}", feature_distance=1.0 + n, **of) for n in range(16)
     ]
@@ -104,15 +103,15 @@ def test_no_table_page_or_figure_of_a_run_mixes_two_methods(tmp_path: Path, draw
     if known:
         report.run(out=root / "results/report/index.html", published=PUBLISHED, options=options, **declared(root))  # type: ignore[arg-type]
     assert_unmixed(root / "results", drawn)
-    found = pd.read_csv(out / "assets.csv").set_index(["task", "training_set"])
+    found = pd.read_csv(out / "assets.csv").set_index(["policy", "training_set"])
     assert found["mean"].to_dict() == {
-        ("door", "twin"): 11 / 16, ("door", "cousins_4"): 11 / 16,
-        ("door/mine", "twin"): 4 / 16, ("door/mine", "cousins_4"): 4 / 16,
+        ("lite", "twin"): 11 / 16, ("lite", "cousins_4"): 11 / 16,
+        ("mine", "twin"): 4 / 16, ("mine", "cousins_4"): 4 / 16,
     }  # fmt: skip
-    assert set(found["runs"]) == {1} and set(found["assets_of"]) == {"door"}
-    assert found.loc["door/mine", "network_difference"].tolist() == [-7 / 16, -7 / 16]  # the second minus the first
+    assert set(found["runs"]) == {1} and set(found["target"]) == {"door"}
+    assert found.loc["mine", "network_difference"].tolist() == [-7 / 16, -7 / 16]  # the second minus the first
     for name in ("table3", "table3_cells", "table3_claims", "table3_stability", "assets_by_handle", "conditions"):
-        assert set(pd.read_csv(out / f"{name}.csv")["task"]) >= {"door", "door/mine"}, name
+        assert set(pd.read_csv(out / f"{name}.csv")["policy"]) >= {"lite", "mine"}, name
     assert not known or {"16/16", "7/16"} <= set(drawn)  # the page's charts
 
 
@@ -121,7 +120,7 @@ def test_no_file_of_a_study_mixes_two_methods(tmp_path: Path, drawn: list[Any]) 
     for folder in ("policies/door", "conditions/noisy/door"):
         for name in ("twin", "cousins_4"):
             for run in OPENED:
-                path = tmp_path / f"results/evaluation/{folder}/{name}/{run}/seed_0/rollouts.csv"
+                path = tmp_path / f"results/evaluation/{folder}/{run}/{name}/{run}/seed_0/rollouts.csv"
                 write_rows(path, list(rolled(name, run)))
     results.run(
         out=tmp_path / "out", configs=(ROOT / "config.yaml", tmp_path / "study.yaml"), published=PUBLISHED,
@@ -139,30 +138,47 @@ def test_no_file_of_a_study_mixes_two_methods(tmp_path: Path, drawn: list[Any]) 
 def test_two_methods_are_not_the_two_runs_that_a_claim_needs() -> None:
     """One seed of each: opened by all policies of the cousins, by none of the twin."""
     rows = [
-        rollout(n, name == "cousins_4", training_set=name, run=run, test_asset="test", asset=f"a_{n}")
+        rollout(n, name == "cousins_4", training_set=name, policy=run, run=run, test_asset="test", asset=f"a_{n}")
         for name in ("twin", "cousins_4") for run in OPENED for n in range(40)
     ]  # fmt: skip
-    for known in ({}, {"door": PolicyRow(runs=["lite", "mine"], best=2)}):  # also where trials chose both
-        table = claims.answer(by_method(frame(rows), known), published_runs(PUBLISHED), OPTIONS)
-        assert set(table["verdict"]) == {"cannot be said"} and set(table["runs"]) == {1}, known
-    again = [*rows, *(row.model_copy(update={"seed": 1}) for row in rows)]
-    table = claims.answer(by_method(frame(again), {}), published_runs(PUBLISHED), OPTIONS).set_index(["task", "claim"])
-    assert table.loc[("door", "unseen"), "verdict"] == table.loc[("door/mine", "unseen"), "verdict"] == "holds"
-    lacking = frame([row for row in again if (row.run, row.seed, row.training_set) != ("mine", 1, "twin")])
-    table = claims.answer(by_method(lacking, {}), published_runs(PUBLISHED), OPTIONS).set_index(["task", "claim"])
-    assert table.loc[("door", "unseen"), "verdict"] == "holds"
-    assert table.loc[("door/mine", "unseen"), ["verdict", "runs", "baseline_runs"]].tolist() == ["cannot be said", 2, 1]
+    for policy in ({}, {"policy": "best"}):  # also where trials chose both
+        once = frame([row.model_copy(update=policy) for row in rows])
+        table = claims.answer(once, papers(once), OPTIONS)
+        assert set(table["verdict"]) == {"cannot be said"} and set(table["runs"]) == {1}, policy
+    again = frame([*rows, *(row.model_copy(update={"seed": 1}) for row in rows)])
+    table = claims.answer(again, papers(again), OPTIONS).set_index(["policy", "claim"])
+    assert table.loc[("lite", "unseen"), "verdict"] == table.loc[("mine", "unseen"), "verdict"] == "holds"
 
 
-def test_sets_that_trials_chose_are_pooled_and_said_to_be(tmp_path: Path) -> None:
-    row = PolicyRow(runs=["lite", "mine", "third"], best=2)
-    assert set(by_method(frame(both()), {"door": row})["task"]) == {"door"}
-    more = frame([*both(), *(row.model_copy(update={"run": "third"}) for row in rolled("twin", "mine"))])
-    assert set(by_method(more, {"door": row})["task"]) == {"door", "door/mine", "door/third"}  # not all were chosen
-    options = PolicyTables(bootstrap_samples=100, rows={"door": row}, kinds={"lite": "my network"})
-    rows = write_rows(tmp_path / "rollouts.csv", list(both()))
-    policies.run(out=tmp_path, rollouts=(rows,), published=PUBLISHED, options=options.model_dump_json())
-    told = "Door opening: my network (best 2 of lite, mine, third)"
+def papers(ours: pd.DataFrame, **known: Any) -> pd.DataFrame:
+    """The paper's runs, beside ours."""
+    return beside_ours(published_runs(PUBLISHED), ours, PolicyTables(**known))
+
+
+def test_the_paper_stands_beside_the_first_policy_of_its_kind_alone() -> None:
+    rows = [rollout(target="fridge", policy=name, **more) for name in ("flag", "a", "b") for more in ({}, {"seed": 1})]
+    whole = rollout(target="whole", cloud="object")
+    found = papers(frame([whole, *rows]), kinds={"flag": "handle flagged", "a": "mine"}, papers=["a"])
+    assert set(found.loc[found["task"] == "door", ["target", "policy"]].itertuples(index=False, name=None)) == {
+        ("fridge", "a")
+    }
+    alone = found[found["task"] != "door"]
+    assert set(alone["policy"]) == {""} and (alone["target"] == alone["task"]).all()
+
+
+def test_runs_that_trials_chose_are_pooled_and_said_to_be(tmp_path: Path) -> None:
+    best = PolicyAbout(runs=["lite", "mine", "third"], best=2, targets=["door"])
+    options = PolicyTables(bootstrap_samples=100, policies={"best": best}, kinds={"best": "my network"})
+    rows = list(both(policy="best"))
+    check_methods(frame(rows), options)
+    more = frame([*rows, *(row.model_copy(update={"run": "third"}) for row in rolled("twin", "mine", policy="best"))])
+    with refused("E-RUNS-MIXED", "lite and mine and third of door/best/twin"):
+        check_methods(more, options)  # not all were chosen
+    with refused("E-RUNS-MIXED", "lite and mine of door/best/"):
+        check_methods(frame(rows), PolicyTables())
+    path = write_rows(tmp_path / "rollouts.csv", rows)
+    policies.run(out=tmp_path, rollouts=(path,), published=PUBLISHED, options=options.model_dump_json())
+    told = "my network (best 2 of lite, mine, third)"
     for name in ("assets.html", "table3.html", "table3.tex"):
         assert told in (tmp_path / name).read_text(), name
     assert pd.read_csv(tmp_path / "assets.csv")["mean"].tolist() == [15 / 32, 15 / 32]
@@ -170,17 +186,10 @@ def test_sets_that_trials_chose_are_pooled_and_said_to_be(tmp_path: Path) -> Non
 
 def test_two_checkpoints_of_a_policy_are_no_two_runs() -> None:
     rows = [*rolled("twin", "lite"), *rolled("twin", "lite", checkpoint="last")]
-    with refused("E-CHECKPOINTS-MIXED", "best and last of the policy door/twin/lite/0"):
-        by_method(frame(rows), {})
-    by_method(frame([*rows[:32], *rolled("twin", "lite", checkpoint="last", seed=1)]), {})  # each seed its own
-
-
-def test_of_the_first_set_the_row_is_though_another_came_first() -> None:
-    rows = frame([row for row in both() if row.run == "mine"])
-    known = {"door": PolicyRow(runs=["lite", "mine"])}
-    assert set(by_method(rows, known)["task"]) == {"door/mine"} and methods(known) == {
-        "door": ["lite"], "door/mine": ["mine"],
-    }  # fmt: skip
+    with refused("E-CHECKPOINTS-MIXED", "best and last of the policy door/lite/twin/lite/0"):
+        check_methods(frame(rows), PolicyTables())
+    each_its_own = [*rows[:32], *rolled("twin", "lite", checkpoint="last", seed=1)]
+    check_methods(frame(each_its_own), PolicyTables())
 
 
 def config_of(text: str) -> Config:
@@ -188,55 +197,31 @@ def config_of(text: str) -> Config:
 
 
 def test_trials_choose_among_policies_of_one_kind() -> None:
-    text = "{training: {runs: {wide: {network: {pointnet_width: 128}}}}, experiment: {best_runs: 1, runs: [lite, %s]}}"
-    assert policy_tables(config_of(text % "wide")).rows["door"] == PolicyRow(runs=["lite", "wide"], best=1)
-    with refused("E-CONFIG-CLASH", "experiment.runs: lite and lite_handle are other kinds of policies"):
+    text = """{training: {runs: {wide: {network: {pointnet_width: 128}}}},
+    experiment: {best_runs: 1, policies: {best: {runs: [lite, %s]}}}}"""
+    found = policy_tables(config_of(text % "wide")).policies["best"]
+    assert (found.runs, found.best) == (["lite", "wide"], 1)
+    with refused("E-CONFIG-CLASH", "experiment.policies.best.runs: lite and lite_handle are other kinds of policies"):
         config_of(text % "lite_handle")
-    mended = config_of((text % "lite_handle").replace("best_runs: 1", "best_runs: 2"))
-    assert methods(policy_tables(mended).rows)["door/lite_handle"] == ["lite_handle"]
 
 
 def test_what_policies_are_is_told_by_the_config_and_by_no_name() -> None:
     config = config_of("""
     plugins: [plugins.diffusion]
     experiment:
-      tasks:
-        fridge_handle: {task: door, scene: room_3, object: hanging_cabinet_1}
-        door_long: {assets_of: door, runs: [long, blind]}
-        door: {runs: [diffusion]}
+      targets: {fridge_handle: {task: door, room: room_3, object: hanging_cabinet_1}}
+      policies: {lite_handle: null, door_handle: {runs: [long]}, blind: {}, diffusion: {}, best: {runs: [a, b, lite]}}
     training:
-      runs: {long: {rnn_horizon: 16}, blind: {network: {cloud: false}}, diffusion: {policy: diffusion}}
+      runs: {long: {rnn_horizon: 16}, a: {steps: 9}, b: {steps: 8}, blind: {network: {cloud: false}},
+        diffusion: {policy: diffusion}}
     """)
+    paper = "64-wide network of the paper's kind"
     assert kinds_of(policy_tables(config)) == {
-        "door": "diffusion", "door_handle": "handle flagged (lite_handle)",
-        "fridge_handle": "64-wide network of the paper's kind (lite)",
-        "door_long": "64-wide network of the paper's kind (long)", "door_long/blind": "no cloud (blind)",
+        "lite": f"{paper} (lite)", "door_handle": f"{paper} (door_handle)", "blind": "no cloud (blind)",
+        "diffusion": "diffusion", "best": f"{paper} (best 2 of a, b, lite)",
     }  # fmt: skip
-    assert [title(name) for name in ("fridge_handle", "door_long/blind")] == [
-        "fridge handle",
-        "Door opening, long, blind",
-    ]
-
-
-def test_rooms_are_pooled_for_one_method_alone() -> None:
-    rooms = {"door_a": ("room_1", "cabinet_1"), "door_b": ("room_2", "sideboard_1")}
-    tasks: dict[str, Any] = {row: {"task": "door", "scene": s, "object": o} for row, (s, o) in rooms.items()}
-    runs = {"mine": {"rnn_horizon": 16}}
-    given = {"experiment": {"tasks": tasks, "runs": ["lite", "mine"]}, "training": {"runs": {"lite": {}} | runs}}
-    names = pools(load(given))
-    assert names == {"door_a": "door", "door_a/mine": "door/mine", "door_b": "door", "door_b/mine": "door/mine"}
-    rows = frame([row for room in rooms for row in both(task=room, assets_of=room)])
-    found = pooled(by_method(rows, policy_tables(load(given)).rows), load(given))
-    assert assets.build(found, OPTIONS).set_index(["task", "training_set"])["mean"].to_dict() == {
-        (task, name): rate
-        for task, rate in (("door", 11 / 16), ("door/mine", 4 / 16))
-        for name in ("twin", "cousins_4")
-    }
-    tasks["door_b"]["runs"] = ["mine"]  # a room of another method
-    alone = pools(load(given))
-    assert alone["door_a"] == "door_a" and alone["door_a/mine"] == alone["door_b"]
-    tasks["door_b"] |= {"runs": ["lite", "mine"], "options": {"max_steps": 60}}  # another test
-    assert set(pools(load(given)).values()) == {"door_a", "door_a/mine", "door_b", "door_b/mine"}
+    assert policy_tables(config).papers == ["lite", "door_handle", "best"]
+    assert target_title("fridge_handle", "door") == "Door opening, fridge handle"
 
 
 def test_what_policies_are_given_is_as_the_options_say() -> None:
@@ -264,6 +249,8 @@ def test_the_swap_and_the_page_compare_two_policies_as_two() -> None:
     page = (ROOT / "docs/extending.md").read_text()
     (mine,) = re.findall(r"```yaml\n# mine.yaml\n(.*?)```", page, re.DOTALL)
     for text in (mine, (ROOT / "config/swaps/diffusion.yaml").read_text()):
-        rows = policy_tables(config_of(text)).rows
-        assert methods(rows) == {"door": ["lite"], "door/diffusion": ["diffusion"], "door_handle": ["lite_handle"]}
-        assert not any(row.best for row in rows.values())
+        known = policy_tables(config_of(text)).policies
+        assert {name: about.runs for name, about in known.items()} == {
+            "lite": ["lite"], "lite_handle": ["lite_handle"], "diffusion": ["diffusion"],
+        }  # fmt: skip
+        assert not any(about.best for about in known.values())

@@ -49,13 +49,15 @@ def test_a_file_of_fewer_draws_than_seeds_need_is_refused(study: dict[str, Path]
     default = with_defaults({})
 
     def read(sets: list[str], **asked: Any) -> None:
-        load(merged(default, {"experiment": {"tasks": {"door": {"assets": str(file)}}, "training_sets": sets} | asked}))
+        load(
+            merged(default, {"experiment": {"targets": {"door": {"assets": str(file)}}, "training_sets": sets} | asked})
+        )
 
     read(["twin", "cousins_8", "twin_randomised"])
     read(["random_8"], draws=1)
     with refused("E-CONFIG-CLASH", f"experiment.draws: 5, but {file} has 1 for random_8. Fix: lower it"):
         read(["random_8"])
-    with refused("E-CONFIG-CLASH", f"tasks.door.training_sets: cover_8 needs 8 assets, {file} has 0 in a draw"):
+    with refused("E-CONFIG-CLASH", f"experiment.training_sets: cover_8 needs 8 assets, {file} has 0 in a draw"):
         read(["cover_8"], draws=1)
     with refused("E-CONFIG-CLASH", "random_10_randomised needs 10 assets"):
         read(["random_10_randomised"], draws=1)
@@ -96,12 +98,14 @@ def mistakes(**changes: Any) -> str:
     return str(error.value)
 
 
-def test_a_row_and_its_file_agree(study: dict[str, Path]) -> None:
-    assert "experiment.tasks.door.assets: no file nothing.json" in mistakes(tasks={"door": {"assets": "nothing.json"}})
+def test_a_target_and_its_file_agree(study: dict[str, Path]) -> None:
+    assert "experiment.targets.door.assets: no file nothing.json" in mistakes(
+        targets={"door": {"assets": "nothing.json"}}
+    )
     row = {"door": {"assets": str(study["assets"]), "object": "hanging_cabinet_1"}}
-    found = mistakes(tasks=row)
+    found = mistakes(targets=row)
     assert (
-        "experiment.tasks.door.object: hanging_cabinet_1 of room_3, but" in found and "about cab_1 of room_3" in found
+        "experiment.targets.door.object: hanging_cabinet_1 of room_3, but" in found and "about cab_1 of room_3" in found
     )
     assert "experiment.held_out: [2, 6], but" in found and "experiment.cousins: 10, but" in found
-    assert "breaks the TaskAssets contract" in mistakes(tasks={"door": {"assets": str(study["library"])}})
+    assert "breaks the TaskAssets contract" in mistakes(targets={"door": {"assets": str(study["library"])}})

@@ -20,9 +20,9 @@ STUDY = """
 seed: 7
 experiment:
   rooms: [room_1]
-  tasks: {door: {scene: room_1, object: cabinet_1}, drawer: null}
+  targets: {door: {room: room_1, object: cabinet_1}}
+  policies: {lite: {runs: [lite, lite_slow]}}
   training_sets: [twin, cousins_4, cousins_8]
-  runs: [lite, lite_slow]
   best_runs: 1
   seeds: [0, 3]
 training: {runs: {lite_slow: {learning_rate: 0.001}}}
@@ -46,16 +46,18 @@ def study(tmp_path: Path) -> Path:
             for asset in ("twin", "cousin_2", "trained")
             for n in range(10)
         ]
-        write_rows(root / f"results/evaluation/policies/door/{name}/{run}/seed_{seed}/rollouts.csv", list(rows))
+        write_rows(root / f"results/evaluation/policies/door/lite/{name}/{run}/seed_{seed}/rollouts.csv", list(rows))
         if run == "lite" and name == "twin":
-            unseen = [row for row in over_assets({("door", "twin"): 0.1}, 6) if row.seed == seed]
-            write_rows(root / f"results/evaluation/policies/door/twin/lite/seed_{seed}/rollouts.csv", [*rows, *unseen])
-    write_rows(root / "results/evaluation/skill/door/rollouts.csv", list(over_assets({("door", "skill"): 0.0}, 6)))
+            unseen = [row for row in over_assets({("lite", "twin"): 0.1}, 6) if row.seed == seed]
+            write_rows(
+                root / f"results/evaluation/policies/door/lite/twin/lite/seed_{seed}/rollouts.csv", [*rows, *unseen]
+            )
+    write_rows(root / "results/evaluation/skill/door/rollouts.csv", list(over_assets({("skill", "skill"): 0.0}, 6)))
     scores = [
         RunScore(run=run, checkpoint="best", successes=k, episodes=15) for run, k in (("lite", 9), ("lite_slow", 7))
     ]
-    chosen = ChosenRuns(task="door", training_set="twin", runs=["lite"], scores=scores)
-    folder = root / "results/evaluation/trials/door/twin"
+    chosen = ChosenRuns(target="door", policy="lite", training_set="twin", runs=["lite"], scores=scores)
+    folder = root / "results/evaluation/trials/door/lite/twin"
     folder.mkdir(parents=True)
     write_json(folder / "chosen.json", chosen)
     return root
@@ -71,13 +73,13 @@ def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(study: Path, tmp
     text = write(study, tmp_path / "out", machine="2 cores, a test", commit="abc1234")
     table = pd.read_csv(tmp_path / "out/table3.csv")
     ran = table[table["status"] == "run"]
-    keys = ["task", "test_asset", "training_set", "run", "seed"]
+    keys = ["target", "policy", "test_asset", "training_set", "run", "seed"]
     assert len(ran) == len(ran.drop_duplicates(keys)) == 3 * 3
     assert (
         set(ran["run"]) == {"lite", "lite_slow"} and set(ran["seed"]) == {0, 3} and set(ran["cloud"]) == {"target_link"}
     )
     assert set(ran["episodes"]) == {10} and set(ran["successes"]) == {8} and set(ran["official_successes"]) == {9}
-    lacking = table[(table["task"] == "door") & (table["status"] == "not run")]
+    lacking = table[(table["policy"] == "lite") & (table["status"] == "not run")]
     assert {("cousins_8", "trained"), ("cousins_8", "twin")} <= set(
         zip(lacking["training_set"], lacking["test_asset"], strict=True)
     )
@@ -96,25 +98,26 @@ def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(study: Path, tmp
 
 
 def test_how_far_the_study_has_come_is_told(study: Path, tmp_path: Path) -> None:
-    met = study / "results/evaluation/conditions/mujoco/door/twin/lite/seed_3/rollouts.csv"
+    met = study / "results/evaluation/conditions/mujoco/door/lite/twin/lite/seed_3/rollouts.csv"
     met.parent.mkdir(parents=True)
-    shutil.copy(study / "results/evaluation/policies/door/twin/lite/seed_3/rollouts.csv", met)
+    shutil.copy(study / "results/evaluation/policies/door/lite/twin/lite/seed_3/rollouts.csv", met)
     others = "rollouts: 10, conditions: {mujoco: {simulator: mujoco}, own_size: {own_size: true}}"
     (study / "study.yaml").write_text(STUDY.replace("rollouts: 10", others))
     lines = write(study, tmp_path / "out").splitlines()
     start = next(n for n, line in enumerate(lines) if "that are asked for" in line)
     assert lines[start + 2 : start + 9] == [
-        "| Task | Condition | twin | 4 cousins | 8 cousins |", "|---|---|---|---|---|",
-        "| Door opening | usual | 2 of 2 | 1 of 4 | not run |",
-        "| Door opening, handle | usual | not run | not run | not run |",
-        "| Door opening | mujoco | 1 of 2 | not run | not run |",
+        "| Policy | Condition | twin | 4 cousins | 8 cousins |", "|---|---|---|---|---|",
+        "| Door opening, lite | usual | 2 of 2 | 1 of 4 | not run |",
+        "| Door opening, lite_handle | usual | not run | not run | not run |",
+        "| Door opening, lite | mujoco | 1 of 2 | not run | not run |",
         "", "Conditions that no policy has met: own size.",
     ]  # fmt: skip
     assert "**Success under other conditions" in "\n".join(lines)
 
 
 def test_a_task_that_was_rolled_out_less_often_is_said_to_be() -> None:
-    rows = [rollout(n, task=task) for task, count in (("door", 5), ("bowl", 2)) for n in range(count)]
+    tasks = (("door", "door", 5), ("bowl", "put_away_bowl", 2))
+    rows = [rollout(n, target=target, task=task) for target, task, count in tasks for n in range(count)]
     episodes = pd.DataFrame([row.model_dump() for row in rows])
     told = dict(results._about_rollouts(Config(), episodes))
     assert told["Rollouts"] == "7 episodes of 2 policies, 2 (Putting away bowl) and 5 (Door opening) per role"
@@ -132,7 +135,7 @@ def test_what_was_shown_randomised_was_shown_in_wider_extents(study: Path) -> No
     sets = ("twin", "twin_randomised")
     rows = [rollout(asset="large", test_asset="test", training_set=name) for name in sets]
     config = load({
-        "experiment": {"tasks": {"door": {"scene": "room_1", "object": "cabinet_1"}}, "policy_variant": "b"},
+        "experiment": {"targets": {"door": {"room": "room_1", "object": "cabinet_1"}}},
         "task": {"scale_range": [0.75, 1.25]},
         "demonstrations": {"randomise": {"extents": [0.6, 1.5]}},
     })  # fmt: skip
@@ -163,7 +166,7 @@ def test_configs_are_merged_as_the_workflow_merges_them(tmp_path: Path) -> None:
 
 def test_a_study_of_table_2_tells_what_is_there_and_counts_whole_draws_alone(tmp_path: Path) -> None:
     (tmp_path / "study.yaml").write_text(
-        "experiment: {rooms: [room_1, room_2], tasks: {door: null}, training_sets: [], variants: {b: {}, ours: {}}, "
+        "experiment: {rooms: [room_1, room_2], targets: {door: null}, training_sets: [], variants: {b: {}, ours: {}}, "
         "protocols: {noise: {seeds: [1, 2], variants: [b]}, unknown: {unknown: true, variants: [ours]}}}"
     )
     scenes = {"room_1": {}, "room_2": {}, "room_1.noise.1": {"draw": 1}, "room_2.noise.1": {"draw": 1}}

@@ -155,7 +155,6 @@ def evaluate(
     out: Path,
     trained_roles: tuple[str, ...] = ("twin",),
     trial: tuple[Path, ...] = (),
-    assets_of: str = "",
     **options: object,
 ) -> list[dict[str, str]]:
     settings = {"test_assets": ["twin", "cousin_2"], "rollouts": 5, "assets": 0} | options
@@ -163,12 +162,12 @@ def evaluate(
         policy=folder / "policy",
         assets=folder / "task.json",
         library=folder / "library.json",
-        task_name="my_door",
+        target="my_door",
+        policy_name="small",
         training_set="twin",
         trained_roles=trained_roles,
         run_name="lite",
         trial=trial,
-        assets_of=assets_of,
         options=json.dumps(settings),
         out=out,
     )
@@ -209,7 +208,8 @@ def test_rows_are_paired_and_repeatable(folder: Path, tmp_path: Path) -> None:
     ]
     assert [row["initial_state"] for row in rows[:5]] == [row["initial_state"] for row in rows[5:]]
     assert min(int(row["initial_state"]) for row in rows) >= 2**31  # demonstrations stay below
-    assert {row["seed"] for row in rows} == {"4"} and {row["task"] for row in rows} == {"my_door"}
+    assert {row["seed"] for row in rows} == {"4"}
+    assert {(row["target"], row["task"], row["policy"]) for row in rows} == {("my_door", "door", "small")}
     assert {row["feature_distance"] for row in rows[5:]} == {"7.25"}
     evaluate(folder, tmp_path / "b" / "rollouts.csv")
     assert sorted(path.name for path in (tmp_path / "a").iterdir()) == ["film.png", "films.zip", "rollouts.csv"]
@@ -239,18 +239,17 @@ def test_the_assets_of_the_training_take_turns(folder: Path, tmp_path: Path, rol
 
 @pytest.mark.usefixtures("toy_simulator")
 def test_unseen_assets_are_a_test_role_of_their_own(folder: Path, tmp_path: Path) -> None:
-    rows = evaluate(folder, tmp_path / "a.csv", assets=2, asset_rollouts=3, assets_of="door")
+    rows = evaluate(folder, tmp_path / "a.csv", assets=2, asset_rollouts=3)
     unseen = [row for row in rows if row["test_asset"] == "test"]
     assert [(row["asset"], row["family"], row["episode"]) for row in unseen] == [
         (name, name.split("_")[0], str(number)) for number, name in enumerate(["c_1"] * 3 + ["c_2"] * 3)
     ]
-    assert {(row["handle"], row["handle_length"], row["assets_of"]) for row in unseen} == {("knob", "0.03", "door")}
+    assert {(row["handle"], row["handle_length"]) for row in unseen} == {("knob", "0.03")}
     assert len(rows) == 2 * 5 + 6 and len({row["initial_state"] for row in rows}) == 5 + 6  # states of their own
     films = read_json(Films, unpack(tmp_path / "films.zip", "") / "films.json").films
     assert {film.role for film in films} == {"twin", "cousin_2", "test"}
     other = evaluate(folder, tmp_path / "b.csv", assets=2, asset_rollouts=1, split="validation")
     assert [row["asset"] for row in other if row["test_asset"] == "validation"] == ["e"]
-    assert {row["assets_of"] for row in other} == {"my_door"}
 
 
 @pytest.mark.usefixtures("toy_simulator")
@@ -301,7 +300,7 @@ def test_the_twin_is_tested_once_for_a_policy_that_was_trained_on_it(
 
 def trial(folder: Path, out: Path, **options: object) -> list[dict[str, str]]:
     files = {"policy": folder / "policy", "assets": folder / "task.json", "library": folder / "library.json"}
-    names = {"task_name": "my_door", "training_set": "twin", "run_name": "lite"}
+    names = {"target": "my_door", "policy_name": "small", "training_set": "twin", "run_name": "lite"}
     settings = {"checkpoint": "rollouts", "selection_rollouts": 3} | options
     try_out.run(**files, **names, options=json.dumps(settings), out=out)  # type: ignore[arg-type]
     KINDS["rollouts"].check(out)

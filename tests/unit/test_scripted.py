@@ -33,7 +33,7 @@ def rows(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Rollout]]
     write_json(files["assets"], plan.model_copy(update=changed))
     options = {"test_assets": ["twin", "trained"], "rollouts": 2, "assets": 2, "asset_rollouts": 1}
     out = folder / "rollouts.csv"
-    run(**files, task_name="my_door", out=out, options=json.dumps(options), task_options=WORLD, seed=3)
+    run(**files, target="my_door", out=out, options=json.dumps(options), task_options=WORLD, seed=3)
     return files["assets"], read_rows(Rollout, out)
 
 
@@ -42,8 +42,8 @@ def test_the_skill_has_rows_beside_the_policies(rows: tuple[Path, list[Rollout]]
     assert [(row.test_asset, row.asset, row.success) for row in found] == [
         ("twin", "cab", True), ("twin", "cab", True), ("test", "narrow", True), ("test", "smooth", False),
     ]  # fmt: skip
-    assert {(row.task, row.assets_of, row.training_set, row.run, row.checkpoint) for row in found} == {
-        ("my_door", "my_door", "skill", "scripted", "none")
+    assert {(row.target, row.task, row.policy, row.training_set, row.run, row.checkpoint) for row in found} == {
+        ("my_door", "door", "skill", "skill", "scripted", "none")
     }
     *opened, failed = found
     assert all(row.opened >= 0.5 and row.steps > 10 for row in opened)

@@ -21,7 +21,7 @@ def config() -> Config:
 
 
 def plans(config: Config) -> dict[str, TaskAssets]:
-    return {row: read_json(TaskAssets, ROOT / str(target.assets)) for row, target in config.experiment.tasks.items()}
+    return {row: read_json(TaskAssets, ROOT / str(target.assets)) for row, target in config.experiment.targets.items()}
 
 
 def test_every_object_is_another_model_and_is_tested_on_forty_families_that_nobody_trains_on(config: Config) -> None:
@@ -30,8 +30,8 @@ def test_every_object_is_another_model_and_is_tested_on_forty_families_that_nobo
         twins = [plan.assets[0].asset for row, plan in found.items() if row.startswith(task)]
         assert len(twins) == len(set(twins)) == 24
     for row, plan in found.items():
-        target = config.experiment.tasks[row]
-        assert (plan.scene, plan.object) == (target.scene, target.object)
+        target = config.experiment.targets[row]
+        assert (plan.scene, plan.object) == (target.room, target.object)
         assert len({asset.family for asset in plan.test_assets}) == 40
         assert {asset.hinge for asset in plan.test_assets} == {plan.assets[0].hinge}
     tested = {asset.family for plan in found.values() for asset in plan.test_assets}

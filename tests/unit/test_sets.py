@@ -67,15 +67,14 @@ def test_only_the_same_asset_object_and_seed_are_paired() -> None:
 
 CONFIG = """
 experiment:
-  tasks:
+  targets:
     door: null
-    door_handle: null
-    door_1: {task: door, scene: room_1, object: cabinet_1}
-    door_2: {task: door, scene: room_2, object: sideboard_1}
-    drawer_1: {task: drawer, scene: room_2, object: chest_of_drawers_1}
+    door_1: {task: door, room: room_1, object: cabinet_1}
+    door_2: {task: door, room: room_2, object: sideboard_1}
+    drawer_1: {task: drawer, room: room_2, object: chest_of_drawers_1}
   training_sets: [cousins_4, random_4]
+  policies: {lite: {}}
   episodes: 16
-  runs: [lite]
   seeds: [0, 1]
 evaluation: {test_assets: [twin], conditions: {mujoco: {simulator: mujoco}}}
 tables: {bootstrap_samples: 200}
@@ -84,14 +83,14 @@ tables: {bootstrap_samples: 200}
 
 def roll_out(results: Path, row: str, name: str, seed: int, opened: int) -> None:
     """Rollouts of one policy on ten unseen assets, the first of which it opens."""
-    about = {"task": row, "assets_of": row, "cloud": "target_link", "training_set": name, "run": "lite", "seed": seed}
-    about |= {"checkpoint": "best", "test_asset": "test", "handle": "bar", "handle_length": 0.1}
+    about = {"target": row, "task": "door", "policy": "lite", "training_set": name, "run": "lite", "seed": seed}
+    about |= {"cloud": "target_link", "checkpoint": "best", "test_asset": "test", "handle": "bar", "handle_length": 0.1}
     about |= {"feature_distance": 1.0, "official_success": True, "steps": 9, "opened": 0.5}
     rows = [
         Rollout(**about, asset=f"a{k}", family=f"f{k}", episode=k, initial_state=k, success=k < opened)  # type: ignore[arg-type]
         for k in range(10)
     ]
-    write_rows(results / f"evaluation/policies/{row}/{name}/lite/seed_{seed}/rollouts.csv", rows)
+    write_rows(results / f"evaluation/policies/{row}/lite/{name}/lite/seed_{seed}/rollouts.csv", rows)
 
 
 @pytest.fixture

@@ -138,9 +138,9 @@ def test_page_tells_what_happened(made: Path) -> None:
     text = (made / "results/report/index.html").read_text()
     for words in (
         "13 models in 2 categories", "only 12 points &lt;after cleaning&gt;", "fallen: lamp_1",
-        "cabinet 01", "grasp slip 1", "8/10", "[49–95]", "Loss of the policy trained on 4 cousins",
+        "cabinet 01", "grasp slip 1", "8/10", "[49–95]", "Loss of the policy lite, trained on 4 cousins",
         "Table 3:", "paper 5/5",
-        "Trained on 4 cousins, lite, seed 0", "not run", "+17 points",
+        "Lite, trained on 4 cousins, seed 0", "not run", "+17 points",
         "30 of 33 rows and", "and 2 more by geometry",
         "failure, opened 12 % in 23 steps", "Rebuilt from cousins of rank",
     ):  # fmt: skip
@@ -205,8 +205,8 @@ def test_page_shows_what_was_declared_and_nothing_else(made: Path, tmp_path: Pat
     shutil.copytree(made, old)
     results = old / "results"
     for kept, planted in (
-        ("training/door/twin/lite/seed_0", "training/door/twin/old_run/seed_7"),
-        ("evaluation/policies/door/twin/lite/seed_0", "evaluation/policies/door/twin/old_run/seed_7"),
+        ("training/door/lite/twin/lite/seed_0", "training/door/lite/twin/old_run/seed_7"),
+        ("evaluation/policies/door/lite/twin/lite/seed_0", "evaluation/policies/door/lite/twin/old_run/seed_7"),
         ("matching/b/room_1", "matching/old_variant/room_1"),
         ("generation/b/room_1", "generation/old_variant/room_1"),
         ("extraction/room_1", "extraction/room_77"),
@@ -255,7 +255,7 @@ def test_a_film_outside_its_folder_is_refused(tmp_path: Path) -> None:
     [
         ("results/extraction/room_1/objects.json", "{", "E-CONTRACT-BROKEN"),
         ("results/demonstrations/door/twin/attempts.jsonl", '{"attempt": 0}\n', "E-CONTRACT-BROKEN"),
-        ("results/training/door/twin/lite/seed_0/metrics.jsonl", '{"step": 1}\nnan,\n', "E-CONTRACT-BROKEN"),
+        ("results/training/door/lite/twin/lite/seed_0/metrics.jsonl", '{"step": 1}\nnan,\n', "E-CONTRACT-BROKEN"),
         ("results/generation/b/room_1/scene_1.png", "no picture", "E-IMAGE-UNREADABLE"),
         ("results/assets/snapshots/shard_0.h5", "no snapshots", "E-FILE-UNREADABLE"),
         ("results/demonstrations/door/twin/films.zip", "no film", "E-FILE-UNREADABLE"),

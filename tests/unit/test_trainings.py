@@ -16,7 +16,7 @@ from tests.unit.tables_results import declared, rollout, rollouts, write_rows, w
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "report" / "published"
-STUCK = "Door opening, 4 cousins, lite: seed 1 did not learn: validation loss -3.5, others -7.1"
+STUCK = "Door opening, lite, 4 cousins: seed 1 did not learn: validation loss -3.5, others -7.1"
 
 
 def trained(
@@ -25,17 +25,17 @@ def trained(
     seed: int,
     loss: float | None,
     error: float = 0.2,
-    task: str = "door",
+    target: str = "door",
     run: str = "lite",
     plateau: int = 200,
 ) -> Path:
     """A policy's config.json, whose constant action is off by 0.46."""
-    path = root / "results" / "training" / task / name / run / f"seed_{seed}" / "config.json"
+    path = root / "results" / "training" / target / run / name / run / f"seed_{seed}" / "config.json"
     known = {} if loss is None else {"best_error": error, "constant_error": 0.46, "plateau": plateau}
     write_json(
         path,
         TrainedPolicy(
-            task="door", task_options=TaskConfig(), run=TrainingRun(), seed=seed, data_digest="d", parameters=9,
+            task=target, task_options=TaskConfig(), run=TrainingRun(), seed=seed, data_digest="d", parameters=9,
             stores=[TrainingStore(file="f", asset="a", episodes=8, frames=99)], training_episodes=7,
             validation_episodes=loss is not None, best_step=2400, best_loss=loss, **known,
         ),
@@ -61,14 +61,14 @@ def test_a_policy_that_learned_late_is_told_and_no_measure_for_others(tmp_path: 
     paths = [trained(tmp_path, "twin", seed, -7.5, plateau=500) for seed in range(3)]
     paths += [trained(tmp_path, "twin", 3, -6.1, plateau=900)]
     table = collect(paths)
-    assert failed(table) == ["Door opening, twin, lite: seed 3 learned late: validation loss -6.1, others -7.5"]
+    assert failed(table) == ["Door opening, lite, twin: seed 3 learned late: validation loss -6.1, others -7.5"]
     assert table["others"].tolist() == [2, 2, 2, 3]
 
 
 def test_a_loss_far_above_those_of_the_other_seeds_is_told(tmp_path: Path) -> None:
     paths = several(tmp_path, {"twin": [-8.1, -8.0, -8.2], "cousins_8": [-7.2, -5.1, -7.0, -7.4]})
     table = collect(paths)
-    assert failed(table) == ["Door opening, 8 cousins, lite: seed 1 stayed behind: validation loss -5.1, others -7.2"]
+    assert failed(table) == ["Door opening, lite, 8 cousins: seed 1 stayed behind: validation loss -5.1, others -7.2"]
     row = table[table["outcome"] == "stayed behind"].iloc[0]
     assert (row["training_set"], row["seed"], row["others"], row["others_loss"]) == ("cousins_8", 1, 3, -7.2)
 
@@ -110,7 +110,7 @@ def test_those_that_did_not_learn_are_no_measure_for_others(tmp_path: Path) -> N
 def test_losses_of_other_rows_and_methods_are_not_compared(tmp_path: Path) -> None:
     paths = several(tmp_path, {"twin": [-8.0, -8.1, -8.2, -8.1]})
     paths += several(tmp_path, {"twin": [0.031, 0.033, 0.032, 0.03]}, run="diffusion")
-    paths += several(tmp_path, {"twin": [-5.0, -5.1, -5.2, -5.1]}, task="drawer")
+    paths += several(tmp_path, {"twin": [-5.0, -5.1, -5.2, -5.1]}, target="drawer")
     assert outcomes(paths) == [] and collect(paths)["others"].tolist() == [3] * 12
 
 
@@ -119,7 +119,7 @@ def test_without_validation_episodes_nothing_is_said(tmp_path: Path) -> None:
     paths += several(tmp_path, {"cousins_8": [-7.0, -7.2, -7.1]})
     table = collect(paths)
     assert failed(table) == [] and table["outcome"].isna().tolist() == [True] * 4 + [False] * 3
-    assert "| Door opening | lite | twin | –<br>4 trainings | – | – |  |" in markdown(trainings_table(table))
+    assert "| Door opening, lite | lite | twin | –<br>4 trainings | – | – |  |" in markdown(trainings_table(table))
     some = collect([*paths, trained(tmp_path, "twin", 4, -3.5, error=0.6)])
     assert "| -3.50<br>-3.50 to -3.50, 1 training | 0.60 | 0.46 | seed 4 did not learn" in markdown(
         trainings_table(some)
@@ -161,7 +161,7 @@ def test_the_page_of_a_study_names_them(tmp_path: Path) -> None:
     (tmp_path / "study.yaml").write_text(
         "experiment: {training_sets: [twin, cousins_4], seeds: [0, 1, 2, 3]}\ntables: {bootstrap_samples: 100}\n"
     )
-    write_rows(tmp_path / "results/evaluation/policies/door/twin/lite/seed_0/rollouts.csv", [rollout()])
+    write_rows(tmp_path / "results/evaluation/policies/door/lite/twin/lite/seed_0/rollouts.csv", [rollout()])
     stuck(tmp_path)
     results.run(
         out=tmp_path / "out", configs=(ROOT / "config.yaml", tmp_path / "study.yaml"), published=PUBLISHED,
@@ -169,7 +169,7 @@ def test_the_page_of_a_study_names_them(tmp_path: Path) -> None:
     )  # fmt: skip
     text = (tmp_path / "out/table3.md").read_text()
     assert f"count like all others: {STUCK}." in text
-    assert "| Door opening | lite | 4 cousins | -7.05<br>-7.10 to -3.50, 4 trainings |" in text
+    assert "| Door opening, lite | lite | 4 cousins | -7.05<br>-7.10 to -3.50, 4 trainings |" in text
 
 
 def test_a_run_without_policies_has_an_empty_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

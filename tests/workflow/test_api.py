@@ -65,8 +65,8 @@ def test_the_same_config_gives_the_same_bytes(run: Path, made: Path, ours: str) 
 def test_twelve_lines_load_a_policy_and_film_it(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text, _ = blocks("docs/load-policy.md")
     assert len([line for line in text.splitlines() if line and "import " not in line]) <= 12
-    policy = tmp_path / "results/training/door/cousins_4/lite/seed_0"
-    shutil.copytree(next((run / "results/training/door/twin").iterdir()) / "seed_0", policy)
+    policy = tmp_path / "results/training/door/lite/cousins_4/lite/seed_0"
+    shutil.copytree(next((run / "results/training/door/micro/twin").iterdir()) / "seed_0", policy)
     config = json.loads((policy / "config.json").read_text())
     config["task_options"]["max_steps"] = 12
     (policy / "config.json").write_text(json.dumps(config))

@@ -26,7 +26,7 @@ def test_a_rule_is_run_in_the_image_of_its_family(tmp_path: Path) -> None:
     programs.mkdir()
     (programs / "apptainer").write_text(STUB)
     (programs / "apptainer").chmod(0o755)
-    config = overlay(folder, "{assets: {counts: {mug: 2}}, experiment: {tasks: {door: null}}}")
+    config = overlay(folder, "{assets: {counts: {mug: 2}}, experiment: {targets: {door: null}}}")
     path = f"{programs}:{os.environ['PATH']}"
     done = snakemake(folder, *config, "--profile", "profiles/apptainer", "--", "library", environment={"PATH": path})
     assert done.returncode == 0, done.stdout

@@ -51,7 +51,7 @@ def test_without_conditions_the_target_says_what_to_write(tmp_path: Path) -> Non
 
 def test_mujoco_is_asked_for_the_tasks_that_it_has_alone(tmp_path: Path) -> None:
     folder = make(tmp_path)
-    bowl = "experiment: {tasks: {bowl: {task: put_away_bowl, scene: room_3, object: kitchen_cabinet_1}}}\n"
+    bowl = "experiment: {targets: {bowl: {task: put_away_bowl, room: room_3, object: kitchen_cabinet_1}}}\n"
     done = dry_run(folder, "conditions", *asked(folder, bowl + TWO))
     assert done.returncode == 0, done.stdout
     assert "conditions/parked/bowl/skill" in done.stdout and "conditions/mujoco/door/skill" in done.stdout

@@ -65,32 +65,35 @@ def test_rooms_that_are_not_ours_are_a_target(tmp_path: Path) -> None:
     assert jobs["open_picture"] == 30 and jobs["open_room"] == 60 and jobs["open_rooms"] == 1
 
 
-def test_a_task_may_have_rows_with_training_sets_and_options_of_their_own(folder: Path) -> None:
-    rows = """
-    far: {task: door, options: {base_xy: 0.01}, training_sets: [cousins_2, all], seeds: [0, 1, 2], episodes: 8}
-    drawer: {scene: room_2, object: chest_of_drawers_1, training_sets: [twin]}
-    door_handle: null
-    """
-    (folder / "rows.yaml").write_text(f"experiment:\n  training_sets: [twin, cousins_2]\n  seeds: [0]\n  tasks:{rows}")
-    done = dry_run(folder, "evaluation", "-p", "--configfile", "rows.yaml")
+def test_a_task_may_have_targets_with_options_of_their_own(folder: Path) -> None:
+    text = """
+  targets:
+    far: {task: door, options: {base_xy: 0.01}, episodes: 8}
+    drawer: {room: room_2, object: chest_of_drawers_1}
+  policies:
+    lite: {targets: [door]}
+    lite_handle: null
+    lite_far: {runs: [lite], targets: [far], training_sets: [cousins_2, all], seeds: [0, 1, 2]}
+    lite_drawer: {runs: [lite], targets: [drawer], training_sets: [twin]}
+"""
+    (folder / "targets.yaml").write_text(f"experiment:\n  training_sets: [twin, cousins_2]\n  seeds: [0]{text}")
+    done = dry_run(folder, "evaluation", "-p", "--configfile", "targets.yaml")
     jobs = planned(done.stdout)
     assert jobs["select"] == 3 and jobs["demonstrate"] == 3 + 3 + 1, done.stdout
     assert jobs["train"] == jobs["rollout"] == 2 + 2 * 3 + 1
     collected = re.search(r"demonstrations collect .*/far/assets.json .*--role all .*", done.stdout)
     assert collected and "--episodes 8 " in collected[0] and '"base_xy":0.01' in collected[0]
     assert re.search(r"--task door .*--out results/experiment/b/far/assets.json", done.stdout)
-    rolled = re.findall(r"--task-name far --training-set (\w+) --trained-roles (.*?) --run-name", done.stdout)
-    assert set(rolled) == {("cousins_2", "cousin_1 cousin_3"), ("all", "all")}
-    assert jobs["skill"] == 3 and re.search(r'evaluation skill .*--task-name far .*"base_xy":0.01', done.stdout)
+    named = r"--target far --policy-name lite_far --training-set (\w+) --run-name lite --trained-roles (.*?) --options"
+    assert set(re.findall(named, done.stdout)) == {("cousins_2", "cousin_1 cousin_3"), ("all", "all")}
+    assert jobs["skill"] == 3 and re.search(r'evaluation skill .*--target far .*"base_xy":0.01', done.stdout)
 
 
-def test_a_row_may_share_the_assets_and_demonstrations_of_another(folder: Path) -> None:
-    rows = """
-    flag: {assets_of: door, training_sets: [cousins_2_randomised, random_2, twin_randomised], seeds: [5, 6]}
-    door_handle: null
-    """
+def test_the_policies_of_a_target_share_its_assets_and_demonstrations(folder: Path) -> None:
+    sets = "[cousins_2_randomised, random_2, twin_randomised]"
+    policies = f"{{lite_handle: null, flag: {{runs: [lite], training_sets: {sets}, seeds: [5, 6]}}}}"
     (folder / "shared.yaml").write_text(
-        f"experiment:\n  training_sets: [twin]\n  seeds: [0]\n  episodes: 8\n  tasks:{rows}"
+        f"experiment: {{training_sets: [twin], seeds: [0], episodes: 8, policies: {policies}}}"
     )
     done = dry_run(folder, "all", "-p", "--configfile", "shared.yaml")
     jobs = planned(done.stdout)
@@ -98,24 +101,28 @@ def test_a_row_may_share_the_assets_and_demonstrations_of_another(folder: Path) 
     assert jobs["select"] == jobs["skill"] == jobs["draw_roles"] == jobs["demonstrate_in_scene"] == 1
     assert jobs["demonstrate"] == 1 + 2 + 2 * 2 + 1 and jobs["train"] == jobs["rollout"] == 1 + 2 * 3
     for seed, numbers in ((5, (1, 2)), (6, (17, 18))):  # each learns from a draw of its own
-        ours = rf".*--out results/training/flag/random_2/lite/seed_{seed}"
+        ours = rf".*--out results/training/door/flag/random_2/lite/seed_{seed}"
         trained = re.search(rf"training train --episodes (\S+) (\S+) --per-store 4 {ours}", done.stdout)
         assert trained and list(trained.groups()) == [
             f"results/demonstrations/door/random_{number}/episodes.h5" for number in numbers
         ]
-        told = (
-            f"--trained-roles {' '.join(f'random_{number}' for number in numbers)} .*/flag/random_2/lite/seed_{seed}/"
-        )
-        assert re.search(told, done.stdout)
+        roles = " ".join(f"random_{number}" for number in numbers)
+        assert re.search(f"--trained-roles {roles} .*/door/flag/random_2/lite/seed_{seed}/", done.stdout)
     assert re.search(r'collect .*--role cousin_1_randomised .*--options .*"randomise"', done.stdout)
-    rolled = re.findall(r"--assets (\S+) .*--task-name flag --training-set (\w+) .*--assets-of door ", done.stdout)
+    rolled = re.findall(r"--assets (\S+) .*--target door --policy-name flag --training-set (\w+) ", done.stdout)
     assert set(rolled) == {
         ("results/experiment/b/door/assets.json", name)
         for name in ("cousins_2_randomised", "random_2", "twin_randomised")
     }
-    assert "results/experiment/b/flag" not in done.stdout and "results/demonstrations/flag" not in done.stdout
     exported = planned(dry_run(folder, "exports", "--configfile", "shared.yaml").stdout)
     assert exported["export_demonstrations"] == 3 * 4 and exported["export_policy"] == 7
+
+
+def test_an_old_config_is_refused_in_a_line_that_says_how_to_write_it_now(folder: Path) -> None:
+    (folder / "old.yaml").write_text("experiment: {tasks: {door: {scene: room_3}, door_wide: {assets_of: door}}}")
+    done = dry_run(folder, "all", "--configfile", "old.yaml")
+    (line,) = (line for line in done.stdout.splitlines() if "experiment.tasks" in line)
+    assert "targets: {door: {room: " in line and "policies: {lite: {}, " in line and done.returncode
 
 
 # Not asked for by name: what the library is made of and looks like.
@@ -140,7 +147,7 @@ def test_two_policies_are_trained_on_the_same_and_both_are_shown(folder: Path) -
     assert done.returncode == 0 and jobs["train"] == jobs["rollout"] == 3 * 2 and jobs["demonstrate"] == 1, done.stdout
     (page,) = re.findall(r"tables report --files (.*)", done.stdout)
     shown = re.findall(r"results/training/(\S+)/metrics.jsonl", page)
-    assert shown == ["door/twin/lite/seed_0", "door/twin/diffusion/seed_0", "door_handle/twin/lite_handle/seed_0"]
+    assert shown == [f"door/{name}/twin/{name}/seed_0" for name in ("lite", "lite_handle", "diffusion")]
     exported = dry_run(folder, "exports", "-p", "--configfile", "config/swaps/diffusion.yaml", "two.yaml").stdout
     assert set(re.findall(r"plugins.exports policy --policy \S+/(\w+)/seed_", exported)) == {"lite", "lite_handle"}
 
@@ -157,21 +164,22 @@ def test_the_study_is_the_protocol_of_the_paper(folder: Path) -> None:
         jobs["gather"] == sum(sets.values()) + 2 + 2 + 2 * 7 + 2 and jobs["rollout"] == more
     )  # the others wait for `choose`
     assert jobs["demonstrate"] == 2 * (1 + 1 + 8 + 8 + 1) + 2 * (1 + 8)
-    cells = [f"results/evaluation/policies/door/{name}/rollouts.csv" for name in ("twin", "cousins_8")]
+    cells = [f"results/evaluation/policies/door/lite/{name}/rollouts.csv" for name in ("twin", "cousins_8")]
     first = planned(dry_run(folder, *cells, *study).stdout)
     assert first["choose"] == 2 and first["train"] == 2 * candidates and first["demonstrate"] == 1 + 8
 
 
 def test_the_study_is_about_committed_assets_and_matches_nothing_for_them(folder: Path) -> None:
     study = ("--configfile", "config/study/table3.yaml")
-    cells = [f"results/evaluation/policies/{task}/twin/rollouts.csv" for task in ("door", "drawer", "bowl")]
+    policies = ("door/lite", "drawer/lite", "bowl/lite_bowl")
+    cells = [f"results/evaluation/policies/{name}/twin/rollouts.csv" for name in policies]
     done = dry_run(folder, *cells, "-p", *study)
     jobs = planned(done.stdout)
     assert jobs["pinned"] == 3 and jobs["demonstrate"] == 3, done.stdout
     assert not {"select", "distances", "match", "features", "generate", "room"} & set(jobs)
     told = "--assets config/study/assets/drawer.json --task plugins.bowl.tasks.put_away_bowl "
     assert re.search(told + ".*experiment/b/bowl/", done.stdout)
-    (folder / "anew.yaml").write_text("experiment: {tasks: {door: {assets: null}}}")
+    (folder / "anew.yaml").write_text("experiment: {targets: {door: {assets: null}}}")
     anew = planned(dry_run(folder, *cells, *study, "anew.yaml").stdout)
     assert anew["pinned"] == 2 and anew["select"] == anew["distances"] == 1
 
@@ -184,7 +192,7 @@ def test_the_twin_is_the_true_model_in_rooms_and_what_was_matched_in_scenes_of_y
     for name in INPUT_FILES:
         (folder / "mine" / name).touch()
     (folder / "mine.yaml").write_text(
-        "experiment: {rooms: [mine], inputs: {mine: mine}, tasks: {door: {scene: mine, object: cabinet_1}}}"
+        "experiment: {rooms: [mine], inputs: {mine: mine}, targets: {door: {room: mine, object: cabinet_1}}}"
     )
     done = dry_run(folder, target, "-p", "--configfile", "mine.yaml")
     assert planned(done.stdout)["select"] == 1 and "--truth" not in done.stdout, done.stdout
@@ -199,7 +207,7 @@ def test_corrections_are_an_input_of_the_rules_that_they_concern(
     for name in INPUT_FILES:
         (mine / name).touch()
     (tmp_path / "mine.yaml").write_text(
-        f"experiment: {{rooms: [mine], inputs: {{mine: {mine}}}, tasks: {{door: null}}}}"
+        f"experiment: {{rooms: [mine], inputs: {{mine: {mine}}}, targets: {{door: null}}}}"
     )
     (mine / "corrections.json").write_text(json.dumps({"version": 1, "objects": [{"mask": 1, **told}]}))
     scene = "results/generation/b/mine/scene_1.json"
@@ -213,7 +221,7 @@ def test_corrections_are_an_input_of_the_rules_that_they_concern(
 def test_table_2_trains_nothing_and_meets_rooms_by_protocols(folder: Path) -> None:
     assert not {"train", "demonstrate"} & set(planned(dry_run(folder, "table2").stdout))
     (folder / "met.yaml").write_text(
-        "experiment: {rooms: [room_1, room_2], tasks: {door: null}, protocols: {"
+        "experiment: {rooms: [room_1, room_2], targets: {door: null}, protocols: {"
         "drawn: {layout: drawn, seeds: [1, 2]}, "
         "unscaled: {scale_error: false, seeds: [3]}, unknown: {unknown: true}, "
         "recoloured: {finish: other, seeds: [4]}}}"
@@ -235,7 +243,7 @@ def test_table_2_trains_nothing_and_meets_rooms_by_protocols(folder: Path) -> No
 
 def test_a_variant_that_looks_at_no_picture_plans_no_features(folder: Path) -> None:
     (folder / "blind.yaml").write_text(
-        "experiment: {rooms: [room_1], tasks: {door: null}, variants: {"
+        "experiment: {rooms: [room_1], targets: {door: null}, variants: {"
         "no-image: {model_selection: priors, orientation_selection: priors}, half: {model_selection: priors}}, "
         "protocols: {unknown: {unknown: true, variants: [no-image]}}}"
     )
@@ -293,7 +301,7 @@ def test_own_models_are_inputs_of_the_library(folder: Path) -> None:
 def test_our_rooms_are_furnished_with_procedural_models_and_yours_with_all(folder: Path) -> None:
     (folder / "attic.yaml").write_text((ROOT / "stages/scenes/rooms/room_1.yaml").read_text())
     (folder / "rooms.yaml").write_text(
-        "experiment: {rooms: [room_1, attic], room_files: [attic.yaml], tasks: {door: null}}"
+        "experiment: {rooms: [room_1, attic], room_files: [attic.yaml], targets: {door: null}}"
     )
     done = dry_run(folder, "scenes", "-p", "--configfile", "rooms.yaml")
     said = re.findall(r"--library (.*?) --scene (\w+)", done.stdout)

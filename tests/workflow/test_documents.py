@@ -82,7 +82,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in ("my/assets/chair/one.urdf", "mine.sh", "lib/part.sh", "my_matching.py", *weights):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).touch(mode=0o755)
-    (folder / "mine.yaml").write_text("experiment: {tasks: {door: null}}")
+    (folder / "mine.yaml").write_text("experiment: {targets: {door: null}}")
     for block in blocks("yaml"):
         if block.text.startswith("# attic.yaml"):
             (folder / "attic.yaml").write_text(block.text)

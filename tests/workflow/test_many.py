@@ -25,7 +25,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rows = [f"desk_{number},a.png,a_depth.png,5000,600,601,320,240,m.png,m.json" for number in range(10)]
     (folder / "data/t.csv").write_text("\n".join(["scene,image,depth,unit,fx,fy,cx,cy,masks,labels", *rows]))
     inputs = "inputs: [data/t.csv, data/folders]"
-    (folder / "mine.yaml").write_text(f"experiment: {{{inputs}, rooms: [room_1, '*'], tasks: {{door: null}}}}")
+    (folder / "mine.yaml").write_text(f"experiment: {{{inputs}, rooms: [room_1, '*'], targets: {{door: null}}}}")
     return folder
 
 

@@ -29,7 +29,7 @@ from stages.contracts import TaskAssets, read_json
 results = Path(sys.argv[1])
 plan = read_json(TaskAssets, next(results.glob("experiment/*/door/assets.json")))
 model = models_of(results / "assets/library/library.json")[plan.assets[0].asset]
-policy = load_policy(next(results.glob("training/door/twin/*/seed_0")), action="most_likely")
+policy = load_policy(next(results.glob("training/door/micro/twin/*/seed_0")), action="most_likely")
 env = gymnasium.make(policy.env_id, asset_folder=model, options=policy.task_options)
 seen, _ = env.reset(seed=1)
 policy.reset(seed=1)

@@ -21,7 +21,7 @@ def test_tables_and_report_are_there(run: Path) -> None:
     table2 = pd.read_csv(run / "results/tables/table2.csv")
     assert {"scene", "scale_m", "variant", "n_objects", "category_correct", "l2_cm_mean"} <= set(table2.columns)
     table3 = pd.read_csv(run / "results/tables/table3.csv")
-    assert {"task", "test_asset", "successes", "wilson_low", "wilson_high"} <= set(table3.columns)
+    assert {"target", "policy", "test_asset", "successes", "wilson_low", "wilson_high"} <= set(table3.columns)
     page = (run / "results/report/index.html").read_text()
     assert "<img" in page and "http://" not in page.replace("http://www.w3.org", "")
 
@@ -37,7 +37,7 @@ def test_seed_and_code_of_a_picture_can_be_told_from_the_picture_and_from_the_pa
 
 
 def test_the_best_hyper_parameter_set_is_chosen_by_its_trial_and_only_it_is_tested(run: Path) -> None:
-    trials, policies = (run / "results/evaluation" / name / "door/twin" for name in ("trials", "policies"))
+    trials, policies = (run / "results/evaluation" / name / "door/micro/twin" for name in ("trials", "policies"))
     chosen = read_json(ChosenRuns, trials / "chosen.json")
     assert [score.run for score in chosen.scores] == ["micro", "micro_small"] and len(chosen.runs) == 1
     assert sorted(path.name for path in policies.iterdir()) == [*chosen.runs, "rollouts.csv"]
@@ -67,7 +67,7 @@ def test_another_seed_of_training_keeps_everything_before_it(run: Path, tmp_path
         "trainings",
         "trial",
         "choose",
-        "rollout",  # of the row that has nothing to choose
+        "rollout",  # of the policy that has nothing to choose
         "gather",
         "table3",
         "report_page",
@@ -86,7 +86,7 @@ def test_the_page_names_no_file_that_this_run_did_not_declare(run: Path, tmp_pat
     folder = copy(run, tmp_path / "run")
     results = folder / "results"
     shutil.copytree(results / "generation/b", results / "generation/old_variant")
-    shutil.copytree(results / "training/door/twin/micro", results / "training/door/twin/old_run")
+    shutil.copytree(results / "training/door/micro/twin/micro", results / "training/door/micro/twin/old_run")
     shutil.copytree(folder / "benchmarks/assets", folder / "benchmarks/old_stage")
     (results / "report/index.html").unlink()
     done = snakemake(folder, "all", *MICRO)

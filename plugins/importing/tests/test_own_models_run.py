@@ -111,7 +111,7 @@ def test_own_models_alone_are_a_library_for_a_picture(tmp_path: Path) -> None:
     (folder / "room/rgb.jpg").rename(folder / "room/rgb.png")
     for name in ("depth.npz", "masks.png"):
         (folder / "room" / name).touch()  # nothing is read
-    experiment = "experiment: {rooms: [room], inputs: {room: room}, tasks: {door: null, door_handle: null}}"
+    experiment = "experiment: {rooms: [room], inputs: {room: room}, targets: {door: null}}"
     given = overlay(folder, f"{{assets: {{folders: [mine], own_only: true}}, {experiment}}}")
     done = dry_run(folder, "matching", *given)
     assert done.returncode == 0, done.stdout[-3000:]

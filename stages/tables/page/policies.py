@@ -13,7 +13,7 @@ from stages.contracts.ledgers import read_attempts, read_metrics
 from stages.contracts.policies import TaskAssets
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables.markup import Table
-from stages.tables.order import natural, role_title, set_key, task_key, title
+from stages.tables.order import natural, role_title, set_key, target_title, title
 from stages.tables.page.charts import Points, line_chart
 from stages.tables.page.files import RunFiles
 from stages.tables.page.films import FilmedAsset, read_films
@@ -26,14 +26,14 @@ STEPS = ("step", "steps", "update", "iteration", "epoch")
 
 
 @dataclass(frozen=True)
-class TaskPart:
-    """The whole experiment on one task.
+class TargetPart:
+    """The whole experiment on one target.
 
     scene: holds the object that was matched. curves: policy -> chart of its training; rollouts: policy -> films of it.
     in_scenes: films of demonstrations inside generated scenes; not_in_scenes: scene -> why there is none.
     """
 
-    task: str
+    target: str
     title: str
     scene: str
     source: str
@@ -58,7 +58,7 @@ def losses(rows: list[dict[str, Any]]) -> tuple[str, dict[str, Points]]:
     return step, series
 
 
-def _demonstrations(ledgers: list[Path], task: str, confidence: float) -> Table | None:
+def _demonstrations(ledgers: list[Path], target: str, confidence: float) -> Table | None:
     """A row per asset: success with its interval, and why attempts failed."""
     rows = []
     for ledger in ledgers:
@@ -71,22 +71,24 @@ def _demonstrations(ledgers: list[Path], task: str, confidence: float) -> Table 
         rows.append([role_title(ledger.parent.name), tried[0].asset, rate, f"{kept}/{len(tried)}", causes])
     columns = ["Asset", "Model", "Success", "Kept / tried", "Why attempts failed"]
     caption = "Demonstrations by asset; only successes become data."
-    return Table(f"demonstrations-{task}", caption, columns, rows, headers=2) if rows else None
+    return Table(f"demonstrations-{target}", caption, columns, rows, headers=2) if rows else None
 
 
 def _policy_name(folder: Path) -> str:
-    """.../<training set>/<run>/seed_<n> -> 'trained on 4 cousins, lite, seed 0'."""
-    return f"trained on {title(folder.parents[1].name)}, {folder.parent.name}, {title(folder.name)}"
+    """.../<policy>/<training set>/<run>/seed_<n> -> 'lite, trained on 4 cousins, seed 0'."""
+    policy, training_set, run, seed = folder.parts[-4:]
+    name = policy if run == policy else f"{policy} ({run})"
+    return f"{name}, trained on {title(training_set)}, {title(seed)}"
 
 
 def _folder_key(path: Path) -> Any:
-    folder = path.parent
-    return set_key(folder.parents[1].name), folder.parent.name, natural(folder.name)
+    policy, training_set, run, seed = path.parent.parts[-4:]
+    return policy, set_key(training_set), run, natural(seed)
 
 
-def _curves(files: RunFiles, task: str) -> dict[str, Markup]:
+def _curves(files: RunFiles, target: str) -> dict[str, Markup]:
     found = {}
-    for path in sorted(files.all(f"training/{task}/*/*/*/metrics.jsonl"), key=_folder_key):
+    for path in sorted(files.all(f"training/{target}/*/*/*/*/metrics.jsonl"), key=_folder_key):
         step, series = losses(read_metrics(path))
         name = _policy_name(path.parent)
         if chart := line_chart(series, step, f"Loss of the policy {name}"):
@@ -94,8 +96,8 @@ def _curves(files: RunFiles, task: str) -> dict[str, Markup]:
     return found
 
 
-def _rollouts(files: RunFiles, task: str, album: Album) -> dict[str, list[FilmedAsset]]:
-    archives = sorted(files.all(f"evaluation/policies/{task}/*/*/*/films.zip"), key=_folder_key)
+def _rollouts(files: RunFiles, target: str, album: Album) -> dict[str, list[FilmedAsset]]:
+    archives = sorted(files.all(f"evaluation/policies/{target}/*/*/*/*/films.zip"), key=_folder_key)
     named = {_policy_name(path.parent): path for path in archives}
     films = {name: read_films(path, f"Rollout of the policy {name},", album) for name, path in named.items()}
     return {name: cells for name, cells in films.items() if cells}
@@ -116,41 +118,41 @@ def _pictures(assets: TaskAssets | None, used: set[str], album: Album, snapshots
     return [picture for picture in made if picture]
 
 
-def _task(
-    files: RunFiles, task: str, chosen: Path | None, album: Album, snapshots: Snapshots, confidence: float
-) -> TaskPart:
+def _target(
+    files: RunFiles, target: str, chosen: Path | None, album: Album, snapshots: Snapshots, confidence: float
+) -> TargetPart:
     assets = read_json(TaskAssets, chosen) if chosen else None
-    ledgers = sorted(files.all(f"demonstrations/{task}/*/attempts.jsonl"), key=lambda path: set_key(path.parent.name))
+    ledgers = sorted(files.all(f"demonstrations/{target}/*/attempts.jsonl"), key=lambda path: set_key(path.parent.name))
     roles = {path.parent.name for path in ledgers}
-    tables = [roles_table(assets, roles, f"roles-{task}", "Assets by role.")] if assets else []
+    tables = [roles_table(assets, roles, f"roles-{target}", "Assets by role.")] if assets else []
     films = [
         film for path in ledgers
-        for film in read_films(files.one(f"{task}/{path.parent.name}/films.zip"), "Demonstration", album)
+        for film in read_films(files.one(f"{target}/{path.parent.name}/films.zip"), "Demonstration", album)
     ]  # fmt: skip
-    return TaskPart(
-        task=task,
-        title=title(task),
+    return TargetPart(
+        target=target,
+        title=target_title(target, assets.task if assets else target),
         scene=assets.scene if assets else "",
         source=f"{title(assets.object)} of {title(assets.scene)}" if assets else "",
         pictures=_pictures(assets, roles, album, snapshots),
-        assets=tables + (lists_table(assets, f"lists-{task}", "Sets of assets.") if assets else []),
-        demonstrations=_demonstrations(ledgers, task, confidence),
+        assets=tables + (lists_table(assets, f"lists-{target}", "Sets of assets.") if assets else []),
+        demonstrations=_demonstrations(ledgers, target, confidence),
         films=films,
-        curves=_curves(files, task),
-        rollouts=_rollouts(files, task, album),
-        in_scenes=read_films(files.one(f"{task}/in_scene/films.zip"), "Demonstration in the scene", album),
-        not_in_scenes=_not_in_scenes(files.one(f"demonstrations/{task}/in_scene/in_scene.json")),
+        curves=_curves(files, target),
+        rollouts=_rollouts(files, target, album),
+        in_scenes=read_films(files.one(f"{target}/in_scene/films.zip"), "Demonstration in the scene", album),
+        not_in_scenes=_not_in_scenes(files.one(f"demonstrations/{target}/in_scene/in_scene.json")),
     )
 
 
-def collect(files: RunFiles, album: Album, confidence: float) -> list[TaskPart]:
-    """Every task of the run, in the paper's order."""
+def collect(files: RunFiles, album: Album, confidence: float) -> list[TargetPart]:
+    """Every target of the run."""
     snapshots = Snapshots(files.all("assets/snapshots/shard_*.h5"))
     chosen = {path.parent.name: path for path in files.all("experiment/*/*/assets.json")}
-    tasks = {
+    named = [
         *chosen,
         *files.names("demonstrations/*/*/attempts.jsonl", 1),
-        *files.names("training/*/*/*/*/metrics.jsonl", 3),
-        *files.names("evaluation/policies/*/*/*/*/films.zip", 3),
-    }
-    return [_task(files, task, chosen.get(task), album, snapshots, confidence) for task in sorted(tasks, key=task_key)]
+        *files.names("training/*/*/*/*/*/metrics.jsonl", 4),
+        *files.names("evaluation/policies/*/*/*/*/*/films.zip", 4),
+    ]
+    return [_target(files, name, chosen.get(name), album, snapshots, confidence) for name in dict.fromkeys(named)]

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from stages.tables.claims import OPEN
 from stages.tables.methods import Kinds, kind
-from stages.tables.order import SKILL, set_key, task_key, title
+from stages.tables.order import SKILL, set_key, target_title, title
 from stages.tables.page.charts import success_chart
 from stages.tables.page.rooms import RoomPart
 from stages.tables.policy_tables import evidence, too_few_runs
@@ -20,9 +20,9 @@ from stages.tables.text import count, percent
 
 @dataclass(frozen=True)
 class Result:
-    """Of a group of rows of the experiment: a chart; what cousins brought, in a line and in sentences."""
+    """Of a target or a policy there: a chart; what cousins brought, in a line and in sentences."""
 
-    group: str
+    target: str
     title: str
     about: str
     chart: Markup
@@ -54,22 +54,23 @@ def sentences(claims: pd.DataFrame | None, names: dict[str, str]) -> tuple[str, 
     """What cousins brought on unseen assets in a line, and in a sentence for each of `names`.
 
     Args:
-        names: row of the experiment -> what its policies are called.
+        claims: those of a target.
+        names: policy -> what it is called.
     """
     if claims is None:
         return "", []
-    rows = records(claims[(claims["claim"] == "unseen") & claims["task"].isin(list(names))])
+    rows = records(claims[(claims["claim"] == "unseen") & claims["policy"].isin(list(names))])
     if not rows:
         return "", []
     first = rows[0]
     over = f"{first['assets']} {'held-out roles' if first['over'] == 'roles' else title(first['over'])}"
-    whose = {task: name.replace(" (", ", ").rstrip(")") for task, name in names.items()}
+    whose = {policy: name.replace(" (", ", ").rstrip(")") for policy, name in names.items()}
     alike = [row for row in rows if all(row[key] == first[key] for key in ("over", "assets", "training_set"))]
-    ends = ", ".join(_ends(row) + f" ({whose[row['task']]})" * (len(alike) > 1) for row in alike)
-    what = title(first["task"])
+    ends = ", ".join(_ends(row) + f" ({whose[row['policy']]})" * (len(alike) > 1) for row in alike)
+    what = target_title(first["target"], first["task"])
     line = f"success at {what[0].lower()}{what[1:]} on {over}, trained on {title(first['training_set'])} "
     again = [AGAIN] if any(map(too_few_runs, rows)) else []
-    said = [_verdict(row, names[row["task"]]) for row in rows]
+    said = [_verdict(row, names[row["policy"]]) for row in rows]
     return f"{line}instead of the twin: {ends}", [*(one[0].upper() + one[1:] for one in said), *again]
 
 
@@ -85,34 +86,40 @@ def came_out(rooms: Sequence[RoomPart], models: int, results: Sequence[Result], 
 
 
 def over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: Kinds) -> list[Result]:
-    """One for every group of rows with unseen assets, over its first set; `table` as `assets.build` gives."""
+    """One for every target with unseen assets, over its first set; `table` as `assets.build` gives."""
     found = []
-    for group in table["assets_of"].unique() if table is not None else ():
-        mine = table[table["assets_of"] == group]  # type: ignore[index]
+    for target, mine in table.groupby("target", sort=False) if table is not None else ():
         policies = mine[mine["training_set"] != SKILL]
         if policies.empty:
             continue
         split = policies["test_asset"].iloc[0]
         policies = policies[policies["test_asset"] == split]
         skill = mine[(mine["training_set"] == SKILL) & (mine["test_asset"] == split)]["mean"]
-        rows = {task: fill(kind(task, kinds), 24) for task in policies["task"].unique()}
+        names = {policy: kind(policy, kinds) for policy in policies["policy"].unique()}
+        name = target_title(str(target), policies["task"].iloc[0])
         about = f"success over {policies['assets'].iloc[0]} {title(split)} of families that no policy was trained on"
-        label = f"{title(group)}: {about}, by kind of policy and training set; the numbers are in the table of assets"
-        chart = success_chart(policies, label, rows, "task", float(skill.iloc[0]) if len(skill) else None)
-        names = {task: kind(task, kinds) for task in policies["task"].unique()}
-        found.append(Result(group, title(group), about, chart, *sentences(claims, names)))
+        label = f"{name}: {about}, by kind of policy and training set; the numbers are in the table of assets"
+        rows = {policy: fill(text, 24) for policy, text in names.items()}
+        chart = success_chart(policies, label, rows, "policy", float(skill.iloc[0]) if len(skill) else None)
+        found.append(Result(str(target), name, about, chart, *sentences(_of(claims, target), names)))
     return found
 
 
-def over_roles(cells: pd.DataFrame | None, claims: pd.DataFrame | None) -> list[Result]:
-    """One for every row of the experiment with rollouts on the roles of Table 3, in the paper's order."""
+def _of(claims: pd.DataFrame | None, target: object) -> pd.DataFrame | None:
+    """The claims of a target."""
+    return None if claims is None else claims[claims["target"] == target]
+
+
+def over_roles(cells: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: Kinds) -> list[Result]:
+    """One for every target and policy with rollouts on the roles of Table 3."""
     found = []
     judged = None if claims is None else claims[claims["over"] == "roles"]
-    for task in sorted(cells["task"].unique(), key=task_key) if cells is not None else []:
-        mine = cells[cells["task"] == task]  # type: ignore[index]
-        label = f"{title(task)}: success by test asset and training set, with intervals; the numbers are in Table 3"
+    for (target, policy), mine in cells.groupby(["target", "policy"], sort=False) if cells is not None else ():
+        of_target = target_title(str(target), mine["task"].iloc[0])
+        name = f"{of_target}, {kind(str(policy), kinds)}"
+        label = f"{name}: success by test asset and training set, with intervals; the numbers are in Table 3"
         roles = {name: title(name) for name in sorted(mine["test_asset"].unique(), key=set_key)}
         about, chart = "success of the policies by test asset", success_chart(mine, label, roles, "test_asset")
-        group = str(mine["assets_of"].iloc[0])
-        found.append(Result(group, title(task), about, chart, *sentences(judged, {task: title(task)})))
+        said = sentences(_of(judged, target), {str(policy): name})
+        found.append(Result(str(target), name, about, chart, *said))
     return found

@@ -1,9 +1,9 @@
-"""What the tables of policies must know of a run: which policies are one method, and what policies are told."""
+"""What tables say of policies, by the config: their kinds in words, what is pooled, what policies are told."""
 
 from typing import TYPE_CHECKING
 
 from stages.config.evaluation import SensingOptions
-from stages.config.tables import PolicyRow, PolicyTables
+from stages.config.tables import PolicyAbout, PolicyTables
 from stages.contracts.training_run import TrainingRun
 from stages.plugins import short
 
@@ -11,9 +11,10 @@ if TYPE_CHECKING:
     from stages.config.model import Config
 
 TOLD = ("simulator", "parking", "depth_noise", "camera_error")  # of how test assets are met
+PAPERS = TrainingRun().kind  # the paper's network on a cloud, whatever its size
 
 
-def described(run: TrainingRun) -> str:
+def kind_in_words(run: TrainingRun) -> str:
     """The kind of policy that a hyper-parameter set makes, for people: what tells it from the paper's."""
     traits = [] if run.policy == "bc_rnn_gmm" else [short(run.policy)]
     traits += ["handle flagged"] if run.handle else []
@@ -21,23 +22,27 @@ def described(run: TrainingRun) -> str:
     return ", ".join(traits) or f"{run.network.pointnet_width}-wide network of the paper's kind"
 
 
-def policy_rows(config: "Config") -> dict[str, PolicyRow]:
-    """The rows of the policy experiment."""
-    experiment = config.experiment
-    best = {name: experiment.best_runs if experiment.chooses(name) else None for name in experiment.tasks}
-    return {name: PolicyRow(runs=experiment.plan(name).runs, best=best[name]) for name in experiment.tasks}
+def about_policies(config: "Config") -> dict[str, PolicyAbout]:
+    """The policies of a run that open something."""
+    experiment, found = config.experiment, {}
+    for name in experiment.policies:
+        plan, best = experiment.plan(name), experiment.best_runs if experiment.chooses(name) else None
+        found[name] = PolicyAbout(runs=plan.runs, best=best, targets=plan.targets)
+    return {name: about for name, about in found.items() if about.targets}
 
 
 def policy_tables(config: "Config") -> PolicyTables:
     """The section `tables`, and what its verbs about policies read of the others."""
-    rows, experiment = policy_rows(config), config.experiment
-    tasks = [config.task_of(name) for name in rows]
-    runs = dict.fromkeys(run for row in rows.values() for run in row.runs)
+    experiment, policies = config.experiment, about_policies(config)
+    runs = {name: config.training.runs[about.runs[0]] for name, about in policies.items()}
+    tasks = map(config.task_of, experiment.targets)
     met = {key: getattr(config.evaluation, key) for key in TOLD}
     return PolicyTables.model_construct(
         **dict(config.tables),
-        rows=rows,
-        kinds={run: described(config.training.runs[run]) for run in runs},
+        policies=policies,
+        pools=experiment.pools,
+        kinds={name: kind_in_words(run) for name, run in runs.items()},
+        papers=[name for name, run in runs.items() if run.kind == PAPERS],
         encoder=short(config.matching_of(experiment.policy_variant).encoder),
         met=SensingOptions.model_construct(**met),
         starts=sorted({(task.base_xy, task.base_z) for task in tasks}),

@@ -1,0 +1,187 @@
+"""What is wrong with the policy experiment: its targets, pools, policies, training sets and test assets."""
+
+from collections.abc import Iterable, Iterator
+from math import lcm
+from typing import TYPE_CHECKING
+
+from stages.config import places
+from stages.config.mistakes import Mistake
+from stages.contracts.errors import InputError
+from stages.contracts.training_sets import DRAW, DRAWN, read_set
+from stages.plugins import find, short
+
+if TYPE_CHECKING:
+    from stages.config.model import Config
+
+
+def targets(config: "Config") -> Iterator[Mistake]:
+    """Targets that their rooms have and that can be opened."""
+    experiment = config.experiment
+    try:
+        files = config.room_files()
+    except InputError:
+        files = {}  # said above
+    if experiment.targets and experiment.policy_variant not in experiment.variants:
+        what = f"'{experiment.policy_variant}' is not one of experiment.variants"
+        yield _unknown("experiment.policy_variant", what, experiment.variants)
+    for name, target in experiment.targets.items():
+        key, task = f"experiment.targets.{name}", experiment.task(name)
+        try:
+            find("tasks", task, config.implementations)
+        except InputError as error:
+            yield Mistake.of(error, f"{key}.task" if target.task else key)
+        if target.room not in experiment.rooms:
+            mend = "add it there, or remove the target: `" + name + ": null`"
+            yield Mistake(f"{key}.room", f"'{target.room}' is not one of experiment.rooms", mend, "E-CONFIG-UNKNOWN")
+        objects = places.objects(target.room, experiment.inputs, files)
+        if not objects:
+            continue  # not known before the scene is read
+        able = [item for item, panels in objects.items() if panels.get(task, True)]
+        if target.object not in objects:
+            what = f"{target.room} has no '{target.object}'"
+        elif target.object not in able:
+            what = f"'{target.object}' of {target.room} has no {task}"
+        else:
+            continue
+        mend = f"one of {', '.join(able)}" if able else f"no object there has one; remove the target: `{name}: null`"
+        yield Mistake(f"{key}.object", what, mend, "E-CONFIG-UNKNOWN")
+
+
+def pools(config: "Config") -> Iterator[Mistake]:
+    """Pools of targets that are one task with the same options; no target is in two."""
+    experiment, pool_of = config.experiment, dict[str, str]()
+    for pool, names in experiment.pools.items():
+        key, known = f"experiment.pools.{pool}", [name for name in names if name in experiment.targets]
+        if pool in experiment.targets:
+            yield Mistake(key, "is the name of a target, too", "give the pool another name", "E-CONFIG-NAME")
+        for name in names:
+            if name not in known:
+                yield _unknown(key, f"'{name}' is not one of experiment.targets", experiment.targets)
+            if (first := pool_of.setdefault(name, pool)) != pool:
+                yield Mistake(key, f"{name} is in the pool {first}, too", "leave it in one")
+        about = {name: (experiment.task(name), config.task_of(name), experiment.share(name, "twin")) for name in known}
+        other = next((name for name in known if about[name] != about[known[0]]), None)
+        if other:
+            what = f"{known[0]} and {other} differ in task, options or episodes"
+            yield Mistake(key, what, "pool targets that differ in their object alone")
+
+
+def training_sets(config: "Config") -> Iterator[Mistake]:
+    """Training sets that have cousins enough, and as many demonstrations as each other."""
+    experiment = config.experiment
+    for rank in experiment.held_out:
+        if rank > experiment.cousins:
+            what = f"there is no cousin {rank} of experiment.cousins = {experiment.cousins}"
+            yield Mistake("experiment.held_out", what, "leave it out or raise experiment.cousins", "E-CONFIG-UNKNOWN")
+    left = experiment.training_ranks
+    asked = {"experiment.training_sets": experiment.training_sets}
+    asked |= {
+        f"experiment.policies.{name}.training_sets": policy.training_sets or []
+        for name, policy in experiment.policies.items()
+    }
+    for key, names in asked.items():
+        for name in names:
+            rule, needed, _ = read_set(name)
+            if rule == "cousins" and needed > len(left):
+                what = f"{name} needs {needed} cousins, experiment.cousins = {experiment.cousins} leaves {len(left)}"
+                yield Mistake(key, what, "raise experiment.cousins or hold fewer out")
+            if rule in DRAWN and needed > DRAW:
+                yield Mistake(key, f"{name} needs {needed} assets, {DRAW} are drawn", f"{rule}_{DRAW} or fewer")
+    uneven: dict[str, Mistake] = {}
+    for name, target in experiment.targets.items():
+        episodes = target.episodes or experiment.episodes
+        numbers = {each: read_set(each).size for each in experiment.sets_of(name)}
+        odd = [each for each, number in numbers.items() if episodes % number]
+        if odd:
+            key = f"experiment.targets.{name}.episodes" if target.episodes else "experiment.episodes"
+            what = f"{episodes} cannot be shared evenly by the assets of {', '.join(odd)}"
+            uneven[key] = Mistake(key, what, f"a multiple of {lcm(*numbers.values())}")
+    yield from uneven.values()
+
+
+def test_assets(config: "Config") -> Iterator[Mistake]:
+    """Roles that the experiment gives."""
+    experiment = config.experiment
+    roles = ["twin", *(f"cousin_{rank}" for rank in range(1, experiment.cousins + 1)), "dissimilar", "trained"]
+    for role in config.evaluation.test_assets:
+        if role not in roles:
+            what = f"there is no '{role}' among experiment.cousins = {experiment.cousins}"
+            mend = f"twin, cousin_1 ... {roles[-3]}, dissimilar, trained"
+            yield Mistake("evaluation.test_assets", what, mend, "E-CONFIG-UNKNOWN")
+    if config.evaluation.checkpoint == "rollouts":
+        plans = [plan for plan in map(experiment.plan, experiment.policies) if plan.targets and plan.training_sets]
+        for run in dict.fromkeys(run for plan in plans for run in plan.runs):
+            if run in config.training.runs and not config.training.runs[run].keep:
+                what = f"is rollouts, but training.runs.{run}.keep = 0 leaves no checkpoints"
+                yield Mistake("evaluation.checkpoint", what, f"set training.runs.{run}.keep, or use best or last")
+
+
+def simulators(config: "Config") -> Iterator[Mistake]:
+    """Policies that are rolled out in a simulator that has their task."""
+    for name in config.experiment.targets:
+        try:
+            known = not config.experiment.sets_of(name) or config.simulated(name, config.evaluation.simulator)
+        except InputError:
+            continue  # said above
+        if not known:
+            task = config.experiment.task(name)
+            what = f"{short(config.evaluation.simulator)} does not have the task {task} of experiment.targets.{name}"
+            yield Mistake("evaluation.simulator", what, f"maniskill, or remove the target: `{name}: null`")
+
+
+def policies(config: "Config") -> Iterator[Mistake]:
+    """Policies that are trained by sets of hyper-parameters that there are, for targets that there are."""
+    experiment, known = config.experiment, config.training.runs
+    for name, policy in experiment.policies.items():
+        key = f"experiment.policies.{name}"
+        for run in experiment.plan(name).runs:
+            if run not in known:
+                where = f"{key}.runs" if policy.runs else key
+                yield _unknown(where, f"'{run}' is not one of training.runs", known)
+        for target in policy.targets or ():
+            if target not in experiment.targets and target not in experiment.pools:
+                mend = [*experiment.targets, *experiment.pools]
+                yield _unknown(f"{key}.targets", f"'{target}' is not one of experiment.targets", mend)
+
+
+def choices(config: "Config") -> Iterator[Mistake]:
+    """Policies of several runs: of one kind, of which trials choose the best (paper B.4)."""
+    experiment, known = config.experiment, config.training.runs
+    for name in experiment.policies:
+        runs, key = experiment.plan(name).runs, f"experiment.policies.{name}.runs"
+        kinds = {known[run].kind: run for run in reversed(runs) if run in known}
+        mend = "a policy for each: `policies: {" + ", ".join(f"{run}: {{}}" for run in runs) + "}`"
+        if len(kinds) > 1:
+            first, other, *_ = reversed(kinds.values())
+            yield Mistake(key, f"{first} and {other} are other kinds of policies, which are never pooled", mend)
+        elif 1 < len(runs) <= experiment.best_runs:
+            what = f"{' and '.join(runs)} are no more than experiment.best_runs = {experiment.best_runs}"
+            yield Mistake(key, what, f"{mend}, or lower best_runs: trials choose so many")
+
+
+def networks(config: "Config") -> Iterator[Mistake]:
+    """Networks that see no more points than there are, checkpoints in reach."""
+    experiment, known = config.experiment, config.training.runs
+    plans = [experiment.plan(name) for name in experiment.policies]
+    for run in dict.fromkeys(run for plan in plans for run in plan.runs if run in known):
+        options = known[run]
+        points = {
+            config.task_of(name).points: f"experiment.targets.{name}.options"
+            if "points" in experiment.targets[name].options
+            else "task"
+            for plan in plans
+            if run in plan.runs
+            for name in plan.targets
+            if name in experiment.targets
+        }
+        if points and options.network.points > min(points):
+            what = f"{options.network.points} of {points[min(points)]}.points = {min(points)}"
+            yield Mistake(f"training.runs.{run}.network.points", what, "lower it or raise task.points")
+        if options.keep > options.steps:
+            what = f"{options.keep} checkpoints of {options.steps} steps"
+            yield Mistake(f"training.runs.{run}.keep", what, "lower it")
+
+
+def _unknown(key: str, what: str, known: Iterable[str]) -> Mistake:
+    """A name that is none of those known."""
+    return Mistake(key, what, f"one of {', '.join(known) or 'none'}", "E-CONFIG-UNKNOWN")

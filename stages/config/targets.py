@@ -1,0 +1,56 @@
+"""Entries of the policy experiment: targets, which are opened, and policies, which open them."""
+
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field
+
+from stages.contracts.section import Section, Seed
+from stages.contracts.training_sets import SET_NAME
+
+TrainingSet = Annotated[str, Field(pattern=f"^{SET_NAME}$")]
+
+
+class Target(Section):
+    """What is opened: an object of a room."""
+
+    task: str | None = Field(None, description="door, drawer, ... or a task of yours; null: as the target is named")
+    room: str = Field("room_3", description="room of the object, one of `rooms`")
+    object: str = Field("hanging_cabinet_1", description="its id in that room's objects.json")
+    options: dict[str, Any] = Field({}, description="keys of section `task` that differ here, e.g. {max_steps: 200}")
+    assets: str | None = Field(
+        None,
+        description="a committed file of the target's assets (docs/policies.md), checked against the library; null: "
+        "chosen anew",
+    )
+    episodes: int | None = Field(None, ge=1, description="null: `experiment.episodes`")
+
+
+class Policy(Section):
+    """What opens targets: a way to train. Its kind follows from the options of its runs."""
+
+    runs: list[str] | None = Field(
+        None,
+        min_length=1,
+        description="hyper-parameter sets of `training.runs`, one kind of policy; null: the one that is called as the "
+        "policy; of more than `experiment.best_runs` trials choose the best",
+    )
+    targets: list[str] | None = Field(None, min_length=1, description="targets or pools that it opens; null: all")
+    training_sets: list[TrainingSet] | None = Field(None, description="null: `experiment.training_sets`")
+    seeds: list[Seed] | None = Field(None, min_length=1, description="null: `experiment.seeds`")
+
+
+class PolicyPlan(NamedTuple):
+    """A policy with nothing left open."""
+
+    targets: list[str]
+    runs: list[str]
+    training_sets: list[str]
+    seeds: list[int]
+
+
+class Cell(NamedTuple):
+    """Policies that differ in run and seed alone."""
+
+    target: str
+    policy: str
+    training_set: str
