@@ -8,6 +8,7 @@ from stages.contracts.category import Category as Row
 from stages.contracts.files import write_text
 from stages.procedural.catalogue import CATEGORIES, leaves, opens, sample
 from stages.procedural.category import Category
+from stages.procedural.real_sizes import REAL_SIZES
 
 SAMPLES = 8  # models of a category that say how large it usually is: more than have founders
 
@@ -29,6 +30,7 @@ def describe_category(record: Category) -> Row:
             "flaps": flaps,
             "sizes": sizes(range(SAMPLES)),
             "further": sizes(record.further),
+            "real": REAL_SIZES.get(record.name, ()),
         }
     )
 
