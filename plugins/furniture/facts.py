@@ -4,6 +4,7 @@ import json
 
 from plugins.furniture.catalogue import CATEGORIES, leaves, opens, sample
 from plugins.furniture.category import Category
+from plugins.furniture.real_sizes import REAL_SIZES
 from stages.config import categories as counts
 from stages.contracts import categories
 from stages.contracts.category import Category as Row
@@ -29,6 +30,7 @@ def describe_category(record: Category) -> Row:
             "flaps": flaps,
             "sizes": sizes(range(SAMPLES)),
             "further": sizes(record.further),
+            "real": REAL_SIZES.get(record.name, ()),
         }
     )
 

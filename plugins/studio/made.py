@@ -16,7 +16,7 @@ from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.doubt import Doubt
 from stages.contracts.doubts import collect_doubts
-from stages.contracts.generated import PlacedObject
+from stages.contracts.generated import PlacedObject, views_of
 from stages.contracts.objects import SceneObject
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.boxes import UprightBox, corners
@@ -31,7 +31,8 @@ SHOWN = 24  # models that can be chosen, nearest first
 class Made:
     """What a run made; all of it by mask value. Without a run it is empty.
 
-    picture: of the scene of rank 1, as the camera sees it, if it was drawn; sizes: of the library's models, by id.
+    picture: of the scene of rank 1, as the camera sees it, if it was drawn; sizes: of the library's models, by id;
+    views: `views_of` a thing in the scenes of all ranks.
     """
 
     objects: Objects | None
@@ -41,6 +42,7 @@ class Made:
     snapshots: Snapshots
     picture: Path | None = None
     sizes: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    views: dict[int, dict[str, float]] = field(default_factory=dict)
 
     def told(self) -> dict[str, Any]:
         """What the page shows of every thing, by mask value."""
@@ -116,7 +118,7 @@ class Made:
         return project(apply(inverse(camera), points), self.objects.intrinsics), *extents(points)
 
     def models(self, mask: int) -> list[dict[str, Any]]:
-        """Models that can stand for a thing, nearest first, with pictures as matching turned them."""
+        """Models that can stand for a thing, nearest first, with pictures as they stand or would stand."""
         entry = self.cousins.get(mask)
         if entry is None or entry.status == "failed":
             return []
@@ -124,14 +126,16 @@ class Made:
         nearest = [one for one in entry.by_distance if one.asset not in ranks]
         choosable = [(one.asset, one.distance) for one in entry.cousins]
         choosable = [*choosable, *((one.asset, one.distance) for one in nearest)][:SHOWN]
-        turn = entry.cousins[0].orientation.yaw
+        standing = self.views.get(mask, {})
+        views = {one.asset: one.orientation.yaw for one in entry.cousins} | standing
+        other = next(iter((standing or views).values()))
         return [
             {
                 "asset": asset,
                 "distance": round(distance, 2),
                 "rank": ranks.get(asset),
                 "size": self._size(asset),
-                "picture": self._picture(asset, turn),
+                "picture": self._picture(asset, views.get(asset, other)),
             }
             for asset, distance in choosable
         ]
@@ -169,17 +173,18 @@ def made_of(results: Path, scene: str, variant: str | None, size: tuple[int, int
     variants = [variant] if variant else sorted(path.parent.parent.name for path in _cousins(results, scene))
     found = results / "matching" / (variants or ["-"])[0] / scene / "cousins.json"
     matched = read_json(Cousins, found).objects if found.is_file() else []
-    place = results / "generation" / (variants or ["-"])[0] / scene / "scene_1.json"
-    placed = read_json(GeneratedScene, place).objects if place.is_file() else []
+    place = results / "generation" / (variants or ["-"])[0] / scene
+    scenes = [read_json(GeneratedScene, path) for path in sorted(place.glob("scene_*.json"))]
     masks = {item.id: item.mask for item in objects.objects}
     return Made(
         objects,
         {item.mask: item for item in objects.objects},
         {masks[one.id]: one for one in matched if one.id in masks},
-        {masks[one.id]: one for one in placed if one.id in masks},
+        {masks[one.id]: one for each in scenes if each.rank == 1 for one in each.objects if one.id in masks},
         Snapshots(sorted((results / "assets/snapshots").glob("shard_*.h5"))),
-        next(iter(place.parent.glob("scene_1.png")), None),
+        next(iter(place.glob("scene_1.png")), None),
         _sizes(results / "assets/library/library.json"),
+        {mask: views_of(scenes, name) for name, mask in masks.items()},
     )
 
 

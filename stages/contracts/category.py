@@ -59,10 +59,11 @@ class Category(Contract):
     flaps: Panels = Field(0, description="on level hinges, likewise")
     sizes: list[Size] = Field([], description="of models that say how large it usually is")
     further: list[Size] = Field([], description="of models in styles that those lack")
+    real: list[Size] = Field([], description="of real things, by standards and catalogues, between which others lie")
 
     def usual_size(self, further: bool = False) -> UsualSize | None:
-        """Its sizes, with those in further styles or without; None: too few models say so."""
-        sizes = [*self.sizes, *(self.further if further else ())]
+        """Its sizes, with those in further styles and of real things or without; None: too few models say so."""
+        sizes = [*self.sizes, *((*self.further, *self.real) if further else ())]
         if len(sizes) < FEWEST_MODELS:
             return None
         extents = log_extents(sizes)

@@ -25,6 +25,11 @@ class Judged(Contract):
     score: Finite | None = Field(None, description="more is better; null: the judge gives none, or did not look at it")
     terms: dict[str, Finite] = Field({}, description="what the score is made of, by name, before weights")
 
+    @property
+    def fits(self) -> bool:
+        """False: nothing fits, says the judge `geometry`, and its score is what is known besides (docs/matching.md)."""
+        return self.score is None or self.score != -self.terms.get("priors", float("inf"))
+
 
 class Candidate(Judged):
     """An asset compared with the object (paper A.6)."""

@@ -96,6 +96,8 @@ def collect_doubts(
 def collect_notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) -> list[str]:
     """What is worth knowing of an object, and nobody needs to act on."""
     found = [entry.note] if entry.note else []
+    if not entry.cousins[0].fits:
+        found.append("no model fits what is seen of it: ordered by name, doors and drawers, size and place alone")
     chosen = placed is not None and placed.chosen
     first, *others = entry.cousins
     if not chosen and others and first.distance > 0 and others[0].distance < (1 + AS_NEAR) * first.distance:

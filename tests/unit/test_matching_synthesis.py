@@ -19,7 +19,7 @@ from stages.contracts import Library, LibraryPart, Objects, read_json, write_jso
 from stages.contracts.cousins import Candidate, Cousin, Orientation
 from stages.contracts.library import LibraryEntry
 from stages.contracts.library_folder import write_part
-from stages.contracts.objects import USUAL_ERROR, Box, Mounting, SceneObject
+from stages.contracts.objects import USUAL_ERROR, Box, Mounting, SceneObject, Wall
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.geometry.estimate import Sight
@@ -274,6 +274,31 @@ def test_views_are_rendered_again_and_ordered_by_their_distance(library: Path) -
     assert answer[0].yaw == right and len(answer) == 4
     assert answer[0].distance < 0.8 * answer[1].distance
     assert Rerender(MatchingConfig()).models(question(library, yaw), [], candidates("three", "two"))[0].asset == "three"
+
+
+@pytest.mark.parametrize(
+    "known",
+    [
+        {"front": 0.3 - np.pi},
+        {"mounting": Mounting(type=1, walls=["rear"])},
+        {"mounting": Mounting(type=3, walls=["rear"])},
+    ],
+)
+def test_where_the_front_is_known_no_other_way_to_stand_is_compared(library: Path, known: dict[str, Any]) -> None:
+    """The picture shows a front of two panels; by the input, or the wall before it, that is the rear."""
+    asked = question(library, 0.3)
+    assert asked.item is not None and asked.scene is not None
+    away = -yaw_matrix(0.3)[:, 0]
+    wall = Wall(id="rear", normal=tuple(away), offset=-0.2, points=9)
+    scene = asked.scene.model_copy(update={"walls": [wall]})
+    told = asked._replace(name="told", item=asked.item.model_copy(update=known), scene=scene)
+    judge = Geometry(MatchingConfig())
+    (only,) = judge.orientations(told, "two", [], views(0.0, 1.0))
+    assert only.yaw == pytest.approx(wrap_angle(0.3 + np.pi - TOWARDS))
+    all_of_them = Rerender(MatchingConfig(k_ori=2)).orientations(told, "two", [], views(0.0, 1.0))
+    assert len(all_of_them) == 2, "the paper asks the picture alone"
+    (best,) = judge.models(told, [], candidates("two"))
+    assert best.terms["lines"] == only.terms["lines"] < judge.models(asked, [], candidates("two"))[0].terms["lines"]
 
 
 def test_extents_are_measured_along_the_axes() -> None:

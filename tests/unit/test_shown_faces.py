@@ -1,16 +1,20 @@
 """What a run made, as the page of corrections shows it."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from plugins.studio.made import Made
 from stages.contracts import Objects
 from stages.contracts.corrections import Correction
+from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
-MASK = 3
+MASK, TURN = 3, Orientation(yaw=3.0, distance=1.0)
 CHEST = PlacedObject(
     id="chest_1", label="chest", asset="chest_9", category="chest", position=(3.0, 0.5, 0.4), yaw=0.3,
     size=(0.4, 0.6, 0.8),
@@ -51,3 +55,20 @@ def test_a_box_is_shown_as_large_as_its_thing_will_be(made: Made) -> None:
     stands, lower = _faces(made), _faces(made, size=(0.6, 0.4, 0.4))
     assert lower[..., 1].max() == stands[..., 1].max()  # it stands on the same floor
     assert lower[..., 1].min() > stands[..., 1].min() + 10
+
+
+def test_models_are_shown_as_they_stand_others_as_the_first(made: Made) -> None:
+    """A model of rank 2 has its own turn, a cousin without a scene that of matching, any other model that of rank 1."""
+    names = ["first", "second", "third", "other"]
+    compared: list[Any] = [Candidate(asset=name, category="chest", distance=1.0) for name in names]
+    cousins = [
+        Cousin(rank=rank, **one.model_dump(), orientation=TURN, orientations=[TURN])
+        for rank, one in enumerate(compared[:3], 1)
+    ]
+    entry = ObjectCousins(id="chest_1", label="chest", by_distance=compared, cousins=cousins)
+    asked: dict[str, float] = {}
+    snapshots: Any = type("Views", (), {"picture": lambda _, asset, yaw: asked.update({asset: yaw})})()
+    shown = replace(made, cousins={MASK: entry}, snapshots=snapshots)
+    assert len(shown.models(MASK)) == 4 and set(asked.values()) == {3.0}, "there is no scene"
+    replace(shown, views={MASK: {"first": 0.1, "second": 0.2}}).models(MASK)
+    assert asked == {"first": 0.1, "second": 0.2, "third": 3.0, "other": 0.1}

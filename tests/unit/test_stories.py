@@ -8,7 +8,7 @@ import pytest
 from stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
 from stages.contracts.doubt import MEND, Doubt
 from stages.contracts.doubts import group_doubts
-from stages.contracts.generated import PlacedObject
+from stages.contracts.generated import GeneratedScene, PlacedObject, views_of
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import intrinsics_from_fov, look_at
@@ -101,6 +101,30 @@ UNKNOWN = Doubt(cause="name", what="the word 'drill' is not known")
 OTHERWISE = "was said to have 2 doors and 1 drawer, the model has 2 doors and no drawer; no fridge has that"
 
 
+class Views:
+    """Snapshots that know which views are asked for."""
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[str, float | None]] = []
+
+    def picture(self, asset: str, yaw: float | None = None) -> None:
+        self.asked.append((asset, yaw))
+
+
+def test_cousins_are_shown_as_they_stand_else_as_matching_turned_them() -> None:
+    """Generation lays rears into walls, whatever the picture says; ranks without a scene are drawn as matched."""
+    scene = GeneratedScene(
+        **evidence(thing()).objects.model_dump(include={"width", "height", "intrinsics", "floor_from_camera", "walls"}),
+        scene="t", variant="b", rank=1, objects=[placed(position=(3.0, 0.0, 0.4), yaw=np.pi)],
+    )  # fmt: skip
+    snapshots: Any = Views()
+    views = {"desk_1": views_of([scene], "desk_1")}
+    match(matched(), thing(), evidence(thing(), views=views), Album(400, 80), snapshots)
+    assert snapshots.asked[:2] == [("desk_00", pytest.approx(0.0)), ("desk_01", VIEW.yaw)]
+    told_so = dict(told(matched(), thing(front=np.pi)).facts)
+    assert told_so["orientation chosen by"].startswith("the input, turned by ")
+
+
 @pytest.mark.parametrize(
     ("decided_by", "scores", "measure", "numbers"),
     [
@@ -109,6 +133,8 @@ OTHERWISE = "was said to have 2 doors and 1 drawer, the model has 2 doors and no
         ("geometry", (1.5, 1.25), "score of geometry, more is better", ["1.50", "1.25"]),
         ("geometry", (1.25, 1.5), "score of geometry, more is better; alike objects are ordered by its mean",
          ["1.25", "1.50"]),
+        ("geometry", (-0.25, -0.5), "no model fits what is seen: ordered by name, doors and drawers, size and place",
+         ["", ""]),
         ("vlm", (None, None), "", ["", ""]),
     ],
 )  # fmt: skip
@@ -117,7 +143,7 @@ def test_cousins_have_the_number_that_put_them_in_their_order(
 ) -> None:
     entry = matched(decided_by=decided_by)
     for cousin, score in zip(entry.cousins, scores, strict=True):
-        cousin.score = score
+        cousin.score, cousin.terms = score, {"outline": 0.5, "priors": abs(min(score or 1.0, 0.0))}
     made = told(entry, thing())
     assert (made.measure, [one.number for one in made.cousins]) == (measure, numbers)
 

@@ -15,6 +15,7 @@ from plugins.furniture.facts import categories_text, counts_text, describe_categ
 from plugins.furniture.finishes import finish_of
 from plugins.furniture.front_cells import cells
 from plugins.furniture.model import bounds
+from plugins.furniture.real_sizes import REAL_SIZES
 from plugins.furniture.robot import mass_properties
 from plugins.furniture.shapes import bounds_of, cushion, rod, shell_pieces, slab
 from stages.articulated.asset_folder import checksum
@@ -350,6 +351,14 @@ def test_a_low_fridge_is_usual_though_a_fridge_is_guessed_to_be_high() -> None:
     assert describe_unusual(rows["fridge"], low) == "" and describe_unusual(rows["oven"], (0.6, 0.6, 2.1))
     known = rows["fridge"].usual_size()
     assert known is not None and known.misfit(low) > 0
+
+
+def test_what_is_sold_is_usual() -> None:
+    """Our models are no measure of the world: base units are 60 cm deep, and cereal comes in boxes."""
+    rows = {name: describe_category(CATEGORIES[name]) for name in REAL_SIZES}
+    sold = {"bottom_cabinet": (0.64, 0.8, 0.9), "box": (0.06, 0.16, 0.22), "television": (0.06, 1.2, 0.7)}
+    assert all(describe_unusual(rows[name], size) == "" for name, size in sold.items())
+    assert describe_unusual(rows["bottom_cabinet"], (0.64, 0.8, 1.9)) and describe_unusual(rows["box"], (1.0, 1.0, 1.0))
 
 
 def test_what_others_know_of_the_categories_is_written_anew() -> None:

@@ -51,8 +51,8 @@ class Judge:
     def orientations(
         self, question: Question, asset: str, by_votes: list[Orientation], by_distance: list[Orientation]
     ) -> list[Orientation]:
-        """By fit: turned along the wall or the object's box, and, away from walls, as in the k_ori nearest views."""
-        views = [] if self.workbench.fitter(question).touches else by_distance[: self.options.k_ori]
+        """By fit: as its front is known; else along the object's box, and as in the k_ori nearest views."""
+        views = [] if self.workbench.fitter(question).front_known else by_distance[: self.options.k_ori]
         fits = self._fits(question, asset, [view.yaw for view in views])
         return [
             Orientation(yaw=fit.yaw, score=round(fit.score(self.weights), DIGITS), terms=_rounded(fit)) for fit in fits

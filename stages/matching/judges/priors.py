@@ -10,7 +10,7 @@ from stages.contracts.cousins import Candidate, Orientation
 from stages.geometry.viewing import view_angle
 from stages.matching.priors import sum_priors
 from stages.matching.question import DIGITS, AbstainedError, Question
-from stages.matching.yaws import aligned_yaws, touched_wall
+from stages.matching.yaws import aligned_yaws, is_front_known
 
 
 class Judge:
@@ -26,11 +26,11 @@ class Judge:
     def orientations(
         self, question: Question, asset: str, by_votes: list[Orientation], by_distance: list[Orientation]
     ) -> list[Orientation]:
-        """Along the wall that the object touches, front away from it; else along its box, front towards the camera."""
+        """As its front is known; else along its box, front towards the camera."""
         item, scene = question.item, question.scene
         if item is None or scene is None or item.box is None:
             raise AbstainedError("priors: extraction gives no box")
-        wall, eye = touched_wall(item, scene), np.array(scene.floor_from_camera)[:3, 3]
-        yaws = [view_angle(eye, item.box.center, yaw) for yaw in aligned_yaws(item, wall)]
-        ordered = sorted(yaws, key=abs) if wall is None else yaws
+        eye = np.array(scene.floor_from_camera)[:3, 3]
+        yaws = [view_angle(eye, item.box.center, yaw) for yaw in aligned_yaws(item, scene)]
+        ordered = yaws if is_front_known(item, scene) else sorted(yaws, key=abs)
         return [Orientation(yaw=yaw) for yaw in ordered]

@@ -18,7 +18,7 @@ from stages.matching.synthesis.observation import observe
 from stages.matching.synthesis.rendering import Rendering, render
 from stages.matching.synthesis.solid import Solid
 from stages.matching.synthesis.terms import Terms, compare, line_field
-from stages.matching.yaws import aligned_yaws, touched_wall
+from stages.matching.yaws import aligned_yaws, is_front_known, touched_walls
 
 SAME_YAW = np.deg2rad(2)  # ways to stand that differ by less are one
 
@@ -53,12 +53,11 @@ class Fitter:
         self.seen = observe(view, np.array(scene.floor_from_camera, dtype=float), scene.depth_error, resolution)
         self.lines = line_field(self.seen.rgb)
         self.sight = Sight(self.seen.cloud, self.seen.eye, scene.depth_error.at)
-        wall = touched_wall(item, scene)
-        self.touches = wall is not None
-        self.wall = None if wall is None else (np.array(wall.normal), wall.offset)
+        self.wall = next(((np.array(wall.normal), wall.offset) for wall in touched_walls(item, scene)), None)
         self._measured: dict[float, Measured] = {}
         self._fits: dict[tuple[str, float], Fit] = {}
-        self.aligned = aligned_yaws(item, wall)  # yaws at which a model stands along the wall, else along the box
+        self.front_known = is_front_known(item, scene)
+        self.aligned = aligned_yaws(item, scene)
 
     def fit(self, solid: Solid, yaws: Sequence[float]) -> list[Fit]:
         """The model at several yaws of the floor frame, those left out that its symmetry makes equal."""

@@ -1,7 +1,7 @@
 """An object of a picture: what was seen, what it was compared with, who chose its cousins, and what is in doubt."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +46,7 @@ class Rival:
 class Match:
     """One object of the picture and the cousins found for it.
 
-    measure: what the numbers of its cousins are; empty: they have none. pictures: mask and cloud, with captions; facts:
+    measure: what put its cousins in order; empty: it has no numbers. pictures: mask and cloud, with captions; facts:
     (what, how it is); rivals: the nearest models.
     """
 
@@ -65,24 +65,27 @@ class Match:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the run has of a room: its picture, masks (H, W), clouds by object, and the objects of its first scene."""
+    """What the run has of a room: its picture, masks (H, W), clouds by object, the objects of its first scene, and the
+    views of models that stand for them in any (`views_of`)."""
 
     objects: Objects
     rgb: Pixels | None
     masks: NDArray[np.uint16] | None
     clouds: dict[str, NDArray[np.float32]]
     placed: dict[str, PlacedObject]
+    views: dict[str, dict[str, float]] = field(default_factory=dict)
 
 
 def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Album, snapshots: Snapshots) -> Match:
     """An object that has cousins."""
     placed, listed = evidence.placed.get(entry.id), entry.cousins[:LISTED]
+    views = evidence.views.get(entry.id, {})
     measure, numbers = ordered_by(entry.decided_by, listed)
     seen = Image.fromarray(cropped(evidence.rgb, item)) if evidence.rgb is not None else None
 
     def relative(cousin: Cousin, number: str) -> Relative:
-        view, alt = snapshots.picture(cousin.asset, cousin.orientation.yaw), f"{cousin.asset}, cousin of {entry.id}"
-        return Relative(cousin, number, album.thumbnail(view, alt))
+        view = snapshots.picture(cousin.asset, views.get(cousin.asset, cousin.orientation.yaw))
+        return Relative(cousin, number, album.thumbnail(view, f"{cousin.asset}, cousin of {entry.id}"))
 
     return Match(
         entry=entry,
@@ -101,6 +104,8 @@ def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Al
 
 def ordered_by(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str]]:
     """What put cousins in their order, in words, and the number of each."""
+    if cousins and not cousins[0].fits:
+        return "no model fits what is seen: ordered by name, doors and drawers, size and place", [""] * len(cousins)
     if cousins and all(cousin.score is not None for cousin in cousins):
         scores = [cousin.score or 0.0 for cousin in cousins]
         alike = "" if scores == sorted(scores, reverse=True) else "; alike objects are ordered by its mean"
@@ -200,7 +205,8 @@ def _facts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None)
         facts.append(("model chosen by", entry.decided_by))
     if entry.orientation_decided_by:
         turn = f"turned by {np.degrees(entry.cousins[0].orientation.yaw):.0f}° in the camera's view"
-        facts.append(("orientation chosen by", f"{entry.orientation_decided_by}, {turn}"))
+        by = entry.orientation_decided_by if item.front is None else "the input"
+        facts.append(("orientation chosen by", f"{by}, {turn}"))
     if placed is not None and placed.status == "ok":
         on = PLACES.get(placed.support, f"on {placed.support}")
         turn = f"turned by {np.degrees(placed.yaw):.0f}°"
@@ -222,7 +228,7 @@ def _mounting(item: SceneObject) -> str:
 
 def _rival(one: Candidate, entry: ObjectCousins, album: Album, snapshots: Snapshots) -> Rival:
     ranks = {cousin.asset: cousin.rank for cousin in entry.cousins}
-    about = [f"score {one.score:.2f}"] if one.score is not None else []
+    about = [f"score {one.score:.2f}"] if one.score is not None and one.fits else []
     about += [f"{name} {value:.2f}" for name, value in (one.terms or one.parts).items()]
     about += [f"{one.votes} votes"] if one.votes is not None else []
     picture = album.thumbnail(snapshots.picture(one.asset), f"{one.asset}, compared with {entry.id}")

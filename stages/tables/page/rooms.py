@@ -12,7 +12,7 @@ from stages.contracts.cousins import Cousins
 from stages.contracts.doubt import Doubt
 from stages.contracts.extracted import read_clouds, read_object_masks
 from stages.contracts.files import read_json
-from stages.contracts.generated import GeneratedScene
+from stages.contracts.generated import GeneratedScene, views_of
 from stages.contracts.images import read_rgb
 from stages.contracts.made import Made
 from stages.contracts.objects import Objects
@@ -111,6 +111,7 @@ def _evidence(files: RunFiles, room: str, found: Findings, image: Path | None) -
         read_object_masks(path, objects) if masks else None,
         read_clouds(path, objects) if clouds else {},
         found.placed,
+        {item.id: views_of(found.scenes, item.id) for item in objects.objects},
     )
 
 

@@ -1,0 +1,21 @@
+"""How large real things are where our models vary less: a size beyond both is unusual (`Category.real`)."""
+
+from collections.abc import Mapping
+
+# Depth, width and height, metres, of things between which the others lie.
+REAL_SIZES: Mapping[str, tuple[tuple[float, float, float], ...]] = {
+    # IKEA METOD, 37 cm deep; EN 1116: worktops are 60 to 65 cm deep, 85 or 90 high; stock is 12 to 48 inches wide.
+    "bottom_cabinet": ((0.37, 0.40, 0.72), (0.60, 0.30, 0.72), (0.65, 1.22, 0.92)),
+    # Units in stock: 12 to 15 inches deep, 12 to 36 wide, 15 to 42 high.
+    "wall_cabinet": ((0.30, 0.30, 0.38), (0.38, 0.91, 1.07)),
+    # YCB objects (Calli et al., 2015): the boxes of gelatin and of crackers; ISO 3394: packages of 60 by 40 cm.
+    "box": ((0.028, 0.085, 0.073), (0.06, 0.16, 0.21), (0.40, 0.60, 0.40)),
+    # 24 to 75 inches at 16:9, on a wall and on a foot.
+    "television": ((0.05, 0.53, 0.30), (0.35, 1.66, 1.00)),
+    # 60 cm of the edge for each of 2 to 8 people, and a head at either end (Neufert).
+    "table": ((0.70, 0.70, 0.72), (1.05, 2.40, 0.78)),
+    # IKEA MALM; PAX; BILLY and KALLAX.
+    "chest_of_drawers": ((0.48, 0.40, 0.55), (0.48, 0.40, 1.23), (0.48, 1.60, 0.78)),
+    "wardrobe": ((0.35, 0.50, 2.01), (0.58, 3.00, 2.36)),
+    "bookshelf": ((0.28, 0.40, 1.06), (0.39, 1.82, 2.37)),
+}
