@@ -37,11 +37,11 @@ study: setup ## Table 3 on two cores, overnight; the cells that tell most come f
 	$(STUDY) $(call cells,door_object/lite_object,twin cousins_8)
 	$(STUDY) $(call cells,door/lite drawer/lite,cousins_4 all cousins_2)
 	$(STUDY) all
-	$(BIN)/python -m stages.tables results --configs config.yaml config/study/table3.yaml --out docs/results
+	$(BIN)/python -m plugins.studies results --configs config.yaml config/study/table3.yaml --out docs/results
 
 unseen: setup ## success over unseen assets as docs/results has it, in an hour or two on two cores
 	$(UNSEEN) table3
-	$(BIN)/python -m stages.tables results --configs config.yaml config/study/table3.yaml config/study/over_assets.yaml --out docs/results
+	$(BIN)/python -m plugins.studies results --configs config.yaml config/study/table3.yaml config/study/over_assets.yaml --out docs/results
 
 registered: setup ## the registered study of docs/results/design.md: two nights of two cores; it goes on where it stopped
 	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/registered.sh
@@ -51,7 +51,7 @@ second: setup ## the second study of docs/results/design-second.md: a night of t
 
 table2: setup ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
 	$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table2.yaml -- table2
-	$(BIN)/python -m stages.tables results --table 2 --configs config.yaml config/study/table2.yaml --variants b ours-geometry --out docs/results
+	$(BIN)/python -m plugins.studies results --table 2 --configs config.yaml config/study/table2.yaml --variants b ours-geometry --out docs/results
 
 photo: setup ## a picture of yours, e.g. make photo IMAGE=kitchen.jpg; needs weights: docs/your-data.md
 	$(BIN)/snakemake --cores $(CORES) photo --config image=$(IMAGE)

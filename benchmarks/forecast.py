@@ -1,4 +1,4 @@
-"""Does the distance to what training shows forecast success? Fits `stages.experiment.coverage.CURVES` anew, in seconds:
+"""Does the distance to what training shows forecast success? Fits `plugins.studies.coverage.CURVES` anew, in seconds:
 
     mkdir study && tar -xJf docs/results/registered/rollouts.tar.xz -C study
     python -m benchmarks.forecast --results study --assets config/study/assets/registered
@@ -18,10 +18,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from benchmarks.tables import table
+from plugins.studies.coverage import CURVES, Curve, forecast_mean, nearest
 from stages.config.experiment import ExperimentConfig
 from stages.contracts import TaskAssets, read_json
 from stages.contracts.policies import TaskAsset
-from stages.experiment.coverage import CURVES, Curve, forecast_mean, nearest
 from stages.tables.order import SKILL
 from stages.tables.roles import demonstrated_assets
 

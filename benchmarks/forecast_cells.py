@@ -3,7 +3,7 @@
     python -m benchmarks.forecast_cells --configs config.yaml config/study/second.yaml --out forecast.csv
 
 Written is a row per policy: the mean distance of its unseen assets to the nearest that its training shows, and the mean
-of the success to be expected of them (`stages.experiment.coverage`). Printed are the means by task and training set.
+of the success to be expected of them (`plugins.studies.coverage`). Printed are the means by task and training set.
 """
 
 import argparse
@@ -14,10 +14,10 @@ from pathlib import Path
 import pandas as pd
 
 from benchmarks.tables import table
+from plugins.studies.coverage import forecast_mean, nearest
+from plugins.studies.forecasts import FORECAST
 from stages.config.model import Config, read_files
 from stages.contracts import TaskAssets, read_json
-from stages.experiment.coverage import forecast_mean, nearest
-from stages.tables.forecasts import FORECAST
 from stages.tables.writing import write_csv
 
 

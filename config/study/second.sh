@@ -24,4 +24,4 @@ for seed in 0 1; do
     run conditions/mujoco_depth_noise $seed
 done
 workflow results/evaluation/skill/{door,drawer}_{01..24}/rollouts.csv
-python -m stages.tables sets --configs "${CONFIGS[@]}" --forecast docs/results/second/forecast.csv --out docs/results/second
+python -m plugins.studies sets --configs "${CONFIGS[@]}" --forecast docs/results/second/forecast.csv --out docs/results/second

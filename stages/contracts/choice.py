@@ -1,4 +1,4 @@
-"""Contract of the models that `experiment choose` says to train on."""
+"""Contract of the models that `studies choose` says to train on."""
 
 from pydantic import Field, model_validator
 
@@ -29,7 +29,7 @@ class Choice(Document):
     """`choice.json`: models to train on, one per family, and what they cover of the usable models of the library.
 
     Usable is what the task can open at one side. Distance 1 is a front 1.42 times as wide, or a handle higher by 18 %
-    of the front (`stages/experiment/coverage.py`).
+    of the front (`plugins/studies/coverage.py`).
     """
 
     task: Id

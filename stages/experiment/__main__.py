@@ -7,7 +7,6 @@ main(
     {
         "select": "name twin, cousins, dissimilar asset, training and test assets of a task",
         "pinned": "take them from a committed file, if the library has the very same models",
-        "choose": "which models of a library to train on, and what they cover",
         "draw": "pictures of them with their roles and attributes",
     },
 )

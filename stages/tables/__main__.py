@@ -9,8 +9,6 @@ main(
         "trainings": "how every training ended, and which failed",
         "policies": "success over unseen assets, Table 3, Figures 4 and 9, with the paper's values beside ours",
         "conditions": "success in another simulator, under noise, ..., minus the usual",
-        "sets": "how training sets compare over many objects, measured and forecast",
-        "results": "what a study found, as Markdown, CSV and figures for docs/results",
         "viewer": "the script by which pages turn a scene",
         "report": "one page about the whole run",
         "overview": "every scene of a run as a row of one page",

@@ -172,11 +172,11 @@ FOR_PEOPLE = {  # pages and helpers that no rule calls: there is nothing to repl
     "furniture facts",
     "importing import",
     "ops cluster",
-    "experiment choose",
+    "studies choose",
     "inputs annotate",
     "inputs from-rgbd",
-    "tables results",
-    "tables sets",
+    "studies results",
+    "studies sets",
 }
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from plugins.studies.progress import policy_file, progress_table
 from stages.config.model import Config, load
 from stages.config.policy_kinds import policy_tables
 from stages.config.tables import PolicyTables
@@ -14,7 +15,6 @@ from stages.tables import assets, conditions
 from stages.tables.methods import kinds_of
 from stages.tables.policies import target_tables
 from stages.tables.pooling import pooled
-from stages.tables.progress import policy_file, progress_table
 from tests.unit.tables_results import over_assets
 
 DOOR = {"task": "door", "room": "room_1", "object": "cabinet_1"}

@@ -1,4 +1,4 @@
-"""`experiment choose`: which models to train on, what is told of them, and what is refused."""
+"""`studies choose`: which models to train on, what is told of them, and what is refused."""
 
 from pathlib import Path
 from typing import Any
@@ -6,13 +6,13 @@ from typing import Any
 import pytest
 from PIL import Image
 
+from plugins.studies.choice_report import report
+from plugins.studies.choose import by_rule, choice_of
+from plugins.studies.choose import run as choose
 from stages.contracts import read_json, write_json
 from stages.contracts.choice import Choice
 from stages.contracts.cousins import Distances
 from stages.contracts.library_folder import write_part
-from stages.experiment.choice_report import report
-from stages.experiment.choose import by_rule, choice_of
-from stages.experiment.choose import run as choose
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset, cabinet
 

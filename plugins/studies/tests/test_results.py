@@ -7,14 +7,14 @@ import pandas as pd
 import pytest
 from PIL import Image
 
+from plugins.studies import results
 from stages.config.model import Config, load
 from stages.contracts.files import read_json, write_json
 from stages.contracts.policies import ChosenRuns, RunScore, TaskAssets
-from stages.tables import results
 from tests.refusals import refused
 from tests.unit.tables_results import over_assets, picture, rollout, score, write_rows, write_run
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 PUBLISHED = ROOT / "report" / "published"
 STUDY = """
 seed: 7

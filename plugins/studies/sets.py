@@ -7,6 +7,10 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from plugins.studies.forecasts import FORECAST, agreement, agreement_table
+from plugins.studies.objects import ROLLOUT, Estimate, estimate, paired
+from plugins.studies.progress import policy_file
+from plugins.studies.set_tables import comparisons_table, sets_table
 from stages.config.evaluation import USUAL
 from stages.config.model import Config, read_files
 from stages.config.tables import TablesConfig
@@ -15,12 +19,8 @@ from stages.contracts.files import write_text
 from stages.contracts.policies import Rollout
 from stages.tables import trainings
 from stages.tables.claims import FAILS, HOLDS, OPEN
-from stages.tables.forecasts import FORECAST, agreement, agreement_table
 from stages.tables.markup import markdown
-from stages.tables.objects import ROLLOUT, Estimate, estimate, paired
-from stages.tables.progress import policy_file
 from stages.tables.rows import ONE_TEST, read_rows, read_table
-from stages.tables.set_tables import comparisons_table, sets_table
 from stages.tables.writing import write_csv
 
 CELL = ["condition", "task", "object", "training_set", "seed"]

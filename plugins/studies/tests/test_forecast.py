@@ -8,9 +8,9 @@ import pandas as pd
 import pytest
 
 from benchmarks.forecast import FITTED, accounted, error, fit_curve, left_out, of_sets, read_pairs
-from stages.experiment.coverage import CURVES, ERRORS, Curve
+from plugins.studies.coverage import CURVES, ERRORS, Curve
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 EXPECTED = {"door": (0.51, 0.46), "drawer": (0.23, 0.15)}  # variance accounted for: families, rooms left out
 
 

@@ -7,6 +7,10 @@ from typing import Literal, NamedTuple
 
 import pandas as pd
 
+from plugins.studies.associations import Shown, associations_table, traits
+from plugins.studies.associations import build as associate
+from plugins.studies.progress import policy_file, progress_table, runs_that_count
+from plugins.studies.study import cost, facts
 from stages.config.model import Config, read_files
 from stages.config.policy_kinds import policy_tables
 from stages.config.targets import Cell
@@ -16,8 +20,6 @@ from stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
 from stages.contracts.training_sets import is_randomised
 from stages.tables import conditions, robustness, table2, table3, trainings
 from stages.tables.assets import of_splits
-from stages.tables.associations import Shown, associations_table, traits
-from stages.tables.associations import build as associate
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table, markdown
 from stages.tables.methods import kinds_of, read_pooled, read_rollouts
@@ -25,12 +27,10 @@ from stages.tables.order import SKILL, SPLITS, target_title, title
 from stages.tables.policies import asset_tables, collect, role_tables, target_tables, write_figures
 from stages.tables.policy_notes import policy_notes
 from stages.tables.pooling import pool_of, pooled
-from stages.tables.progress import policy_file, progress_table, runs_that_count
 from stages.tables.roles import demonstrated_assets, lists_table, roles_table
 from stages.tables.rows import ONE_SCENE, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
 from stages.tables.scene_tables import robustness_table, scenes_table
-from stages.tables.study import cost, facts
 from stages.tables.writing import write_csv
 
 SCENE_STAGES = ["assets", "scenes", "extraction", "matching", "generation", "evaluation", "tables"]

@@ -9,7 +9,7 @@ from benchmarks import how_many_assets
 from benchmarks.how_many_assets import drawn, errors, papers_table, reading, successes, variances
 from tests.unit.tables_results import rollout, write_rows
 
-PUBLISHED = Path(__file__).parents[2] / "report" / "published"
+PUBLISHED = Path(__file__).parents[3] / "report" / "published"
 SIZES = {"object": 0.2, "asset": 0.4, "run": 0.1, "asset x run": 0.15, "start": 0.3, "rollout": 0.25}
 
 

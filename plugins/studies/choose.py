@@ -7,6 +7,8 @@ from typing import Literal
 
 import numpy as np
 
+from plugins.studies.choice_report import report
+from plugins.studies.coverage import CURVES, alone, covered, forecast_mean, most_covered
 from stages.contracts import InputError, read_json, write_json
 from stages.contracts.choice import Choice, ChosenModel
 from stages.contracts.cousins import Distances
@@ -15,8 +17,6 @@ from stages.contracts.library import Vector
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import TaskAsset
 from stages.contracts.types import LARGEST
-from stages.experiment.choice_report import report
-from stages.experiment.coverage import CURVES, alone, covered, forecast_mean, most_covered
 from stages.experiment.splits import by_chance, cover
 from stages.experiment.usable import usable_assets
 from stages.plugins import load
@@ -73,7 +73,7 @@ def run(
     choice = choice_of(pool, chosen, task=task, rule=rule, seed=seed, like=like, box=box)
     print("\n".join(report(choice, pool)))
     if out:
-        from stages.experiment.choice_picture import write_picture  # slow to import
+        from plugins.studies.choice_picture import write_picture  # slow to import
 
         write_json(out / "choice.json", choice)
         write_picture(out / "choice.png", choice, pool, snapshots)

@@ -9,7 +9,7 @@ from benchmarks.forecast_cells import expected
 from stages.config.model import Config, read_files
 from stages.contracts import TaskAssets, read_json
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 FORECAST = ROOT / "docs/results/second/forecast.csv"
 
 

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 
+from plugins.studies.coverage import ERRORS
 from stages.contracts.choice import Choice, ChosenModel
 from stages.contracts.policies import TaskAsset
-from stages.experiment.coverage import ERRORS
 
 SEEN = (
     "at eleven of twelve objects policies opened more after eight by chance than after the nearest, often hardly more"

@@ -6,8 +6,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from stages.contracts.policies import TaskAsset
-from stages.experiment.coverage import (
+from plugins.studies.coverage import (
     CURVES,
     alone,
     covered,
@@ -17,6 +16,7 @@ from stages.experiment.coverage import (
     most_covered,
     nearest,
 )
+from stages.contracts.policies import TaskAsset
 from tests.unit.demo_assets import an_asset
 
 SHOWN = [an_asset("near", panel_size=(0.4, 0.6), handle_height=0.5), an_asset("far", panel_size=(0.8, 0.6))]

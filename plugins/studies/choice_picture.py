@@ -11,11 +11,11 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
+from plugins.studies.choice_report import share
+from plugins.studies.coverage import HEIGHT, WIDTH
 from stages.contracts import atomic
 from stages.contracts.choice import Choice
 from stages.contracts.policies import TaskAsset
-from stages.experiment.choice_report import share
-from stages.experiment.coverage import HEIGHT, WIDTH
 from stages.experiment.draw import representatives
 
 WIDTHS = (10, 15, 20, 30, 40, 60, 80, 120, 160)  # cm, on the axis

@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from plugins.studies import sets
+from plugins.studies.forecasts import agreement
+from plugins.studies.objects import ROLLOUT, estimate, paired, standard_error
 from stages.config.tables import TablesConfig
 from stages.contracts.policies import Rollout
-from stages.tables import sets
-from stages.tables.forecasts import agreement
-from stages.tables.objects import ROLLOUT, estimate, paired, standard_error
 from tests.unit.tables_results import write_rows
 
 OPTIONS = TablesConfig(bootstrap_samples=400)

@@ -1,0 +1,13 @@
+"""`python -m plugins.studies VERB --help`."""
+
+from stages.cli import main
+
+if __name__ == "__main__":
+    main(
+        "plugins.studies",
+        {
+            "choose": "which models of a library to train on, and what they cover",
+            "sets": "how training sets compare over many objects, measured and forecast",
+            "results": "what a study found, as Markdown, CSV and figures for docs/results",
+        },
+    )
