@@ -26,7 +26,7 @@ class Curve(NamedTuple):
 
 
 # By task: fitted by `python -m benchmarks.forecast` on docs/results/registered/rollouts.tar.xz (720 pairs of asset and
-# training set: twin, twin_randomised, cousins_8; network `lite`, 240 demonstrations); see plugins/studies/tests/test_forecast.py.
+# training set: twin, twin_randomised, cousins_8; network `lite`, 240 demonstrations); tests/test_forecast.py.
 CURVES = {"door": Curve(1.888, 1.5292), "drawer": Curve(1.7782, 0.7025)}
 # Root mean square error of a forecast mean over the 40 unseen assets of a room that no curve was fitted on.
 ERRORS = {"door": 0.08, "drawer": 0.16}
