@@ -44,11 +44,6 @@ class Category:
     growth: tuple[float, float] = (1.0, 0.0)
     appliance: bool = False
 
-    @property
-    def words(self) -> list[str]:
-        """Its other names and words for similar things, without spaces."""
-        return [word.replace(" ", "") for word in f"{self.names},{self.like}".split(",") if word]
-
 
 def category(name: str, **fields: Any) -> Callable[[Sampler], Category]:
     """The decorator that makes a category of a function that samples its models; `fields` are those of `Category`."""

@@ -25,10 +25,9 @@ def resize(item: Placed) -> Placed:
     if has_size(item.asset, item.size.tolist()):
         return replace(item, prisms=to_prisms(read_collisions(item.folder)))
     sized = resize_model(item.folder, item.asset, item.size.tolist())
-    low, high = closed_box(sized.robot).round(6)
-    asset = item.asset.model_copy(
-        update={"box_min": tuple(low), "box_max": tuple(high), "mass": round(sized.robot.mass, 4)}
-    )
+    low, high = (closed_box(sized.robot).round(6) + 0.0).tolist()
+    mass = round(sized.robot.mass, 4)
+    asset = item.asset.model_copy(update={"box_min": tuple(low), "box_max": tuple(high), "mass": mass})
     pieces = [mesh for link in closed_links(as_written(sized.robot)) for mesh in link.collisions]
     return replace(item, asset=asset, sized=sized, prisms=to_prisms(pieces))
 
