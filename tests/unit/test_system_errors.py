@@ -138,7 +138,7 @@ def test_other_errors_are_ours() -> None:
 
 
 def test_a_stage_ends_with_one_line() -> None:
-    command = [sys.executable, "-m", "stages.assets", "library", "--out", "/proc/none/library.json"]
+    command = [sys.executable, "-m", "plugins.furniture", "library", "--out", "/proc/none/library.json"]
     done = subprocess.run([*command, "--options", '{"counts": {"mug": 1}}'], capture_output=True, text=True)
     assert done.returncode == 1 and "Traceback" not in done.stderr
     assert done.stderr.strip().splitlines()[-1].startswith("error: /proc/none: ")

@@ -52,6 +52,6 @@ def test_good_ones_pass(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.
     for seed in ("-1", str(2**63)):
         monkeypatch.setattr(sys, "argv", ["stages.assets", "library", "--out", "none/library.json", "--seed", seed])
         with pytest.raises(SystemExit) as ended:
-            cli.main("stages.assets", {"library": ""})
+            cli.main("plugins.furniture", {"library": ""})
         assert ended.value.code == 1
         assert capsys.readouterr().err == f"error: --seed: {seed} is no seed. Fix: 0 to {2**53 - 1} [E-SEED]\n"
