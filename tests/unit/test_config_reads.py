@@ -39,6 +39,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "extraction.own": set(),
     "evaluation.own": set(),
     "training.runs.lite.own": set(),
+    "training.runs.lite.network.cloud": {"train", "policies", "report"},  # whether the paper stands beside
     "training.runs.lite.network.pointnet_width": {"train", "policies", "report"},  # tables name it
     "evaluation.selection_rollouts": {"trial"},
     "demonstrations.randomise": set(),  # of one role's demonstrations alone
@@ -46,7 +47,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "evaluation.parking": {"rollout", "skill", "trial", "policies", "report"},
     "evaluation.depth_noise": {"rollout", "trial", "policies", "report"},
     "evaluation.camera_error": {"rollout", "trial", "policies", "report"},
-    "training.runs.lite.policy": {"train", "policies", "report"},  # what the policies of a row are called
+    "training.runs.lite.policy": {"train", "policies", "report"},  # what policies are called
     "training.runs.lite.handle": {"train", "policies", "report"},
     "evaluation.conditions": set(),  # read with a condition alone
     "tables": {"scenes", "policies", "conditions", "report", "picture"},
@@ -129,9 +130,9 @@ def test_a_verb_can_read_nothing_else(stage: str, verb: str) -> None:
 
 def test_ranges_of_what_is_randomised_run_its_demonstrations_alone_again() -> None:
     for role in ("twin", "cousin_1", "cover_17", "all"):
-        told = options_of(CONFIG, "demonstrations", "collect", {"task": "door", "role": role})
+        told = options_of(CONFIG, "demonstrations", "collect", {"target": "door", "role": role})
         assert "randomise" not in told, role
-        told = options_of(CONFIG, "demonstrations", "collect", {"task": "door", "role": f"{role}_randomised"})
+        told = options_of(CONFIG, "demonstrations", "collect", {"target": "door", "role": f"{role}_randomised"})
         assert "randomise" in told, role
 
 
