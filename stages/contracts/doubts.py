@@ -4,6 +4,7 @@ A doubt is what a person can mend. Of 226 things with truth (`work` of docs/resu
 that are far off are doubted, and 22 of 90 that are right.
 """
 
+import math
 from collections.abc import Collection
 from typing import NamedTuple
 
@@ -16,6 +17,7 @@ MOUNTING = {1: "hangs on a wall", 2: "stands free", 3: "stands and touches a wal
 FEW_POINTS = 300
 CLOSE = 0.05  # share by which a second model is farther than the first
 MOVED, SHIFTED = 0.05, 0.01  # metres
+JUTS = 0.15  # metres before the front that the camera sees: more than boxes of clouds are off
 ANOTHER_SIZE = 0.3  # share by which an extent differs from the cloud's
 LOWEST, HIGHEST = 0.3, 3.0  # metres above floor or table at which people hold a camera
 # What makes a camera seem higher, or lower, than it is, and by what its height is to be multiplied then.
@@ -73,6 +75,7 @@ def grouped(found: Collection[tuple[str, Doubt]]) -> list[Group]:
 def doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects) -> list[Doubt]:
     """What may be wrong with an object and a person can mend, gravest first; not what a person says."""
     found = list(entry.doubts)
+    found += [one for one in item.doubts if not (one.cause == "size" and "size" in item.told)]
     if item.note:
         found.append(Doubt(cause="mounting", what=f"{item.note}: mounting by geometry"))
     if item.measured_mounting is not None and "mounting" not in item.told and not agree(item):
@@ -87,6 +90,8 @@ def doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None,
         differs = entry.cousins[0].differs if entry.cousins else ""
         return gravest_first(found + ([Doubt(cause="affordance", what=differs)] if differs else []))
     found += placed.doubts
+    if "size" not in item.told and (juts := _juts(placed, item)) > JUTS:
+        found.append(Doubt(cause="size", what=f"reaches {100 * juts:.0f} cm before the front that the picture shows"))
     if placed.moved > MOVED:
         found.append(Doubt(cause="place", what=f"pushed {100 * placed.moved:.0f} cm out of a collision"))
     if placed.settled_shift is not None and placed.settled_shift > SHIFTED:
@@ -107,6 +112,21 @@ def notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) 
         if any(abs(a / max(b, 1e-6) - 1) > ANOTHER_SIZE for a, b in zip(ours, clouds, strict=True)):
             found.append("placed with another depth or width than its cloud has: the far side is hidden")
     return found
+
+
+def _juts(placed: PlacedObject, item: SceneObject) -> float:
+    """Metres by which a model reaches farther to its front than what is seen of the object, as it is deeper.
+
+    0: its front faces away from the camera, which stands at x = y = 0; there nothing was seen.
+    """
+    if placed.status != "ok" or item.box is None:
+        return 0.0
+    c, s, turn = math.cos(placed.yaw), math.sin(placed.yaw), placed.yaw - item.box.yaw
+    (x, y, _), (u, v, _) = item.box.center, placed.position
+    if c * x + s * y >= 0:
+        return 0.0
+    deeper = placed.size[0] - abs(math.cos(turn)) * item.box.size[0] - abs(math.sin(turn)) * item.box.size[1]
+    return max(0.0, min(deeper, c * (u - x) + s * (v - y) + deeper / 2))
 
 
 def _cut(item: SceneObject, objects: Objects) -> bool:
