@@ -10,6 +10,7 @@ from stages.contracts import Camera, InputError, Library, read_json
 from stages.contracts.categories import known_categories
 from stages.contracts.corrections import CORRECTIONS
 from stages.contracts.depth import read_depth
+from stages.contracts.errors import nearest
 from stages.contracts.images import orientation_of
 from stages.inputs.by_hand.correcting import Correcting
 from stages.inputs.by_hand.photo import Photo, read_photo
@@ -71,7 +72,7 @@ def run(
                 )
         name = scene or (image.parent.name if image.name in MADE else scene_of(image.resolve()))
         session: Session | Correcting = Correcting(image, _categories(library), results, name, variant, choose)
-        session.opened()
+        _check_named(session, results, scene, choose)
     elif lens is not None and depth is not None:
         raise InputError(
             "--lens",
@@ -106,6 +107,17 @@ def run(
         count = len(json.loads(written.read_text(encoding="utf-8"))["objects"])
         many = "1 object" if count == 1 else f"{count} objects"
         print(f"{folder}: an input folder with {many}; {folder / 'config.yaml'} names it as a scene")
+
+
+def _check_named(session: Correcting, results: Path, scene: str | None, choose: str | None) -> None:
+    """Refuse a scene that the last run did not make, and an object that is not in the picture."""
+    runs = sorted(path.parent.name for path in (results / "extraction").glob("*/objects.json"))
+    if scene is not None and runs and scene not in runs:
+        raise InputError("--scene", f"{results} has no scene '{scene}'.", nearest(scene, runs), code="E-OBJECT-MISSING")
+    names = [*(item.id for item in session.made.items.values()), *(thing.id for thing in session.opened().objects)]
+    if choose is not None and choose not in names:
+        fix = nearest(choose, list(dict.fromkeys(names)))
+        raise InputError("--choose", f"there is no '{choose}' in the picture.", fix, code="E-OBJECT-MISSING")
 
 
 def _drawn(

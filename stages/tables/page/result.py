@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from stages.tables.claims import OPEN
 from stages.tables.methods import Kinds, kind
-from stages.tables.order import SKILL, set_key, task_key, title
+from stages.tables.order import SKILL, set_key, task_key, title, title_of
 from stages.tables.page.charts import success_chart
 from stages.tables.page.rooms import RoomPart
 from stages.tables.policy_tables import evidence, too_few_runs
@@ -62,10 +62,10 @@ def sentences(claims: pd.DataFrame | None, names: dict[str, str]) -> tuple[str, 
     if not rows:
         return "", []
     first = rows[0]
-    over = f"{first['assets']} {'held-out roles' if first['over'] == 'roles' else title(first['over'])}"
+    over = title_of(first["assets"], "unseen" if first["over"] == "roles" else first["over"])
     whose = {task: name.replace(" (", ", ").rstrip(")") for task, name in names.items()}
     alike = [row for row in rows if all(row[key] == first[key] for key in ("over", "assets", "training_set"))]
-    ends = ", ".join(_ends(row) + f" ({whose[row['task']]})" * (len(alike) > 1) for row in alike)
+    ends = ", ".join(f"{_ends(row)}, {evidence(row)}" + f" ({whose[row['task']]})" * (len(alike) > 1) for row in alike)
     what = title(first["task"])
     line = f"success at {what[0].lower()}{what[1:]} on {over}, trained on {title(first['training_set'])} "
     again = [AGAIN] if any(map(too_few_runs, rows)) else []
@@ -96,7 +96,7 @@ def over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: 
         policies = policies[policies["test_asset"] == split]
         skill = mine[(mine["training_set"] == SKILL) & (mine["test_asset"] == split)]["mean"]
         rows = {task: fill(kind(task, kinds), 24) for task in policies["task"].unique()}
-        about = f"success over {policies['assets'].iloc[0]} {title(split)} of families that no policy was trained on"
+        about = f"success over {title_of(policies['assets'].iloc[0], split)} of families that no policy was trained on"
         label = f"{title(group)}: {about}, by kind of policy and training set; the numbers are in the table of assets"
         chart = success_chart(policies, label, rows, "task", float(skill.iloc[0]) if len(skill) else None)
         names = {task: kind(task, kinds) for task in policies["task"].unique()}
