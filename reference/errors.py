@@ -4,7 +4,7 @@ import ast
 import html
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
@@ -38,7 +38,9 @@ def faults(root: Path, folders: tuple[str, ...] = ("stages", "plugins")) -> list
     """Every call that makes an error in the Python files below some folders of the repository, by code and file."""
     paths = [file for folder in folders for file in sorted((root / folder).rglob("*.py"))]
     files = [file for file in paths if "tests" not in file.relative_to(root).parts]
-    found = [fault for file in files for fault in _faults_of(file, file.relative_to(root).as_posix())]
+    modules = {file.relative_to(root).with_suffix(""): ast.parse(file.read_text(encoding="utf-8")) for file in files}
+    constants = {".".join(name.parts): _assigned(tree.body) for name, tree in modules.items()}
+    found = [fault for name, tree in modules.items() for fault in _faults_of(tree, f"{name}.py", constants)]
     return sorted(found, key=lambda fault: (fault.code, fault.file, fault.line))
 
 
@@ -52,24 +54,61 @@ def page(root: Path) -> str:
     return "\n".join(parts)
 
 
-def _faults_of(file: Path, name: str) -> Iterator[Fault]:
-    nodes = list(ast.walk(ast.parse(file.read_text(encoding="utf-8"))))
-    named = defaultdict(list)  # codes by the variable that holds them
+Values = Mapping[str, list[ast.expr]]  # what is assigned to a name
+
+
+def _assigned(nodes: Iterable[ast.AST]) -> dict[str, list[ast.expr]]:
+    """What some statements assign to names."""
+    found = defaultdict(list)
     for each in nodes:
         if isinstance(each, ast.Assign) and isinstance(each.targets[0], ast.Name):
-            named[each.targets[0].id] += _codes(each.value)
-    for call in nodes:
+            found[each.targets[0].id].append(each.value)
+    return found
+
+
+def _faults_of(tree: ast.Module, name: str, constants: Mapping[str, Values]) -> Iterator[Fault]:
+    """Those of a file; `constants`: what the modules of the repository assign to names, by module."""
+    imported = {
+        alias.asname or alias.name: constants.get(each.module or "", {}).get(alias.name, [])
+        for each in ast.walk(tree)
+        if isinstance(each, ast.ImportFrom)
+        for alias in each.names
+    }
+    shared = imported | _assigned(tree.body)
+    known = dict.fromkeys(ast.walk(tree), shared)
+    for function in [each for each in known if isinstance(each, ast.FunctionDef)]:  # inner ones after those around them
+        names = shared | {key: [] for key in _parameters(function)} | _assigned(ast.walk(function))
+        known |= dict.fromkeys(ast.walk(function), names)
+    for call, names in known.items():
         if not isinstance(call, ast.Call):
             continue
         given = dict(zip(("where", "what", "fix", "code"), call.args, strict=False))
         given |= {word.arg: word.value for word in call.keywords if word.arg}
         code, default = given.get("code"), DEFAULTS.get(ast.unparse(call.func))
-        codes = named[code.id] if isinstance(code, ast.Name) else _codes(code) if code else []
+        holders = names.get(code.id, []) if isinstance(code, ast.Name) else [code] if code else []
+        codes = [each for holder in holders for each in _codes(holder)]
         if codes or default:
-            where, what, fix = (_text(given.get(part)).replace("`", "'") for part in ("where", "what", "fix"))
+            said = (_said(given.get(part), names, call.lineno) for part in ("where", "what", "fix"))
+            where, what, fix = (text.replace("`", "'") for text in said)
             says = what if where.startswith("{") else f"{where}: {what}"  # a path that is only known when it runs
             for each in codes or ["" if code or not default else default]:
                 yield Fault(each, name, call.lineno, says, fix)
+
+
+def _parameters(function: ast.FunctionDef) -> list[str]:
+    return [each.arg for each in (*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs)]
+
+
+def _said(node: ast.expr | None, known: Values, line: int) -> str:
+    """What an expression says; of a name the text that was assigned to it last, if that is known before it runs."""
+    if isinstance(node, ast.Name):
+        values = known.get(node.id, [])
+        values = [value for value in values if value.lineno <= line] or values
+        text = "".join(_text(value) for value in values[-1:])
+        return _text(node) if not text or text.startswith("{") else text
+    if isinstance(node, ast.IfExp):
+        return " | ".join(filter(None, (_said(node.body, known, line), _said(node.orelse, known, line))))
+    return _text(node)
 
 
 def _codes(node: ast.expr) -> list[str]:

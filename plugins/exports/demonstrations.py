@@ -4,6 +4,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Literal
 
+from stages.contracts.episode_store import read_episodes
+
 
 def run(
     *,
@@ -21,3 +23,6 @@ def run(
         library: library.json that the assets come from; maniskill alone needs it.
     """
     import_module(f"plugins.exports.episode_formats.{format}").write(episodes, out, library)
+    if format != "maniskill":  # which says itself how many succeed again
+        kept = sum(len(read_episodes(path).assets) for path in episodes)
+        print(f"exported: {kept} episodes of {len(episodes)} stores to {out}")

@@ -28,6 +28,7 @@ from stages.contracts.library import Asset, Joint
 from stages.contracts.types import LARGEST
 
 NOTES = "asset.json"
+TINY = 0.03  # metres: smaller things are in no room that is rebuilt; most are in another unit than they say
 
 
 @dataclass
@@ -152,6 +153,8 @@ def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: 
     model.asset = asset
     if odd := describe_unusual(known_categories().get(asset.category), asset.size):
         model.doubts.append(odd)
+    elif asset.category not in known_categories() and max(asset.size) < TINY:
+        model.doubts.append(f"is at most {100 * max(asset.size):.2g} cm large: is the unit right (scale)?")
     return model
 
 

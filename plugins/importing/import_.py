@@ -3,7 +3,7 @@
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from plugins.importing.discover import PACK, PAGE, Found, discover, is_model, is_part, numbered_names, single
@@ -72,10 +72,24 @@ def run(folder: Path, /, *, out: Path) -> None:
             models[one.path] = model
             print(model.text(), flush=True)
     write_page(out / PAGE, folder, list(models.values()), pack, words)
+    for line in left_behind(out, set(where.values())):
+        print(line)
     taken = sum(model.asset is not None for model in models.values())
     print(plain(f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}"))
     if not taken:
         raise InputError(folder, "none of its models can be used.", "see above", code="E-MODELS-UNUSABLE")
+
+
+def left_behind(out: Path, now: Collection[Path]) -> Iterator[str]:
+    """What lies in `out` of models that are no longer imported, and would be used: a line if there is any.
+
+    Args:
+        now: folders of the models of this import.
+    """
+    old = sorted(path.parent for path in out.glob("*/*/asset.json") if path.parent not in now)
+    if old:
+        names = ", ".join(path.relative_to(out).as_posix() for path in old)
+        yield plain(f"{out}: still has models that are gone from the source, and they are used: delete {names}")
 
 
 def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:

@@ -16,6 +16,7 @@ from stages.contracts import Camera, InputError, Library, read_json
 from stages.contracts.categories import known_categories
 from stages.contracts.corrections import CORRECTIONS
 from stages.contracts.depth import read_depth
+from stages.contracts.errors import nearest
 from stages.contracts.images import orientation_of
 
 MADE = ("input", "frame")  # what the folders of scenes are called that the workflow makes itself
@@ -70,8 +71,9 @@ def run(
                     name, "is for a picture; the folder has its own.", "leave it out", code="E-OPTION-CONFLICT"
                 )
         name = scene or (image.parent.name if image.name in MADE else scene_of(image.resolve()))
-        session: Session | Correcting = Correcting(image, _categories(library), results, name, variant, choose)
-        session.opened()
+        correcting = Correcting(image, _categories(library), results, name, variant, choose)
+        _check_named(correcting, results, scene, choose)
+        session: Session | Correcting = correcting
     elif lens is not None and depth is not None:
         raise InputError(
             "--lens",
@@ -106,6 +108,17 @@ def run(
         count = len(json.loads(written.read_text(encoding="utf-8"))["objects"])
         many = "1 object" if count == 1 else f"{count} objects"
         print(f"{folder}: an input folder with {many}; {folder / 'config.yaml'} names it as a scene")
+
+
+def _check_named(session: Correcting, results: Path, scene: str | None, choose: str | None) -> None:
+    """Refuse a scene that the last run did not make, and an object that is not in the picture."""
+    runs = sorted(path.parent.name for path in (results / "extraction").glob("*/objects.json"))
+    if scene is not None and runs and scene not in runs:
+        raise InputError("--scene", f"{results} has no scene '{scene}'.", nearest(scene, runs), code="E-OBJECT-MISSING")
+    names = [*(item.id for item in session.made.items.values()), *(thing.id for thing in session.opened().objects)]
+    if choose is not None and choose not in names:
+        fix = nearest(choose, list(dict.fromkeys(names)))
+        raise InputError("--choose", f"there is no '{choose}' in the picture.", fix, code="E-OBJECT-MISSING")
 
 
 def _drawn(

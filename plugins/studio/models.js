@@ -82,7 +82,7 @@ const native = (item) => (shown.get(item.mask) ?? []).find((one) => one.asset ==
 function ownSize(item) {
   const size = native(item);
   get('own-size').hidden = !size;
-  if (size) get('own-size').textContent = `As its model: ${size.map((value) => Math.round(100 * value)).join(' × ')} cm`;
+  if (size) get('own-size').textContent = `As its model: ${size.map((value, k) => `${Math.round(100 * value)} ${['wide', 'deep', 'high'][k]}`).join(' × ')}, cm`;
 }
 
 export function placement(item, others, nameOf) {

@@ -6,6 +6,7 @@ import { bindFront, closed, front, typed } from './fronts.js';
 import { draw } from './drawing.js';
 import { choose, hint, step } from './tools.js';
 
+const SIDES = ['wide', 'deep', 'high'];
 const get = (id) => document.getElementById(id);
 const metres = (value) => `${value < 0.995 ? `${(100 * value).toFixed(value < 0.1 ? 1 : 0)} cm` : `${value.toFixed(2)} m`}`;
 // Width, depth and height in place of those that are absurd; what the picture tells well stays.
@@ -77,7 +78,7 @@ function panel() {
   get('behind').hidden = !chosen();
   list(get('objects'), project.objects, (item) => {
     const size = solved.boxes[item.id]?.size;
-    return size ? `${nameOf(item)}: ${size.map(metres).join(' × ')}` : nameOf(item);
+    return size ? `${nameOf(item)}: ${size.map((side, k) => `${metres(side)} ${SIDES[k]}`).join(' × ')}` : nameOf(item);
   });
   const carriers = [['floor', 'the floor'], ...project.walls.map((item) => [item.id, item.id.replace('_', ' ')])];
   const others = project.objects.map((item) => [item.id, nameOf(item)]);
@@ -102,7 +103,7 @@ function panel() {
   get('object-facts').textContent = box ? `${metres(box.distance)} away` : '';
   const usual = usualOf(item);
   get('usual').hidden = !usual;
-  if (usual) get('usual').textContent = `Use the usual size: ${usual.map((side) => Math.round(100 * side)).join(' × ')} cm`;
+  if (usual) get('usual').textContent = `Use the usual size: ${usual.map((side, k) => `${Math.round(100 * side)} ${SIDES[k]}`).join(' × ')}, cm`;
 }
 
 // A side that is now the known length is as long as it was, until another length is typed.

@@ -22,12 +22,14 @@ from plugins.studio.usual import STANDING, Sides, camera_factor, usual_size
 from stages.contracts.categories import known_categories, sizes_of
 from stages.contracts.category import describe_unusual, find_category
 from stages.contracts.depth import NEAREST
+from stages.contracts.doubt import Doubt
 from stages.contracts.types import LARGEST, Pixel
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
+LEAST = 0.02  # metres: what hangs is wider and higher, unless one edge of it was marked
 FLAT = 0.03  # metres: how deep something on a wall is of which nobody said what it is
 
 
@@ -36,7 +38,7 @@ class Solved:
     """The room in metres; `notes`: by id of an object or wall, or `scale`, what is wrong with it or was guessed;
     `guessed`: objects of which nobody drew or typed how deep they are; `usual`: of what is absurdly large, thin or
     small, the width, depth and height to take instead; `factor`: by which nearly all heights are wrong, with the
-    height of a camera that nobody gave.
+    height of a camera that nobody gave; `doubts`: what the notes say of a box that pages after a run are to say too.
     """
 
     view: View
@@ -46,6 +48,7 @@ class Solved:
     guessed: set[str] = field(default_factory=set)
     usual: dict[str, Sides] = field(default_factory=dict)
     factor: float | None = None
+    doubts: dict[str, list[Doubt]] = field(default_factory=dict)
 
 
 def _depth_guessed(item: DrawnObject, hangs: bool) -> bool:
@@ -60,6 +63,15 @@ def _guessed(item: DrawnObject, hangs: bool) -> str:
     if _depth_guessed(item, hangs):
         return "depth is guessed: mark a rear corner, or type it"
     return ""
+
+
+def _edge_marked(box: UprightBox) -> str:
+    """Whether of what hangs an edge was marked in the place of two opposite corners."""
+    width, _, height = box.size
+    if min(width, height) >= LEAST:
+        return ""
+    side = f"{100 * width:.1f} cm wide" if width < height else f"{100 * height:.1f} cm high"
+    return f"would be {side}: of what hangs mark two opposite corners of its front"
 
 
 def _unusual(item: DrawnObject, box: UprightBox, factor: float) -> str:
@@ -271,6 +283,7 @@ def solve(project: Project) -> Solved:
         above = STANDING
     room = _Room(project, replace(view, above=above), typed=True)
     factor, usual = camera_factor(project, room.boxes), {}
+    doubts: dict[str, list[Doubt]] = {}
     for item in project.objects:
         box = room.boxes.get(item.id)
         if box is not None and max(box.size) > LARGEST:
@@ -281,9 +294,15 @@ def solve(project: Project) -> Solved:
             if odd and (instead := usual_size(item, box)):
                 usual[item.id] = instead
                 odd += _cause(item, room)
-            told = [room.notes.get(item.id, _guessed(item, item.on in room.walls)), odd]
+            hangs = item.on in room.walls
+            said = room.notes.get(item.id, _guessed(item, hangs))
+            said = "; ".join(filter(None, [_edge_marked(box) if hangs else None, said]))
+            if said:
+                moved = item.id in room.notes and item.id not in room.guessed and not hangs
+                doubts[item.id] = [Doubt(cause="place" if moved else "size", what=said)]
+            told = [said, odd]
             room.notes |= {item.id: "; ".join(filter(None, told))} if any(told) else {}
-    return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes}, room.guessed, usual, factor)
+    return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes}, room.guessed, usual, factor, doubts)
 
 
 def _over(box: UprightBox, point: NDArray[np.float64]) -> bool:

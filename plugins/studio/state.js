@@ -97,9 +97,9 @@ export const redo = () => travel(future, past);
 export const undoable = () => [past.length > 0, future.length > 0];
 
 export const find = (id) => state.project.objects.find((item) => item.id === id) ?? state.project.walls?.find((item) => item.id === id);
-// Numbered where there are more of a kind.
+// Numbered where there are more of a kind; what was found keeps its number when others get a name.
 export function nameOf(item) {
-  if (!item.label) return item.id.replace('_', ' ');
+  if (!item.label || item.label === 'object') return item.id.replace('_', ' ');
   const alike = state.project.objects.filter((other) => other.label === item.label);
   return alike.length > 1 ? `${item.label} ${alike.findIndex((other) => other.id === item.id) + 1}` : item.label;
 }

@@ -14,6 +14,7 @@ from plugins.studio.paint import SPARSE, paint
 from plugins.studio.project import DrawnObject, Project
 from plugins.studio.solve import Solved, solve
 from stages.contracts import Annotations, Camera, InputError
+from stages.contracts.doubt import Doubt
 from stages.contracts.images import colour_of
 from stages.contracts.objects import Box, object_ids
 from stages.contracts.scene_input import write_scene_input
@@ -98,7 +99,9 @@ def finished(project: Project, depth: NDArray[np.float32] | None) -> tuple[Proje
     return project, solve(project)
 
 
-def _annotation(item: DrawnObject, value: int, view: View, box: UprightBox, guessed: bool) -> Annotation:
+def _annotation(
+    item: DrawnObject, value: int, view: View, box: UprightBox, guessed: bool, doubts: list[Doubt]
+) -> Annotation:
     return Annotation(
         mask=value,
         label=item.label.strip() or "object",
@@ -109,6 +112,7 @@ def _annotation(item: DrawnObject, value: int, view: View, box: UprightBox, gues
         box=floor_box(view, box),
         guessed=guessed,
         front=None if item.round else front_of(view, box, item.faces),
+        doubts=doubts,
     )
 
 
@@ -152,7 +156,15 @@ def write_folder(
     )
     annotations = Annotations(
         objects=[
-            _annotation(item, values[item.id], view, solved.boxes[item.id], item.id in solved.guessed) for item in seen
+            _annotation(
+                item,
+                values[item.id],
+                view,
+                solved.boxes[item.id],
+                item.id in solved.guessed,
+                solved.doubts.get(item.id, []),
+            )
+            for item in seen
         ],
         floor=values["floor"] if values["floor"] in shown else None,
         walls=[values[wall.id] for wall in project.walls if values[wall.id] in shown],

@@ -91,6 +91,11 @@ class DoubtKind(Enum):
         1.25, "times",
         "of 77 things whose size is doubted 52 were wrong: results/open.md",
     )  # fmt: skip
+    JUTS = (
+        "D-JUTS", "size", "reaches {distance:.0f} cm before the front that the picture shows",
+        "the front of the placed model with that of its box, as far as the model is deeper",
+        0.15, "m", "chosen: more than boxes of clouds are off",
+    )  # fmt: skip
     STRETCHED = (
         "D-STRETCHED", "size", "no cousin has its size: this one is stretched {times:.1f} times",
         "its box with the library's model", "generation.max_stretch", "times",

@@ -4,6 +4,7 @@ A doubt is what a person can mend. Of 226 things with truth (`work` of docs/resu
 that are far off are doubted, and 22 of 90 that are right.
 """
 
+import math
 from collections.abc import Collection
 from typing import NamedTuple
 
@@ -73,6 +74,7 @@ def collect_doubts(
 ) -> list[Doubt]:
     """What may be wrong with an object and a person can mend, gravest first; not what a person says."""
     found = list(entry.doubts)
+    found += [one for one in item.doubts if not (one.cause == "size" and "size" in item.told)]
     if item.note:
         found.append(DoubtKind.MOUNTING_UNCLEAR.of(note=item.note))
     if item.measured_mounting is not None and "mounting" not in item.told and not mountings_agree(item):
@@ -86,6 +88,8 @@ def collect_doubts(
         differs = entry.cousins[0].differs if entry.cousins else ""
         return sort_by_gravity(found + ([DoubtKind.OPENINGS.of(what=differs)] if differs else []))
     found += placed.doubts
+    if "size" not in item.told and (juts := _juts(placed, item)) > DoubtKind.JUTS.threshold:
+        found.append(DoubtKind.JUTS.of(distance=100 * juts))
     if placed.moved > DoubtKind.PUSHED.threshold:
         found.append(DoubtKind.PUSHED.of(distance=100 * placed.moved))
     if placed.settled_shift is not None and placed.settled_shift > DoubtKind.SHIFTED.threshold:
@@ -107,6 +111,21 @@ def collect_notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject 
         if any(abs(a / max(b, 1e-6) - 1) > ANOTHER_SIZE for a, b in zip(ours, clouds, strict=True)):
             found.append("placed with another depth or width than its cloud has: the far side is hidden")
     return found
+
+
+def _juts(placed: PlacedObject, item: SceneObject) -> float:
+    """Metres by which a model reaches farther to its front than what is seen of the object, as it is deeper.
+
+    0: its front faces away from the camera, which stands at x = y = 0; there nothing was seen.
+    """
+    if placed.status != "ok" or item.box is None:
+        return 0.0
+    c, s, turn = math.cos(placed.yaw), math.sin(placed.yaw), placed.yaw - item.box.yaw
+    (x, y, _), (u, v, _) = item.box.center, placed.position
+    if c * x + s * y >= 0:
+        return 0.0
+    deeper = placed.size[0] - abs(math.cos(turn)) * item.box.size[0] - abs(math.sin(turn)) * item.box.size[1]
+    return max(0.0, min(deeper, c * (u - x) + s * (v - y) + deeper / 2))
 
 
 def _is_cut(item: SceneObject, objects: Objects) -> bool:

@@ -3,6 +3,8 @@
 from collections.abc import Collection
 from difflib import get_close_matches
 
+SHOWN = 40  # names at most that an error lists
+
 
 class InputError(Exception):
     """Input that cannot be used: what is wrong, where, and how to mend it (docs/errors.md has all codes).
@@ -28,4 +30,6 @@ def plain(text: str) -> str:
 def nearest(name: object, names: Collection[str]) -> str:
     """The mend of a name that does not exist: the nearest that does, else all of them."""
     near = get_close_matches(str(name), names, n=1, cutoff=0.5)
-    return f"did you mean '{near[0]}'?" if near else f"there are: {', '.join(names)}"
+    shown = [*names][:SHOWN]
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return f"did you mean '{near[0]}'?" if near else f"there are: {', '.join(shown)}{more}"

@@ -15,7 +15,7 @@ from stages.contracts.errors import InputError
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")  # by content: a JPEG may be called rgb.png
 LEAST, MAX_PIXELS = 16, 60_000_000  # pixels of a side, and in all
 SAVE = "save it again as PNG"
-FOLDER = "see docs/scenes.md for what an input folder holds"
+FOLDER = "`python -m stages.inputs annotate PICTURE` makes an input folder, docs/scenes.md says what it holds"
 FLAT = 2.0  # standard deviation of the brightness below which nothing is to be seen
 GOLDEN = 0.618034  # golden ratio: steps of hue that keep neighbours apart
 ORIENTATION = 0x0112  # in EXIF data: 1 upright, 3 and 6 and 8 turned, the others mirrored

@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 
 from stages.contracts.archives import pack, reading, unpack
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, nearest
 from stages.contracts.files import MAX_TEXT, parse_json, read_json, write_json
 from stages.contracts.library import Asset, LibraryEntry, LibraryPart
 
@@ -31,7 +31,8 @@ class AssetFolders(Mapping[str, Path]):
     known of them, by name.
 
     Raises:
-        InputError: an index cannot be read; when a model is asked for: its archive does not hold what the index says.
+        InputError: an index cannot be read; when a model is asked for: there is none of that id, or its archive does
+            not hold what the index says.
     """
 
     def __init__(self, *indices: Path) -> None:
@@ -41,10 +42,13 @@ class AssetFolders(Mapping[str, Path]):
             for path, part in parts.items()
             for entry in part.assets
         }
-        self._entries = dict(sorted(found.items()))
+        self._indices, self._entries = ", ".join(map(str, indices)), dict(sorted(found.items()))
         self.categories = {row.name: row for part in parts.values() for row in part.categories}
 
     def __getitem__(self, asset: str) -> Path:
+        if asset not in self._entries:
+            what = f"has no asset '{asset}'."
+            raise InputError(self._indices, what, nearest(asset, self._entries), code="E-LIBRARY-ASSET")
         return _unpacked(*self._entries[asset], asset)
 
     def __contains__(self, asset: object) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 from pydantic import Field, model_validator
 
+from stages.contracts.doubt import Doubt
 from stages.contracts.files import Contract, Document
 from stages.contracts.fronts import Panel, check_counts
 from stages.contracts.made import Made
@@ -116,6 +117,9 @@ class SceneObject(Contract):
     whole: bool = Field(False, description="the input tells its box, hidden sides too, and cousins get that size")
     support: str | None = Field(None, description="'floor' or the id of what carries it, where a person says so")
     told: list[Literal["mounting", "size"]] = Field([], description="what else a person says of it: nobody doubts that")
+    doubts: list[Doubt] = Field(
+        [], exclude_if=lambda found: not found, description="what of its box the input doubts itself"
+    )
 
 
 class Objects(Document):

@@ -5,6 +5,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
+from stages.contracts.doubt import Doubt
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, Document, read_json
 from stages.contracts.fronts import Panel, check_counts
@@ -83,6 +84,9 @@ class Annotation(Contract):
         None,
         description="direction that it faces about z, if that is known: needs floor_from_camera in camera.json. What "
         "has a `box` and faces nowhere is round",
+    )
+    doubts: list[Doubt] = Field(
+        [], exclude_if=lambda found: not found, description="what of `box` was guessed or put right, as drawn by hand"
     )
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""films.zip, films.json and animated WebP files, for every stage that films episodes."""
+"""films.zip, films.json and films, for every stage that films episodes."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -11,11 +11,13 @@ import torch
 from PIL import Image as Pillow
 
 from stages.contracts.archives import pack
+from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, write_json
 from stages.contracts.films import Film, Films
 from stages.simulation.studio import Image, evenly
 
 FRAMES, SIZE = 8, 192  # pictures on a strip, and their width in pixels
+LAST = 1200  # milliseconds that the last picture stays
 
 
 def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], control_frequency: float) -> None:
@@ -34,20 +36,41 @@ def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], contro
 
 
 def write_film(path: str | Path, pictures: Iterable[Any], frequency: float, quality: int = 60) -> None:
-    """Write an animated WebP that runs for ever and stays at its last picture for a while.
+    """Write a film that stays at its last picture for a while; .webp and .gif run for ever.
 
     Args:
+        path: its ending says the format: .webp, .gif or .mp4.
         pictures: of one size, (H, W, 3) uint8 RGB of numpy or torch; (N, H, W, 3): of N environments, side by side.
         frequency: of the pictures, in the episode: an environment's control frequency if there is one for each step.
+        quality: of WebP, 0 to 100.
+
+    Raises:
+        InputError: there are no pictures, or the ending is another.
     """
+    form = Path(path).suffix.lower()
+    if form not in (".webp", ".gif", ".mp4"):
+        raise InputError(path, "is in no format that is written.", "end its name with .webp, .gif or .mp4", "E-FILM")
     arrays = [np.asarray(torch.as_tensor(picture).cpu()) for picture in pictures]
+    if not arrays:
+        raise InputError(path, "gets no pictures.", "append `env.render()` after every step", "E-FILM")
     images = [Pillow.fromarray(np.concatenate([*each], axis=1) if each.ndim == 4 else each) for each in arrays]
     step = max(round(1000 / frequency), 20)  # milliseconds; what is faster browsers show slowly
     with atomic(Path(path)) as temporary:
+        if form == ".mp4":
+            _write_mp4(temporary, [*images, *images[-1:] * (LAST // step)], 1000 / step)
+            return
         images[0].save(
-            temporary, "WEBP", save_all=True, append_images=images[1:], quality=quality, method=4, loop=0,
-            duration=[step] * (len(images) - 1) + [1200],  # milliseconds; the last picture stays
+            temporary, form[1:].upper(), save_all=True, append_images=images[1:], quality=quality, method=4, loop=0,
+            duration=[step] * (len(images) - 1) + [LAST],
         )  # fmt: skip
+
+
+def _write_mp4(path: Path, images: Sequence[Pillow.Image], frequency: float) -> None:
+    """H.264, with sides made even, as players ask for."""
+    import imageio.v2 as imageio  # ManiSkill's own; it looks for ffmpeg when it is imported
+
+    even: list[Any] = [np.asarray(image)[: image.height // 2 * 2, : image.width // 2 * 2] for image in images]
+    imageio.mimwrite(path, even, format="FFMPEG", fps=frequency, codec="libx264", macro_block_size=2)  # type: ignore[call-overload]
 
 
 def make_film_strip(pictures: Sequence[Image]) -> Image:

@@ -76,10 +76,12 @@ class Studio:
 
     Args:
         light: direction in which the key light shines; usually onto the front of the asset, which faces +x.
-        width: of the pictures, pixels.
+        width, height: of the pictures, pixels; height: three quarters of the width unless it is given.
     """
 
-    def __init__(self, light: Sequence[float] = (-0.8, -0.45, -1.0), width: int = FILM_WIDTH) -> None:
+    def __init__(
+        self, light: Sequence[float] = (-0.8, -0.45, -1.0), width: int = FILM_WIDTH, height: int | None = None
+    ) -> None:
         self.scene = make_scene(light=light)
         parts = [part for entity in self.scene.entities for part in entity.components]
         self.key = next(part for part in parts if isinstance(part, DirectionalLight) and part.shadow)
@@ -87,10 +89,11 @@ class Studio:
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = True
         self.robot: PhysxArticulation = loader.load(str(PANDA))
-        self.size = width, round(width * FILM_ASPECT)
+        self.size = width, height or round(width * FILM_ASPECT)
+        self.aspect = self.size[1] / self.size[0]
         size = round(self.size[0] * FINER), round(self.size[1] * FINER)
         self.camera = RenderCamera(self.scene, intrinsics_of(*size), *size, pack="minimal")
-        self.glance = GLANCE, round(GLANCE * FILM_ASPECT)
+        self.glance = GLANCE, round(GLANCE * self.aspect)
         self.finder = RenderCamera(self.scene, intrinsics_of(*self.glance), *self.glance, pack="minimal")
 
     def film(self, recording: Recording, frames: int) -> list[Image]:
@@ -154,7 +157,7 @@ class Shot:
         if recording.side and not recording.room:  # nothing stands on the side to which a door opens
             places = places[: len(places) // 2]
         for direction in places:
-            view, shares = frame_all(points, turn @ direction, FILM_ASPECT), []
+            view, shares = frame_all(points, turn @ direction, self.studio.aspect), []
             for moment in moments:
                 self._put(moment)
                 shares.append(self._hand_seen(view))

@@ -44,7 +44,10 @@ def run(
     text = page.render(
         room=room,
         found=single.input_facts(declared, room.name, camera, album),
-        doubts=[(single.doubts(room, one), single.notes(one)) for one in (*room.reconstructions,) or (None,)],
+        doubts=[
+            (single.doubts(room, one), single.further_doubts(one), single.notes(one))
+            for one in (*room.reconstructions,) or (None,)
+        ],
         links=single.links(declared, room.name, out),
         first=room.reconstructions[0] if room.reconstructions else None,
         script=script("page.js", "viewer.js", "back.js"),

@@ -10,7 +10,7 @@ from stages.tables.cells import CELL
 from stages.tables.claims import COLLAPSED, MARGIN, MIN_RUNS, MIN_SPREAD_RUNS
 from stages.tables.markup import Table
 from stages.tables.methods import Kinds, kind
-from stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title
+from stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title, title_of
 from stages.tables.rows import records
 from stages.tables.scene_tables import level
 from stages.tables.table3 import BASELINE, RANDOMISED
@@ -217,7 +217,7 @@ def _sides(claim: str, ours: float, theirs: float) -> str:
 def _judged_over(row: dict[str, Any]) -> str:
     if row["over"] == BASELINE:
         return "the twin alone"
-    return f"{row['assets']} {'held-out roles' if row['over'] == 'roles' else title(row['over'])}"
+    return title_of(row["assets"], "unseen" if row["over"] == "roles" else row["over"])
 
 
 def too_few_runs(row: dict[str, Any]) -> str:

@@ -54,7 +54,7 @@ class FilmedEnv(BaseEnv):
 
     def render_rgb_array(self, camera_name: str | None = None) -> torch.Tensor:
         """(N, H, W, 3) uint8: each environment in a studio of its own, by a camera that sees hand and door or drawer,
-        closed and open."""
+        closed and open; as large as `human_render_camera_configs={"width": ..., "height": ...}` says."""
         return torch.from_numpy(np.stack([self._shot(i).picture(self.moment(i)) for i in range(self.num_envs)]))
 
     def cut(self, indices: Iterable[int]) -> None:
@@ -79,6 +79,7 @@ class FilmedEnv(BaseEnv):
             opened = target.lower + self.success_opening(index) * (target.upper - target.lower)
             then = replace(now, asset_joints={**now.asset_joints, self.joint_name: opened})
             if index not in self._studios:
-                self._studios[index] = Studio()
+                asked = self._custom_human_render_camera_configs or {}
+                self._studios[index] = Studio(**{side: asked[side] for side in ("width", "height") if side in asked})
             self._shots[index] = Shot(self._studios[index], self.recording([now, then], index), [now, then])
         return self._shots[index]

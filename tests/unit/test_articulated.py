@@ -37,7 +37,15 @@ from tests.unit.articulated_models import CABINET, textured_box, write_cabinet
 from tests.unit.demo_assets import cabinet
 
 ABOUT = Description("cab", "bottom_cabinet", "CC0-1.0", "test")
-NO_SIMULATOR = ["articulated", "config", "contracts", "extraction", "geometry", "matching", "plugins.furniture", ]
+NO_SIMULATOR = [
+    "articulated",
+    "config",
+    "contracts",
+    "extraction",
+    "geometry",
+    "matching",
+    "plugins.furniture",
+]
 SIMULATORS = {"sapien", "mani_skill", "gymnasium"}
 
 

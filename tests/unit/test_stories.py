@@ -82,7 +82,7 @@ def test_it_tells_what_was_seen_compared_chosen_and_placed() -> None:
     assert facts["categories, by distance of the label"] == "desk 0.00, table 0.40"
     assert facts["model chosen by"] == "distance"
     assert facts["orientation chosen by"] == "geometry, turned by 29° in the camera's view"
-    assert facts["placed"] == "desk 00 on rug_1, 0.60 × 1.20 × 0.80 m, turned by 90°"
+    assert facts["placed"] == "desk 00 on rug_1, 1.20 wide × 0.60 deep × 0.80 m high, turned by 90°"
     assert [(rival.model.asset, rival.rank, rival.about) for rival in made.rivals] == [
         ("desk_00", 1, "patches 1.00, 7 votes"), ("desk_01", 2, "patches 2.00, 7 votes"),
         ("desk_02", 0, "patches 3.00, 7 votes"),

@@ -28,6 +28,7 @@ from plugins.studio.tests.annotate_page import serve
 from plugins.studio.write import at_size, write_folder
 from stages.contracts import Annotations, Camera, InputError, Objects, read_json, write_json
 from stages.contracts.categories import sizes_of
+from stages.contracts.scenes import Annotation
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox, corners, oriented_iou
 from stages.geometry.frames import apply
@@ -260,6 +261,17 @@ def test_what_hangs_is_as_deep_as_things_of_its_name() -> None:
     assert depths[""] == pytest.approx(0.03) and depths["mirror"] < 0.1 < 0.25 < depths["wall cabinet"]
 
 
+def test_an_edge_in_the_place_of_two_opposite_corners_is_told(tmp_path: Path) -> None:
+    drawing = _drawing()
+    shelf = drawing.objects[2]
+    (u, v), (right, _) = shelf.points[:2]
+    edge = shelf.model_copy(update={"points": [(u, v), (right, v + 0.5)]})
+    solved = solve(drawing.model_copy(update={"objects": [edge]}))
+    assert "two opposite corners" in solved.notes["shelf"] and solved.doubts["shelf"][0].cause == "size"
+    solved = solve(drawing.model_copy(update={"objects": [shelf]}))
+    assert "two opposite corners" not in solved.notes.get("shelf", "")
+
+
 def test_a_guessed_depth_does_not_hide_an_unusual_size(tmp_path: Path) -> None:
     drawing = _drawing()
     cabinet = drawing.objects[0]
@@ -314,6 +326,8 @@ def test_what_was_drawn_keeps_its_size_wherever_it_stands(tmp_path: Path) -> Non
     assert found["mug_1"].box is not None
     assert found["mug_1"].box.size == pytest.approx(BOXES["mug"].size, abs=0.02), "not down to the floor"
     assert [item.whole for item in found.values()] == [False, True, False], "depths without a rear corner are guessed"
+    assert [[one.cause for one in item.doubts] for item in found.values()] == [["size"], ["place"], ["size"]]
+    assert "doubts" not in Annotation(mask=1, label="cup").model_dump(), "files without doubts stay the same bytes"
     drawing.objects[0].depth = 0.6
     write_folder(tmp_path, _noise(), drawing)
     assert not read_json(Annotations, tmp_path / "annotations.json").objects[0].guessed

@@ -134,7 +134,7 @@ def test_a_room_is_put_right_from_its_doubt_on_and_made_again(opened: Any, sessi
     assert page.locator("#view image").get_attribute("href") == "picture.jpg"
     page.locator("#in-doubt button").first.click()
     page.locator("[data-asset=cabinet_5]").click()
-    page.get_by_role("button", name="As its model: 55 × 40 × 80 cm").click()
+    page.get_by_role("button", name="As its model: 55 wide × 40 deep × 80 high, cm").click()
     page.locator("#on").select_option(label="the floor")
     page.locator("#mounting").select_option(label="stands, touches no wall")
     page.get_by_label("it opens").check()

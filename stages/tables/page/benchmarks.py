@@ -56,7 +56,10 @@ def times_table(stages: pd.DataFrame) -> Table:
         [row["stage"], str(row["jobs"]), duration(row["seconds"]), duration(row["cpu_seconds"]), _size(row["memory"])]
         for row in records(stages)
     ]
-    notes = ["Job time adds up jobs, of which several run at once: the run itself was shorter."]
+    notes = [
+        "Job time adds up jobs; on several cores some run at once. CPU time is sampled, misses the children of short "
+        "jobs and so is a lower bound."
+    ]
     columns = ["Stage", "Jobs", "Job time", "CPU time", "Peak memory"]
     return Table("cost", "Time by stage.", columns, rows, notes=notes)
 

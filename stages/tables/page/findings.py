@@ -1,5 +1,6 @@
 """What the stages found out about one picture under one variant of matching."""
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -39,6 +40,31 @@ class Findings:
         """Objects of the scene of rank 1, by id."""
         return {item.id: item for item in self.scenes[0].objects} if self.scenes else {}
 
+    def doubts_of(self, scene: GeneratedScene | None) -> list[tuple[str, Doubt]]:
+        """Object of a scene (None: there is none), and what may be wrong with it."""
+        placed = {item.id: item for item in scene.objects} if scene else {}
+        return [
+            (entry.id, doubt)
+            for entry, item in self.matched
+            for doubt in collect_doubts(entry, item, placed.get(entry.id), self.objects)  # type: ignore[arg-type]
+        ]
+
+    def further_doubts(self, scene: GeneratedScene) -> list[tuple[str, Doubt]]:
+        """Of a scene what the first one is not doubted for."""
+        first = set(self.doubts_of(self.scenes[0]))
+        return [one for one in self.doubts_of(scene) if one not in first]
+
+    def new_models(self, scene: GeneratedScene) -> int:
+        """Of how many objects a scene has a model that no earlier one has in that place."""
+        used = {(item.id, item.asset) for other in self.scenes if other.rank < scene.rank for item in other.objects}
+        return sum(item.status == "ok" and (item.id, item.asset) not in used for item in scene.objects)
+
+    @property
+    def distinct(self) -> dict[str, int]:
+        """How many different models stand for an object over all scenes, by its id."""
+        placed = {(item.id, item.asset) for scene in self.scenes for item in scene.objects if item.status == "ok"}
+        return dict(Counter(name for name, _ in sorted(placed)))
+
     @property
     def matched(self) -> list[tuple[ObjectCousins, SceneObject]]:
         """Objects that have cousins."""
@@ -65,9 +91,5 @@ class Findings:
 
     def doubts(self) -> list[tuple[str, Doubt]]:
         """Object, or the camera, and what may be wrong with it."""
-        if self.objects is None:
-            return []
-        placed, objects = self.placed, self.objects
-        found = {"camera": [self.camera_doubt] if self.camera_doubt else []}
-        found |= {entry.id: collect_doubts(entry, item, placed.get(entry.id), objects) for entry, item in self.matched}
-        return [(name, doubt) for name, each in found.items() for doubt in each]
+        camera = [("camera", self.camera_doubt)] if self.camera_doubt else []
+        return camera + self.doubts_of(self.scenes[0] if self.scenes else None)

@@ -118,14 +118,14 @@ def ordered_by(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str]]:
 
 
 def _about(item: SceneObject) -> Iterator[str]:
-    """'stands free', '2 doors', '0.60 × 0.40 × 0.90 m'."""
+    """'stands free', '2 doors', '0.60 wide × 0.40 deep × 0.90 m high'."""
     if item.mounting:
         yield describe_mounting(item.mounting)
     for number, noun in ((item.doors, "door"), (item.drawers, "drawer")):
         if number:
             yield count(number, noun)
     if item.box:
-        yield _metres(item.box.size)
+        yield _extents(item)
 
 
 def _pictures(item: SceneObject, evidence: Evidence, album: Album) -> Iterator[tuple[Picture, str]]:
@@ -191,7 +191,7 @@ def _colours(points: NDArray[np.float32], evidence: Evidence) -> Pixels:
 def _facts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) -> list[tuple[str, str]]:
     facts = [("seen", f"label “{item.label}”, {item.points:,} points in its cloud")]
     if item.box is not None:
-        facts.append(("box of the cloud", _metres(item.box.size)))
+        facts.append(("box of the cloud", _extents(item)))
     if item.mounting is not None:
         facts.append(("mounting", _mounting(item)))
     if item.support is not None:
@@ -235,5 +235,17 @@ def _rival(one: Candidate, entry: ObjectCousins, album: Album, snapshots: Snapsh
     return Rival(one, ", ".join(about), ranks.get(one.asset, 0), picture)
 
 
+def _extents(item: SceneObject) -> str:
+    """Of its box, as seen from its front, or from the camera where nobody says what it faces."""
+    assert item.box is not None
+    x, y, _ = item.box.center
+    towards = np.arctan2(-y, -x) if item.front is None else item.front
+    across, along, height = item.box.size
+    turned = round((towards - item.box.yaw) / (np.pi / 2)) % 2
+    return _metres((along, across, height) if turned else (across, along, height))
+
+
 def _metres(size: tuple[float, float, float]) -> str:
-    return " × ".join(f"{length:.2f}" for length in size) + " m"
+    """Of depth, width and height."""
+    depth, width, height = size
+    return f"{width:.2f} wide × {depth:.2f} deep × {height:.2f} m high"

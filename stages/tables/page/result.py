@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from stages.tables.claims import OPEN
 from stages.tables.methods import Kinds, kind
-from stages.tables.order import SKILL, set_key, target_title, title
+from stages.tables.order import SKILL, set_key, target_title, title, title_of
 from stages.tables.page.charts import success_chart
 from stages.tables.page.rooms import RoomPart
 from stages.tables.policy_tables import evidence, too_few_runs
@@ -63,10 +63,12 @@ def sentences(claims: pd.DataFrame | None, names: dict[str, str]) -> tuple[str, 
     if not rows:
         return "", []
     first = rows[0]
-    over = f"{first['assets']} {'held-out roles' if first['over'] == 'roles' else title(first['over'])}"
+    over = title_of(first["assets"], "held-out roles" if first["over"] == "roles" else first["over"])
     whose = {policy: name.replace(" (", ", ").rstrip(")") for policy, name in names.items()}
     alike = [row for row in rows if all(row[key] == first[key] for key in ("over", "assets", "training_set"))]
-    ends = ", ".join(_ends(row) + f" ({whose[row['policy']]})" * (len(alike) > 1) for row in alike)
+    ends = ", ".join(
+        f"{_ends(row)}, {evidence(row)}" + f" ({whose[row['policy']]})" * (len(alike) > 1) for row in alike
+    )
     what = target_title(first["target"], first["task"])
     line = f"success at {what[0].lower()}{what[1:]} on {over}, trained on {title(first['training_set'])} "
     again = [AGAIN] if any(map(too_few_runs, rows)) else []
@@ -97,7 +99,7 @@ def over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: 
         skill = mine[(mine["training_set"] == SKILL) & (mine["test_asset"] == split)]["mean"]
         names = {policy: kind(policy, kinds) for policy in policies["policy"].unique()}
         name = target_title(str(target), policies["task"].iloc[0])
-        about = f"success over {policies['assets'].iloc[0]} {title(split)} of families that no policy was trained on"
+        about = f"success over {title_of(policies['assets'].iloc[0], split)} of families that no policy was trained on"
         label = f"{name}: {about}, by kind of policy and training set; the numbers are in the table of assets"
         rows = {policy: fill(text, 24) for policy, text in names.items()}
         chart = success_chart(policies, label, rows, "policy", float(skill.iloc[0]) if len(skill) else None)

@@ -28,7 +28,8 @@ from stages.tables.table2 import judge
 
 @dataclass(frozen=True)
 class RebuiltScene:
-    """The scene of one cousin rank; `stable` is None if physics was not checked."""
+    """The scene of one cousin rank; `stable` is None if physics was not checked; `doubts`: beyond those of rank 1;
+    `new`: objects with a model that no earlier rank has there."""
 
     rank: int
     picture: Picture | None
@@ -36,6 +37,8 @@ class RebuiltScene:
     moved: list[str]
     physics: str
     stable: bool | None
+    doubts: list[tuple[str, Doubt]]
+    new: int
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,8 @@ class Reconstruction:
 
     judge: who decided on models and orientations. view: the scene of the first rank to turn, binary glTF, gzip in
     base64; empty: none. correct: the command, up to an object's id, that opens the page to correct it; empty: none.
-    furnished: the room was furnished from the library, so that models of rank 1 may be those of the picture.
+    furnished: the room was furnished from the library, so that models of rank 1 may be those of the picture;
+    distinct: how many different models stand for an object over the scenes, by its id.
     """
 
     variant: str
@@ -55,6 +59,16 @@ class Reconstruction:
     view: str
     correct: str
     furnished: bool
+    distinct: dict[str, int]
+
+    @property
+    def fewer(self) -> dict[int, list[str]]:
+        """Objects that have fewer models than there are scenes, by how many they have."""
+        found: dict[int, list[str]] = {}
+        for name, models in sorted(self.distinct.items(), key=lambda item: item[1]):
+            if models < len(self.scenes):
+                found.setdefault(models, []).append(name.replace("_", " "))
+        return found
 
     @property
     def shown(self) -> int:
@@ -85,7 +99,7 @@ class RoomPart:
     camera_doubt: Doubt | None
 
 
-def _scene(scene: GeneratedScene, picture: Picture | None) -> RebuiltScene:
+def _scene(scene: GeneratedScene, found: Findings, picture: Picture | None) -> RebuiltScene:
     check = scene.plausibility
     physics = "not checked"
     if check:
@@ -96,7 +110,16 @@ def _scene(scene: GeneratedScene, picture: Picture | None) -> RebuiltScene:
         )
     placed = [item for item in scene.objects if item.status == "ok"]
     moved = [f"{item.id} {100 * item.moved:.0f} cm" for item in placed if round(item.moved, 2)]
-    return RebuiltScene(scene.rank, picture, len(placed), moved, physics, check.stable if check else None)
+    return RebuiltScene(
+        rank=scene.rank,
+        picture=picture,
+        placed=len(placed),
+        moved=moved,
+        physics=physics,
+        stable=check.stable if check else None,
+        doubts=found.further_doubts(scene),
+        new=found.new_models(scene),
+    )
 
 
 def _evidence(files: RunFiles, room: str, found: Findings, image: Path | None) -> Evidence:
@@ -161,13 +184,14 @@ def _reconstruction(
         encoder=short(cousins.encoder) if cousins else "",
         judge=_judge(cousins) if cousins else "",
         scenes=[
-            _scene(scene, album.maybe(files.one(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}"))
+            _scene(scene, found, album.maybe(files.one(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}"))
             for scene in found.scenes
         ],
         matches=matches,
         view=base64.b64encode(gzip.compress(view.read_bytes(), 9, mtime=0)).decode("ascii") if view else "",
         correct=_correct(image, name, variant),
         furnished=image is not None and image.match(f"scenes/{name}/input/*"),
+        distinct=found.distinct,
     )
 
 

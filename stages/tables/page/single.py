@@ -1,6 +1,7 @@
 """What the page about one picture adds to the report: camera, depth, doubts, files to save."""
 
 import os
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.contracts.doubt import DoubtKind
+from stages.contracts.doubt import Doubt, DoubtKind
 from stages.contracts.doubts import group_doubts
 from stages.contracts.extracted import read_metres
 from stages.contracts.files import read_json
@@ -103,13 +104,31 @@ def doubts(room: RoomPart, made: Reconstruction | None) -> list[Listed]:
     found += [(f"scene of rank {scene.rank}", DoubtKind.UNSTABLE.of(what=scene.physics)) for scene in scenes]
     objects = {match.entry.id for match in made.matches} if made else set()
     listed = [Listed("Failed", "name or draw it again on the correction page", failed)] if failed else []
-    for group in group_doubts(found):
-        entries = [
-            (about.replace("_", " "), what, correct + about if correct and about in objects else "")
-            for about, what in group.items
-        ]
-        listed.append(Listed(group.cause.capitalize(), group.mend, entries))
-    return listed
+    return listed + _listed(found, correct, objects)
+
+
+def _listed(found: list[tuple[str, Doubt]], correct: str, objects: Collection[str]) -> list[Listed]:
+    """Doubts by cause; `correct`: the command, up to an object's id, that opens the page to correct it."""
+    return [
+        Listed(
+            group.cause.capitalize(),
+            group.mend,
+            [
+                (about.replace("_", " "), what, correct + about if correct and about in objects else "")
+                for about, what in group.items
+            ],
+        )
+        for group in group_doubts(found)
+    ]
+
+
+def further_doubts(made: Reconstruction | None) -> list[tuple[list[int], list[Listed]]]:
+    """Ranks, and what may be wrong in all of their scenes beyond what is in doubt at rank 1."""
+    alike: dict[tuple[tuple[str, Doubt], ...], list[int]] = {}
+    for scene in made.scenes if made else []:
+        alike.setdefault(tuple(scene.doubts), []).append(scene.rank)
+    correct = made.correct if made else ""
+    return [(ranks, _listed([*found], correct, dict(found))) for found, ranks in alike.items() if found]
 
 
 def notes(made: Reconstruction | None) -> list[tuple[str, str]]:
