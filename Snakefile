@@ -36,18 +36,12 @@ include: "rules/scores.smk"
 include: "rules/evaluation.smk"
 include: "rules/tables.smk"
 include: "rules/conditions.smk"
-include: "rules/report.smk"
-include: "rules/overview.smk"
 include: "rules/open_rooms.smk"
 
 
 for file in rule_files(CONFIG.packages):
 
     include: file
-
-
-onerror:
-    tell_of_failures()
 
 
 rule all:
@@ -58,8 +52,7 @@ rule all:
         rules.scenes.input + rules.extraction.input + rules.matching.input + rules.generation.input,
         rules.experiment.input + rules.demonstrations.input + rules.training.input + rules.evaluation.input,
         rules.tables.input,
-        rules.report_page.output,
-        rules.overview.input if MORE else [],
+        EVERYTHING,
     localrule: True
 
 

@@ -18,12 +18,12 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from benchmarks.tables import table
+from plugins.report.roles import demonstrated_assets
 from plugins.studies.coverage import CURVES, Curve, forecast_mean, nearest
 from stages.config.experiment import ExperimentConfig
 from stages.contracts import TaskAssets, read_json
 from stages.contracts.policies import TaskAsset
 from stages.tables.order import SKILL
-from stages.tables.roles import demonstrated_assets
 
 FITTED = ("twin", "twin_randomised", "cousins_8")
 EDGES = (0, 0.5, 1.5, 2, 3, np.inf)

@@ -80,6 +80,8 @@ PROCEDURAL = (
     CONFIG.assets.shards if any(CONFIG.assets.counts.values()) or "library" in CONFIG.stages.get("furniture", {}) else 0
 )
 SHARDS = [*map(str, range(PROCEDURAL)), *OWN]
+# What packages beside the core add to the target `all`.
+EVERYTHING = []
 RANKS = list(range(1, CONFIG.generation.ranks + 1))
 STORES = stores(CONFIG)
 

@@ -64,26 +64,9 @@ def own_options(wildcards):
     return [str(path)] if path and (not own.folder or path.is_file()) else []
 
 
-def of_picture(pattern):
-    """A function of what Snakemake calls a job's inputs: the files of `pattern` for the picture of this run."""
-
-    def found(wildcards):
-        if not CONFIG.image:
-            raise WorkflowError("image: there is no picture. Fix: snakemake --cores 2 photo --config image=kitchen.jpg")
-        return files(pattern, variant=VARIANTS, scene=ROOMS)
-
-    return found
-
-
 def scene_image(wildcards):
     """The scene's picture."""
     return scene_inputs(wildcards)["rgb"]
-
-
-def own_pages(scenes):
-    """The scenes' own pages that are there, or are asked for: other pages link to them."""
-    asked, paths = "pages" in workflow.dag_settings.targets, files(rules.scene_page.output.page, scene=scenes)
-    return [path for path in paths if asked or Path(str(path)).is_file()]
 
 
 def in_report(path, kind):

@@ -1,5 +1,4 @@
 # Helpers: scenes that are rooms met otherwise, `<room>.<protocol>.<seed>` (experiment.protocols). Nothing here makes a file.
-import subprocess
 from types import SimpleNamespace
 
 
@@ -20,7 +19,8 @@ def room_library(wildcards):
     if not (ours and PROCEDURAL):
         return LIBRARY
     parts, models = (
-        expand("results/assets/library/shard_{shard}." + kind, shard=range(PROCEDURAL)) for kind in ("json", "zip")
+        expand("results/assets/library/shard_{shard}.{kind}", shard=range(PROCEDURAL), kind=kind)
+        for kind in ("json", "zip")
     )
     return {"library": parts, "models": ancient(models)}
 
@@ -69,11 +69,3 @@ def room_flags(wildcards):
         "--finish-seed": seed if protocol.finish == "other" else None,
     }
     return " ".join(f"{flag} {shlex.quote(str(value))}" for flag, value in flags.items() if value is not None)
-
-
-def tell_of_failures():
-    """After a failed run of many scenes: the same pages of what there is, with where and why scenes stopped."""
-    for variant in VARIANTS if MORE and workflow.exec_mode == ExecMode.DEFAULT else []:
-        page = files(rules.overview_page.output.page, variant=variant)[0].removesuffix("html") + "failed.html"
-        line = [*shlex.split(command("tables", "overview")), "--variant", variant, "--out", page, "--scenes", *ROOMS]
-        subprocess.run(line)

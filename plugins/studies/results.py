@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple
 
 import pandas as pd
 
+from plugins.report.roles import demonstrated_assets, lists_table, roles_table
 from plugins.studies.associations import Shown, associations_table, traits
 from plugins.studies.associations import build as associate
 from plugins.studies.progress import policy_file, progress_table, runs_that_count
@@ -27,7 +28,6 @@ from stages.tables.order import SKILL, SPLITS, target_title, title
 from stages.tables.policies import asset_tables, collect, role_tables, target_tables, write_figures
 from stages.tables.policy_notes import policy_notes
 from stages.tables.pooling import pool_of, pooled
-from stages.tables.roles import demonstrated_assets, lists_table, roles_table
 from stages.tables.rows import ONE_SCENE, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
 from stages.tables.scene_tables import robustness_table, scenes_table

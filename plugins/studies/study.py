@@ -4,8 +4,8 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
+from plugins.report.page.benchmarks import by_stage, read_jobs, times_table
 from stages.tables.markup import Table
-from stages.tables.page.benchmarks import by_stage, read_jobs, times_table
 
 
 def cost(benchmarks: Path, stages: list[str]) -> Table:

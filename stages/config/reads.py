@@ -36,8 +36,6 @@ CORE: dict[tuple[str, str], type[Section]] = {
     ("tables", "scenes"): TablesConfig,
     ("tables", "policies"): PolicyTables,
     ("tables", "conditions"): MethodTables,
-    ("tables", "report"): PolicyTables,
-    ("tables", "picture"): TablesConfig,
 }
 READS = CORE | {
     (name, verb): reads
@@ -63,7 +61,7 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
         return config.training.runs[wildcards["run"]]
     if stage == "evaluation" and "condition" in wildcards:
         return config.evaluation.under(wildcards["condition"])
-    if stage == "tables":
+    if section_name(stage) == "tables":
         return policy_tables(config)
     section: Section = getattr(config, section_name(stage))
     if isinstance(section, ExtractionConfig) and not config.experiment.meeting(wildcards["scene"]).protocol.scale_error:

@@ -51,10 +51,10 @@ def markdown(table: Table) -> str:
 
 
 @cache
-def environment() -> jinja2.Environment:
-    """Templates beside this module; HTML is escaped, an undefined name is an error."""
+def environment(package: str = "stages.tables") -> jinja2.Environment:
+    """Templates of a package, then those beside this module; HTML is escaped, an undefined name is an error."""
     return jinja2.Environment(
-        loader=jinja2.PackageLoader("stages.tables", "."),
+        loader=jinja2.ChoiceLoader([jinja2.PackageLoader(name, ".") for name in (package, "stages.tables")]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stages.tables.drawing import mark_not_run
 from stages.tables.order import natural, title
-from stages.tables.page.pictures import load
+from stages.tables.pictures import load
 
 
 def figure6(pictures: dict[tuple[str, str], Path], rooms: list[str], width: int) -> Figure:

@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from plugins.report.page.result import sentences
 from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout
 from stages.tables import assets, claims, table3
 from stages.tables.intervals import PLACE, Side, score_interval, unit_rates
 from stages.tables.markup import markdown
 from stages.tables.methods import beside_ours
-from stages.tables.page.result import sentences
 from stages.tables.policy_tables import claims_table, stability_table
 from stages.tables.rows import published_policies, published_runs
 from stages.tables.text import percent

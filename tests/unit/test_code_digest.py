@@ -10,7 +10,8 @@ from stages.config import code
 
 ROOT = Path(__file__).parents[2] / "stages"
 PLUGINS = ROOT.with_name("plugins")
-DATA = sorted(path.relative_to(ROOT) for path in (ROOT / "tables").rglob("*") if path.suffix in code.DATA_SUFFIXES)
+FILES = [path for home in (ROOT / "tables", PLUGINS / "report") for path in home.rglob("*")]
+DATA = sorted(path.relative_to(ROOT.parent) for path in FILES if path.suffix in code.DATA_SUFFIXES)
 
 
 @pytest.fixture(scope="module")
@@ -38,15 +39,15 @@ def test_the_page_has_templates_a_style_and_a_script() -> None:
 
 @pytest.mark.parametrize("name", DATA, ids=str)
 def test_an_edit_of_a_template_style_or_script_changes_the_digest_of_the_page(copied: Path, name: Path) -> None:
-    page = "stages.tables.viewer" if "three" in name.parts else "stages.tables.report"
+    page = "plugins.report.viewer" if "three" in name.parts else "plugins.report.report"
     before = {verb: digest(verb) for verb in (page, "stages.matching.match")}
-    text = (copied / name).read_text()
-    (copied / name).write_text(text + "\n")
+    text = (copied.parent / name).read_text()
+    (copied.parent / name).write_text(text + "\n")
     try:
         assert digest(page) != before[page]
         assert digest("stages.matching.match") == before["stages.matching.match"]
     finally:
-        (copied / name).write_text(text)
+        (copied.parent / name).write_text(text)
     assert digest(page) == before[page]
 
 

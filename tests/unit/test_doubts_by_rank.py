@@ -2,12 +2,12 @@
 
 from typing import Any
 
+from plugins.report.page.findings import Findings
 from stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
 from stages.contracts.doubt import Doubt
 from stages.contracts.doubts import doubts
 from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
-from stages.tables.page.findings import Findings
 
 CAMERA = [[0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 1.1], [0.0, 0.0, 0.0, 1.0]]
 VIEW: dict[str, Any] = {"width": 90, "height": 60, "intrinsics": [[60, 0, 45], [0, 60, 30], [0, 0, 1]]}

@@ -5,12 +5,13 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from plugins.report import report
 from plugins.studies import results
 from stages.contracts.files import write_json
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainedPolicy, TrainingStore
 from stages.contracts.training_run import TrainingRun
-from stages.tables import policies, report, trainings
+from stages.tables import policies, trainings
 from stages.tables.markup import markdown
 from stages.tables.trainings import collect, failed, failed_note, trainings_table
 from tests.unit.tables_results import declared, rollout, rollouts, write_rows, write_run

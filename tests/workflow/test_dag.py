@@ -145,7 +145,7 @@ def test_two_policies_are_trained_on_the_same_and_both_are_shown(folder: Path) -
     done = dry_run(folder, "all", "-p", "--configfile", "config/swaps/diffusion.yaml", "two.yaml")
     jobs = planned(done.stdout)
     assert done.returncode == 0 and jobs["train"] == jobs["rollout"] == 3 * 2 and jobs["demonstrate"] == 1, done.stdout
-    (page,) = re.findall(r"tables report --files (.*)", done.stdout)
+    (page,) = re.findall(r"plugins.report report --files (.*)", done.stdout)
     shown = re.findall(r"results/training/(\S+)/metrics.jsonl", page)
     assert shown == [f"door/{name}/twin/{name}/seed_0" for name in ("lite", "lite_handle", "diffusion")]
     exported = dry_run(folder, "exports", "-p", "--configfile", "config/swaps/diffusion.yaml", "two.yaml").stdout

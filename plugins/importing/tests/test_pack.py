@@ -14,8 +14,8 @@ from plugins.importing.import_ import run
 from plugins.importing.imports import Notes
 from plugins.importing.pack import read_pack
 from plugins.importing.tests.test_fronts import box, cabinet, joint, write_partnet
+from plugins.report.tests.test_report_browser import FLAGS
 from stages.contracts.errors import InputError
-from tests.unit.test_report_browser import FLAGS
 
 Y_UP = '<origin rpy="-1.5707963 -1.5707963 0"/></joint><link'
 FLAP = (

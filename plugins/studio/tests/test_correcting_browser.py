@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from plugins.report.tests.test_report_browser import CONTRAST
 from plugins.studio.correcting import Correcting
 from plugins.studio.tests.annotate_page import watched
 from plugins.studio.tests.test_annotate_browser import browser  # noqa: F401
@@ -22,7 +23,6 @@ from stages.contracts.library import LibraryEntry
 from stages.extraction.extract import run as extract
 from tests.unit.synthetic_room import OBJECT, write_room
 from tests.unit.tables_results import snapshots
-from tests.unit.test_report_browser import CONTRAST
 
 CABINET, BOX = OBJECT, OBJECT + 1
 MODELS = [f"cabinet_{number}" for number in range(12)]

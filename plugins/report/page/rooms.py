@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from plugins.report.page.files import RunFiles
+from plugins.report.page.findings import Findings
+from plugins.report.page.objects import Evidence, Match, match
 from stages.contracts.cousins import Cousins
 from stages.contracts.doubt import Doubt
 from stages.contracts.extracted import read_clouds, read_object_masks
@@ -19,10 +22,7 @@ from stages.contracts.objects import Objects
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.plugins import short
 from stages.tables.order import natural, title
-from stages.tables.page.files import RunFiles
-from stages.tables.page.findings import Findings
-from stages.tables.page.objects import Evidence, Match, match
-from stages.tables.page.pictures import Album, Picture
+from stages.tables.pictures import Album, Picture
 from stages.tables.table2 import judge
 
 

@@ -8,14 +8,14 @@ from typing import Any
 import pytest
 from PIL import Image
 
+from plugins.report import overview
+from plugins.report.page.overview import Layout, common, row
+from plugins.report.tests.test_report_browser import WIDE, browser  # noqa: F401
+from plugins.report.tests.test_tables_report import Checker
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
-from stages.tables import overview
-from stages.tables.page.overview import Layout, common, row
 from tests.refusals import refused
 from tests.unit.tables_results import write_run
-from tests.unit.test_report_browser import WIDE, browser  # noqa: F401
-from tests.unit.test_tables_report import Checker
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plugins.report import report
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.objects import Mounting, Wall
@@ -16,11 +17,11 @@ from stages.generation.placed import Placed
 from stages.generation.scene_models import room_of
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import look_at
-from stages.tables import policies, report, scenes
+from stages.tables import policies, scenes
 from tests.unit.demo_assets import cabinet
 from tests.unit.tables_results import VIEWER, declared, write_run
 
-PUBLISHED = Path(__file__).parents[2] / "report" / "published"
+PUBLISHED = Path(__file__).parents[3] / "report" / "published"
 WIDTHS = (360, 820, 1440)
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"]
 FLAGS += ["--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]

@@ -12,4 +12,4 @@ def run(*, out: Path) -> None:
     Args:
         out: the file.
     """
-    write_text(out, (files("stages.tables.page.three") / "three.min.js").read_text(encoding="utf-8"))
+    write_text(out, (files("plugins.report.page.three") / "three.min.js").read_text(encoding="utf-8"))

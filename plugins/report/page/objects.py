@@ -15,7 +15,7 @@ from stages.contracts.objects import Objects, SceneObject
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
-from stages.tables.page.pictures import THUMBNAIL, Album, Picture
+from stages.tables.pictures import THUMBNAIL, Album, Picture
 from stages.tables.text import NOTHING, count
 
 LISTED = 5  # cousins, models compared and categories of an object that are listed

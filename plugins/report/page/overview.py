@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from plugins.report.page.findings import Findings
 from stages.contracts.doubts import Group, group_doubts
 from stages.tables.order import natural
-from stages.tables.page.findings import Findings
 from stages.tables.text import NOT_RUN
 
 NUMBER = re.compile(r"\d+(\.\d+)?")

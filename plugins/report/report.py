@@ -10,6 +10,10 @@ import pandas as pd
 import yaml
 from markupsafe import Markup
 
+from plugins.report.page import library, policies, result, rooms
+from plugins.report.page.benchmarks import by_stage, longest_table, read_jobs, times_table
+from plugins.report.page.charts import embedded
+from plugins.report.page.files import RunFiles
 from stages.config.tables import PolicyTables
 from stages.contracts.files import read_options, read_text, write_text
 from stages.tables import assets, claims, policy_tables, robustness, scene_tables, table2, table3
@@ -17,11 +21,7 @@ from stages.tables.cells import CELL
 from stages.tables.markup import Table, environment
 from stages.tables.methods import beside_ours, kinds_of
 from stages.tables.order import role_title
-from stages.tables.page import library, policies, result, rooms
-from stages.tables.page.benchmarks import by_stage, longest_table, read_jobs, times_table
-from stages.tables.page.charts import embedded
-from stages.tables.page.files import RunFiles
-from stages.tables.page.pictures import Album
+from stages.tables.pictures import Album
 from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_policies, read_table
 from stages.tables.scenes import named
@@ -94,7 +94,7 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
     opened = [room for target in targets for room in shown if room.name == target.scene]
     drawings = {name: (files.one(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
     return (
-        environment()
+        environment("plugins.report")
         .get_template("page/page.html.jinja")
         .render(
             **facts,
@@ -173,7 +173,11 @@ def run(
     page = _page(declared, published, facts, settings)
     jobs = read_jobs(benchmarks, benchmarks_root)
     tables = [times_table(by_stage(jobs, STAGES)), longest_table(jobs)] if len(jobs) else []
-    times = environment().get_template("page/times.html.jinja").render(page=out.name, more=more, tables=tables)
+    times = (
+        environment("plugins.report")
+        .get_template("page/times.html.jinja")
+        .render(page=out.name, more=more, tables=tables)
+    )
     write_text(out.with_name(TIMES_PAGE), times)
     if config:
         write_text(out.with_name(CONFIG_PAGE), yaml.safe_dump(json.loads(config), sort_keys=False, allow_unicode=True))

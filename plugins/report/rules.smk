@@ -1,7 +1,12 @@
-# The report page: one file that shows this run, exactly the files that its rule names, and one about its times.
-# Reads:  what the other stages wrote, benchmark files.
-# Writes: results/report/{index,times}.html, results/report/scenes/<scene>.html, results/report/three.min.js.
+# Pages for people: one about a run and one about its times, one per picture, one over all pictures.
+# Reads:  what the stages wrote, benchmark files.
+# Writes: results/report/{index,times}.html, results/report/scenes/<scene>.html, results/report/overview/<variant>.html
+#         (where a run of many scenes failed <variant>.failed.html), results/report/three.min.js.
 from types import SimpleNamespace
+
+
+include: "helpers.smk"
+
 
 # A command in the place of our verb need not make films.
 DEMO_FILMS = [] if "collect" in CONFIG.stages.get("demonstrations", {}) else trained(rules.demonstrate.output.films)
@@ -55,8 +60,8 @@ rule viewer:
     resources:
         **needs(1000, 10),
     params:
-        command=command("tables", "viewer"),
-        code=code("tables", "viewer"),
+        command=command("report", "viewer"),
+        code=code("report", "viewer"),
     shell:
         "{params.command} --out {output.script:q} 2>&1 | tee {log:q}"
 
@@ -98,10 +103,10 @@ rule report_page:
     resources:
         **needs(2000, 30),
     params:
-        command=command("tables", "report"),
+        command=command("report", "report"),
         paper=paper("table3"),
-        code=code("tables", "report"),
-        options=options("tables", "report"),
+        code=code("report", "report"),
+        options=options("report", "report"),
         images=lambda wildcards, input: [f"{room}={image}" for room, image in zip(SHOWN, input.images)],
         files=lambda wildcards, input: [file for file in input if file != input.viewer],
         benchmarks=BENCHMARKS,
@@ -139,9 +144,9 @@ rule scene_page:
     resources:
         **needs(1000, 10),
     params:
-        command=command("tables", "picture"),
-        code=code("tables", "picture"),
-        options=options("tables", "picture"),
+        command=command("report", "picture"),
+        code=code("report", "picture"),
+        options=options("report", "picture"),
     shell:
         "{params.command} --files {input.snapshots:q} {input.found:q} {input.cousins:q} {input.scenes:q} {input.drawn:q} "
         "--image {input.rgb:q} --camera {input.camera:q} --scene {wildcards.scene} --viewer {input.viewer:q} "
@@ -162,3 +167,46 @@ rule photo:
         comparisons=of_picture(rules.draw_scenes.output.comparison),
         page=of_picture(rules.scene_page.output.page),
     localrule: True
+
+
+rule overview_page:
+    """Every scene as a row: pictures of input and rank 1, what failed and why, doubts."""
+    input:
+        objects=files(rules.extract.output.objects, scene=ROOMS),
+        cousins=files(rules.match.output.cousins, scene=ROOMS),
+        scenes=files(rules.generate.output.scenes, scene=ROOMS),
+        thumbnails=files(rules.draw_scenes.output.thumbnail, scene=ROOMS),
+        pages=lambda wildcards: own_pages(ROOMS),
+    output:
+        page=in_report("results/report/overview/{variant}.html", "report"),
+    log:
+        "logs/tables/overview_{variant}.log",
+    localrule: True
+    container:
+        CONFIG.containers.report
+    threads: 1
+    resources:
+        **needs(2000, 30),
+    params:
+        command=command("report", "overview"),
+        code=code("report", "overview"),
+        results=lambda wildcards, input: input.objects[0].partition("extraction/")[0],
+        scenes=ROOMS,
+    shell:
+        "{params.command} --scenes {params.scenes} --variant {wildcards.variant} --results {params.results:q} "
+        "--pages {input.pages:q} "
+        "--out {output.page:q} 2>&1 | tee {log:q}"
+
+
+rule overview:
+    """One page over all scenes, for every variant."""
+    input:
+        files(rules.overview_page.output.page, variant=VARIANTS),
+    localrule: True
+
+
+onerror:
+    tell_of_failures()
+
+
+EVERYTHING += [rules.report_page.output, *([rules.overview.input] if MORE else [])]

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plugins.report.page.objects import Evidence, Match, cloud_picture, masked, match
 from stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
 from stages.contracts.doubt import MEND, Doubt
 from stages.contracts.doubts import group_doubts
@@ -12,8 +13,7 @@ from stages.contracts.generated import GeneratedScene, PlacedObject, views_of
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import intrinsics_from_fov, look_at
-from stages.tables.page.objects import Evidence, Match, cloud_picture, masked, match
-from stages.tables.page.pictures import THUMBNAIL, Album
+from stages.tables.pictures import THUMBNAIL, Album
 
 WIDTH, HEIGHT = 120, 90
 VIEW = Orientation(yaw=0.5, distance=1.0)

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from stages.tables import overview
-from tests.unit.test_report_browser import WIDE, address, browser, unfold  # noqa: F401
-from tests.unit.test_scene_page import made  # noqa: F401
+from plugins.report import overview
+from plugins.report.tests.test_report_browser import WIDE, address, browser, unfold  # noqa: F401
+from plugins.report.tests.test_scene_page import made  # noqa: F401
 
 PHONE = {"width": 390, "height": 844}
 HIDDEN = """

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
+from plugins.report.page import rooms, single
+from plugins.report.page.files import RunFiles
+from plugins.report.report import link_to, script
 from stages.config.tables import TablesConfig
 from stages.contracts import InputError
 from stages.contracts.files import read_options, write_text
 from stages.tables.markup import environment
-from stages.tables.page import rooms, single
-from stages.tables.page.files import RunFiles
-from stages.tables.page.pictures import Album
-from stages.tables.report import link_to, script
+from stages.tables.pictures import Album
 from stages.tables.text import number
 
 
@@ -40,7 +40,7 @@ def run(
     if len(found) != 1:
         raise InputError("--files", f"are of {len(found)} pictures.", "name the files of one", "E-FILES-PICTURES")
     (room,) = found
-    page = environment().get_template("page/scene.html.jinja")
+    page = environment("plugins.report").get_template("page/scene.html.jinja")
     text = page.render(
         room=room,
         found=single.input_facts(declared, room.name, camera, album),

@@ -8,11 +8,11 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
+from plugins.report.page.charts import success_chart
+from plugins.report.page.rooms import RoomPart
 from stages.tables.claims import OPEN
 from stages.tables.methods import Kinds, kind
 from stages.tables.order import SKILL, set_key, target_title, title, title_of
-from stages.tables.page.charts import success_chart
-from stages.tables.page.rooms import RoomPart
 from stages.tables.policy_tables import evidence, too_few_runs
 from stages.tables.rows import records
 from stages.tables.text import count, percent

@@ -14,23 +14,24 @@ import pytest
 import yaml
 from PIL import Image
 
+from plugins.report import report
+from plugins.report.page import charts
+from plugins.report.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
+from plugins.report.page.charts import line_chart
+from plugins.report.page.files import RunFiles
+from plugins.report.page.films import read_films
+from plugins.report.page.policies import losses
 from stages.config.model import Config
 from stages.contracts.archives import pack
 from stages.contracts.ledgers import read_attempts
 from stages.contracts.snapshot_pictures import Snapshots
-from stages.tables import policies, report, scenes
-from stages.tables.page import charts
-from stages.tables.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
-from stages.tables.page.charts import line_chart
-from stages.tables.page.files import RunFiles
-from stages.tables.page.films import read_films
-from stages.tables.page.pictures import Album, load
-from stages.tables.page.policies import losses
+from stages.tables import policies, scenes
+from stages.tables.pictures import Album, load
 from tests.refusals import refused
 from tests.unit.tables_results import MADE, VIEWER, declared, films, picture, write_run
 
 OPTIONS = '{"bootstrap_samples": 400}'
-PUBLISHED = Path(__file__).parents[2] / "report" / "published"
+PUBLISHED = Path(__file__).parents[3] / "report" / "published"
 
 
 @pytest.fixture(scope="module")

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plugins.report import picture, report
+from plugins.report.page.single import coloured
+from plugins.report.tests.test_report_browser import BROKEN, CONTRAST, WIDE, browser, cabinet_to_turn, unfold  # noqa: F401
+from plugins.report.tests.test_tables_report import Checker
 from stages.contracts import Camera, write_json
-from stages.tables import picture, report
-from stages.tables.page.single import coloured
 from tests.refusals import refused
 from tests.unit.tables_results import CAMERA, VIEWER, declared, write_run
-from tests.unit.test_report_browser import BROKEN, CONTRAST, WIDE, browser, cabinet_to_turn, unfold  # noqa: F401
-from tests.unit.test_tables_report import Checker
 
 NOTE = "focal length 300 pixels, 44 degrees across: by EXIF"
 
