@@ -71,8 +71,9 @@ def run(
                     name, "is for a picture; the folder has its own.", "leave it out", code="E-OPTION-CONFLICT"
                 )
         name = scene or (image.parent.name if image.name in MADE else scene_of(image.resolve()))
-        session: Session | Correcting = Correcting(image, _categories(library), results, name, variant, choose)
-        _check_named(session, results, scene, choose)
+        correcting = Correcting(image, _categories(library), results, name, variant, choose)
+        _check_named(correcting, results, scene, choose)
+        session: Session | Correcting = correcting
     elif lens is not None and depth is not None:
         raise InputError(
             "--lens",

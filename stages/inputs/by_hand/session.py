@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
+from stages.config.own_scene import is_clone, to_run
 from stages.contracts import InputError, read_json, write_json
 from stages.geometry.boxes import UprightBox, corners
 from stages.inputs.by_hand.fronts import FACES, extents, front_corners, jpeg, straight_on
@@ -150,7 +151,8 @@ class Session:
         project = self._project(body)
         self.save(body)
         written = write_folder(self.folder, self.photo.rgb, project, self.depth)
-        command = f"snakemake --cores 2 --configfile {self.folder / 'config.yaml'} -- pages"
+        config = (self.folder if is_clone() else self.folder.resolve()) / "config.yaml"
+        command = to_run(f"--cores 2 --configfile {config} -- pages")
         return {"ids": written.ids, "notes": written.notes, "command": command, "folder": str(self.folder)}
 
     def close(self, _: Any) -> Answer:
