@@ -275,12 +275,11 @@ def solve(project: Project) -> Solved:
                 usual[item.id] = instead
                 odd += _cause(item, room)
             hangs = item.on in room.walls
-            said = room.notes.get(item.id, _guessed(item, hangs))
-            said = "; ".join(filter(None, [edge_marked(box) if hangs else "", said]))
-            if said:
-                moved = item.id in room.notes and item.id not in room.guessed and not hangs
-                doubts[item.id] = [Doubt(cause="place" if moved else "size", what=said)]
-            told = [said, odd]
+            edge, guess = edge_marked(box) if hangs else "", _guessed(item, hangs)
+            told = [edge, room.notes.get(item.id, guess), odd]
+            if doubted := "; ".join(filter(None, [edge, room.notes.get(item.id, guess.partition(":")[0])])):
+                moved = item.id in room.notes and item.id not in room.guessed and not edge
+                doubts[item.id] = [Doubt(cause="place" if moved else "size", what=doubted)]
             room.notes |= {item.id: "; ".join(filter(None, told))} if any(told) else {}
     return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes}, room.guessed, usual, factor, doubts)
 
