@@ -1,13 +1,28 @@
 """The config that makes an input folder a scene of an experiment."""
 
+import shlex
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+import stages
 from stages.config.experiment import ExperimentConfig
 from stages.config.inputs import scene_of
 from stages.contracts import write_text
+
+
+def is_clone(folder: Path = Path()) -> bool:
+    """Whether Snakemake finds the workflow in a folder, by default where this process runs."""
+    return (folder / "Snakefile").is_file() or (folder / "workflow/Snakefile").is_file()
+
+
+def to_run(words: str) -> str:
+    """The command line of Snakemake with some words, as it works from here: the workflow runs in its clone alone."""
+    if is_clone():
+        return f"snakemake {words}"
+    home = Path(stages.__file__).resolve().parents[1]
+    return f"cd {shlex.quote(str(home)) if is_clone(home) else 'CLONE'} && snakemake {words}"
 
 
 def write_config(folder: Path, **sections: dict[str, Any]) -> Path:

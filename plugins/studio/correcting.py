@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from plugins.inputs.own_scene import is_clone, to_run
 from plugins.studio.fronts import extents, jpeg, straight_on
 from plugins.studio.made import Made, made_of
 from plugins.studio.session import Answer
@@ -141,9 +142,8 @@ class Correcting:
         """What makes again what depends on the corrections, and nothing else."""
         config = self.folder / "config.yaml"
         page = f"results/report/scenes/{self.scene}.html"
-        return (
-            f"snakemake --cores 2 --configfile {config} -- pages" if config.is_file() else f"snakemake --cores 2 {page}"
-        )
+        config = config if is_clone() else config.resolve()
+        return to_run(f"--cores 2 --configfile {config} -- pages" if config.is_file() else f"--cores 2 {page}")
 
     def picture(self) -> bytes:
         """The picture as JPEG."""

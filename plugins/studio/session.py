@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
+from plugins.inputs.own_scene import is_clone, to_run
 from plugins.inputs.photo.metrology import View, WallPlane
 from plugins.inputs.photo.perspective import horizon, vanishing_point, weak
 from plugins.inputs.photo.picture import Photo
@@ -151,7 +152,8 @@ class Session:
         project = self._project(body)
         self.save(body)
         written = write_folder(self.folder, self.photo.rgb, project, self.depth)
-        command = f"snakemake --cores 2 --configfile {self.folder / 'config.yaml'} -- pages"
+        config = (self.folder if is_clone() else self.folder.resolve()) / "config.yaml"
+        command = to_run(f"--cores 2 --configfile {config} -- pages")
         return {"ids": written.ids, "notes": written.notes, "command": command, "folder": str(self.folder)}
 
     def close(self, _: Any) -> Answer:

@@ -18,9 +18,8 @@ from plugins.inputs.photo.metrology import (
 )
 from plugins.inputs.photo.perspective import fit_view
 from plugins.studio.project import DrawnObject, Project, Scale
-from plugins.studio.usual import STANDING, Sides, camera_factor, usual_size
-from stages.contracts.categories import known_categories, sizes_of
-from stages.contracts.category import describe_unusual, find_category
+from plugins.studio.usual import STANDING, Sides, camera_factor, describe_odd, edge_marked, usual_size
+from stages.contracts.categories import sizes_of
 from stages.contracts.depth import NEAREST
 from stages.contracts.doubt import Doubt
 from stages.contracts.types import LARGEST, Pixel
@@ -29,7 +28,6 @@ from stages.geometry.frames import yaw_matrix
 
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
-LEAST = 0.02  # metres: what hangs is wider and higher, unless one edge of it was marked
 FLAT = 0.03  # metres: how deep something on a wall is of which nobody said what it is
 
 
@@ -63,24 +61,6 @@ def _guessed(item: DrawnObject, hangs: bool) -> str:
     if _depth_guessed(item, hangs):
         return "depth is guessed: mark a rear corner, or type it"
     return ""
-
-
-def _edge_marked(box: UprightBox) -> str:
-    """Whether of what hangs an edge was marked in the place of two opposite corners."""
-    width, _, height = box.size
-    if min(width, height) >= LEAST:
-        return ""
-    side = f"{100 * width:.1f} cm wide" if width < height else f"{100 * height:.1f} cm high"
-    return f"would be {side}: of what hangs mark two opposite corners of its front"
-
-
-def _unusual(item: DrawnObject, box: UprightBox, factor: float) -> str:
-    """What is wrong with the size of a box, by the usual sizes of its label, if it were `factor` times as large."""
-    size = box.size
-    if size.min() < THINNEST:
-        return f"would be {1000 * size.min():.1f} mm thin: draw it anew"
-    known = find_category(item.label, known_categories())
-    return describe_unusual(known, factor * size) and describe_unusual(known, size)
 
 
 def _usual_depth(label: str) -> float:
@@ -290,17 +270,16 @@ def solve(project: Project) -> Solved:
             room.notes[item.id] = f"would be {max(box.size):.0f} m large"
             del room.boxes[item.id]
         elif box is not None:
-            odd = _unusual(item, box, factor or 1.0)
+            odd = describe_odd(item, box, factor or 1.0)
             if odd and (instead := usual_size(item, box)):
                 usual[item.id] = instead
                 odd += _cause(item, room)
             hangs = item.on in room.walls
-            said = room.notes.get(item.id, _guessed(item, hangs))
-            said = "; ".join(filter(None, [_edge_marked(box) if hangs else None, said]))
-            if said:
-                moved = item.id in room.notes and item.id not in room.guessed and not hangs
-                doubts[item.id] = [Doubt(cause="place" if moved else "size", what=said)]
-            told = [said, odd]
+            edge, guess = edge_marked(box) if hangs else "", _guessed(item, hangs)
+            told = [edge, room.notes.get(item.id, guess), odd]
+            if doubted := "; ".join(filter(None, [edge, room.notes.get(item.id, guess.partition(":")[0])])):
+                moved = item.id in room.notes and item.id not in room.guessed and not edge
+                doubts[item.id] = [Doubt(cause="place" if moved else "size", what=doubted)]
             room.notes |= {item.id: "; ".join(filter(None, told))} if any(told) else {}
     return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes}, room.guessed, usual, factor, doubts)
 

@@ -4,14 +4,34 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from plugins.inputs.photo.metrology import THINNEST
 from plugins.studio.project import DrawnObject, Project
-from stages.contracts.categories import sizes_of
-from stages.contracts.category import USUAL_SPREAD
+from stages.contracts.categories import known_categories, sizes_of
+from stages.contracts.category import USUAL_SPREAD, describe_unusual, find_category
 from stages.geometry.boxes import UprightBox
 
 STANDING = 1.5  # metres: how high a camera is taken to be of which nobody said it
 SURE = np.log(1.1)  # a person who stands holds a camera 1.35 to 1.65 m high: STANDING is never better than that
+LEAST = 0.02  # metres: what hangs is wider and higher, unless one edge of it was marked
 Sides = tuple[float | None, float | None, float | None]
+
+
+def edge_marked(box: UprightBox) -> str:
+    """Whether of what hangs an edge was marked in the place of two opposite corners."""
+    width, _, height = box.size
+    if min(width, height) >= LEAST:
+        return ""
+    side = f"{100 * width:.1f} cm wide" if width < height else f"{100 * height:.1f} cm high"
+    return f"would be {side}: of what hangs mark two opposite corners of its front"
+
+
+def describe_odd(item: DrawnObject, box: UprightBox, factor: float) -> str:
+    """What is wrong with the size of a box, by the usual sizes of its label, if it were `factor` times as large."""
+    size = box.size
+    if size.min() < THINNEST:
+        return f"would be {1000 * size.min():.1f} mm thin: draw it anew"
+    known = find_category(item.label, known_categories())
+    return describe_unusual(known, factor * size) and describe_unusual(known, size)
 
 
 def usual_size(item: DrawnObject, box: UprightBox) -> Sides | None:

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.inputs.own_scene import write_config
+from plugins.inputs.own_scene import is_clone, write_config
 from plugins.inputs.photo.metrology import View
 from plugins.inputs.rgbd.upright import is_stretched
 from plugins.studio.paint import SPARSE, paint
@@ -170,7 +170,7 @@ def write_folder(
         walls=[values[wall.id] for wall in project.walls if values[wall.id] in shown],
     )
     write_scene_input(folder, rgb, painted.depth if depth is None else depth, camera, masks, annotations)
-    write_config(folder)
+    write_config(folder if is_clone() else folder.resolve())  # what is relative is so to the clone
 
     ids = dict(zip((item.id for item in seen), object_ids(item.label for item in annotations.objects), strict=True))
     labels = {item.id: item.label for item in project.objects if item.label}

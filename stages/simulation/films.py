@@ -70,7 +70,7 @@ def _write_mp4(path: Path, images: Sequence[Pillow.Image], frequency: float) -> 
     import imageio.v2 as imageio  # ManiSkill's own; it looks for ffmpeg when it is imported
 
     even: list[Any] = [np.asarray(image)[: image.height // 2 * 2, : image.width // 2 * 2] for image in images]
-    imageio.mimwrite(path, even, format="FFMPEG", fps=frequency, codec="libx264", macro_block_size=2)  # type: ignore[call-overload]
+    imageio.mimwrite(path, even, format="FFMPEG", fps=frequency, codec="libx264", macro_block_size=2)
 
 
 def make_film_strip(pictures: Sequence[Image]) -> Image:

@@ -26,6 +26,8 @@ def test_library_has_all_models_sorted_and_whole(tmp_path: Path) -> None:
     names = ["bottom_cabinet_00", "bottom_cabinet_01", "mug_00", "mug_01", "picture_00"]
     assert [entry.id for entry in library.assets] == names
     folders = AssetFolders(tmp_path / "library.json")
+    with refused("E-LIBRARY-ASSET", "has no asset"):
+        folders["nothing_1"]
     for entry in library.assets:
         asset = folders.asset(entry.id)
         assert asset == read_asset(folders[entry.id]) and entry.archive == "library.zip"

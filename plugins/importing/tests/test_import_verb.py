@@ -12,7 +12,7 @@ import trimesh
 from PIL import Image
 
 from plugins.importing.evidence import Evidence
-from plugins.importing.import_ import run
+from plugins.importing.import_ import left_behind, run
 from plugins.importing.importers import Axis
 from plugins.importing.imports import axis_vector, in_file
 from plugins.importing.own import run as own
@@ -240,3 +240,11 @@ def test_partnet_models_have_no_size_and_get_a_usual_one(tmp_path: Path) -> None
         path.parent.name: json.loads(path.read_text())["scale"] for path in (tmp_path / "mine").rglob("asset.json")
     }
     assert scales == {"7167": pytest.approx(0.36, abs=0.03), "9": 1.0}
+
+
+def test_models_that_are_gone_from_the_source_are_told(tmp_path: Path) -> None:
+    for name in ("kept", "gone"):
+        (tmp_path / "chair" / name).mkdir(parents=True)
+        (tmp_path / "chair" / name / "asset.json").write_text("{}")
+    (line,) = left_behind(tmp_path, [tmp_path / "chair/kept"])
+    assert line.endswith("delete chair/gone") and not [*left_behind(tmp_path, [*(tmp_path / "chair").iterdir()])]

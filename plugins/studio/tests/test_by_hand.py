@@ -668,3 +668,14 @@ def test_the_command_serves_until_the_page_is_done(
     said = capsys.readouterr().out
     assert "Draw at http://127.0.0.1:" in said and "an input folder with 3 objects" in said
     assert len(read_json(Annotations, tmp_path / "a" / "annotations.json").objects) == 3
+
+
+def test_outside_the_clone_the_command_goes_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Image.fromarray(_noise()).save("a.png")
+    session = Session(read_photo(tmp_path / "a.png"), "a.png", Path("shelf"))
+    said = session.write(_drawing().model_dump(mode="json"))
+    assert (
+        said["command"].startswith("cd ") and f"--configfile {tmp_path}/shelf/config.yaml -- pages" in said["command"]
+    )
+    assert f"shelf: {tmp_path}/shelf" in Path("shelf/config.yaml").read_text(), "what is relative is so to the clone"

@@ -16,7 +16,7 @@ from plugins.studio import annotate
 from plugins.studio.correcting import Correcting, Drawing, Thing
 from plugins.studio.tests.annotate_page import watched
 from plugins.studio.tests.test_annotate_browser import browser  # noqa: F401
-from stages.contracts import InputError, Objects, read_json, write_json
+from stages.contracts import InputError, Objects, read_json, write_json, write_text
 from stages.contracts.corrected_masks import Cutter
 from stages.contracts.corrections import CORRECTIONS, Correction, Corrections, corrections_of
 from stages.contracts.extracted import check_extracted
@@ -405,3 +405,12 @@ def test_what_changes_while_it_is_saved_is_not_called_saved(opened: Any) -> None
     asked[1].continue_()
     page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
     page.unroute("**/save")
+
+
+def test_a_scene_or_an_object_that_is_not_there_is_refused(source: Path) -> None:
+    results = source.parent / "results"
+    with refused("E-OBJECT-MISSING", "did you mean 'cabinet_1'?"):
+        annotate.run(source, results=results, choose="cabinet_9", browser=False)
+    write_text(results / "extraction/kitchen/objects.json", "")
+    with refused("E-OBJECT-MISSING", "did you mean 'kitchen'?"):
+        annotate.run(source, results=results, scene="kitchn", browser=False)
