@@ -83,7 +83,7 @@ def arguments(docstring: str) -> dict[str, str]:
 
 def rule_files(root: Path) -> list[Path]:
     """The files of rules, of the core and of the packages."""
-    return [*sorted((root / "rules").glob("*.smk")), *sorted((root / "plugins").glob("*/rules.smk"))]
+    return [*sorted((root / "rules").glob("*.smk")), *sorted((root / "plugins").glob("*/*.smk"))]
 
 
 def passed(root: Path) -> dict[str, set[str]]:

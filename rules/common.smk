@@ -49,7 +49,8 @@ try:
     LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN.values())
     CONFIG = sized(CONFIG, LIBRARY_SIZE)
 except InputError as error:
-    sys.exit(f"error: {error} [{error.code}]")  # one line: Snakemake would add this file and its line
+    print(f"error: {error} [{error.code}]", file=sys.stderr)  # one line: Snakemake would add this file and its line
+    sys.exit(1)
 
 # Snakemake keeps copies of what `workflow.source_path` names, in a folder of its own.
 PUBLISHED = str(Path([workflow.source_path(f"../report/published/table{n}.csv") for n in (2, 3)][0]).resolve().parent)

@@ -15,7 +15,7 @@ from pydantic import Field, ValidationError
 
 from plugins.importing.discover import Found, discover, numbered_names
 from plugins.importing.fronts import doors_and_drawers, front_direction, squared
-from plugins.importing.importers import Axis, Importer
+from plugins.importing.importers import IMPORTERS, Axis, Importer
 from plugins.importing.inertia_repair import weighed_sanely, with_mass
 from plugins.importing.proposal import Guess
 from plugins.importing.pushing import stuck_joints, touching_when_closed
@@ -38,25 +38,6 @@ from stages.contracts.types import LARGEST, Mass
 from stages.geometry.frames import rigid, yaw_matrix
 from stages.geometry.solids import board_mass
 from stages.plugins import load, short
-
-IMPORTERS = (  # in this order, unless the config names others
-    "plugins.importing.importers.urdf",
-    "plugins.importing.importers.mjcf",
-    "plugins.importing.importers.glb",
-    "plugins.importing.importers.gltf",
-    "plugins.importing.importers.obj",
-    "plugins.importing.importers.dae",
-    "plugins.importing.importers.ply",
-    "plugins.importing.importers.stl",
-)
-MESH_FILES = (  # found by their suffix; named here so that an edit of one imports models anew
-    "plugins.importing.mesh_files.dae",
-    "plugins.importing.mesh_files.glb",
-    "plugins.importing.mesh_files.gltf",
-    "plugins.importing.mesh_files.off",
-    "plugins.importing.mesh_files.ply",
-    "plugins.importing.mesh_files.stl",
-)
 
 
 class Notes(Guess):

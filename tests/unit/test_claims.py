@@ -177,7 +177,8 @@ def test_the_headline_gives_the_numbers_of_one_seed_and_says_what_they_are() -> 
     line, (said, again) = sentences(one, {"lite": "lite"})
     row = one[one["claim"] == "unseen"].iloc[0]
     ends = f"{percent(row['theirs'])} → {percent(row['ours'])}".replace(" ", "\N{NO-BREAK SPACE}")
-    assert line.startswith("success at door opening on ") and line.endswith(f"8 cousins instead of the twin: {ends}")
+    assert line.startswith("success at door opening on ")
+    assert f"8 cousins instead of the twin: {ends}, +" in line and line.endswith("]")
     assert said.startswith(f"Lite: {ends}, +") and said.endswith(
         "with 8 cousins instead of the twin, for these policies."
     )

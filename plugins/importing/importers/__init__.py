@@ -8,6 +8,24 @@ from typing import Literal
 from stages.articulated.model import RobotModel
 
 Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+IMPORTERS = (  # in this order, unless the config names others
+    "plugins.importing.importers.urdf",
+    "plugins.importing.importers.mjcf",
+    "plugins.importing.importers.glb",
+    "plugins.importing.importers.gltf",
+    "plugins.importing.importers.obj",
+    "plugins.importing.importers.dae",
+    "plugins.importing.importers.ply",
+    "plugins.importing.importers.stl",
+)
+MESH_FILES = (  # found by their suffix; named here so that an edit of one imports models anew
+    "plugins.importing.mesh_files.dae",
+    "plugins.importing.mesh_files.glb",
+    "plugins.importing.mesh_files.gltf",
+    "plugins.importing.mesh_files.off",
+    "plugins.importing.mesh_files.ply",
+    "plugins.importing.mesh_files.stl",
+)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from typing import Any
 from plugins.report.page.findings import Findings
 from stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
 from stages.contracts.doubt import Doubt
-from stages.contracts.doubts import doubts
+from stages.contracts.doubts import collect_doubts
 from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 
@@ -41,7 +41,7 @@ def found(item: SceneObject, *things: PlacedObject) -> Findings:
 
 
 def told(item: SceneObject, thing: PlacedObject) -> list[str]:
-    return [one.what for one in doubts(entry(), item, thing, Objects(objects=[item], **VIEW))]
+    return [one.what for one in collect_doubts(entry(), item, thing, Objects(objects=[item], **VIEW))]
 
 
 def test_what_reaches_before_the_front_that_is_seen_is_doubted() -> None:
