@@ -8,45 +8,6 @@ from types import SimpleNamespace
 include: "helpers.smk"
 
 
-# A command in the place of our verb need not make films.
-DEMO_FILMS = [] if "collect" in CONFIG.stages.get("demonstrations", {}) else trained(rules.demonstrate.output.films)
-SCENE_FILMS = (
-    [] if "scene" in CONFIG.stages.get("demonstrations", {}) else in_scenes(rules.demonstrate_in_scene.output.films)
-)
-ROLLOUT_FILMS = (
-    [] if "rollout" in CONFIG.stages.get("evaluation", {}) else policies(rules.rollout.output.films, first=True)
-)
-# Benchmark files cannot be inputs: those of this run are named to the page, so that it counts no others.
-BENCHMARKS = [
-    *expand("benchmarks/assets/procedural_{shard}.tsv", shard=range(PROCEDURAL)),
-    *expand("benchmarks/assets/{shard}.tsv", shard=OWN),
-    *files(rules.snapshots.benchmark, shard=SHARDS),
-    *files(rules.room.benchmark, scene=SCORED_ROOMS),
-    *files(rules.extract.benchmark, scene=SHOWN),
-    *files(rules.features.benchmark, store=STORES, shard=SHARDS),
-    *files(
-        [rules.match.benchmark, rules.generate.benchmark, rules.draw_scenes.benchmark], variant=VARIANTS, scene=SHOWN
-    ),
-    *files(rules.score.benchmark, variant=VARIANTS, scene=SCORED_ROOMS),
-    *files(rules.select.benchmark, variant=EXPERIMENT.policy_variant, target=TARGETS),
-    *[
-        file
-        for name in TARGETS
-        if name not in PINNED
-        for file in of_target(
-            SimpleNamespace(target=name, variant=EXPERIMENT.policy_variant), rules.distances.benchmark
-        )
-    ],
-    *trained(rules.demonstrate.benchmark),
-    *in_scenes(rules.demonstrate_in_scene.benchmark),
-    *demonstrated(rules.skill.benchmark),
-    *possible_policies([rules.train.benchmark, rules.trial.benchmark, rules.rollout.benchmark]),
-    *met([rules.room.benchmark, rules.extract.benchmark, rules.match.benchmark, rules.generate.benchmark]),
-    *met(rules.score.benchmark),
-    *expand("benchmarks/tables/{table}.tsv", table=["table2", "table3"]),
-]
-
-
 rule viewer:
     """The script by which pages turn a scene."""
     output:
