@@ -9,7 +9,6 @@ import numpy as np
 from PIL import Image, ImageDraw
 from pydantic import BaseModel
 
-from stages import tables
 from stages.contracts.archives import pack
 from stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
 from stages.contracts.files import read_json, write_json
@@ -22,7 +21,7 @@ from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, TaskAssets
 from tests.unit.demo_assets import FRONT
 
-VIEWER = Path(tables.__file__).parent / "page/three/three.min.js"
+VIEWER = Path(__file__).parents[2] / "plugins/report/page/three/three.min.js"
 CAMERA = [[200.0, 0.0, 120.0], [0.0, 200.0, 80.0], [0.0, 0.0, 1.0]]
 POSE = [[0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 1.4], [0.0, 0.0, 0.0, 1.0]]
 MADE = Made(seed=11, options="0a1b2c3d4e5f", inputs="111111111111", code="222222222222")
