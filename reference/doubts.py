@@ -19,7 +19,10 @@ A limit that is a key of the [config](config.md) is yours.
 def section(root: Path) -> str:
     """The table of all doubts, gravest first, and what mends each cause."""
     texts = {
-        path.relative_to(root).as_posix(): path.read_text(encoding="utf-8") for path in (root / "stages").rglob("*.py")
+        path.relative_to(root).as_posix(): path.read_text(encoding="utf-8")
+        for home in ("stages", "plugins")
+        for path in (root / home).rglob("*.py")
+        if "tests" not in path.relative_to(root).parts
     }
     rows = []
     for kind in sorted(DoubtKind, key=lambda one: list(MEND).index(one.cause)):

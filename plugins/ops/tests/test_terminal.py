@@ -40,7 +40,7 @@ def test_a_dry_run_says_all_of_a_job(tmp_path: Path) -> None:
 def test_a_job_that_fails_is_told_at_length(tmp_path: Path) -> None:
     folder = make(tmp_path / "clone")
     (folder / "mine.yaml").write_text(
-        "stages: {tables: {viewer: {command: 'echo error: no ink >&2; false', code: []}}}"
+        "stages: {report: {viewer: {command: 'echo error: no ink >&2; false', code: []}}}"
     )
     done = snakemake(folder, SCRIPT, "--configfile", "mine.yaml")
     assert done.returncode == 1 and "Error in rule viewer:" in done.stdout, done.stdout
