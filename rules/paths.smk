@@ -69,9 +69,9 @@ def scene_image(wildcards):
     return scene_inputs(wildcards)["rgb"]
 
 
-def in_report(path, kind):
-    """A file that Snakemake's own report shows as well."""
-    caption = f"../report/captions/{kind}.rst"
+def in_report(path, kind, captions="../report/captions"):
+    """A file that Snakemake's own report shows as well; `captions`: from the file of rules that asks."""
+    caption = f"{captions}/{kind}.rst"
     return report(path, caption=caption, category=kind.capitalize(), labels={"name": Path(path).stem})
 
 

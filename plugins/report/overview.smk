@@ -10,7 +10,7 @@ rule overview_page:
         thumbnails=files(rules.draw_scenes.output.thumbnail, scene=ROOMS),
         pages=lambda wildcards: own_pages(ROOMS),
     output:
-        page=in_report("results/report/overview/{variant}.html", "report"),
+        page=in_report("results/report/overview/{variant}.html", "report", "../../report/captions"),
     log:
         "logs/tables/overview_{variant}.log",
     localrule: True

@@ -52,7 +52,7 @@ rule report_page:
         tables=rules.tables.input,
         pages=lambda wildcards: own_pages(SHOWN),
     output:
-        page=in_report("results/report/index.html", "report"),
+        page=in_report("results/report/index.html", "report", "../../report/captions"),
         times="results/report/times.html",
         config="results/report/config.yaml",
     log:
@@ -94,7 +94,7 @@ rule scene_page:
             variant=VARIANTS,
         ),
     output:
-        page=in_report("results/report/scenes/{scene}.html", "report"),
+        page=in_report("results/report/scenes/{scene}.html", "report", "../../report/captions"),
     log:
         "logs/tables/scene_page_{scene}.log",
     group:
