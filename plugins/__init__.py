@@ -1,1 +1,1 @@
-"""Packages beside the workflow, each named in the config as a user's own would be (docs/extending.md)."""
+"""Packages beside the core (docs/architecture.md); `diffusion` and `patchnet` are named as a user's own would be."""

@@ -17,6 +17,8 @@ def find_mistakes(config: Any) -> Iterator[Mistake]:
     pictures = config.experiment.pictures
     if not pictures:
         return
+    if config.photo.captions == "vlm" and not config.packages.get("vlm"):
+        yield Mistake("photo.captions", "is read by the package vlm, which is off or not here", "packages: {vlm: true}")
     key = "image" if config.image else "experiment.inputs"
     if config.image and not Path(config.image).is_file():
         yield Mistake(key, f"no file {config.image}", "name a picture", "E-CONFIG-FILE")
@@ -69,6 +71,5 @@ PACKAGE = Package(
     outside=needed_files,
     keys=keys,
     mistakes=find_mistakes,
-    needed=lambda config: next(iter(config.experiment.pictures), None),
     check=check_weights,
 )

@@ -32,12 +32,21 @@ def contradictions(config: "Config") -> list[Mistake]:
 
 
 def _packages(config: "Config") -> Iterator[Mistake]:
-    """What the packages that are on find."""
+    """What a config asks of packages that are off or not here, and what those that are on find."""
+    rooms = [config.experiment.inputs[room] for room in config.experiment.rooms if room in config.experiment.inputs]
+    asked = {
+        "furniture": ("assets.counts", any(config.assets.counts.values())),
+        "importing": ("assets.folders", bool(config.assets.folders)),
+        "inputs": ("experiment.inputs", any(not room.folder for room in rooms)),
+    }
+    for name, (key, wanted) in asked.items():
+        if wanted and not config.packages.get(name):
+            yield Mistake(
+                key, f"is read by the package {name}, which is off or not here", f"packages: {{{name}: true}}"
+            )
     for name, package in present().items():
         if config.packages[name]:
             yield from package.mistakes(config)
-        elif package.needed(config):
-            yield Mistake(f"packages.{name}", f"is off, and {package.needed(config)} needs it", "true")
 
 
 def _names(config: "Config") -> Iterator[Mistake]:
@@ -145,9 +154,6 @@ def _library(config: "Config") -> Iterator[Mistake]:
             yield Mistake(
                 "assets.folders", f"{folder} has no models", "see docs/your-models.md for the layout", "E-CONFIG-FILE"
             )
-    if any(config.assets.counts.values()) and not config.packages.get("furniture"):
-        what = "the package furniture, which makes these models, is off or not here"
-        yield Mistake("assets.counts", what, "assets: {own_only: true}, with models of yours in assets.folders")
     if config.assets.own_only and not config.assets.folders:
         what = "there are no models of yours"
         yield Mistake("assets.own_only", what, "name their folder in assets.folders (docs/your-models.md)")

@@ -27,7 +27,6 @@ class Package:
         sections: of config.yaml that belong to it, by name, as pydantic fields.
         outside: of the whole config, files that its jobs read and that may lie outside the working directory.
         mistakes: of the whole config, `Mistake`s that the package finds in it.
-        needed: of the whole config, what in it needs the package, if anything does.
         check: what of this machine the package may want: its name, whether all is there, what is or is not.
         keys: of the whole config, environment variables of keys that it sends to a server; None: it asks none.
     """
@@ -41,7 +40,6 @@ class Package:
     outside: Callable[[Any], list[str]] = lambda config: []
     keys: Callable[[Any], list[str] | None] = lambda config: None
     mistakes: Callable[[Any], Iterable[Any]] = lambda config: ()
-    needed: Callable[[Any], str | None] = lambda config: None
     check: Callable[[], tuple[str, bool, str]] | None = None
 
 

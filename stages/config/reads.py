@@ -74,7 +74,7 @@ def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str])
     if (stage, verb) == ("matching", "features"):
         return stores(config)[wildcards["store"]].stored()
     section, reads = section_of(config, stage, wildcards), READS[stage, verb]
-    if beside := {name: getattr(config, name).model_dump() for name in _sections(reads, section)}:  # of other packages
+    if beside := {name: getattr(config, name).model_dump() for name in _sections(reads, section, config)}:
         section = reads.model_construct(**dict(section), **beside)
     kept = section.model_dump(mode="json", include=set(reads.model_fields) - section.unread())
     if "own" in kept:
@@ -86,9 +86,9 @@ def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str])
     return kept
 
 
-def _sections(reads: type[Section], section: Section) -> list[str]:
-    """Sections of packages that a verb reads beside its own."""
-    names = {name for package in present().values() for name in package.sections}
+def _sections(reads: type[Section], section: Section, config: Config) -> list[str]:
+    """Sections that a verb reads beside its own, of packages that are on."""
+    names = {name for package in present().values() for name in package.sections if hasattr(config, name)}
     return sorted(names & set(reads.model_fields) - set(type(section).model_fields))
 
 

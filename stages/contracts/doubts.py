@@ -1,7 +1,6 @@
 """What the files of a scene tell that may be wrong, and what is only worth knowing: for pages that report and correct.
 
-A doubt is what a person can mend. Of 226 things with truth (`work` of docs/results/open.md, rooms of ours) 36 of 41
-that are far off are doubted, and 22 of 90 that are right.
+A doubt is what a person can mend. docs/errors.md lists all of them with their limits.
 """
 
 import math

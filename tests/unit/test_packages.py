@@ -1,9 +1,14 @@
 """Packages beside the core: which are on, and what of the config is theirs."""
 
+from pathlib import Path
+from typing import Any
+
 import pytest
 
 from stages.config.model import load
 from stages.config.packages import home_of, present
+from stages.config.reads import READS, options_of, stores
+from stages.contracts.errors import InputError
 from stages.plugins import available
 from tests.refusals import refused
 
@@ -36,3 +41,40 @@ def test_a_section_belongs_to_its_package(name: str) -> None:
 def test_verbs_are_found_in_their_homes() -> None:
     assert home_of("matching") == "stages.matching" and home_of("exports") == "plugins.exports"
     assert available("simulators")["mujoco"] == "plugins.mujoco.simulators.mujoco"
+
+
+@pytest.mark.parametrize("name", present())
+def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -> None:
+    if name == "furniture":
+        with refused(
+            "E-CONFIG-CLASH", "assets.counts: is read by the package furniture", "packages: {furniture: true}"
+        ):
+            load({"packages": {name: False}})
+        return
+    config = load({"packages": {name: False}})
+    wildcards = {"variant": "b", "run": "lite", "scene": "", "store": next(iter(stores(config)))}
+    for stage, verb in READS:
+        if stage != name and stage != "inputs":
+            options_of(config, stage, verb, wildcards)
+    if name != "inputs":
+        assert "lens" in options_of(config, "inputs", "estimate", {})
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "key"),
+    [
+        ("importing", {"assets": {"folders": ["mine"]}}, "assets.folders"),
+        ("inputs", {"experiment": {"inputs": {"a": {"image": "a.png"}}, "rooms": ["a"]}}, "experiment.inputs"),
+        ("vlm", {"photo": {"captions": "vlm"}, "image": "a.png"}, "photo.captions"),
+        ("vlm", {"matching": {"model_selection": "vlm"}}, "matching.model_selection"),
+    ],
+)
+def test_what_a_package_that_is_off_would_read_is_not_lost(
+    name: str, changes: dict[str, Any], key: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine/chair").mkdir(parents=True)
+    (tmp_path / "mine/chair/seat.obj").touch()
+    (tmp_path / "a.png").touch()
+    with pytest.raises(InputError, match=key):
+        load({"packages": {name: False}} | changes)
