@@ -69,7 +69,7 @@ def _trainings(config: Config, results: Path) -> pd.DataFrame:
     return trainings.collect([path for path in paths if path.is_file()])
 
 
-def asked_cells(config: Config) -> pd.DataFrame:
+def list_cells(config: Config) -> pd.DataFrame:
     """The cells that the study is to fill, with `table3.CELL`, task and cloud; targets pooled."""
     experiment, pools = config.experiment, pool_of(policy_tables(config), config.experiment.targets)
     cells = [
@@ -158,7 +158,7 @@ def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, s
 def _policies(config: Config, results: Path, published: Path, out: Path) -> StudyResults:
     options, trained = policy_tables(config), _trainings(config, results)
     rows, kinds = read_rollouts(list(rollout_files(config, results)), options), kinds_of(options)
-    episodes, asked = pooled(rows, options), asked_cells(config)
+    episodes, asked = pooled(rows, options), list_cells(config)
     found = collect(episodes, published, options, asked)
     notes = [*policy_notes(options), *trainings.failed_note(trained)]
     tables = asset_tables(found, options, kinds, notes) + role_tables(found, options, kinds, notes)
@@ -201,7 +201,7 @@ def score_files(config: Config, results: Path) -> list[Path]:
     return [path for paths in groups.values() if all(each.is_file() for each in paths) for path in paths]
 
 
-def asked_protocols(config: Config) -> list[tuple[str, str]]:
+def list_protocols(config: Config) -> list[tuple[str, str]]:
     """Protocols of the study with their variants; '' is the rooms as they are."""
     experiment = config.experiment
     protocols = {"": experiment.variants} | {
@@ -222,7 +222,7 @@ def _scenes(config: Config, results: Path, published: Path, out: Path, variants:
     experiment, files = config.experiment, score_files(config, results)
     rows = read_rows(SceneScore, files, ONE_SCENE)
     scenes = table2.build(rows, published_scenes(published), config.tables)
-    companion = robustness.build(rows, asked_protocols(config))
+    companion = robustness.build(rows, list_protocols(config))
     seeds = [f"{name} {' '.join(map(str, protocol.seeds))}" for name, protocol in experiment.protocols.items()]
     pairs = [(room, variant) for room in experiment.rooms for variant in variants or experiment.variants]
     paths = {pair: results / f"generation/{pair[1]}/{pair[0]}/comparison.png" for pair in pairs}

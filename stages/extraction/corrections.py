@@ -16,7 +16,7 @@ from stages.extraction.mounting import MAX_STRETCH
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene
 from stages.geometry.boxes import UprightBox, with_bottom
-from stages.geometry.frames import rounded, yaw_matrix
+from stages.geometry.frames import round_vector, yaw_matrix
 
 OBLONG = 1.2  # ratio of two sides, above which one is surely the longer one; chosen
 
@@ -140,4 +140,4 @@ def _main_axis(along: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _write_box(box: UprightBox) -> Box:
-    return Box(center=rounded(box.center), size=rounded(box.size), yaw=round(box.yaw, 6))
+    return Box(center=round_vector(box.center), size=round_vector(box.size), yaw=round(box.yaw, 6))

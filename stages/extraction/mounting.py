@@ -21,7 +21,7 @@ from stages.extraction.wall_contact import (
     resolve_stated_mounting,
 )
 from stages.geometry.boxes import THINNEST, UprightBox, with_bottom, with_top
-from stages.geometry.frames import rounded
+from stages.geometry.frames import round_vector
 
 MAX_STRETCH = 2.0  # of an object's seen height: by more its box is not extended down to what carries it; chosen
 
@@ -72,9 +72,9 @@ def mount_objects(
             done[name] = one.fail("its top is found below what carries it: the depth of one of the two is wrong")
             continue
         carriers[name] = placed.filled
-        size = rounded(np.maximum(placed.box.size, 0.001))  # metres, also where its cloud has no depth
+        size = round_vector(np.maximum(placed.box.size, 0.001))  # metres, also where its cloud has no depth
         update = {
-            "box": Box(center=rounded(placed.box.center), size=size, yaw=round(placed.box.yaw, 6)),
+            "box": Box(center=round_vector(placed.box.center), size=size, yaw=round(placed.box.yaw, 6)),
             "mounting": placed.mounting,
             "measured_support": placed.support,
             "measured_mounting": placed.measured if stated else None,

@@ -57,4 +57,4 @@ def read_collisions(folder: Path) -> list[Trimesh]:
 
 def read_visuals(folder: Path) -> list[Trimesh]:
     """What is seen, with its colours."""
-    return [visual.painted() for link in read_links(folder) for visual in link.visuals]
+    return [visual.paint() for link in read_links(folder) for visual in link.visuals]

@@ -21,11 +21,11 @@ CONTACT = 0.05  # metres by which a place may be missed: of the floor, of a wall
 def mount(placed: Placed, sight: Sight, reached: Sequence[Wall], options: GenerationConfig) -> Placed:
     """A model with its rear at the walls that it reaches, and a believable depth."""
     for wall in reached:
-        placed = placed.changed(f"rear to {wall.id}", extend_to_wall(placed.box, wall, options.min_extent))
+        placed = placed.change_box(f"rear to {wall.id}", extend_to_wall(placed.box, wall, options.min_extent))
     if reached and options.aspect_prior == "native":
         hangs = placed.wall_mounted
         deep = correct_depth_at_wall(placed.box, placed.asset.size, sight, options.aspect_range, reached[0], hangs)
-        placed = placed.changed(DEEP, deep)
+        placed = placed.change_box(DEEP, deep)
     return placed
 
 

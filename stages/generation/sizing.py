@@ -35,15 +35,15 @@ def size(
     """
     native, camera, box = options.aspect_prior == "native", sight.camera, placed.box
     if native and placed.asset.symmetry == "full" and not reached:
-        placed = placed.changed(MEASURED, sight.measured(box, sight_yaw(box, camera), options.trim, False))
+        placed = placed.change_box(MEASURED, sight.measure_box(box, sight_yaw(box, camera), options.trim, False))
         if bearings:
-            placed = placed.changed("as wide as its outline", widen_to_outline(placed.box, camera, bearings))
-        return placed.changed(DEEP, replace(make_round(placed.box, options.aspect_range), yaw=yaw))
+            placed = placed.change_box("as wide as its outline", widen_to_outline(placed.box, camera, bearings))
+        return placed.change_box(DEEP, replace(make_round(placed.box, options.aspect_range), yaw=yaw))
     beyond = measure_beyond_front(read_visuals(placed.folder)) if native else 0.0
-    placed = placed.changed(MEASURED, sight.measured(box, yaw, options.trim, native, beyond))
+    placed = placed.change_box(MEASURED, sight.measure_box(box, yaw, options.trim, native, beyond))
     if native and not reached:
         deep = correct_depth_in_room(placed.box, placed.asset.size, sight, options.aspect_range)
-        placed = placed.changed(DEEP, deep)
+        placed = placed.change_box(DEEP, deep)
     return placed
 
 

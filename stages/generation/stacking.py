@@ -133,11 +133,11 @@ def put_on_supports(items: list[Placed], supports: dict[str, str], steady: bool 
             beneath = surface.height
             if steady and not item.wall_mounted:
                 there, here = nearest_points(surface.steady_region(item), Point(item.center[:2]))
-                moved = item.shifted([there.x - here.x, there.y - here.y, 0.0])
+                moved = item.shift([there.x - here.x, there.y - here.y, 0.0])
         rise = beneath - item.bottom
-        moved = moved.shifted([0, 0, max(0.0, rise) if item.wall_mounted else rise])
+        moved = moved.shift([0, 0, max(0.0, rise) if item.wall_mounted else rise])
         done[item.id] = replace(
-            item.changed("on what carries it", moved.box), support=WALL if item.wall_mounted else support
+            item.change_box("on what carries it", moved.box), support=WALL if item.wall_mounted else support
         )
     return list(done.values())
 
@@ -148,8 +148,8 @@ def nudge(items: list[Placed], moves: Mapping[str, Sequence[float] | None]) -> l
     for item in items:
         if move := moves.get(item.id):
             for name in find_stack(item.id, supports):
-                after[name] = after[name].shifted(np.array([*move, 0.0]))
-    return [item.changed("moved by a person", after[item.id].box) for item in items]
+                after[name] = after[name].shift(np.array([*move, 0.0]))
+    return [item.change_box("moved by a person", after[item.id].box) for item in items]
 
 
 def find_stack(base: str, supports: Mapping[str, str]) -> set[str]:

@@ -67,9 +67,9 @@ def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Pa
     free = set(able)
     result = {}
     for room in rooms:
-        found = fitting(room, models, free, rng, library)
+        found = cast_room(room, models, free, rng, library)
         if found is None:
-            found = fitting(room, models, able, rng, library)
+            found = cast_room(room, models, able, rng, library)
             print(f"{room.name}: no models that are left fit its layout: some are of other rooms", file=sys.stderr)
         if found is None:
             raise InputError(
@@ -83,7 +83,7 @@ def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Pa
     return result
 
 
-def fitting(
+def cast_room(
     room: Room, models: dict[str, Asset], able: set[str], rng: np.random.Generator, library: Path
 ) -> CastRoom | None:
     """The room with models of those `able` to play, by chance; None if no choice of many fits its layout."""

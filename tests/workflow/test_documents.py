@@ -145,7 +145,7 @@ def check_snakemake(folder: Path, words: list[str]) -> None:
 
 
 def test_the_workflow_passes_flags_that_the_verbs_have() -> None:
-    for name, words in reference.passed(ROOT).items():
+    for name, words in reference.list_passed_flags(ROOT).items():
         stage, verb = name.split()
         known, needed = flags(ROOT / home_of(stage).replace(".", "/"), verb)
         assert needed <= words <= known, name
