@@ -12,7 +12,7 @@ from pydantic import Field
 
 from plugins.inputs.own_scene import is_clone, to_run
 from plugins.studio.fronts import extents, jpeg, straight_on
-from plugins.studio.made import LastRun, read_last_run
+from plugins.studio.last_run import LastRun, read_last_run
 from plugins.studio.session import Answer
 from plugins.studio.write import tint_picture
 from stages.contracts import InputError, read_json, write_json

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.studio.made import LastRun
+from plugins.studio.last_run import LastRun
 from stages.contracts import Objects
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
