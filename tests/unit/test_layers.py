@@ -8,7 +8,7 @@ ORDER = (
     *("geometry", "contracts", "plugins", "articulated", "config", "cli", "pretrained"),
     *("simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction"),
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
-    *("tables", "doctor", "api"),
+    *("tables", "api"),
 )
 
 ON_OTHERS = {  # few, each for a reason
