@@ -40,8 +40,8 @@ def cell_normals(points: Array, known: NDArray[np.bool_]) -> tuple[Array, Array]
 def estimate_up(normals: Array, max_tilt: float) -> Array | None:
     """The unit vector (3,) against gravity in the camera frame; None: no surface tells.
 
-    A surface that faces up counts twice, an upright one and a ceiling once: of a table top alone, all but one are upright
-    to every level direction.
+    A surface that faces up counts twice, an upright one and a ceiling once: a lone table top is upright, too, to
+    every level direction.
 
     Args:
         normals: (N, 3) as of `cell_normals`.
