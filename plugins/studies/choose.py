@@ -7,10 +7,10 @@ from typing import Literal
 
 import numpy as np
 
+from plugins.studies.choice import Choice, ChosenModel
 from plugins.studies.choice_report import report
 from plugins.studies.coverage import CURVES, find_isolated, forecast_mean, measure_coverage, most_covered
 from stages.contracts import InputError, read_json, write_json
-from stages.contracts.choice import Choice, ChosenModel
 from stages.contracts.cousins import Distances
 from stages.contracts.errors import nearest
 from stages.contracts.library import Vector

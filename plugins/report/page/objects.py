@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from plugins.report.doubts import collect_doubts, collect_notes, describe_mounting, mountings_agree
+from plugins.report.snapshots import Snapshots
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins
 from stages.contracts.doubt import Doubt
-from stages.contracts.doubts import collect_doubts, collect_notes, describe_mounting, mountings_agree
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Objects, SceneObject
-from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
 from stages.tables.pictures import THUMBNAIL, Album, Picture

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from plugins.report.doubts import Group, group_doubts
 from plugins.report.page.findings import Findings
-from stages.contracts.doubts import Group, group_doubts
 from stages.tables.order import natural
 from stages.tables.text import NOT_RUN
 

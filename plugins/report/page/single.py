@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from plugins.report.doubts import group_doubts
 from plugins.report.page.files import RunFiles
 from plugins.report.page.rooms import Reconstruction, RoomPart
 from stages.contracts.doubt import Doubt, DoubtKind
-from stages.contracts.doubts import group_doubts
 from stages.contracts.extracted import read_metres
 from stages.contracts.files import read_json
 from stages.contracts.objects import Objects

@@ -5,13 +5,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+<<<<<<< HEAD
 from plugins.report.page.objects import Evidence, Match, cloud_picture, fade_background, match
+=======
+from plugins.report.doubts import group_doubts
+from plugins.report.page.objects import Evidence, Match, cloud_picture, masked, match
+from plugins.report.snapshots import Snapshots
+>>>>>>> main
 from stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
 from stages.contracts.doubt import MEND, Doubt
-from stages.contracts.doubts import group_doubts
 from stages.contracts.generated import GeneratedScene, PlacedObject, views_of
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
-from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.tables.pictures import THUMBNAIL, Album
 

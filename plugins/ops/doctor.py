@@ -1,4 +1,4 @@
-"""Say what this machine has and lacks: `python -m stages.doctor [--mend]`.
+"""Say what this machine has and lacks: `python -m plugins.ops.doctor [--mend]`.
 
 Every line is a check; a failed one comes with the command that mends it. `--mend` runs the
 mends that are safe to run unasked: a Vulkan driver and the libraries of Open3D, where we are root
@@ -16,7 +16,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 DISK_GB = 5
 VULKAN_PROBE = "import sapien; print(sapien.render.RenderSystem().device.name)"
 OPEN3D_PROBE = "import open3d; print(open3d.__version__)"

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plugins.report.snapshots import Snapshots
 from plugins.studio.last_run import LastRun
 from stages.contracts import Objects
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject
-from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
 MASK, TURN = 3, Orientation(yaw=3.0, distance=1.0)
