@@ -20,12 +20,7 @@ from stages.contracts.generated import GeneratedScene, views_of
 from stages.contracts.images import read_rgb
 from stages.contracts.made import Made
 from stages.contracts.objects import Objects
-<<<<<<< HEAD
-from stages.contracts.snapshot_pictures import Snapshots
 from stages.plugins import shorten_name
-=======
-from stages.plugins import short
->>>>>>> main
 from stages.tables.order import natural, title
 from stages.tables.pictures import Album, Picture
 from stages.tables.table2 import judge

@@ -5,13 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-<<<<<<< HEAD
-from plugins.report.page.objects import Evidence, Match, cloud_picture, fade_background, match
-=======
 from plugins.report.doubts import group_doubts
-from plugins.report.page.objects import Evidence, Match, cloud_picture, masked, match
+from plugins.report.page.objects import Evidence, Match, cloud_picture, fade_background, match
 from plugins.report.snapshots import Snapshots
->>>>>>> main
 from stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
 from stages.contracts.doubt import MEND, Doubt
 from stages.contracts.generated import GeneratedScene, PlacedObject, views_of
