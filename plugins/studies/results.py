@@ -8,10 +8,12 @@ from typing import Literal, NamedTuple
 import pandas as pd
 
 from plugins.report.roles import demonstrated_assets, lists_table, roles_table
+from plugins.studies import conditions
 from plugins.studies.associations import Shown, associations_table, traits
 from plugins.studies.associations import build as associate
 from plugins.studies.progress import policy_file, progress_table, runs_that_count
 from plugins.studies.study import cost, facts, fold_table, split_totals
+from stages.config.evaluation import USUAL
 from stages.config.model import Config, read_files
 from stages.config.policy_kinds import policy_tables
 from stages.config.targets import Cell
@@ -19,7 +21,7 @@ from stages.contracts.files import read_json, write_text
 from stages.contracts.library import Library
 from stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
 from stages.contracts.training_sets import is_randomised
-from stages.tables import conditions, robustness, table2, table3, trainings
+from stages.tables import robustness, table2, table3, trainings
 from stages.tables.assets import of_splits
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table
@@ -122,7 +124,7 @@ def _elsewhere(config: Config, results: Path, usual: pd.DataFrame) -> list[Table
     met = [read_pooled(paths, options).assign(condition=name) for name, paths in found.items() if paths]
     if not met:
         return []
-    episodes = of_splits(pd.concat([usual.assign(condition=conditions.USUAL), *met], ignore_index=True))
+    episodes = of_splits(pd.concat([usual.assign(condition=USUAL), *met], ignore_index=True))
     return [
         conditions.conditions_table(conditions.build(episodes, options)),
         conditions.baselines_table(conditions.against_baselines(episodes, options)),

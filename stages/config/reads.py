@@ -13,7 +13,7 @@ from stages.config.names import kind_of
 from stages.config.packages import present
 from stages.config.policy_kinds import policy_tables
 from stages.config.scenes import ScenesConfig
-from stages.config.tables import MethodTables, PolicyTables, TablesConfig
+from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.section import Section
 from stages.contracts.training_run import TrainingRun
 from stages.contracts.training_sets import is_randomised
@@ -35,7 +35,6 @@ CORE: dict[tuple[str, str], type[Section]] = {
     ("evaluation", "skill"): SkillOptions,
     ("tables", "scenes"): TablesConfig,
     ("tables", "policies"): PolicyTables,
-    ("tables", "conditions"): MethodTables,
 }
 READS = CORE | {
     (name, verb): reads
