@@ -12,7 +12,7 @@ from plugins.studies import conditions
 from plugins.studies.associations import Shown, associations_table, traits
 from plugins.studies.associations import build as associate
 from plugins.studies.progress import policy_file, progress_table, runs_that_count
-from plugins.studies.study import cost, facts
+from plugins.studies.study import cost, facts, fold_table, split_totals
 from stages.config.evaluation import USUAL
 from stages.config.model import Config, read_files
 from stages.config.policy_kinds import policy_tables
@@ -24,7 +24,7 @@ from stages.contracts.training_sets import is_randomised
 from stages.tables import robustness, table2, table3, trainings
 from stages.tables.assets import of_splits
 from stages.tables.drawing import save, style
-from stages.tables.markup import Table, markdown
+from stages.tables.markup import Table
 from stages.tables.methods import kinds_of, read_pooled, read_rollouts
 from stages.tables.order import SKILL, SPLITS, target_title, title
 from stages.tables.policies import asset_tables, collect, role_tables, target_tables, write_figures
@@ -240,7 +240,7 @@ def _scenes(config: Config, results: Path, published: Path, out: Path, variants:
             ("Library", _library(results)),
             ("Scenes", f"{len(files)} scored, {(rows['rank'] == 1).sum()} objects"),
         ],
-        tables=[scenes_table(scenes, config.tables), robustness_table(companion)],
+        tables=[*split_totals(scenes_table(scenes, config.tables)), robustness_table(companion)],
         frames={"table2": scenes, "table2_robustness": companion},
         figures={"figure6.jpg": "Figure 6: the rooms and their reconstructions"} if pictures else {},
     )
@@ -277,7 +277,7 @@ def run(
     else:
         found, target, stages = _policies(config, results, published, out), "all", POLICY_STAGES
     text = [f"# {found.title}", "", facts(target, configs, commit, machine, found.facts)]
-    text += map(markdown, [*found.tables, cost(benchmarks, stages)])
+    text += map(fold_table, [*found.tables, cost(benchmarks, stages)])
     text += [f"![{caption}]({name})\n" for name, caption in found.figures.items()]
     reference = os.path.relpath("docs/tables.md", out)
     text.append(f"All columns: {', '.join(f'`{name}.csv`' for name in found.frames)} ([reference]({reference})).\n")

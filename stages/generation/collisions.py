@@ -48,10 +48,10 @@ class _Scene:
 
 
 def separate(items: list[Placed], walls: list[Wall], options: GenerationConfig) -> Freed:
-    """Free all pairs of items from each other, as far as that goes.
+    """Move items apart until no pair overlaps, as far as possible.
 
     Each round frees one stack from everything around it, so that a push makes no new collision.
-    What touches a wall or hangs on it slides along it; what hangs does only if nothing else can give way.
+    Items at a wall slide along it; hanging ones move only if nothing else can.
     """
     scene = _Scene({item.id: item for item in items}, walls, options)
     for _ in range(options.push_rounds):

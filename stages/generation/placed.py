@@ -111,11 +111,11 @@ class Placed:
         ]
 
     def shift(self, offset: ArrayLike) -> "Placed":
-        """Moved by `offset` (3,)."""
+        """The item moved by `offset` (3,), metres."""
         return replace(self, box=replace(self.box, center=self.center + np.asarray(offset, dtype=float)))
 
     def change_box(self, step: str, box: UprightBox) -> "Placed":
-        """In another box, after a step that says in words what it did, if it did anything."""
+        """The item in another box. A change is noted in its `steps`, with the name of the step."""
         what = describe_difference(self.box, box)
         return replace(self, box=box, steps=(*self.steps, f"{step}: {what}") if what else self.steps)
 

@@ -55,6 +55,6 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
 
 
 def reaches_walls(mounting: Mounting, box: UprightBox, is_round: bool) -> bool:
-    """Whether a model is extended to the walls that the object touches: not what stands on furniture, nor what is as
-    deep as it is wide."""
+    """Whether a model is extended to the walls that the object touches. Not if it stands on furniture or is as deep
+    as it is wide."""
     return mounting.type != 3 or not (is_round or box.bottom > CONTACT)

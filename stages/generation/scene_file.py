@@ -1,4 +1,4 @@
-"""A generated scene as its file has it: written, told in one line, and read again."""
+"""A generated scene as a file: write it, sum it up in one line, read it again."""
 
 from collections.abc import Mapping
 from pathlib import Path

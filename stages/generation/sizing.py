@@ -27,7 +27,7 @@ def size(
     reached: Sequence[Wall],
     options: GenerationConfig,
 ) -> Placed:
-    """A model at a yaw with the extents that are measured, its depth believable where no wall tells it.
+    """A model at a yaw with the measured extents; its depth is made plausible where no wall fixes it.
 
     Args:
         bearings: level directions between which the object is seen, radians, floor frame.
@@ -50,7 +50,7 @@ def size(
 def correct_depth_in_room(
     box: UprightBox, native: ArrayLike, sight: Sight, believable: tuple[float, float]
 ) -> UprightBox:
-    """The box of what reaches to no wall, with a believable depth unless its own is measured."""
+    """The box of an object that touches no wall, with a plausible depth unless its depth was measured."""
     return box if sight.sees_top(box) else correct_depth(box, native, sight.camera - box.center, believable)
 
 

@@ -163,6 +163,19 @@ def test_readme_fits_on_a_screen_and_guides_into_an_hour() -> None:
     assert sum(words.values()) <= 15_000, words
 
 
+def test_the_glossary_is_short_and_prose_can_be_read() -> None:
+    rows = [line for line in (ROOT / "docs/glossary.md").read_text(encoding="utf-8").splitlines() if line[:2] == "| "]
+    assert len(rows) - 1 <= 25
+    pages = [path for path in GUIDES if path.name not in REFERENCE] + sorted((ROOT / "docs/results").glob("*.md"))
+    assert sum(map(prose, pages)) <= 25_000
+
+
+def prose(page: Path) -> int:
+    """Words of a page outside of tables and code."""
+    lines = FENCE.sub("", page.read_text(encoding="utf-8")).splitlines()
+    return sum(len(line.split()) for line in lines if not line.lstrip().startswith("|"))
+
+
 def test_lines_of_prose_are_short() -> None:
     for page in [*PAGES, ROOT / "CONTRIBUTING.md"]:
         lines = FENCE.sub("", page.read_text(encoding="utf-8")).splitlines()

@@ -49,7 +49,7 @@ def correct_scene(scene: ExtractedScene, stated: dict[int, Correction]) -> Extra
     done: dict[int, SceneObject] = {}
 
     def correct_object(mask: int) -> SceneObject:
-        """One object, after what carries it; nothing carries itself (the contract)."""
+        """One object with its corrections; its support was corrected before it."""
         if mask not in done:
             item, given = by_mask[mask], stated.get(mask, Correction(mask=mask))
             carrier = correct_object(given.on) if isinstance(given.on, int) and given.on in by_mask else None
