@@ -7,11 +7,11 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from plugins.importing.fronts import front_direction, squared
+from plugins.importing.hinges import Hinge, Slide, hinges, slides
 from plugins.importing.importers import Axis, Importer
 from plugins.importing.imports import in_file, standing, usual_front
 from plugins.importing.upright import CLEAR, FITS, FOOT, UPS, Up, chosen, number, said_by_hinges, said_by_slides
 from stages.articulated.forward_kinematics import closed_box
-from stages.articulated.hung import Hinge, Slide, hinges, slides
 from stages.articulated.model import Matrix, RobotModel
 from stages.contracts.categories import usual_size
 from stages.contracts.files import Contract

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from plugins.importing.hinges import ALONG, LEAST_OUT, LEAST_TURN, THIN, carried_by, on_something_narrower
 from stages.articulated.attributes import moved_by, seen_of
 from stages.articulated.forward_kinematics import closed_box, link_frames, rebased, visual_bounds
-from stages.articulated.hung import ALONG, LEAST_OUT, LEAST_TURN, THIN, carried_by, on_something_narrower
 from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.geometry.frames import rigid, yaw_matrix
 
