@@ -22,7 +22,7 @@ from transformers import (
 )
 
 from plugins.inputs.config import PhotoConfig
-from stages.config.cameras import FIELD_OF_VIEW
+from plugins.inputs.known_cameras import FIELD_OF_VIEW
 from stages.contracts import InputError
 from stages.contracts.depth import NEAREST, SKY
 from stages.pretrained import load_pretrained
