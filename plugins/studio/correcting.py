@@ -12,7 +12,7 @@ from pydantic import Field
 
 from plugins.inputs.own_scene import is_clone, to_run
 from plugins.studio.fronts import extents, jpeg, straight_on
-from plugins.studio.made import Made, made_of
+from plugins.studio.last_run import LastRun, read_last_run
 from plugins.studio.masks import (
     ROOM,
     Cutter,
@@ -64,7 +64,7 @@ class Correcting:
         self._cut = Cutter(self.given.rgb)
         height, width = self.given.masks.shape
         self._moved: dict[int, tuple[float, float]] = {}  # by hand, before the page was opened
-        self.made: Made = made_of(self.results, self.scene, self.variant, (width, height))
+        self.made: LastRun = read_last_run(self.results, self.scene, self.variant, (width, height))
         self.posts: dict[str, Callable[[Any], Answer]] = {
             "solve": self.solve,
             "save": self.save,

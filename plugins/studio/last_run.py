@@ -28,7 +28,7 @@ SHOWN = 24  # models that can be chosen, nearest first
 
 
 @dataclass(frozen=True)
-class Made:
+class LastRun:
     """What a run made; all of it by mask value. Without a run it is empty.
 
     picture: of the scene of rank 1, as the camera sees it, if it was drawn; sizes: of the library's models, by id;
@@ -156,7 +156,7 @@ class Made:
         return "data:image/png;base64," + base64.b64encode(file.getvalue()).decode("ascii")
 
 
-def made_of(results: Path, scene: str, variant: str | None, size: tuple[int, int]) -> Made:
+def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[int, int]) -> LastRun:
     """What lies in a folder of results of a scene; what does not is left out.
 
     Args:
@@ -169,14 +169,14 @@ def made_of(results: Path, scene: str, variant: str | None, size: tuple[int, int
     path = results / "extraction" / scene / "objects.json"
     objects = read_json(Objects, path) if path.is_file() else None
     if objects is None or (objects.width, objects.height) != size:
-        return Made(None, {}, {}, {}, Snapshots([]))
+        return LastRun(None, {}, {}, {}, Snapshots([]))
     variants = [variant] if variant else sorted(path.parent.parent.name for path in _cousins(results, scene))
     found = results / "matching" / (variants or ["-"])[0] / scene / "cousins.json"
     matched = read_json(Cousins, found).objects if found.is_file() else []
     place = results / "generation" / (variants or ["-"])[0] / scene
     scenes = [read_json(GeneratedScene, path) for path in sorted(place.glob("scene_*.json"))]
     masks = {item.id: item.mask for item in objects.objects}
-    return Made(
+    return LastRun(
         objects,
         {item.mask: item for item in objects.objects},
         {masks[one.id]: one for one in matched if one.id in masks},
