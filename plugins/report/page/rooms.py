@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from plugins.report.album import Album, Picture
 from plugins.report.page.files import RunFiles
 from plugins.report.page.findings import Findings
 from plugins.report.page.objects import Evidence, Match, match
@@ -22,7 +23,6 @@ from stages.contracts.objects import Objects
 from stages.contracts.provenance import Provenance
 from stages.plugins import short
 from stages.tables.order import natural, title
-from stages.tables.pictures import Album, Picture
 from stages.tables.table2 import judge
 
 
