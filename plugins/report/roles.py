@@ -83,12 +83,12 @@ def lists_table(chosen: TaskAssets, name: str, caption: str) -> list[Table]:
         "test": chosen.test_assets,
     }
     rows = []
-    for name, listed in lists.items():
+    for heading, listed in lists.items():
         if assets := list({asset.asset: asset for asset in listed}.values()):
             kinds = ", ".join(f"{kind} {n}" for kind, n in sorted(Counter(asset.handle for asset in assets).items()))
             lengths = sorted(100 * asset.handle_length for asset in assets)
             families = len({asset.family for asset in assets})
-            rows.append([name, str(len(assets)), str(families), kinds, f"{lengths[0]:.0f}-{lengths[-1]:.0f} cm"])
+            rows.append([heading, str(len(assets)), str(families), kinds, f"{lengths[0]:.0f}-{lengths[-1]:.0f} cm"])
     columns = ["Set", "Assets", "Families", "By kind of handle", "Length of handles"]
     notes = [
         "A family is in one set alone: trained on, held out, validation or test. Random and covering assets are drawn "
