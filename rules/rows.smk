@@ -9,14 +9,14 @@ def implementation(target):
 
 def task_code(stage, verb):
     """The code of a verb that works on a task."""
-    return lambda wildcards: code(stage, verb, qualified("tasks", implementation(wildcards.target)))
+    return lambda wildcards: code(stage, verb, qualify_module("tasks", implementation(wildcards.target)))
 
 
 def tested(wildcards):
     """The modules of a task and of the simulator that a job of evaluation meets it in."""
     condition = wildcards.get("condition")
     simulator = (CONFIG.evaluation.under(condition) if condition else CONFIG.evaluation).simulator
-    return [qualified("tasks", implementation(wildcards.target)), qualified("simulators", simulator)]
+    return [qualify_module("tasks", implementation(wildcards.target)), qualify_module("simulators", simulator)]
 
 
 def policy_code(verb):

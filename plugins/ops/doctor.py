@@ -133,7 +133,7 @@ MENDS: dict[Mendable, tuple[str, str]] = {
 }
 
 
-def mended(check: Mendable) -> Check:
+def mend_check(check: Mendable) -> Check:
     """The check after its mend, if it fails and we may install packages; else as it is."""
     outcome = check()
     if outcome.good or os.geteuid() != 0 or not shutil.which("apt-get"):
@@ -146,7 +146,7 @@ def mended(check: Mendable) -> Check:
 
 def checks(mend: bool) -> list[Check]:
     """Those about this machine."""
-    vulkan, open3d = (mended(check) if mend else check() for check in (check_vulkan, check_open3d))
+    vulkan, open3d = (mend_check(check) if mend else check() for check in (check_vulkan, check_open3d))
     found = [check_python(), check_packages(), vulkan, open3d, check_cuda(), check_disk()]
     return [*found, check_containers(), *check_of_packages()]
 

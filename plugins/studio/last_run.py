@@ -44,7 +44,7 @@ class LastRun:
     sizes: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     views: dict[int, dict[str, float]] = field(default_factory=dict)
 
-    def told(self) -> dict[str, Any]:
+    def describe_things(self) -> dict[str, Any]:
         """What the page shows of every thing, by mask value."""
         return {str(mask): self._about(item) for mask, item in self.items.items()}
 

@@ -21,7 +21,7 @@ from stages.contracts.generated import GeneratedScene, views_of
 from stages.contracts.images import read_rgb
 from stages.contracts.objects import Objects
 from stages.contracts.provenance import Provenance
-from stages.plugins import short
+from stages.plugins import shorten_name
 from stages.tables.order import natural, title
 from stages.tables.table2 import judge
 
@@ -181,7 +181,7 @@ def _reconstruction(
     alt, view = f"Reconstruction of {title(name)} from cousins of rank", files.one(f"{folder}/view.glb")
     return Reconstruction(
         variant=variant,
-        encoder=short(cousins.encoder) if cousins else "",
+        encoder=shorten_name(cousins.encoder) if cousins else "",
         judge=_judge(cousins) if cousins else "",
         scenes=[
             _scene(scene, found, album.maybe(files.one(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}"))

@@ -16,7 +16,7 @@ from stages.extraction.mounting import MAX_STRETCH
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene
 from stages.geometry.boxes import UprightBox, with_bottom
-from stages.geometry.frames import rounded, yaw_matrix
+from stages.geometry.frames import round_vector, yaw_matrix
 
 OBLONG = 1.2  # ratio of two sides, above which one is surely the longer one; chosen
 
@@ -49,7 +49,7 @@ def correct_scene(scene: ExtractedScene, stated: dict[int, Correction]) -> Extra
     done: dict[int, SceneObject] = {}
 
     def correct_object(mask: int) -> SceneObject:
-        """One object, after what carries it; nothing carries itself (the contract)."""
+        """One object with its corrections; its support was corrected before it."""
         if mask not in done:
             item, given = by_mask[mask], stated.get(mask, Correction(mask=mask))
             carrier = correct_object(given.on) if isinstance(given.on, int) and given.on in by_mask else None
@@ -147,4 +147,4 @@ def _main_axis(along: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _write_box(box: UprightBox) -> Box:
-    return Box(center=rounded(box.center), size=rounded(box.size), yaw=round(box.yaw, 6))
+    return Box(center=round_vector(box.center), size=round_vector(box.size), yaw=round(box.yaw, 6))
