@@ -54,15 +54,15 @@ def complete_pack(pack: Pack, proposed: Mapping[str, Shared], categories: Iterab
     return whole if pack != Pack() else whole.add_checksum()
 
 
-def write_pack(path: Path, pack: Pack, told: Mapping[str, str]) -> None:
+def write_pack(path: Path, pack: Pack, counts: Mapping[str, str]) -> None:
     """Write the file.
 
     Args:
-        told: by suffix, how many models tell what.
+        counts: by suffix, how many models tell what.
     """
     lines = [HEAD + "kinds:"]
     for kind, shared in pack.kinds.items():
-        lines += [f"  # {told[kind]}"] if kind in told else []
+        lines += [f"  # {counts[kind]}"] if kind in counts else []
         values = yaml.safe_dump(shared.model_dump(), default_flow_style=True, sort_keys=False, width=1000)
         lines.append(f"  {kind}: {values.strip()}")
     lines.append("categories:" if pack.categories else "categories: {}")

@@ -81,8 +81,8 @@ class Correcting:
             InputError: what was saved is broken.
         """
         path = self.folder / CORRECTIONS
-        told = read_json(Corrections, path, "mend or delete it").objects if path.is_file() else []
-        return self._named(apply_corrections(self.found, {item.mask: item for item in told}))
+        saved = read_json(Corrections, path, "mend or delete it").objects if path.is_file() else []
+        return self._named(apply_corrections(self.found, {item.mask: item for item in saved}))
 
     def _named(self, things: dict[int, Correction]) -> Drawing:
         """With ids that stay, whatever a thing is called: as found, or `drawn_<mask>`."""
@@ -102,7 +102,7 @@ class Correcting:
         """What of a drawing differs from what was found."""
         things = {item.mask: item for item in drawing.objects}
         shown = set(np.unique(self.given.masks).tolist())
-        told = [Correction(mask=mask, gone=True) for mask in self.found if mask in shown and mask not in things]
+        corrections = [Correction(mask=mask, gone=True) for mask in self.found if mask in shown and mask not in things]
         for mask, item in things.items():
             before = self.found.get(mask, Correction(mask=mask))
             said = {
@@ -113,8 +113,8 @@ class Correcting:
             if before.mounting is not None and item.mounting is None:
                 said["mounting"] = MEASURED
             if said or mask not in self.found:
-                told.append(Correction.model_validate({"mask": mask, **said}))
-        return Corrections(objects=told)
+                corrections.append(Correction.model_validate({"mask": mask, **said}))
+        return Corrections(objects=corrections)
 
     def start(self) -> Answer:
         """What the page begins with."""
@@ -203,10 +203,10 @@ class Correcting:
 
     def save(self, body: Any) -> Answer:
         """Keep the corrections; where nothing is corrected there is no file."""
-        told = self.corrections(self._drawing(body))
+        corrections = self.corrections(self._drawing(body))
         path = self.folder / CORRECTIONS
-        if told.objects:
-            write_json(path, {"version": 1, **told.model_dump(mode="json", exclude_defaults=True)})
+        if corrections.objects:
+            write_json(path, {"version": 1, **corrections.model_dump(mode="json", exclude_defaults=True)})
         else:
             path.unlink(missing_ok=True)
         return {}
@@ -217,8 +217,8 @@ class Correcting:
         Raises:
             InputError: no object is left.
         """
-        told = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
-        annotations, _, notes = correct_masks(self.given.annotations, self.given.masks, told, self._cut)
+        corrections = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
+        annotations, _, notes = correct_masks(self.given.annotations, self.given.masks, corrections, self._cut)
         if annotations is None:
             raise InputError(
                 str(self.folder), "no object is left.", "draw a box around at least one", code="E-SCENE-EMPTY"

@@ -97,11 +97,11 @@ class LastRun:
             return []
         return [np.round(pixels[face], 1).tolist() for face in map(list, (*FACES[1:], FACES[0]))]
 
-    def front(self, mask: int, told: float | None) -> tuple[NDArray[np.float64], float, float] | None:
+    def front(self, mask: int, stated: float | None) -> tuple[NDArray[np.float64], float, float] | None:
         """Corners (4, 2) of a thing's front in the picture, its width and height in metres; None: there was no run.
 
         Args:
-            told: the direction about z that a person says it faces.
+            stated: the direction about z that a person says it faces.
         """
         item, placed = self.items.get(mask), self.placed.get(mask)
         if self.objects is None or item is None or item.box is None:
@@ -114,7 +114,7 @@ class LastRun:
             facing = (
                 float(np.arctan2(*(camera[:2, 3] - item.box.center[:2])[::-1])) if item.front is None else item.front
             )
-        points = front_corners(box, facing if told is None else told)
+        points = front_corners(box, facing if stated is None else stated)
         return project(apply(inverse(camera), points), self.objects.intrinsics), *extents(points)
 
     def models(self, mask: int) -> list[dict[str, Any]]:

@@ -34,7 +34,7 @@ def describe_odd(item: DrawnObject, box: UprightBox, factor: float) -> str:
     return describe_unusual(known, factor * size) and describe_unusual(known, size)
 
 
-def usual_size(item: DrawnObject, box: UprightBox) -> Sides | None:
+def find_usual_size(item: DrawnObject, box: UprightBox) -> Sides | None:
     """Width, depth and height that a thing of this label usually has, metres, where the box's is not; None: all are."""
     known = sizes_of(item.label)
     if not len(known):
