@@ -13,10 +13,7 @@ from pydantic import Field
 from plugins.inputs.own_scene import is_clone, to_run
 from plugins.studio.fronts import extents, jpeg, straight_on
 from plugins.studio.last_run import LastRun, read_last_run
-from plugins.studio.session import Answer
-from plugins.studio.write import tint_picture
-from stages.contracts import InputError, read_json, write_json
-from stages.contracts.corrected_masks import (
+from plugins.studio.masks import (
     ROOM,
     Cutter,
     apply_corrections,
@@ -25,6 +22,9 @@ from stages.contracts.corrected_masks import (
     list_found,
     paint_masks,
 )
+from plugins.studio.session import Answer
+from plugins.studio.write import tint_picture
+from stages.contracts import InputError, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
 from stages.contracts.files import Contract
 from stages.contracts.objects import object_ids

@@ -14,17 +14,17 @@ from pydantic import ValidationError
 
 from plugins.studio import annotate
 from plugins.studio.correcting import Correcting, Drawing, Thing
+from plugins.studio.correctors.by_hand import correct_image, correct_scene
+from plugins.studio.masks import Cutter
 from plugins.studio.tests.annotate_page import watched
 from plugins.studio.tests.test_annotate_browser import browser  # noqa: F401
 from stages.contracts import InputError, Objects, read_json, write_json, write_text
-from stages.contracts.corrected_masks import Cutter
 from stages.contracts.corrections import CORRECTIONS, Correction, Corrections, corrections_of
 from stages.contracts.extracted import check_extracted
 from stages.contracts.fronts import Panel
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall, distance_between
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.scenes import Held
-from stages.extraction.corrections import correct_image, correct_scene
 from stages.extraction.extract import run as extract
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import ExtractedScene

@@ -1,13 +1,13 @@
 """Apply a person's corrections: to masks and labels before reconstruction, to boxes and supports after it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.studio.masks import Cutter, correct_masks
 from stages.contracts import InputError, Objects
-from stages.contracts.corrected_masks import Cutter, correct_masks
 from stages.contracts.corrections import Correction
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.contracts.scenes import Held
@@ -19,6 +19,13 @@ from stages.geometry.boxes import UprightBox, with_bottom
 from stages.geometry.frames import round_vector, yaw_matrix
 
 OBLONG = 1.2  # ratio of two sides, above which one is surely the longer one; chosen
+
+
+def reconstruct_corrected(
+    image: AnnotatedImage, stated: dict[int, Correction], reconstruct: Callable[[AnnotatedImage], ExtractedScene]
+) -> ExtractedScene:
+    """The objects of a picture as a person corrected them; `stated`: by mask value."""
+    return correct_scene(reconstruct(correct_image(image, stated)), stated)
 
 
 def correct_image(image: AnnotatedImage, stated: dict[int, Correction]) -> AnnotatedImage:
