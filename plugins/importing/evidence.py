@@ -24,7 +24,8 @@ ORIGIN = 0.01  # of its height, by which the foot of what stands may miss the or
 
 
 class Shared(Contract):
-    """What nearly all the models of a kind of file that tell it have in common; None: each by itself."""
+    """What nearly all models of a kind of file have in common, among those that show it; None: it is set model by
+    model."""
 
     up: Axis | None = None
     unit: float | None = None  # metres
@@ -32,7 +33,7 @@ class Shared(Contract):
 
 
 class Evidence(Contract):
-    """What a model tells of its file.
+    """What a model shows about its file: up, unit and front.
 
     extents: (3,) in its frame and unit. hinges, slides: of it. foot: the direction in which alone its foot is at the
     origin's height. fronts: by up, where its doors and drawers open to.
@@ -47,7 +48,7 @@ class Evidence(Contract):
     def up(self, category: str, agreed: Axis | None = None, sure: bool = False) -> Up:
         """The direction up, if such files agree on one: all but exceptions (`sure`), or many of them.
 
-        One that is none of `UPS`, as an importer of a user's may have, stays: nothing here speaks of such.
+        A direction outside of `UPS`, from a user's own importer, stays: there is no evidence about it.
         """
         if agreed is not None and agreed not in UPS:
             return Up(agreed, 0.0, "", "")
@@ -60,13 +61,13 @@ class Evidence(Contract):
         return choose_up(says, agreed, sure)
 
     def unit(self, category: str, up: Axis) -> float | None:
-        """Metres per unit in which it is as large as its category usually is; None: in none, or that is not known."""
+        """Metres per unit that give the model its category's usual size; None: no unit does, or no size is known."""
         sizes, size = usual_size(category), self.order_extents(up)
         return next((unit for unit in UNITS if sizes is not None and sizes.misfit(size * unit) == 0), None)
 
     def likeliest_unit(self, category: str, up: Axis) -> float:
-        """Metres per unit of a thing that would be absurd in metres: that in which it is nearest to its category's
-        usual size, else a millimetre."""
+        """Metres per unit of a model that would be absurd in metres: the unit that brings it nearest to its
+        category's usual size, else a millimetre."""
         sizes, size = usual_size(category), self.order_extents(up)
         return min(SMALLER, key=lambda unit: sizes.misfit(size * unit) if sizes else 0.0)
 

@@ -33,9 +33,9 @@ TINY = 0.03  # metres: smaller things are in no room that is rebuilt; most are i
 
 @dataclass
 class Examined:
-    """A model: where it was and is, the notes that count for it, how they came about, what it became, what is doubtful.
+    """A model: its source and folder, the notes that count and where they come from, the asset, the doubts.
 
-    asset None: it cannot be used, for the last of the doubts.
+    asset None: it cannot be used; the last doubt says why.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -60,7 +60,7 @@ class Examined:
         return facts
 
     def joints(self) -> list[str]:
-        """Its doors and drawers, a line each."""
+        """A line for each door and drawer."""
         return [describe_joint(joint) for joint in self.asset.joints] if self.asset is not None else []
 
     def text(self) -> str:
@@ -72,7 +72,7 @@ class Examined:
 
 
 class Read(Contract):
-    """A model that was read: what its reader left out, and what it tells of its file."""
+    """A model that was read: what its reader left out, and the evidence of its file's frame."""
 
     remarks: tuple[str, ...]
     evidence: Evidence
@@ -106,7 +106,7 @@ def examine_model(
 ) -> Examined:
     """Complete the notes of a model that was read into `place` and build its asset below `work`, in another process.
 
-    Notes that were written by hand count and stay as they are; of the others what is not told is guessed.
+    Notes that were written by hand count and stay as they are. In others, what is not stated is inferred.
 
     Args:
         before: models that it may be a copy of.
@@ -159,8 +159,8 @@ def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: 
 
 
 def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Notes, list[str]]:
-    """The notes beside a model, with what they do not say: as the folder's models share it, else as this one tells it,
-    else as such files usually are; and what was not usual, in lines."""
+    """The notes beside a model, completed: by what the folder's models share, else by the model's own evidence, else
+    by what such files usually are. The second value has a line for everything unusual."""
     notes, kind, lines = file.notes, f"most {file.path.suffix.lower()} here", list[str]()
     agreed, evidence = file.importer.up, tells.up(file.category, file.importer.up, file.importer.has_up)
     up = notes.up or shared.up or evidence.axis

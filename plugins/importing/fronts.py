@@ -27,7 +27,8 @@ class Front(NamedTuple):
 def align_to_axes(robot: RobotModel) -> tuple[RobotModel, float]:
     """The model (z up) turned about z by at most 45 degrees, so that most of its faces look along axes; and the angle.
 
-    Models without joints, without a common direction of their faces, or askew by less than `ASKEW` stay as they are.
+    A model stays as it is without joints, without a common direction of its faces, or if it is askew by less than
+    `ASKEW`.
     """
     looks = (
         merge_visuals(robot, robot.links, link_frames(robot)) if any(j.type != "fixed" for j in robot.joints) else None

@@ -1,4 +1,4 @@
-"""Masses and inertias that nothing of such a size has: what exporters fill in becomes that of boards."""
+"""Repair masses and inertias that no model of this size has: placeholders of exporters become those of boards."""
 
 from dataclasses import replace
 

@@ -47,7 +47,7 @@ def read_pack(path: Path) -> Pack:
 
 
 def complete_pack(pack: Pack, proposed: Mapping[str, Shared], categories: Iterable[str]) -> Pack:
-    """The pack with what it does not say; what it says counts if it was written by hand."""
+    """The pack, completed. What a person wrote in it counts."""
     pack = pack if pack.by_hand else Pack()
     said = {category: category for category in sorted(set(categories))}
     whole = Pack(kinds={**proposed, **pack.kinds}, categories={**said, **pack.categories})

@@ -73,7 +73,8 @@ def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]
     """The wall with its ends where it meets others.
 
     Args:
-        drawn: from where to where along it its foot was drawn; what crosses that in the middle ends nothing.
+        drawn: the stretch along the wall where its foot was drawn; a wall that crosses it in the middle cuts nothing
+        off.
     """
     (first, last), (low, high) = sorted(drawn), wall.ends
     slack = WITHIN * (last - first)
