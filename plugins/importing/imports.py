@@ -25,10 +25,11 @@ from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.attributes import ungraspable
 from stages.articulated.forward_kinematics import closed_box, link_frames, rebased
 from stages.articulated.inside import check_inside
-from stages.articulated.mesh_reader import FLAT, thickened
+from stages.articulated.mesh_reader import thickened
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
 from stages.articulated.stretching import stretched
+from stages.articulated.urdf_tree import FLAT
 from stages.assets.snapshots import Look
 from stages.cli import progress
 from stages.contracts.errors import InputError, plain

@@ -14,6 +14,7 @@ MAX_POINTS = 20_000  # of a fit; chosen for time
 MAX_PLANES = 4  # that are looked for; chosen
 STRAY = 0.02  # share of points that may be noise, or seen in a mirror or through a window; chosen
 PLANE_THRESHOLD = 0.03  # metres off a plane at 3 m: 1.8 times the usual error of depth there (contracts.objects)
+SAME_DIRECTION = 10.0  # degrees: planes turned less against each other have one direction; chosen
 GRAZING = 0.2  # sine of the angle between sight and a wall, 12 degrees: flatter, depth says little; chosen
 WALL_TILT = 0.25  # largest |z| of a wall's unit normal: 14 degrees from upright; chosen
 ITERATIONS = 1000  # of RANSAC: with 20 % inliers one misses the plane in 0.03 % of fits

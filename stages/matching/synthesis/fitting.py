@@ -6,15 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.geometry.boxes import UprightBox
-from stages.geometry.estimate import BIN, Sight
+from stages.geometry.estimate import BIN, TRIM, Sight
 from stages.geometry.frames import SYMMETRY_PERIOD, yaw_matrix
 from stages.matching.synthesis.observation import Observation
 from stages.matching.synthesis.solid import Solid
 
-TRIM = 0.005  # share of the points left out at each end
 OUTERMOST = 2.0  # deviations of noise by which these lie beyond a face
 SEEN, UNSEEN = 0.1, 0.3  # of an extent: deviation of any face, and how much more of the hidden one
-ROUNDS = 4
+ROUNDS = 4  # of Gauss-Newton steps; chosen for time
 SIDE_ERROR = 0.005  # of the object's longer side in the picture: how well outlines meet
 UNSURE = 2.0  # deviations, scale of Cauchy's weights: a mask may lack legs, or points belong to other things
 STRETCH = 0.5  # deviation of the logarithm of one axis' scale over another's ...
