@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from stages.config.packages import with_sections
 from stages.contracts.section import OWN, Section
-from stages.plugins import short
+from stages.plugins import shorten_name
 
 OURS = {"distance", "votes", "geometry", "rerender", "priors"}  # judges of the core
 BLIND = {"priors"}  # judges that look at no picture
@@ -69,7 +69,7 @@ class EncoderOptions(Section):
         """The options that the rows of a feature store depend on: weights are laid on them later."""
         given = getattr(self, self.encoder, None)
         if not isinstance(given, Section):
-            name = short(self.encoder)
+            name = shorten_name(self.encoder)
             own: dict[str, Any] = {"own": {name: self.own[name]} if name in self.own else {}}
         else:
             own = {self.encoder: given.model_dump(mode="json", exclude=given.unread())}
@@ -78,7 +78,7 @@ class EncoderOptions(Section):
     def store(self) -> str:
         """Name of the feature store: two variants share one if it holds the same for both."""
         digest = sha256(json.dumps(self.stored(), sort_keys=True).encode()).hexdigest()
-        return f"{short(self.encoder)}-{digest[:8]}"
+        return f"{shorten_name(self.encoder)}-{digest[:8]}"
 
 
 class ComparisonOptions(EncoderOptions):

@@ -45,7 +45,7 @@ class Package:
 
 def present() -> dict[str, Package]:
     """The packages of this checkout by name."""
-    return {module.rpartition(".")[2]: import_module(f"{module}.package").PACKAGE for module in plugins.shipped()}
+    return {module.rpartition(".")[2]: import_module(f"{module}.package").PACKAGE for module in plugins.list_shipped()}
 
 
 def rule_files(on: Mapping[str, bool], last: bool = False) -> list[str]:
@@ -84,4 +84,4 @@ def verb(stage: str, name: str) -> Callable[..., None]:
 
 def home_of(stage: str) -> str:
     """The Python package of a stage's verbs: `stages.<stage>`, or that of a package beside the core."""
-    return f"plugins.{stage}" if f"plugins.{stage}" in plugins.shipped() else f"stages.{stage}"
+    return f"plugins.{stage}" if f"plugins.{stage}" in plugins.list_shipped() else f"stages.{stage}"

@@ -8,13 +8,14 @@ ORDER = (
     *("geometry", "contracts", "plugins", "articulated", "config", "cli", "pretrained"),
     *("simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction"),
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
-    *("tables", "doctor", "api"),
+    *("tables", "api"),
 )
 
 ON_OTHERS = {  # few, each for a reason
     ("patchnet", "furniture"),  # its training draws furniture
     ("inputs", "vlm"),  # captions may come from a language model
     ("studies", "report"),  # the times of a run
+    ("studio", "report"),  # doubts and pictures of models, as pages show them
     ("studio", "inputs"),  # a photograph's camera, and what an input folder is
 }
 
