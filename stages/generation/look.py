@@ -21,13 +21,13 @@ from stages.simulation.backdrop import WALL_HEIGHT
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]
-GRID_COLUMNS = 200  # the picture is looked at on a grid of so many columns, or its own
-OFF_SURFACE = 0.05  # metres, at 0 m and more for each: how far the depth of a pixel may miss its surface
-TRIMMED = 0.002  # share of a surface's pixels beyond its bounds
-BEYOND_BORDER = 0.3  # metres that a surface goes on at the picture's border
+GRID_COLUMNS = 200  # the picture is looked at on a grid of so many columns, or its own; chosen
+OFF_SURFACE = 0.05  # metres, at 0 m and more for each: how far the depth of a pixel may miss its surface; chosen
+TRIMMED = 0.002  # share of a surface's pixels beyond its bounds; chosen
+BEYOND_BORDER = 0.3  # metres that a surface goes on at the picture's border; chosen
 AZIMUTHS, ELEVATIONS = np.radians(np.arange(0, 360, 15)), np.radians(np.arange(25, 76, 10))  # of light; then half steps
-DARKEST_LOG = 0.5  # of the logarithm of brightness, more counts no more
-LEAST_CORRELATION = 0.25  # below it the picture shows no shadows to go by
+DARKEST_LOG = 0.5  # of the logarithm of brightness, more counts no more; chosen
+LEAST_CORRELATION = 0.25  # below it the picture shows no shadows to go by; chosen
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from stages.config.generation import GenerationConfig
 from stages.generation.placed import Placed, Prism
 from stages.geometry.boxes import THINNEST, footprint
 
-HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing
+HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing; chosen
 OVERLAY_GRID = 1e-6  # metres to which outlines are cut and joined: overlays of floating point numbers may fail
-STEADY = 0.1  # of the width of what stands near an edge: the least distance of its centre from that edge
+STEADY = 0.1  # of the width of what stands near an edge: the least distance of its centre from that edge; chosen
 
 
 class SupportSurface(NamedTuple):

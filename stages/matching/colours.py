@@ -6,9 +6,9 @@ from numpy.typing import NDArray
 
 from stages.matching.crop import View, cut
 
-UNIT = 30  # a difference in Lab that counts as 1: a shade darker or another hue, well above noise
-LIGHTNESS = 0.5  # of the weight of a and b: light changes it first
-CELLS = 16  # the crop is averaged over so many cells a side
+UNIT = 30  # a difference in Lab that counts as 1: a shade darker or another hue, well above noise; chosen
+LIGHTNESS = 0.5  # of the weight of a and b: light changes it first; chosen
+CELLS = 16  # the crop is averaged over so many cells a side; chosen
 
 
 def patch_colours(view: View, positions: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -15,7 +15,7 @@ from stages.matching.question import DIGITS, Question
 from stages.matching.synthesis.fits import Fit
 from stages.matching.synthesis.workbench import Workbench
 
-LEAST_FIT = 0.7  # of a perfect score: below it, how models differ in their scores says nothing
+LEAST_FIT = 0.7  # of a perfect score: below it, how models differ in their scores says nothing; chosen
 
 
 class Judge:

@@ -20,7 +20,7 @@ from stages.matching.synthesis.solid import Solid
 from stages.matching.synthesis.terms import Terms, compare, line_field
 from stages.matching.yaws import aligned_yaws, is_front_known, touched_walls
 
-SAME_YAW = np.deg2rad(2)  # ways to stand that differ by less are one
+SAME_YAW = np.deg2rad(2)  # ways to stand that differ by less are one; chosen
 
 
 class Fit(NamedTuple):

@@ -14,11 +14,11 @@ from stages.geometry.frames import apply, inverse
 from stages.geometry.masks import OUTLINE, pixel_bounds
 from stages.matching.crop import View
 
-SAMPLES = 2  # rays per cell and direction: thin lines do not break
-SURROUNDINGS = 0.12  # of the object's longer side, around its mask
-EDGE_SHARE = 0.03  # of its extent: the pixels that make up a side of the mask
+SAMPLES = 2  # rays per cell and direction: thin lines do not break; chosen
+SURROUNDINGS = 0.12  # of the object's longer side, around its mask; chosen
+EDGE_SHARE = 0.03  # of its extent: the pixels that make up a side of the mask; chosen
 CLOUD_POINTS = 6000  # at most about twice so many; chosen for time
-NEARER = 0.05  # metres, beyond the noise of depth
+NEARER = 0.05  # metres, beyond the noise of depth; chosen
 Array = NDArray[np.float64]
 
 

@@ -8,7 +8,7 @@ from stages.matching.question import AbstainedError, Question
 from stages.matching.synthesis.fits import Fitter
 from stages.matching.synthesis.solid import Solid
 
-MODELS = 300  # kept in memory
+MODELS = 300  # kept in memory; chosen
 
 
 class Workbench:
