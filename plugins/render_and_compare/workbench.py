@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from plugins.render_and_compare.fits import Fitter
+from plugins.render_and_compare.solid import Solid
 from stages.contracts.library_folder import AssetFolders
 from stages.geometry.masks import MIN_PIXELS
 from stages.matching.question import AbstainedError, Question
-from stages.matching.synthesis.fits import Fitter
-from stages.matching.synthesis.solid import Solid
 
 MODELS = 300  # kept in memory; chosen
 
