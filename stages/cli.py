@@ -12,8 +12,9 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
+from stages.contracts.section import SEEDS
+
 T = TypeVar("T")
-SEEDS = 2**53  # as in config: JSON holds no larger ones exactly
 SECONDS = 5.0  # from one line of progress to the next
 
 

@@ -11,8 +11,8 @@ from plugins.furniture.model import Model, Size, bounds, fit_model, parts_of
 from plugins.furniture.recipe import Generator
 from plugins.furniture.robot import robot_of
 from stages.articulated.asset_folder import Description, write_asset
-from stages.articulated.mesh_reader import FLAT
 from stages.articulated.resizing import SizedModel
+from stages.articulated.urdf_tree import FLAT
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.library import Asset, Recipe

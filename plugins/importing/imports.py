@@ -25,10 +25,11 @@ from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.attributes import explain_ungraspable
 from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
 from stages.articulated.inside import check_inside
-from stages.articulated.mesh_reader import FLAT, thicken_piece
+from stages.articulated.mesh_reader import thicken_piece
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
 from stages.articulated.stretching import stretch_model
+from stages.articulated.urdf_tree import FLAT
 from stages.assets.snapshots import Look
 from stages.cli import progress
 from stages.contracts.errors import InputError, plain

@@ -9,12 +9,10 @@ from math import prod
 from pathlib import Path
 
 from stages.articulated.inside import explain_missing, read_inside
-from stages.articulated.urdf_tree import AROUND
+from stages.articulated.urdf_tree import AROUND, MOST_SHAPES
 from stages.contracts.errors import InputError
 
 DIRECTORIES = ("assetdir", "meshdir", "texturedir")  # of a compiler element
-MOST_ELEMENTS = 10_000  # once all is included, attached and replicated; MuJoCo takes 3 s for so many, and four times
-# that for twice as many
 
 
 class Sources:
@@ -41,9 +39,9 @@ class Sources:
                 for part in self._parts(element, here):
                     name = element.get("name", "") or self.roots[part].get("model", "")
                     self._attached[name].setdefault(here, set()).add(part)
-        if (size := self._size(path, ())) > MOST_ELEMENTS:
+        if (size := self._size(path, ())) > MOST_SHAPES:
             what = f"has {size} elements once all is included, attached and replicated."
-            raise InputError(path, what, f"at most {MOST_ELEMENTS}", code="E-MODEL-PARTS")
+            raise InputError(path, what, f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
 
     def files(self) -> dict[Path, bytes]:
         """The bytes of every file that the model is made of, by the path that MuJoCo looks for it at.

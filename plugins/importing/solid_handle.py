@@ -9,8 +9,8 @@ from trimesh import Trimesh
 from stages.articulated.attributes import list_moved_links, merge_visuals
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.handle import GRID, Handle, find_handle
-from stages.articulated.mesh_reader import FLAT
 from stages.articulated.model import RobotModel, transform_mesh
+from stages.articulated.urdf_tree import FLAT
 
 # VHACD's: 32 pieces show the handle of a drawer with its box and keep a gripper's clearance; one thread, so that the
 # same mesh gives the same pieces.

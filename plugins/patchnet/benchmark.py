@@ -31,7 +31,7 @@ from plugins.patchnet.training.render import MODELS, PAINTED, make
 from plugins.patchnet.training.studio import ChanceStudio
 from stages.assets.snapshots import Turntable
 from stages.config.assets import SnapshotOptions
-from stages.config.matching import Dinov2Config, EncoderOptions, HogConfig
+from stages.config.matching import Dinov2Config, EncoderOptions, HogConfig, MatchingConfig
 from stages.contracts.section import Section
 from stages.geometry.frames import angle_difference
 from stages.matching.crop import View
@@ -39,9 +39,9 @@ from stages.matching.encoders import PatchEncoder, Patches, make_encoder
 from stages.matching.snapshots import up_of_camera
 from stages.matching.voting import embedding_distance
 
-YAWS = 24
+YAWS = SnapshotOptions().n_snap
 STEP = 4  # every fourth of them is compared to find the model
-WORST = 0.1
+WORST = MatchingConfig().exclude_worst
 FRONT = 1.75  # radians: furniture is not seen from behind
 HEADING = "| encoder | category | in 3 | model | in 3 | yaw median | within 15 | ms |\n" + "|---" * 8 + "|"
 Rng = np.random.Generator

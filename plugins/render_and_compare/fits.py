@@ -20,7 +20,7 @@ from stages.geometry.viewing import view_angle, view_yaw
 from stages.matching.crop import View
 from stages.matching.yaws import aligned_yaws, is_front_known, touched_walls
 
-SAME_YAW = np.deg2rad(2)  # ways to stand that differ by less are one
+SAME_YAW = np.deg2rad(2)  # ways to stand that differ by less are one; chosen
 
 
 class Fit(NamedTuple):

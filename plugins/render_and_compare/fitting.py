@@ -8,18 +8,17 @@ from numpy.typing import NDArray
 from plugins.render_and_compare.observation import Observation
 from plugins.render_and_compare.solid import Solid
 from stages.geometry.boxes import UprightBox
-from stages.geometry.estimate import BIN, Sight
+from stages.geometry.estimate import BIN, TRIM, Sight
 from stages.geometry.frames import SYMMETRY_PERIOD, yaw_matrix
 
-TRIM = 0.005  # share of the points left out at each end
-OUTERMOST = 2.0  # deviations of noise by which these lie beyond a face
-SEEN, UNSEEN = 0.1, 0.3  # of an extent: deviation of any face, and how much more of the hidden one
-ROUNDS = 4
-SIDE_ERROR = 0.005  # of the object's longer side in the picture: how well outlines meet
-UNSURE = 2.0  # deviations, scale of Cauchy's weights: a mask may lack legs, or points belong to other things
+OUTERMOST = 2.0  # deviations of noise by which these lie beyond a face; chosen
+SEEN, UNSEEN = 0.1, 0.3  # of an extent: deviation of any face, and how much more of the hidden one; chosen
+ROUNDS = 4  # of Gauss-Newton steps; chosen for time
+SIDE_ERROR = 0.005  # of the object's longer side in the picture: how well outlines meet; chosen
+UNSURE = 2.0  # deviations, scale of Cauchy's weights: a mask may lack legs, or points belong to other things; chosen
 STRETCH = 0.5  # deviation of the logarithm of one axis' scale over another's ...
-TURNED = 0.05  # ... and of the two level ones, if a quarter turn maps the model onto itself
-LARGEST_CHANGE = 1.5  # logarithm: extents never change by more
+TURNED = 0.05  # ... and of the two level ones, if a quarter turn maps the model onto itself; chosen
+LARGEST_CHANGE = 1.5  # logarithm: extents never change by more; chosen
 Array = NDArray[np.float64]
 
 

@@ -11,15 +11,14 @@ from stages.contracts.objects import DepthError
 from stages.geometry.cameras import back_project
 from stages.geometry.estimate import REACH
 from stages.geometry.frames import apply, inverse
-from stages.geometry.masks import pixel_bounds
+from stages.geometry.masks import OUTLINE, pixel_bounds
 from stages.matching.crop import View
 
-SAMPLES = 2  # rays per cell and direction: thin lines do not break
-SURROUNDINGS = 0.12  # of the object's longer side, around its mask
-EDGE_GAP = 3  # pixels from the mask's edge to what lies beyond it
-EDGE_SHARE = 0.03  # of its extent: the pixels that make up a side of the mask
-CLOUD_POINTS = 6000
-NEARER = 0.05  # metres, beyond the noise of depth
+SAMPLES = 2  # rays per cell and direction: thin lines do not break; chosen
+SURROUNDINGS = 0.12  # of the object's longer side, around its mask; chosen
+EDGE_SHARE = 0.03  # of its extent: the pixels that make up a side of the mask; chosen
+CLOUD_POINTS = 6000  # at most about twice so many; chosen for time
+NEARER = 0.05  # metres, beyond the noise of depth; chosen
 Array = NDArray[np.float64]
 
 
@@ -140,11 +139,11 @@ def free_sides(mask: NDArray[np.bool_], depth: NDArray[np.floating], error: Dept
         turned, distance = np.rot90(mask, turns), np.rot90(depth, turns)
         columns = np.flatnonzero(turned.any(axis=0))
         first, band = int(columns[0]), max(2, round(EDGE_SHARE * len(columns)))
-        if first < EDGE_GAP:
+        if first < OUTLINE:
             free.append(False)
             continue
         rows, at = np.nonzero(turned[:, first : first + band])
-        own, other = distance[rows, at + first], distance[rows, first - EDGE_GAP]
+        own, other = distance[rows, at + first], distance[rows, first - OUTLINE]
         known = (own > 0) & (other > 0)
         hidden = own[known] - other[known] > nearer_by(own[known], error)
         free.append(not hidden.size or bool(hidden.mean() < 0.5))

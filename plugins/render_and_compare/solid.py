@@ -20,7 +20,7 @@ from stages.contracts.look import GAMMA
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, yaw_matrix
 
-UNPAINTED = (0.6, 0.6, 0.6)  # linear
+UNPAINTED = (0.6, 0.6, 0.6)  # linear; chosen
 Array = NDArray[np.float64]
 
 

@@ -11,10 +11,10 @@ from plugins.render_and_compare.rendering import Rendering
 from stages.geometry.estimate import REACH
 from stages.matching.colours import LIGHTNESS
 
-DEPTH_SCALE = 0.06  # of the diagonal, beyond the noise of depth: a difference that counts as wholly wrong
+DEPTH_SCALE = 0.06  # of the diagonal, beyond the noise of depth: a difference that counts as wholly wrong; chosen
 LINE_DIRECTIONS, LINE_BLUR, LINE_WINDOW = 6, 1.2, 4.0  # of half a turn; cells: lines may be off, are compared within
-FAINTEST_LINE = 0.1  # lines weaker than this are noise
-COLOUR_SCALE = 0.3  # of Lab / 100: a difference that counts as wholly wrong
+FAINTEST_LINE = 0.1  # lines weaker than this are noise; chosen
+COLOUR_SCALE = 0.3  # of Lab / 100: a difference that counts as wholly wrong; chosen
 Array = NDArray[np.float32]
 
 

@@ -5,10 +5,10 @@ import numpy as np
 from plugins.render_and_compare.fits import Fitter
 from plugins.render_and_compare.solid import Solid
 from stages.contracts.library_folder import AssetFolders
+from stages.geometry.masks import MIN_PIXELS
 from stages.matching.question import AbstainedError, Question
 
-SMALLEST = 40  # pixels of a mask: fewer show nothing that models differ in
-MODELS = 300  # kept in memory
+MODELS = 300  # kept in memory; chosen
 
 
 class Workbench:
@@ -31,8 +31,8 @@ class Workbench:
             if item is None or scene is None or item.box is None:
                 raise AbstainedError(f"{self.judge}: extraction gives no box")
             pixels = int(view.mask.sum())
-            if pixels < SMALLEST:
-                raise AbstainedError(f"{self.judge}: the object has {pixels} pixels, fewer than {SMALLEST}")
+            if pixels < MIN_PIXELS:
+                raise AbstainedError(f"{self.judge}: the object has {pixels} pixels, fewer than {MIN_PIXELS}")
             if view.depth is None or view.intrinsics is None or 2 * np.count_nonzero(view.depth[view.mask]) < pixels:
                 raise AbstainedError(f"{self.judge}: less than half of the object has depth")
             self._object = (question.name, Fitter(view, item, scene, self.resolution))

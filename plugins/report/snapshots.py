@@ -11,9 +11,8 @@ from PIL import Image
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import SnapshotShard
+from stages.geometry.cameras import MARGIN
 from stages.geometry.frames import angle_difference
-
-MARGIN = 0.06  # of the larger side, around the asset
 
 
 class Snapshots:

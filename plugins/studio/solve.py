@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.inputs.photo.metrology import (
-    THINNEST,
+    DRAWING_ERROR,
     MetrologyError,
     RearCornerError,
     View,
@@ -158,7 +158,7 @@ class _Room:
             towards = float(inward @ wall.normal)
             gap = (wall.offset - float(front @ wall.normal)) / towards if towards < -0.5 else np.inf
             low, high = wall.ends
-            if THINNEST < gap < depth and low <= float((front + gap * inward) @ wall.along) <= high:
+            if DRAWING_ERROR < gap < depth and low <= float((front + gap * inward) @ wall.along) <= high:
                 depth = gap
         return UprightBox(front + inward * depth / 2, [width, depth, height], box.yaw)
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from plugins.inputs.photo.metrology import THINNEST
+from plugins.inputs.photo.metrology import DRAWING_ERROR
 from plugins.studio.project import DrawnObject, Project
 from stages.contracts.categories import known_categories, sizes_of
 from stages.contracts.category import USUAL_SPREAD, describe_unusual, find_category
@@ -28,7 +28,7 @@ def edge_marked(box: UprightBox) -> str:
 def describe_odd(item: DrawnObject, box: UprightBox, factor: float) -> str:
     """What is wrong with the size of a box, by the usual sizes of its label, if it were `factor` times as large."""
     size = box.size
-    if size.min() < THINNEST:
+    if size.min() < DRAWING_ERROR:
         return f"would be {1000 * size.min():.1f} mm thin: draw it anew"
     known = find_category(item.label, known_categories())
     return describe_unusual(known, factor * size) and describe_unusual(known, size)

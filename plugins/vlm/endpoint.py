@@ -15,7 +15,7 @@ from urllib.request import Request
 
 from plugins.vlm.answers import LONGEST
 from plugins.vlm.config import VlmConfig
-from plugins.vlm.deadline import LARGEST, response_to
+from plugins.vlm.deadline import MAX_REPLY, response_to
 from plugins.vlm.secret import hide_key
 from stages.contracts.errors import InputError, plain
 
@@ -100,8 +100,8 @@ class Endpoint:
         data = json.dumps(body, ensure_ascii=False).encode()
         request = Request(f"{self.options.url}/chat/completions", data, headers, method="POST")
         received, content = response_to(request, self.options.timeout)
-        if len(content) > LARGEST:
-            raise OversizedError(f"a reply of more than {LARGEST} bytes")
+        if len(content) > MAX_REPLY:
+            raise OversizedError(f"a reply of more than {MAX_REPLY} bytes")
         if len(content) < int(received.get("Content-Length") or 0):
             raise HTTPException("the reply is cut off")
         try:

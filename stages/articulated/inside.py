@@ -6,9 +6,8 @@ from collections.abc import Callable
 from itertools import product
 from pathlib import Path
 
+from stages.contracts.arrays import MAX_BYTES
 from stages.contracts.errors import InputError
-
-MOST_BYTES = 10**9  # of a file
 
 
 class OutsideError(Exception):
@@ -71,7 +70,7 @@ def is_inside(path: Path, folder: Path) -> bool:
     return True
 
 
-def read_inside(path: Path, folder: Path, most: int = MOST_BYTES) -> bytes:
+def read_inside(path: Path, folder: Path, most: int = MAX_BYTES) -> bytes:
     """The bytes of a file of the user's folder.
 
     Raises:

@@ -13,14 +13,13 @@ from trimesh import Trimesh
 
 from stages.articulated.mesh_files import MeshReader
 from stages.articulated.mesh_resolver import MeshResolver
-from stages.articulated.urdf_tree import LARGEST
+from stages.articulated.urdf_tree import FLAT, MAX_NUMBER
 from stages.contracts.errors import InputError
 from stages.plugins import list_available, load
 
 NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 MOST_PIECES = 64
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
-FLAT = 1e-4  # metres: a piece thinner than this gets that thickness
 
 
 def find_reader(path: Path) -> MeshReader:
@@ -66,8 +65,8 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
         reason = (str(error).splitlines() or [error.__class__.__name__])[0][:200]
         raise InputError(path, f"cannot be read as a mesh: {reason}.", code="E-MESH-BROKEN") from None
     vertices = [np.asarray(mesh.vertices) for mesh in meshes]
-    if not all(np.isfinite(points).all() and np.abs(points).max() < LARGEST for points in vertices):
-        raise InputError(path, f"has coordinates that are no numbers or beyond {LARGEST:g}.", code="E-MESH-BROKEN")
+    if not all(np.isfinite(points).all() and np.abs(points).max() < MAX_NUMBER for points in vertices):
+        raise InputError(path, f"has coordinates that are no numbers or beyond {MAX_NUMBER:g}.", code="E-MESH-BROKEN")
     meshes = [mesh for mesh in meshes if mesh.area > 0]
     if not meshes:
         why = f": {lost[0]}" if lost else ""

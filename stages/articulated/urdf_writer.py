@@ -25,10 +25,9 @@ from stages.articulated.mesh_writer import (
     write_texture,
 )
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel, transform_mesh
-from stages.geometry.frames import rigid
+from stages.geometry.frames import ROUNDING, rigid
 
 DAMPING, FRICTION = 2.0, 0.1  # N m s or N s / m, and SAPIEN's friction coefficient
-NOISE = 1e-9  # of an inertia's trace: a product below it is rounding, which differs from processor to processor
 SURFACE_FRICTION = 0.6  # coefficient of what collides, which URDF cannot say
 PLAIN_NAME = re.compile(r"(?!link_)(?!.*hull)[a-z][a-z0-9_]{0,40}")
 
@@ -87,7 +86,7 @@ def _add_link(root: ET.Element, folder: Path, link: Link, stem: str) -> None:
     ET.SubElement(inertial, "origin", xyz=numbers(link.center), rpy="0 0 0")
     ET.SubElement(inertial, "mass", value=f"{link.mass:.6g}")
     keys = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
-    inertia = np.where(abs(link.inertia) < NOISE * np.trace(link.inertia), 0.0, link.inertia)
+    inertia = np.where(abs(link.inertia) < ROUNDING * np.trace(link.inertia), 0.0, link.inertia)
     ET.SubElement(inertial, "inertia", {key: f"{inertia[index]:.6g}" for key, index in keys.items()})
     _add_visuals(element, folder, link, stem)
     for number, piece in enumerate(link.collisions):

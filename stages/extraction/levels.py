@@ -17,9 +17,9 @@ from stages.geometry.minimum_box import minimum_box
 from stages.geometry.room_planes import STRAY
 
 # Chosen; what levels they find under clutter is measured in docs/results/extraction.md.
-LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above
-PLAN_CELLS = 16  # of a ground plan along either side
-HIGHEST_POINTS = 3  # of a cell, the last of which is its height, as single ones are noise
+LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above; chosen
+PLAN_CELLS = 16  # of a ground plan along either side; chosen
+HIGHEST_POINTS = 3  # of a cell, the last of which is its height, as single ones are noise; chosen
 # Last words of labels of closed things with a level top, so that what is higher stands on it: no seat, shelf or bowl.
 TOPPED = """
 table desk counter countertop worktop workbench workstation island bar nightstand sideboard credenza buffet console

@@ -13,8 +13,8 @@ from stages.geometry.boxes import UprightBox, footprint
 from stages.geometry.frames import yaw_matrix
 from stages.geometry.masks import OUTLINE, Mask
 
-JUST_BELOW = 0.15  # metres; farther down furniture may stand before a picture that hangs
-SUNK = 0.04  # share of the distance by which an object reaches below the top of what it is in (a can in a bowl)
+JUST_BELOW = 0.15  # metres; farther down furniture may stand before a picture that hangs; chosen
+SUNK = 0.04  # share of the distance by which an object reaches below the top of what it is in (a can in a bowl); chosen
 
 
 def find_carrier(

@@ -18,7 +18,7 @@ from stages.generation.pictures import draw_preview, draw_side_by_side, draw_thu
 from stages.generation.scene_file import read_items
 from stages.generation.scene_models import room_of
 
-VIEW_TEXTURE = 128  # pixels: textures of the scene that the report lets turn
+VIEW_TEXTURE = 128  # pixels: textures of the scene that the report lets turn; chosen
 
 
 def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, out: Path, width: int = 640) -> None:

@@ -13,22 +13,21 @@ from trimesh import Trimesh
 
 from stages.contracts.look import ROOM_LIGHT
 from stages.contracts.objects import Objects
+from stages.contracts.types import LARGEST
 from stages.geometry.cameras import back_project
-from stages.geometry.frames import apply
+from stages.geometry.frames import SAMPLED, apply
+from stages.geometry.masks import MIN_PIXELS
 from stages.simulation.backdrop import WALL_HEIGHT
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]
-GRID_COLUMNS = 200  # the picture is looked at on a grid of so many columns, or its own
-OFF_SURFACE = 0.05  # metres, at 0 m and more for each: how far the depth of a pixel may miss its surface
-STRAY = 0.002  # share of a surface's pixels beyond its bounds
-BEYOND_BORDER = 0.3  # metres that a surface goes on at the picture's border
-FEWEST_PIXELS = 50  # pixels that make a surface
-FARTHEST_SEEN = 30.0  # metres from the camera
+GRID_COLUMNS = 200  # the picture is looked at on a grid of so many columns, or its own; chosen
+OFF_SURFACE = 0.05  # metres, at 0 m and more for each: how far the depth of a pixel may miss its surface; chosen
+TRIMMED = 0.002  # share of a surface's pixels beyond its bounds; chosen
+BEYOND_BORDER = 0.3  # metres that a surface goes on at the picture's border; chosen
 AZIMUTHS, ELEVATIONS = np.radians(np.arange(0, 360, 15)), np.radians(np.arange(25, 76, 10))  # of light; then half steps
-CASTING = 3000  # pixels of which shadows are asked
-DARKEST_LOG = 0.5  # of the logarithm of brightness, more counts no more
-LEAST_CORRELATION = 0.25  # below it the picture shows no shadows to go by
+DARKEST_LOG = 0.5  # of the logarithm of brightness, more counts no more; chosen
+LEAST_CORRELATION = 0.25  # below it the picture shows no shadows to go by; chosen
 
 
 @dataclass(frozen=True)
@@ -72,14 +71,14 @@ def find_surfaces(
     planes += [(wall.id, np.array(wall.normal), wall.offset) for wall in objects.walls]
     far = np.stack([_distance(rays, camera, normal, offset) for _, normal, offset in planes])
     first, nearest = far.argmin(axis=0), far.min(axis=0)  # along the optical axis
-    free &= nearest < FARTHEST_SEEN
+    free &= nearest < LARGEST
     if depth is not None:
         depth = depth[::step, ::step]
         free &= (depth > 0) & (np.abs(depth - nearest) < OFF_SURFACE * (1 + nearest))
     found = {}
     for index, (name, normal, _) in enumerate(planes):
         rows, columns = np.nonzero(free & (first == index))
-        if len(rows) >= FEWEST_PIXELS:
+        if len(rows) >= MIN_PIXELS:
             points = camera + rays[rows, columns] * nearest[rows, columns, None]
             found[name] = Seen(normal, rows, columns, points, rgb[rows, columns] / 255.0, bool(rows.min() < 2))
     return found
@@ -95,7 +94,7 @@ def find_bounds(name: str, seen: Seen) -> tuple[tuple[float, float], tuple[float
     """Bounds of a surface from what is seen of it: x and y of the floor; along the tangent of a wall, and in height."""
     tangent = np.array([-seen.normal[1], seen.normal[0], 0.0])
     along = seen.points[:, :2] if name == "floor" else np.column_stack([seen.points @ tangent, seen.points[:, 2]])
-    low, high = np.quantile(along, [STRAY, 1 - STRAY], axis=0) + np.array([[-BEYOND_BORDER], [BEYOND_BORDER]])
+    low, high = np.quantile(along, [TRIMMED, 1 - TRIMMED], axis=0) + np.array([[-BEYOND_BORDER], [BEYOND_BORDER]])
     if name != "floor":
         low[1], high[1] = 0.0, max(high[1], WALL_HEIGHT) if seen.open_above else high[1] - BEYOND_BORDER
     (a, b), (c, d) = low.round(3).tolist(), high.round(3).tolist()
@@ -111,7 +110,7 @@ def estimate_light(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array,
     """
     if not seen:
         return _unit(np.array(ROOM_LIGHT)), 0.0
-    share = min(1.0, CASTING / sum(len(one.points) for one in seen.values()))
+    share = min(1.0, SAMPLED / sum(len(one.points) for one in seen.values()))
     origins, dark = [], []
     for one in seen.values():
         some = np.linspace(0, len(one.points) - 1, max(2, round(share * len(one.points)))).astype(int)

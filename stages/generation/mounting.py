@@ -11,17 +11,17 @@ from stages.contracts.objects import Wall
 from stages.generation.placed import Placed
 from stages.generation.sizing import DEEP
 from stages.generation.turning import ALONG_SIDE
-from stages.geometry.boxes import UprightBox, corners, depth_behind, volume
+from stages.geometry.boxes import THINNEST, UprightBox, corners, depth_behind, volume
 from stages.geometry.estimate import Sight, correct_depth
 from stages.geometry.frames import yaw_matrix
 
-CONTACT = 0.05  # metres by which a place may be missed: of the floor, of a wall
+CONTACT = 0.05  # metres by which a place may be missed: of the floor, of a wall; chosen
 
 
 def mount(placed: Placed, sight: Sight, reached: Sequence[Wall], options: GenerationConfig) -> Placed:
     """A model with its rear at the walls that it reaches, and a believable depth."""
     for wall in reached:
-        placed = placed.change_box(f"rear to {wall.id}", extend_to_wall(placed.box, wall, options.min_extent))
+        placed = placed.change_box(f"rear to {wall.id}", extend_to_wall(placed.box, wall))
     if reached and options.aspect_prior == "native":
         hangs = placed.wall_mounted
         deep = correct_depth_at_wall(placed.box, placed.asset.size, sight, options.aspect_range, reached[0], hangs)
@@ -29,14 +29,14 @@ def mount(placed: Placed, sight: Sight, reached: Sequence[Wall], options: Genera
     return placed
 
 
-def fit_stated_box(box: UprightBox, yaw: float, walls: Sequence[Wall], min_extent: float) -> UprightBox:
+def fit_stated_box(box: UprightBox, yaw: float, walls: Sequence[Wall]) -> UprightBox:
     """A box that the input tells, with the axes of a model at `yaw`, which run along its own; it ends at the walls."""
     size = box.size.copy()
     if round((yaw - box.yaw) / (np.pi / 2)) % 2:
         size[:2] = size[1::-1]
-    box = UprightBox(box.center, np.maximum(size, min_extent), yaw)
+    box = UprightBox(box.center, np.maximum(size, THINNEST), yaw)
     for wall in walls:
-        box = min(box, extend_to_wall(box, wall, min_extent), key=volume)
+        box = min(box, extend_to_wall(box, wall), key=volume)
     return box
 
 
@@ -56,7 +56,7 @@ def correct_depth_at_wall(
     return at_wall
 
 
-def extend_to_wall(box: UprightBox, wall: Wall, min_extent: float) -> UprightBox:
+def extend_to_wall(box: UprightBox, wall: Wall) -> UprightBox:
     """The box rescaled along its own axis so that its rear reaches the wall and its front stays where it is.
 
     If the box is turned a little against the wall (the second wall of a corner), its edge touches the wall.
@@ -69,7 +69,7 @@ def extend_to_wall(box: UprightBox, wall: Wall, min_extent: float) -> UprightBox
     size = box.size.copy()
     edges = size[1 - axis] * abs(along[1 - axis])  # how much farther than its middle the turned faces reach, both
     front = float((corners(box) @ normal).max())
-    size[axis] = max((front - wall.offset - edges) / abs(along[axis]), min_extent)
+    size[axis] = max((front - wall.offset - edges) / abs(along[axis]), THINNEST)
     middle = wall.offset + (size[axis] * abs(along[axis]) + edges) / 2
     shift = yaw_matrix(box.yaw)[:, axis] * (middle - box.center @ normal) / along[axis]
     return UprightBox(box.center + shift, size, box.yaw)

@@ -21,7 +21,6 @@ from stages.simulation.backdrop import Block, make_backdrop
 
 Matrix = NDArray[np.float64]
 CAMERA = "input_camera"
-OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # axes of a camera, from OpenCV's
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.estimate import BIN, Sight, correct_depth
 from stages.geometry.frames import wrap_angle, yaw_matrix
 
-FRONT_SHARE = 0.3  # least share of its outline that a front fills
+FRONT_SHARE = 0.3  # least share of its outline that a front fills; chosen
 MEASURED, DEEP = "measured along the model's axes", "as deep as it can be"  # names of steps
 
 

@@ -11,6 +11,7 @@ from scipy.ndimage import gaussian_filter1d
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 
+TRIM = 0.005  # share of an exact cloud's points left out at either end of an extent; half of A.7's; chosen
 BIN = 0.005  # metres: width of a bin of coordinates; chosen
 SPREAD = 0.015  # metres by which points of a face spread without noise (panels, handles); chosen
 REACH = 3.0  # standard deviations of noise: 99.7 % of the points of a face lie within

@@ -10,12 +10,13 @@ from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts import Cousins, InputError, atomic
 from stages.contracts.cousins import Cousin
+from stages.contracts.images import LETTERS, TILE
 from stages.contracts.objects import SceneObject
 from stages.matching.crop import View, darken_rest
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
 
-TILE, LINE, LETTERS = 160, 20, 16  # pixels across each picture, of a line of its caption, of letters
+LINE = 20  # pixels of a line of a caption
 Picture = NDArray[np.uint8]
 InPlace = Callable[[SceneObject, Cousin], tuple[Picture, str] | None]
 

@@ -12,11 +12,11 @@ from stages.config.room_recipe import Against, Beside, CameraStand, Colour, Floo
 from stages.config.scenes import ScenesConfig
 from stages.contracts import Asset, InputError
 from stages.geometry.boxes import UprightBox, corners, distances_along
-from stages.scenes.casting import CastRoom, choose_models, founders
+from stages.geometry.cameras import MARGIN
+from stages.scenes.casting import ATTEMPTS, CastRoom, choose_models, founders
 from stages.scenes.framing import frame
 from stages.scenes.layout import arrange
 
-ATTEMPTS = 600
 ALONG, ON_FLOOR, HEIGHT = 0.35, 0.4, 0.12  # metres by which things move at most
 TURN = 25.0  # degrees by which free furniture turns at most
 ON_TOP = 0.5  # of the free top
@@ -44,7 +44,7 @@ def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, op
             continue
         boxes = [standing.box for standing in layout.standing.values()]
         points = np.concatenate([corners(box) for box in boxes])
-        camera = frame(points, drawn.camera, options.width, options.height, options.margin)
+        camera = frame(points, drawn.camera, options.width, options.height, MARGIN)
         if all_seen(boxes, *camera, options.width, options.height):
             return CastRoom(drawn, layout, assets)
     raise InputError(

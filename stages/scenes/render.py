@@ -12,6 +12,7 @@ from stages.contracts.library_folder import AssetFolders
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation, TrueObject
 from stages.geometry.boxes import corners
+from stages.geometry.cameras import MARGIN
 from stages.scenes.casting import CastRoom, cast
 from stages.scenes.chance import draw_room
 from stages.scenes.framing import frame
@@ -112,7 +113,7 @@ def run(
         if finish_seed is not None:
             cast_room, look = repaint_room(cast_room, folders, Path(made), finish_seed)
         points = np.concatenate([corners(standing.box) for standing in cast_room.layout.standing.values()])
-        intrinsics, world_from_camera = frame(points, cast_room.room.camera, config.width, config.height, config.margin)
+        intrinsics, world_from_camera = frame(points, cast_room.room.camera, config.width, config.height, MARGIN)
         picture = photograph(cast_room, folders, intrinsics, world_from_camera, config, seed, look)
 
     camera = Camera(width=config.width, height=config.height, intrinsics=intrinsics.tolist())

@@ -72,7 +72,7 @@ CASES = [
     ("photo: {detector: {path: a}}", "photo.detector: Input should be a valid string"),
     ("demonstrations: {noise: -1}", "demonstrations.noise: Input should be greater"),
     ("generation: {ranks: 11}", "generation.ranks: 11 scenes from matching.k_cousins = 10"),
-    ("demonstrations: {film_episodes: 0}", "demonstrations.film_episodes: is no option: it is 1. Fix: leave it out"),
+    ("tables: {picture_width: 0}", "tables.picture_width: is no option: it is 1100. Fix: leave it out"),
     ("{demonstrations: {goal_margin: 0.5}, task: {success_fraction: 0.9}}", "demonstrations.goal_margin: 0.5 past"),
     ("assets: {counts: {mug: -1}}", "assets.counts.mug: Input should be greater than or equal to 0"),
     ("assets: {counts: {mugs: 1}}", "assets.counts: no category 'mugs'"),

@@ -7,7 +7,8 @@ import numpy as np
 
 from plugins.mujoco.mjcf_writer import TOUCHED, ModelWriter, document, text
 from stages.contracts.look import GAMMA
-from stages.generation.scene_models import CAMERA, OPENGL, Room
+from stages.generation.scene_models import CAMERA, Room
+from stages.geometry.cameras import OPENGL
 from stages.geometry.frames import quaternion_from_matrix, yaw_quaternion
 
 

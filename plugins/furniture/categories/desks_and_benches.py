@@ -30,7 +30,7 @@ from plugins.furniture.recipe import (
 )
 from plugins.furniture.shapes import beam, box, cushion
 
-MARGIN = 0.012  # between the top's rim and a pedestal's handles
+RIM = 0.012  # between the top's rim and a pedestal's handles
 
 
 class Desk(Generator):
@@ -67,8 +67,8 @@ class Desk(Generator):
         wide = min(self.pedestal_width, 0.3 * size[1])
         for side in (-1, 1):
             if self.pedestals in ("both", "left" if side < 0 else "right"):
-                unit = _pedestal(self).build((size[0] - 2 * MARGIN, wide, under))
-                unit = move_model(unit, (0.0, side * (y - wide / 2 - MARGIN), 0.0), f"_{'l' if side < 0 else 'r'}")
+                unit = _pedestal(self).build((size[0] - 2 * RIM, wide, under))
+                unit = move_model(unit, (0.0, side * (y - wide / 2 - RIM), 0.0), f"_{'l' if side < 0 else 'r'}")
                 parts += unit.base
                 moving += unit.moving
             elif self.legs == "panels":
@@ -79,9 +79,9 @@ class Desk(Generator):
                 for a in (-x + leg, x - leg):
                     parts.add(beam((a, b, 0), (a, b, under), 0.7 * leg, leg), self.leg_colour)
         if self.modesty:
-            rim = y - wide - 2 * MARGIN if self.pedestals == "both" else y - 1.2 * leg
-            left = -(y - wide - 2 * MARGIN) if self.pedestals in ("left", "both") else -rim
-            right = y - wide - 2 * MARGIN if self.pedestals in ("right", "both") else rim
+            rim = y - wide - 2 * RIM if self.pedestals == "both" else y - 1.2 * leg
+            left = -(y - wide - 2 * RIM) if self.pedestals in ("left", "both") else -rim
+            right = y - wide - 2 * RIM if self.pedestals in ("right", "both") else rim
             parts.add(box((-x + 0.03, -x + 0.045), (left, right), (0.45 * under, under)), self.leg_colour)
         if z < high:
             parts.add(box((-x, -x + 0.45 * x), (-y, y), (high - 0.02, high)), self.top_colour)

@@ -17,7 +17,7 @@ from plugins.importing.mjcf_file import compile_model
 from stages.articulated.mesh_reader import convex_pieces
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, transform_mesh
 from stages.articulated.urdf_reader import close_at_lower
-from stages.articulated.urdf_tree import FIXED_RANGE, MOST_LINKS, MOST_SHAPES
+from stages.articulated.urdf_tree import FLAT, MOST_LINKS, MOST_SHAPES
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
 from stages.geometry.solids import MINIMUM_MASS, board_mass, box_around, box_inertia
@@ -118,7 +118,7 @@ class _Reader:
     def _moves(self, joint: int) -> bool:
         model = self.model
         ends = np.abs(model.jnt_range[joint])  # a door's or drawer's, closed at one, may not hold in the simulation
-        limited = bool(np.ptp(model.jnt_range[joint]) > FIXED_RANGE) and (model.jnt_limited[joint] or ends.min() == 0)
+        limited = bool(np.ptp(model.jnt_range[joint]) > FLAT) and (model.jnt_limited[joint] or ends.min() == 0)
         return mjtJoint(model.jnt_type[joint]) in (mjtJoint.mjJNT_SLIDE, mjtJoint.mjJNT_HINGE) and limited
 
     def _joint(self, joint: int, parent: str, child: str, origin: Matrix) -> JointModel:

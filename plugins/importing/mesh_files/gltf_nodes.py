@@ -7,9 +7,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from plugins.importing.mesh_files.accessors import Accessors, Header, Numbers
+from stages.articulated.urdf_tree import MOST_SHAPES
 
 INSTANCES, VISIBILITY = "EXT_mesh_gpu_instancing", "KHR_node_visibility"
-MOST = 10_000  # meshes that are shown: each is a copy
 
 
 class Placed(NamedTuple):
@@ -43,8 +43,8 @@ def place_meshes(header: Header, accessors: Accessors) -> list[Placed]:
             found.append(Placed(node["mesh"], np.eye(4), weights, joints))
         else:
             found += [Placed(node["mesh"], frame @ one, weights, None) for one in _instances(node, accessors)]
-        if len(found) > MOST:
-            raise ValueError(f"it shows more than {MOST} meshes")
+        if len(found) > MOST_SHAPES:
+            raise ValueError(f"it shows more than {MOST_SHAPES} meshes")
     return found
 
 

@@ -16,7 +16,7 @@ DRACO, MOVED, GLOSSY = "KHR_draco_mesh_compression", "KHR_texture_transform", "K
 TRIANGLES, STRIP, FAN = 4, 5, 6
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
 METAL = "pbrMetallicRoughness"
-REPEAT, BEYOND = 10497, 0.02  # glTF's usual way of going on beyond a picture's edge; how far is no slip
+REPEAT, OUTSIDE_PICTURE = 10497, 0.02  # glTF's usual way of going on beyond a picture's edge; how far is no slip
 SAME = 1.5 / 255  # by which colours differ that are one
 
 
@@ -131,7 +131,7 @@ class Parts:
         kept["TEXCOORD_0"] = self.accessors.add(uv, "VEC2")
         texture = self.header["textures"][pictures[0][0][pictures[0][1]]["index"]]
         sampler = self.header["samplers"][texture["sampler"]] if "sampler" in texture else {}
-        beyond = [min(uv[:, axis].min(), 1 - uv[:, axis].max()) < -BEYOND for axis in (0, 1)]
+        beyond = [min(uv[:, axis].min(), 1 - uv[:, axis].max()) < -OUTSIDE_PICTURE for axis in (0, 1)]
         if any(
             out and sampler.get(wrap, REPEAT) != REPEAT for out, wrap in zip(beyond, ("wrapS", "wrapT"), strict=True)
         ):

@@ -11,7 +11,7 @@ from PIL import Image
 
 from plugins.inputs.rgbd.camera_files import load, simplify_name
 from stages.contracts import InputError
-from stages.contracts.depth import BYTE, NEAREST
+from stages.contracts.depth import NEAREST
 from stages.contracts.types import LARGEST
 
 PER_METRE, METRES, MILLIMETRES, MICROMETRES = "units to a metre", "metres a unit", "mm a unit", "micrometres a unit"
@@ -175,7 +175,7 @@ def _judge_by_median(path: Path, known: NDArray[Any], median: float) -> float:
     if not whole and NEAREST <= median <= LARGEST:
         return UNITS["m"]
     fix = "say the unit with --unit: m, mm, or the number that stands for one metre"
-    if LARGEST < known.max() <= BYTE:
+    if LARGEST < known.max() <= np.iinfo(np.uint8).max:
         raise InputError(path, f"has no value above {known.max():g}: bytes, not millimetres.", fix, code="E-DEPTH-UNIT")
     if 1000 * NEAREST <= median <= 1000 * USUAL_MEDIAN:
         return UNITS["mm"]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from plugins.patchnet.network import GRID, SIZE
 from stages.geometry.frames import apply
-from stages.geometry.masks import pixel_bounds
+from stages.geometry.masks import MIN_PIXELS, pixel_bounds
 from stages.matching.crop import View, cut, foreground, masked_square
 
 Array = NDArray[np.float64]
@@ -17,7 +17,6 @@ Rng = np.random.Generator
 NEAR = 0.025  # largest distance between the two surfaces, in the model's largest extents
 NONE = -1
 LEAST_SEEN = 0.5  # share of a model that something may leave
-FEWEST = 60  # pixels of a picture worth looking at
 
 
 def crop(view: View) -> NDArray[np.uint8]:
@@ -78,7 +77,7 @@ def hide_part(view: View, rng: Rng) -> View:
             half = rng.uniform(0.08, 0.35, 2) * [x1 - x0, y1 - y0]
             gap = np.abs(np.stack([(u - centre[0]) / half[0], (v - centre[1]) / half[1]]))
             mask = view.mask & ((gap.max(0) if kind == 1 else (gap**2).sum(0)) > 1)
-        if mask.sum() >= max(LEAST_SEEN * view.mask.sum(), FEWEST):
+        if mask.sum() >= max(LEAST_SEEN * view.mask.sum(), MIN_PIXELS):
             return replace(view, mask=mask)
     return view
 

@@ -17,7 +17,7 @@ from stages.contracts.cousins import Candidate, Orientation
 from stages.matching.priors import sum_priors
 from stages.matching.question import DIGITS, Question
 
-LEAST_FIT = 0.7  # of a perfect score: below it, how models differ in their scores says nothing
+LEAST_FIT = 0.7  # of a perfect score: below it, how models differ in their scores says nothing; chosen
 
 
 class Judge:
