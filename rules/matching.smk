@@ -4,6 +4,9 @@
 #         results/matching/<variant>/<scene>/cousins.json, and for people cousins.png,
 #         results/matching/<variant>/<scene>/distances/<object>.json for the objects of the policy experiment.
 
+# Modules that show cousins in an object's place.
+IN_PLACE = [package.in_place for package in packages_on(CONFIG.packages) if package.in_place]
+
 
 rule features:
     """Encode the patches of one shard of snapshots."""
@@ -140,10 +143,12 @@ rule draw_cousins:
         **needs(1000, 10),
     params:
         command=command("matching", "draw"),
-        code=code("matching", "draw"),
+        code=code("matching", "draw", *IN_PLACE),
+        in_place=IN_PLACE,
     shell:
         "{params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
-        "--snapshots {input.snapshots:q} --library {input.library:q} --out {output.picture:q} 2>&1 | tee {log:q}"
+        "--snapshots {input.snapshots:q} --library {input.library:q} --in-place {params.in_place} "
+        "--out {output.picture:q} 2>&1 | tee {log:q}"
 
 
 rule matching:

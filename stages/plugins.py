@@ -97,19 +97,28 @@ def find(kind: str, name: str, packages: Sequence[str] | None = None, key: str =
     """The name to load an implementation by: as it is for ours, qualified for a user's.
 
     Raises:
-        InputError: there is none of that name; the message has the `key` of the config and the nearest name.
+        InputError: there is none of that name; the message has the `key` of the config and what to do instead: turn
+            its package on, or take the nearest name.
     """
     known = list_available(kind, packages)
     if name in known.values():
         return name
     if name not in known:
-        raise InputError(key or kind, f"there is no '{name}'.", nearest(name, known), code="E-PLUGIN-UNKNOWN")
-    return name if known[name] == f"{KINDS[kind].home}.{name}" else known[name]
+        package = _ours(kind).get(name, "").partition(".")[2].partition(".")[0]
+        mend = f"packages: {{{package}: true}}, or one of {', '.join(known)}" if package else nearest(name, known)
+        raise InputError(key or kind, f"there is no '{name}'.", mend, code="E-PLUGIN-UNKNOWN")
+    return name if known[name] == _ours(kind).get(name) else known[name]
+
+
+@cache
+def _ours(kind: str) -> dict[str, str]:
+    """Modules of the implementations of the core and of the packages in this checkout, by name."""
+    return list_available(kind)
 
 
 def qualify_module(kind: str, name: str) -> str:
     """Module of an implementation."""
-    return name if "." in name else f"{KINDS[kind].home}.{name}"
+    return name if "." in name else _ours(kind).get(name, f"{KINDS[kind].home}.{name}")
 
 
 def shorten_name(name: str) -> str:

@@ -7,11 +7,11 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from plugins.importing.fronts import align_to_axes, front_direction
+from plugins.importing.hinges import Hinge, Slide, find_hinges, find_slides
 from plugins.importing.importers import Axis, Importer
 from plugins.importing.imports import in_file, turn_to_axes, usual_front
 from plugins.importing.upright import CLEAR, FITS, FOOT, UPS, Up, choose_up, number, weigh_hinges, weigh_slides
 from stages.articulated.forward_kinematics import measure_closed_box
-from stages.articulated.hung import Hinge, Slide, find_hinges, find_slides
 from stages.articulated.model import Matrix, RobotModel
 from stages.contracts.categories import usual_size
 from stages.contracts.files import Contract

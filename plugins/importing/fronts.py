@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from plugins.importing.hinges import ALONG, LEAST_OUT, LEAST_TURN, THIN, list_carried_links, on_something_narrower
 from stages.articulated.attributes import list_moved_links, merge_visuals
 from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box, visual_bounds
-from stages.articulated.hung import ALONG, LEAST_OUT, LEAST_TURN, THIN, list_carried_links, on_something_narrower
 from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.geometry.frames import rigid, yaw_matrix
 

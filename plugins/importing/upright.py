@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from plugins.importing.hinges import Hinge, Slide
 from plugins.importing.importers import Axis
-from stages.articulated.hung import Hinge, Slide
 from stages.articulated.model import Matrix
 from stages.contracts.categories import known_categories
 from stages.contracts.category import split_words

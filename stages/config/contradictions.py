@@ -12,7 +12,7 @@ from stages.config.assets import COUNTS
 from stages.config.evaluation import USUAL
 from stages.config.inputs import NAME
 from stages.config.mistakes import Mistake
-from stages.config.packages import present
+from stages.config.packages import packages_on
 from stages.config.pinned_assets import pinned_assets
 from stages.contracts.errors import InputError, nearest
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
@@ -45,9 +45,8 @@ def _packages(config: "Config") -> Iterator[Mistake]:
             yield Mistake(
                 key, f"is read by the package {name}, which is off or not here", f"packages: {{{name}: true}}"
             )
-    for name, package in present().items():
-        if config.packages[name]:
-            yield from package.mistakes(config)
+    for package in packages_on(config.packages):
+        yield from package.mistakes(config)
 
 
 def _names(config: "Config") -> Iterator[Mistake]:

@@ -29,7 +29,8 @@ def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mist
     """The section with the names of a user's implementations qualified, so that a stage can import them.
 
     Args:
-        mistakes: gets names that there is no implementation of; the default takes their place.
+        mistakes: gets names that there is no implementation of; the default takes their place, or
+            any, if it is not there.
 
     Raises:
         InputError: the same, if `mistakes` is not given; key and nearest name are named.
@@ -54,7 +55,8 @@ def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mist
             if mistakes is None:
                 raise
             mistakes.append(Mistake.of(error))
-            changes[field] = type(section).model_fields[field].default
+            default = type(section).model_fields[field].default
+            changes[field] = default if value != default else next(iter(list_available(kind or "", packages)))
     found = {field: value for field, value in changes.items() if value != getattr(section, field)}
     return section.model_copy(update=found)  # what nobody set stays so
 

@@ -20,7 +20,8 @@ class Package:
 
     Attributes:
         last: whether its rules.smk looks at the rules of all others.
-        judges: whether judges of matching read its sections, so that variants may change them.
+        judges: whether judges of matching read its sections, each that of its name, so that variants may change them.
+        in_place: a module whose `InPlace` shows cousins in an object's place, in cousins.png.
         section: of config.yaml that its verbs read.
         shards: of the section `assets`, the shards of models that its rules add to the library, by name.
         verbs: its commands that rules call, and what each reads of the config (None: nothing).
@@ -34,6 +35,7 @@ class Package:
     last: bool = False
     section: str = ""
     judges: bool = False
+    in_place: str = ""
     shards: Callable[[Any], Mapping[str, Any]] = lambda assets: {}
     verbs: Mapping[str, type[Section] | None] = field(default_factory=dict)
     sections: Mapping[str, tuple[type[Section], Any]] = field(default_factory=dict)
@@ -46,6 +48,11 @@ class Package:
 def present() -> dict[str, Package]:
     """The packages of this checkout by name."""
     return {module.rpartition(".")[2]: import_module(f"{module}.package").PACKAGE for module in plugins.list_shipped()}
+
+
+def packages_on(on: Mapping[str, bool]) -> list[Package]:
+    """The packages that are on."""
+    return [package for name, package in present().items() if on[name]]
 
 
 def rule_files(on: Mapping[str, bool], last: bool = False) -> list[str]:
@@ -72,7 +79,7 @@ def _with_sections(model: Any, names: tuple[str, ...], judges: bool) -> Any:
 
 def shards_of(config: Any) -> dict[str, Any]:
     """The shards of models that packages which are on add to the library, by name."""
-    on = [package for name, package in present().items() if config.packages[name]]
+    on = packages_on(config.packages)
     return {name: shard for package in on for name, shard in package.shards(config.assets).items()}
 
 

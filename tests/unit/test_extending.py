@@ -104,7 +104,7 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
         }
     )
     assert config.matching.encoder == "my_package.encoders.colours" and config.matching.search == "torch"
-    assert config.assets.importers == ["plugins.importing.importers.urdf", "my_package.importers.off"]
+    assert config.assets.importers == ["urdf", "my_package.importers.off"]
     assert config.matching_of("b").model_selection == "my_package.judges.by_name"
     assert config.training.runs["mine"].policy == "my_package.policies.mean_action"
     for wrong, kind, named in (

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from stages.matching.search import distance_table
 from stages.matching.voting import embedding_distance, vote
-from stages.plugins import list_available, load
+from stages.plugins import list_available
 
 Patches = list[NDArray[np.float32]]
 
@@ -59,20 +59,6 @@ def test_the_way_back_is_the_way_there_with_the_parts_swapped(search: str) -> No
         swapped = distance_table(patch, [query].__getitem__, 1, search).table[:, 0]
         np.testing.assert_allclose(back, swapped, rtol=1e-5)
     assert distance_table(query, candidates.__getitem__, len(candidates), search).backward == []
-
-
-def test_backends_agree_pick_for_pick_under_near_ties() -> None:
-    """Candidates that are rounding-noise copies of each other, far from the origin: float32 alone disagrees here."""
-    query, candidates = patches(5, candidates=4, queries=200, columns=64)
-    rng = np.random.default_rng(6)
-    shift = np.float32(3.0)
-    copies = [c + shift + rng.normal(size=c.shape).astype(np.float32) * np.float32(3e-7) for c in candidates * 5]
-    rows, count = copies.__getitem__, len(copies)
-    plain = [load("searches", name)(query + shift, rows, count, False)[0] for name in ("torch", "faiss")]
-    assert (plain[0].argmin(axis=1) != plain[1].argmin(axis=1)).any(), "the case is no test: plain float32 agrees"
-    tables = [distance_table(query + shift, rows, count, name).table for name in ("torch", "faiss")]
-    groups = np.arange(len(copies))
-    assert vote(tables[0], groups, 10) == vote(tables[1], groups, 10)
 
 
 def test_equal_pictures_tie_and_the_first_wins() -> None:

@@ -29,12 +29,15 @@ def test_a_package_that_is_not_here_is_told() -> None:
         load({"packages": {"mujocco": True}})
 
 
+LEFT = {"matching": {"model_selection": "distance", "orientation_selection": "distance"}}  # the core's judge
+
+
 @pytest.mark.parametrize("name", [name for name, package in present().items() if package.sections])
 def test_a_section_belongs_to_its_package(name: str) -> None:
     """It is left out, also where a file gives it, if its package is off."""
     sections = present()[name].sections
     given = {section: {} for section in sections}
-    on, off = load(given), load(given | {"packages": {name: False}})
+    on, off = load(given), load(given | LEFT | {"packages": {name: False}})
     assert all(hasattr(on, section) and not hasattr(off, section) for section in sections)
 
 
@@ -51,7 +54,11 @@ def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -
         ):
             load({"packages": {name: False}})
         return
-    config = load({"packages": {name: False}})
+    if name == "render_and_compare":
+        mend = "packages: {render_and_compare: true}, or one of distance, priors, votes"
+        with refused("E-CONFIG", "matching.model_selection: there is no 'geometry'", mend):
+            load({"packages": {name: False}})
+    config = load(LEFT | {"packages": {name: False}})
     wildcards = {"variant": "b", "run": "lite", "scene": "", "store": next(iter(stores(config)))}
     for stage, verb in READS:
         if stage != name and stage != "inputs":

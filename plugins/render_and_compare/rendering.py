@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.render_and_compare.observation import Observation
+from plugins.render_and_compare.solid import Solid
 from stages.contracts.look import GAMMA, ROOM_LIGHT
 from stages.geometry.boxes import UprightBox
 from stages.matching.crop import View
-from stages.matching.synthesis.observation import Observation
-from stages.matching.synthesis.solid import Solid
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,21 @@ import pytest
 import trimesh
 from PIL import Image
 
+from plugins.render_and_compare.config import GeometryConfig
+from plugins.render_and_compare.fitting import Measured, lay_over, measure
+from plugins.render_and_compare.in_place import InPlace
+from plugins.render_and_compare.judges.geometry import LEAST_FIT
+from plugins.render_and_compare.judges.geometry import Judge as Geometry
+from plugins.render_and_compare.judges.rerender import Judge as Rerender
+from plugins.render_and_compare.observation import Observation, free_sides, observe
+from plugins.render_and_compare.rendering import Rendering, render
+from plugins.render_and_compare.solid import Solid, outermost
+from plugins.render_and_compare.terms import colour_agreement, compare, line_agreement, line_field, outline_agreement
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.model import Link, RobotModel, Visual
-from stages.config.matching import GeometryConfig, MatchingConfig
-from stages.contracts import Library, LibraryPart, Objects, read_json, write_json
-from stages.contracts.cousins import Candidate, Cousin, Orientation
+from stages.config.matching import matching_model
+from stages.contracts import Cousins, Library, LibraryPart, Objects, read_json, write_json
+from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.library import LibraryEntry
 from stages.contracts.library_folder import write_part
 from stages.contracts.objects import USUAL_ERROR, Box, Mounting, SceneObject, Wall
@@ -26,18 +36,11 @@ from stages.geometry.estimate import Sight
 from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
 from stages.matching.crop import View
 from stages.matching.judges import AbstainedError, Question
-from stages.matching.judges.geometry import LEAST_FIT
-from stages.matching.judges.geometry import Judge as Geometry
-from stages.matching.judges.rerender import Judge as Rerender
+from stages.matching.picture import write_picture
 from stages.matching.snapshots import Snapshots
-from stages.matching.synthesis.fitting import Measured, lay_over, measure
-from stages.matching.synthesis.in_place import InPlace
-from stages.matching.synthesis.observation import Observation, free_sides, observe
-from stages.matching.synthesis.rendering import Rendering, render
-from stages.matching.synthesis.solid import Solid, outermost
-from stages.matching.synthesis.terms import colour_agreement, compare, line_agreement, line_field, outline_agreement
-from tests.unit.matching_data import trace_box
+from tests.unit.matching_data import trace_box, write_snapshots
 
+Options: Any = matching_model(["render_and_compare"])
 SIZE = (0.4, 1.0, 0.8)
 SIDE, EYE = 160, (3.0, 0.3, 1.2)
 POSE = look_at(EYE, [0, 0, 0])
@@ -164,7 +167,7 @@ def test_only_what_a_quarter_turn_leaves_alike_stays_square(library: Path) -> No
 @pytest.mark.parametrize("yaw", [0.3, 1.0, -0.8, 0.3 + np.pi])
 def test_a_box_fits_best_at_its_own_yaw(library: Path, yaw: float) -> None:
     """Also seen from behind: no panels there."""
-    judge = Geometry(MatchingConfig())
+    judge = Geometry(Options())
     best, *rest = judge.orientations(question(library, yaw), "two", [], views(0.0, 2.0))
     assert wrap_angle(best.yaw - (yaw - TOWARDS)) == pytest.approx(0, abs=0.03)
     assert best.distance is None and best.score == max(one.score for one in (best, *rest))
@@ -172,7 +175,7 @@ def test_a_box_fits_best_at_its_own_yaw(library: Path, yaw: float) -> None:
 
 
 def test_panels_tell_models_apart(library: Path) -> None:
-    judge = Geometry(MatchingConfig(geometry=GeometryConfig(nearest=3)))
+    judge = Geometry(Options(geometry=GeometryConfig(nearest=3)))
     given = candidates("stack", "three", "two", "unseen")
     for name, panels in (("two", (2, 1)), ("three", (3, 1)), ("stack", (1, 4))):
         ranked = judge.models(question(library, 0.3, panels), [], given)
@@ -185,7 +188,7 @@ def test_panels_tell_models_apart(library: Path) -> None:
 
 def test_where_nothing_fits_only_what_is_known_counts(library: Path) -> None:
     """Every third column of the mask: outlines that no model has."""
-    judge, asked = Geometry(MatchingConfig()), question(library, 0.3)
+    judge, asked = Geometry(Options()), question(library, 0.3)
     given = [
         Candidate(asset="three", category="cabinet", distance=1.0, parts={"size": 0.0}),
         Candidate(asset="two", category="cabinet", distance=1.0, parts={"size": 0.01}),
@@ -199,7 +202,7 @@ def test_where_nothing_fits_only_what_is_known_counts(library: Path) -> None:
 
 def test_whether_it_fits_is_asked_of_what_would_come_first(library: Path) -> None:
     """`two` has the lines that are seen, but its size is known to be another: `stack`, first by both, does not fit."""
-    judge = Geometry(MatchingConfig(geometry=GeometryConfig(outline=0, depth=0, lines=1)))
+    judge = Geometry(Options(geometry=GeometryConfig(outline=0, depth=0, lines=1)))
     given = [
         Candidate(asset="two", category="cabinet", distance=1.0, parts={"size": 2.0}),
         Candidate(asset="stack", category="cabinet", distance=1.0, parts={"size": 0.0}),
@@ -212,7 +215,7 @@ def test_whether_it_fits_is_asked_of_what_would_come_first(library: Path) -> Non
 
 def test_textures_and_patches_count_for_nothing_priors_do(library: Path) -> None:
     """The finish of a library's model is not the object's: only its parts may be seen in the lines."""
-    judge, asked = Geometry(MatchingConfig()), question(library, 0.3)
+    judge, asked = Geometry(Options()), question(library, 0.3)
     near, far = {"patches": 0.5, "size": 0.0}, {"patches": 1.5, "size": 0.0}
     given = [
         Candidate(asset="three", category="cabinet", distance=0.5, parts=near),
@@ -260,9 +263,9 @@ def test_nobody_decides_without_depth_pixels_or_models(library: Path, judge: typ
         (asked._replace(item=None), "no box"),
     ):
         with pytest.raises(AbstainedError, match=reason):
-            judge(MatchingConfig()).orientations(changed, "two", [], views(0.0))
+            judge(Options()).orientations(changed, "two", [], views(0.0))
     with pytest.raises(AbstainedError, match=r"no unseen.zip beside library\.json"):
-        judge(MatchingConfig()).orientations(asked, "unseen", [], views(0.0))
+        judge(Options()).orientations(asked, "unseen", [], views(0.0))
 
 
 def test_views_are_rendered_again_and_ordered_by_their_distance(library: Path) -> None:
@@ -270,10 +273,10 @@ def test_views_are_rendered_again_and_ordered_by_their_distance(library: Path) -
     yaw = 0.3
     right = wrap_angle(yaw - TOWARDS)
     given = views(right + np.pi, right + np.pi / 2, right, right - np.pi / 2, right + 0.1)
-    answer = Rerender(MatchingConfig(k_ori=4)).orientations(question(library, yaw), "two", [], given)
+    answer = Rerender(Options(k_ori=4)).orientations(question(library, yaw), "two", [], given)
     assert answer[0].yaw == right and len(answer) == 4
     assert answer[0].distance < 0.8 * answer[1].distance
-    assert Rerender(MatchingConfig()).models(question(library, yaw), [], candidates("three", "two"))[0].asset == "three"
+    assert Rerender(Options()).models(question(library, yaw), [], candidates("three", "two"))[0].asset == "three"
 
 
 @pytest.mark.parametrize(
@@ -292,10 +295,10 @@ def test_where_the_front_is_known_no_other_way_to_stand_is_compared(library: Pat
     wall = Wall(id="rear", normal=tuple(away), offset=-0.2, points=9)
     scene = asked.scene.model_copy(update={"walls": [wall]})
     told = asked._replace(name="told", item=asked.item.model_copy(update=known), scene=scene)
-    judge = Geometry(MatchingConfig())
+    judge = Geometry(Options())
     (only,) = judge.orientations(told, "two", [], views(0.0, 1.0))
     assert only.yaw == pytest.approx(wrap_angle(0.3 + np.pi - TOWARDS))
-    all_of_them = Rerender(MatchingConfig(k_ori=2)).orientations(told, "two", [], views(0.0, 1.0))
+    all_of_them = Rerender(Options(k_ori=2)).orientations(told, "two", [], views(0.0, 1.0))
     assert len(all_of_them) == 2, "the paper asks the picture alone"
     (best,) = judge.models(told, [], candidates("two"))
     assert best.terms["lines"] == only.terms["lines"] < judge.models(asked, [], candidates("two"))[0].terms["lines"]
@@ -324,7 +327,7 @@ def test_extents_are_measured_along_the_axes() -> None:
     )
 
 
-def test_cousins_are_drawn_in_the_objects_place(library: Path) -> None:
+def test_cousins_are_drawn_in_the_objects_place(library: Path, tmp_path: Path) -> None:
     asked = question(library, 0.3)
     scene: Any = SimpleNamespace(view=lambda item: asked.view, objects=asked.scene)
     in_place = InPlace(scene, library)
@@ -340,6 +343,14 @@ def test_cousins_are_drawn_in_the_objects_place(library: Path) -> None:
     assert front > 2 * back  # the dark gaps between panels
     assert shown[1].startswith("outl. 0.9") and shown[1] != other[1]
     assert in_place.show(asked.item, right.model_copy(update={"asset": "unseen"})) is None
+    assert asked.scene is not None
+    found = ObjectCousins(id="cabinet_1", label="cabinet", cousins=[right])
+    shard = write_snapshots(tmp_path / "shard.h5", ["two"], {"two": ("cabinet", SIZE, (2, 1), 2, 0)})
+    heights = []
+    for show in (None, in_place.show):
+        write_picture(tmp_path / "a.png", Cousins(scene="test", encoder="hog", objects=[found]), scene, [shard], show)
+        heights.append(Image.open(tmp_path / "a.png").height)
+    assert heights[1] > 1.5 * heights[0]  # a row more
 
 
 def test_textures_are_seen_where_they_lie(tmp_path: Path) -> None:

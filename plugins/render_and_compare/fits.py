@@ -5,7 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stages.config.matching import GeometryConfig
+from plugins.render_and_compare.config import GeometryConfig
+from plugins.render_and_compare.fitting import Measured, lay_over, measure
+from plugins.render_and_compare.observation import observe
+from plugins.render_and_compare.rendering import Rendering, render
+from plugins.render_and_compare.solid import Solid
+from plugins.render_and_compare.terms import Terms, compare, line_field
 from stages.contracts import Objects
 from stages.contracts.objects import SceneObject
 from stages.geometry.boxes import UprightBox
@@ -13,11 +18,6 @@ from stages.geometry.estimate import Sight
 from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
 from stages.geometry.viewing import view_angle, view_yaw
 from stages.matching.crop import View
-from stages.matching.synthesis.fitting import Measured, lay_over, measure
-from stages.matching.synthesis.observation import observe
-from stages.matching.synthesis.rendering import Rendering, render
-from stages.matching.synthesis.solid import Solid
-from stages.matching.synthesis.terms import Terms, compare, line_field
 from stages.matching.yaws import aligned_yaws, is_front_known, touched_walls
 
 SAME_YAW = np.deg2rad(2)  # ways to stand that differ by less are one

@@ -7,13 +7,15 @@ follow by distance.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
+from plugins.render_and_compare.config import GeometryConfig
+from plugins.render_and_compare.fits import Fit
+from plugins.render_and_compare.workbench import Workbench
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
 from stages.matching.priors import sum_priors
 from stages.matching.question import DIGITS, Question
-from stages.matching.synthesis.fits import Fit
-from stages.matching.synthesis.workbench import Workbench
 
 LEAST_FIT = 0.7  # of a perfect score: below it, how models differ in their scores says nothing
 
@@ -21,9 +23,11 @@ LEAST_FIT = 0.7  # of a perfect score: below it, how models differ in their scor
 class Judge:
     """Weights and size of the pictures: `geometry` of the options."""
 
-    def __init__(self, options: MatchingConfig) -> None:
-        self.options, self.weights = options, options.geometry
-        self.workbench = Workbench("geometry", options.geometry.resolution)
+    def __init__(self, options: Any) -> None:
+        """`options`: a `MatchingConfig` with the section `geometry`."""
+        self.options: MatchingConfig = options
+        self.weights: GeometryConfig = options.geometry
+        self.workbench = Workbench("geometry", self.weights.resolution)
 
     def models(self, question: Question, by_votes: list[Candidate], by_distance: list[Candidate]) -> list[Candidate]:
         """The nearest by their best fit and by what is known, ties by distance; then the others.

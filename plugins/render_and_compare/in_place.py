@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.matching import GeometryConfig
+from plugins.render_and_compare.config import GeometryConfig
+from plugins.render_and_compare.workbench import Workbench
 from stages.contracts.cousins import Cousin
 from stages.contracts.objects import SceneObject
 from stages.matching.question import AbstainedError, Question
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
-from stages.matching.synthesis.workbench import Workbench
 
 
 class InPlace:

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from plugins.render_and_compare.fits import Fitter
+from plugins.render_and_compare.solid import Solid
 from stages.contracts.library_folder import AssetFolders
 from stages.matching.question import AbstainedError, Question
-from stages.matching.synthesis.fits import Fitter
-from stages.matching.synthesis.solid import Solid
 
 SMALLEST = 40  # pixels of a mask: fewer show nothing that models differ in
 MODELS = 300  # kept in memory

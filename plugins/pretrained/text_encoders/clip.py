@@ -8,9 +8,9 @@ import torch
 from numpy.typing import NDArray
 from transformers import CLIPTextModelWithProjection, CLIPTokenizer
 
+from plugins.pretrained.weights import load_pretrained
 from stages.config.matching import MatchingConfig
 from stages.contracts import InputError
-from stages.pretrained import load_pretrained
 
 
 class TextEncoder:

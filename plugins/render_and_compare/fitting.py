@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.render_and_compare.observation import Observation
+from plugins.render_and_compare.solid import Solid
 from stages.geometry.boxes import UprightBox
 from stages.geometry.estimate import BIN, Sight
 from stages.geometry.frames import SYMMETRY_PERIOD, yaw_matrix
-from stages.matching.synthesis.observation import Observation
-from stages.matching.synthesis.solid import Solid
 
 TRIM = 0.005  # share of the points left out at each end
 OUTERMOST = 2.0  # deviations of noise by which these lie beyond a face
