@@ -35,7 +35,6 @@ include: "rules/trials.smk"
 include: "rules/scores.smk"
 include: "rules/evaluation.smk"
 include: "rules/tables.smk"
-include: "rules/conditions.smk"
 include: "rules/open_rooms.smk"
 
 

@@ -26,7 +26,7 @@ from stages.config.sizes import sized
 from stages.contracts.corrections import CORRECTIONS, corrections_of
 from stages.contracts.errors import InputError
 from stages.contracts.training_sets import ROLE_NAME, SET_NAME
-from stages.plugins import qualified
+from stages.plugins import find, qualify_module
 from stages.config.room_files import series
 
 # The graph of jobs only grows: looking through it for garbage, the last time at the end, is a third of a plan's time.

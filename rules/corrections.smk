@@ -28,6 +28,11 @@ def corrected(stage):
     return told
 
 
+def corrector_code(wildcards, input):
+    """Digest of the code that applies corrections in extraction; empty: there are none."""
+    return code_digest(qualify_module("correctors", find("correctors", "by_hand"))) if input.corrections else ""
+
+
 def corrections_file(wildcards):
     """It lies beside a scene's camera.json."""
     return Path(scene_inputs(wildcards)["camera"]).with_name(CORRECTIONS)

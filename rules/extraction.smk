@@ -34,6 +34,7 @@ rule extract:
         own=lambda wildcards, input: shlex.join(["--own", *input.own]) if input.own else "",
         corrections=corrections_flag,
         corrected=corrected("extraction"),
+        corrector=corrector_code,
         seed=seed_of,
         folder=subpath(input.rgb, parent=True),
     shell:

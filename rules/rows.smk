@@ -9,14 +9,14 @@ def implementation(target):
 
 def task_code(stage, verb):
     """The code of a verb that works on a task."""
-    return lambda wildcards: code(stage, verb, qualified("tasks", implementation(wildcards.target)))
+    return lambda wildcards: code(stage, verb, qualify_module("tasks", implementation(wildcards.target)))
 
 
 def tested(wildcards):
     """The modules of a task and of the simulator that a job of evaluation meets it in."""
     condition = wildcards.get("condition")
     simulator = (CONFIG.evaluation.under(condition) if condition else CONFIG.evaluation).simulator
-    return [qualified("tasks", implementation(wildcards.target)), qualified("simulators", simulator)]
+    return [qualify_module("tasks", implementation(wildcards.target)), qualify_module("simulators", simulator)]
 
 
 def policy_code(verb):
@@ -98,18 +98,3 @@ def in_scenes(pattern):
 def target_assets(target):
     """The file that names the assets of a target."""
     return f"results/experiment/{EXPERIMENT.policy_variant}/{target}/assets.json"
-
-
-def under_conditions(wildcards):
-    """The rollouts of all skills and policies under every condition whose simulator has their task."""
-    if not CONFIG.evaluation.conditions:
-        raise WorkflowError("evaluation.conditions: is empty. Fix: name some, e.g. {mujoco: {simulator: mujoco}}")
-    found = []
-    for condition in CONFIG.evaluation.conditions:
-        simulator = CONFIG.evaluation.under(condition).simulator
-        targets = [name for name in TARGETS if CONFIG.simulated(name, simulator)]
-        found += demonstrated(rules.skill_under.output.rollouts, targets, condition=condition)
-        for cell in EXPERIMENT.cells:
-            if cell.target in targets:
-                found += policies_of(cell, rules.rollout_under.output.rollouts, condition=condition)
-    return found

@@ -6,11 +6,11 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from plugins.importing.fronts import front_direction, squared
-from plugins.importing.hinges import Hinge, Slide, hinges, slides
+from plugins.importing.fronts import align_to_axes, front_direction
+from plugins.importing.hinges import Hinge, Slide, find_hinges, find_slides
 from plugins.importing.importers import Axis, Importer
-from plugins.importing.imports import in_file, standing, usual_front
-from plugins.importing.upright import CLEAR, FITS, FOOT, UPS, Up, chosen, number, said_by_hinges, said_by_slides
+from plugins.importing.imports import in_file, turn_to_axes, usual_front
+from plugins.importing.upright import CLEAR, FITS, FOOT, UPS, Up, choose_up, number, weigh_hinges, weigh_slides
 from stages.articulated.forward_kinematics import closed_box
 from stages.articulated.model import Matrix, RobotModel
 from stages.contracts.categories import usual_size
@@ -52,12 +52,12 @@ class Evidence(Contract):
         if agreed is not None and agreed not in UPS:
             return Up(agreed, 0.0, "", "")
         says = {
-            "hinges": said_by_hinges(self.hinges, category),
-            "slides": said_by_slides(self.slides),
+            "hinges": weigh_hinges(self.hinges, category),
+            "slides": weigh_slides(self.slides),
             "foot": FOOT * np.array([up == self.foot for up in UPS]),
             "size": FITS * np.array([self.unit(category, up) is not None for up in UPS]),
         }
-        return chosen(says, agreed, sure)
+        return choose_up(says, agreed, sure)
 
     def unit(self, category: str, up: Axis) -> float | None:
         """Metres per unit in which it is as large as its category usually is; None: in none, or that is not known."""
@@ -76,19 +76,19 @@ class Evidence(Contract):
         return np.array([*np.delete(self.extents, height), self.extents[height]])
 
 
-def evidence(robot: RobotModel) -> Evidence:
+def collect_evidence(robot: RobotModel) -> Evidence:
     """The evidence of a model, in its file's frame."""
     box = closed_box(robot)
     extents = np.ptp(box, axis=0)
     grounded = [up for up in UPS if abs(box[0, number(up)]) < ORIGIN * extents[number(up)]]
     fronts: dict[Axis, Axis] = {}
     for up in UPS:
-        if (told := front_direction(squared(standing(robot, up, usual_front(up)))[0])) is not None:
+        if (told := front_direction(align_to_axes(turn_to_axes(robot, up, usual_front(up)))[0])) is not None:
             fronts[up] = in_file(told[0], usual_front(up), up)
     return Evidence(
         extents=tuple(extents.tolist()),
-        hinges=tuple(hinges(robot)),
-        slides=tuple(slides(robot)),
+        hinges=tuple(find_hinges(robot)),
+        slides=tuple(find_slides(robot)),
         foot=grounded[0] if len(grounded) == 1 else None,
         fronts=fronts,
     )
@@ -102,7 +102,9 @@ class Told(NamedTuple):
     evidence: Evidence
 
 
-def shared(models: Iterable[Told], kinds: Mapping[str, Importer]) -> tuple[dict[str, Shared], dict[str, str]]:
+def find_shared_facts(
+    models: Iterable[Told], kinds: Mapping[str, Importer]
+) -> tuple[dict[str, Shared], dict[str, str]]:
     """What the models of each kind of file share, by suffix; and how many tell it, in words."""
     groups: dict[str, list[Told]] = {}
     for model in models:

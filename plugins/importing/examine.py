@@ -12,11 +12,11 @@ from PIL import Image
 from pydantic import ConfigDict, Field, TypeAdapter
 
 from plugins.importing.discover import NUMBERED, Found
-from plugins.importing.evidence import UNITS, Evidence, Shared, evidence
+from plugins.importing.evidence import UNITS, Evidence, Shared, collect_evidence
 from plugins.importing.importers import Importer
 from plugins.importing.importers.urdf import IMPORTER as URDF
 from plugins.importing.imports import ModelFile, Notes, import_file, in_one_line, usual_front, with_notes
-from plugins.importing.sandbox import apart
+from plugins.importing.sandbox import run_in_fork
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import RobotModel
 from stages.articulated.urdf_writer import write_urdf
@@ -61,7 +61,7 @@ class Examined:
 
     def joints(self) -> list[str]:
         """Its doors and drawers, a line each."""
-        return [described(joint) for joint in self.asset.joints] if self.asset is not None else []
+        return [describe_joint(joint) for joint in self.asset.joints] if self.asset is not None else []
 
     def text(self) -> str:
         """All of it, in lines."""
@@ -89,12 +89,12 @@ def read(found: Found, importer: Importer, place: Path) -> Read:
         with in_one_line(found.path):
             robot = with_notes(found, importer).importer.read(found.path, found.folder)
             write_model(robot, place)
-            return Read(remarks=robot.remarks, evidence=evidence(robot)).model_dump_json()
+            return Read(remarks=robot.remarks, evidence=collect_evidence(robot)).model_dump_json()
 
-    return Read.model_validate_json(apart(found.path, work))
+    return Read.model_validate_json(run_in_fork(found.path, work))
 
 
-def examined(
+def examine_model(
     found: Found,
     importer: Importer,
     place: Path,
@@ -117,7 +117,7 @@ def examined(
     kind = TypeAdapter(Examined)
     named = found if category is None else found._replace(category=category)
     try:
-        told = apart(
+        told = run_in_fork(
             found.path, lambda: kind.dump_json(_examined(named, importer, place, work, tells, shared)).decode()
         )
     except InputError as error:
@@ -142,8 +142,8 @@ def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: 
                 model.notes = theirs
                 model.told.append(f"as {NOTES} says")
             else:
-                model.notes, model.told = guessed(file, tells, shared)
-                write_json(place / NOTES, model.notes.sealed())
+                model.notes, model.told = complete_notes(file, tells, shared)
+                write_json(place / NOTES, model.notes.add_checksum())
             as_written = Found(written, place.parent.parent, place.parent.name, place.name)
             asset, doubts = import_file(with_notes(as_written, URDF), work)
             model.doubts += doubts
@@ -158,7 +158,7 @@ def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: 
     return model
 
 
-def guessed(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Notes, list[str]]:
+def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Notes, list[str]]:
     """The notes beside a model, with what they do not say: as the folder's models share it, else as this one tells it,
     else as such files usually are; and what was not usual, in lines."""
     notes, kind, lines = file.notes, f"most {file.path.suffix.lower()} here", list[str]()
@@ -216,7 +216,7 @@ def write_model(robot: RobotModel, place: Path) -> None:
             shutil.copy(place / NOTES, folder / NOTES)
 
 
-def described(joint: Joint) -> str:
+def describe_joint(joint: Joint) -> str:
     """A door or drawer in one line."""
     reach = f"{np.rad2deg(joint.upper - joint.lower):.0f} degrees"
     if joint.type == "prismatic":

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plugins.importing.hinges import ALONG, LEAST_OUT, LEAST_TURN, THIN, carried_by, on_something_narrower
-from stages.articulated.attributes import moved_by, seen_of
-from stages.articulated.forward_kinematics import closed_box, link_frames, rebased, visual_bounds
+from plugins.importing.hinges import ALONG, LEAST_OUT, LEAST_TURN, THIN, list_carried_links, on_something_narrower
+from stages.articulated.attributes import list_moved_links, merge_visuals
+from stages.articulated.forward_kinematics import change_root, closed_box, link_frames, visual_bounds
 from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.geometry.frames import rigid, yaw_matrix
 
@@ -24,12 +24,14 @@ class Front(NamedTuple):
     area: float
 
 
-def squared(robot: RobotModel) -> tuple[RobotModel, float]:
+def align_to_axes(robot: RobotModel) -> tuple[RobotModel, float]:
     """The model (z up) turned about z by at most 45 degrees, so that most of its faces look along axes; and the angle.
 
     Models without joints, without a common direction of their faces, or askew by less than `ASKEW` stay as they are.
     """
-    looks = seen_of(robot, robot.links, link_frames(robot)) if any(j.type != "fixed" for j in robot.joints) else None
+    looks = (
+        merge_visuals(robot, robot.links, link_frames(robot)) if any(j.type != "fixed" for j in robot.joints) else None
+    )
     if looks is None:
         return robot, 0.0
     normals = looks.face_normals[:, :2]
@@ -38,7 +40,7 @@ def squared(robot: RobotModel) -> tuple[RobotModel, float]:
     turn = -float(np.angle(total)) / 4
     if abs(total) < ALONG * weights.sum() or abs(turn) < ASKEW:
         return robot, 0.0
-    return rebased(robot, rigid(yaw_matrix(turn), np.zeros(3))), turn
+    return change_root(robot, rigid(yaw_matrix(turn), np.zeros(3))), turn
 
 
 def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
@@ -75,11 +77,11 @@ def _shortened(robot: RobotModel) -> RobotModel:
 
 
 def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> Front | str:
-    links = moved_by(joint, robot.joints)
+    links = list_moved_links(joint, robot.joints)
     box = _box(robot, links, frames)
     if box is None:
         return "moves nothing that is seen"
-    still = _box(robot, robot.links.keys() - set(carried_by(joint, robot.joints)), frames)
+    still = _box(robot, robot.links.keys() - set(list_carried_links(joint, robot.joints)), frames)
     if still is None:
         return "moves all that is seen"
     low, high = box
@@ -127,7 +129,7 @@ def _box(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> 
 
 def _askew(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix], outward: Matrix) -> float:
     """Angle in radians between a direction and the median normal, by area, of the front of some links."""
-    looks = seen_of(robot, links, frames)
+    looks = merge_visuals(robot, links, frames)
     if looks is None:
         return 0.0
     along, aside = looks.face_normals @ outward, looks.face_normals @ np.cross([0, 0, 1], outward)

@@ -39,11 +39,14 @@ class Slide(NamedTuple):
     drawer: bool
 
 
-def hinges(robot: RobotModel) -> list[Hinge]:
+def find_hinges(robot: RobotModel) -> list[Hinge]:
     """The panels of a model that turn; knobs, wheels, levers and seats are none."""
     frames, box = link_frames(robot), closed_box(robot)
     turns = [joint for joint in robot.joints if joint.type == "revolute" and joint.upper - joint.lower > LEAST_TURN]
-    found = (_hinge(joint, seen_points(robot, carried_by(joint, robot.joints), frames), frames, box) for joint in turns)
+    found = (
+        _hinge(joint, seen_points(robot, list_carried_links(joint, robot.joints), frames), frames, box)
+        for joint in turns
+    )
     return [hinge for hinge in found if hinge is not None]
 
 
@@ -65,7 +68,7 @@ def _hinge(joint: JointModel, points: Matrix, frames: Mapping[str, Matrix], box:
     return Hinge(along, faces, bool(middle[faces] > box.mean(axis=0)[faces]), f"{joint.name} {joint.child}")
 
 
-def slides(robot: RobotModel) -> list[Slide]:
+def find_slides(robot: RobotModel) -> list[Slide]:
     """What slides out of a body, or stands on what it slides from; sliding doors, levers and buttons do neither."""
     frames, largest = link_frames(robot), float(np.ptp(closed_box(robot), axis=0).max())
     found = []
@@ -74,7 +77,7 @@ def slides(robot: RobotModel) -> list[Slide]:
         along, reach = int(np.argmax(np.abs(axis))), joint.upper - joint.lower
         if joint.type != "prismatic" or reach < SMALL * largest or abs(axis[along]) < ALONG:
             continue
-        moving = seen_points(robot, carried_by(joint, robot.joints), frames)
+        moving = seen_points(robot, list_carried_links(joint, robot.joints), frames)
         body = seen_points(robot, _body_of(joint, robot), frames)
         if not len(moving) or not len(body) or np.delete(np.ptp(moving, axis=0), along).min() < SMALL * largest:
             continue
@@ -88,7 +91,7 @@ def slides(robot: RobotModel) -> list[Slide]:
 def on_something_narrower(robot: RobotModel, joint: JointModel, frames: Mapping[str, Matrix]) -> bool:
     """Whether what slides comes from something narrower than itself: a seat on its gas lift, no drawer in its body."""
     axis = frames[joint.child][:3, :3] @ joint.axis
-    moving = seen_points(robot, carried_by(joint, robot.joints), frames)
+    moving = seen_points(robot, list_carried_links(joint, robot.joints), frames)
     body = seen_points(robot, _body_of(joint, robot), frames)
     if not len(moving) or not len(body):
         return False
@@ -107,10 +110,10 @@ def _body_of(joint: JointModel, robot: RobotModel) -> list[str]:
         links |= {one.child} if one.parent in links else set()
     if any(robot.links[link].visuals for link in links):
         return sorted(links)
-    return sorted(robot.links.keys() - set(carried_by(joint, robot.joints)))
+    return sorted(robot.links.keys() - set(list_carried_links(joint, robot.joints)))
 
 
-def carried_by(joint: JointModel, joints: Iterable[JointModel]) -> list[str]:
+def list_carried_links(joint: JointModel, joints: Iterable[JointModel]) -> list[str]:
     """The link that a joint moves and all links below it in the kinematic tree."""
     links = [joint.child]
     for other in joints:  # parents before children

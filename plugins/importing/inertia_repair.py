@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.articulated.attributes import moved_by
+from stages.articulated.attributes import list_moved_links
 from stages.articulated.forward_kinematics import closed_box
 from stages.articulated.model import Link, RobotModel
 from stages.geometry.solids import board_mass, box_inertia
@@ -16,14 +16,14 @@ ROOM = 4.0  # metres: no thing in a room is as wide and as deep
 SLACK = 0.01  # by which a principal moment of inertia may exceed the sum of the others
 
 
-def weighed_sanely(robot: RobotModel) -> tuple[RobotModel, list[str]]:
+def repair_inertias(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     """The model (in metres) with masses of doors and drawers, and inertias, that its shape can have; lines say what was
     changed, and what is doubtful about the whole."""
     lines, links = _doubts(robot), dict(robot.links)
     for joint in robot.joints:
         if joint.type == "fixed":
             continue
-        moving = {name: links[name] for name in moved_by(joint, robot.joints)}
+        moving = {name: links[name] for name in list_moved_links(joint, robot.joints)}
         boards = {name: _boards(link) for name, link in moving.items()}
         told, expected = sum(link.mass for link in moving.values()), sum(boards.values())
         if told > HEAVY * expected:

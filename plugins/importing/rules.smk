@@ -29,7 +29,7 @@ rule own:
         check=check(library_part="part"),
         options=options("importing", "own"),
         folder=lambda wildcards, input: OWN[wildcards.shard].place(input.files[0]),
-        models=lambda wildcards, input: OWN[wildcards.shard].named(OWN[wildcards.shard].place(input.files[0])),
+        models=lambda wildcards, input: OWN[wildcards.shard].list_files(OWN[wildcards.shard].place(input.files[0])),
         digest=lambda wildcards: OWN[wildcards.shard].digest(),
     shell:
         "({params.command} --folder {params.folder:q} --models {params.models:q} --options {params.options:q} "

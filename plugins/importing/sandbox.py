@@ -18,7 +18,7 @@ MEGABYTES = 3000  # beyond what this process has
 SIMPLER = "a file with fewer parts or triangles"
 
 
-def apart(path: Path, work: Callable[[], str]) -> str:
+def run_in_fork(path: Path, work: Callable[[], str]) -> str:
     """What `work` returns about a model's file, done in a fork of this process.
 
     Raises:

@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from plugins.report.page import library, policies, result, rooms
 from plugins.report.page.benchmarks import by_stage, longest_table, read_jobs, times_table
-from plugins.report.page.charts import embedded
+from plugins.report.page.charts import embed_svg
 from plugins.report.page.files import RunFiles
 from stages.config.tables import PolicyTables
 from stages.contracts.files import read_options, read_text, write_text
@@ -121,7 +121,7 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
                 *table(policy_tables.stability_table, "table3_stability"),
             ],
             figures={
-                name: (embedded(path.read_bytes(), alt) if path else None, alt)
+                name: (embed_svg(path.read_bytes(), alt) if path else None, alt)
                 for name, (path, alt) in drawings.items()
             },
             script=script("page.js", "viewer.js"),

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from plugins.studies.forecasts import FORECAST, agreement, agreement_table
-from plugins.studies.objects import ROLLOUT, Estimate, estimate, paired
+from plugins.studies.objects import ROLLOUT, Estimate, estimate, pair_cells
 from plugins.studies.progress import policy_file
 from plugins.studies.set_tables import comparisons_table, sets_table
 from stages.config.evaluation import USUAL
@@ -68,7 +68,11 @@ def run(
         sets_table(frames["sets"]),
         agreement_table(frames["agreement"]),
     ]
-    text = ["# Training sets over many objects", *map(markdown, tables), *trainings.failed_note(ended(config, results))]
+    text = [
+        "# Training sets over many objects",
+        *map(markdown, tables),
+        *trainings.failed_note(list_outcomes(config, results)),
+    ]
     write_text(out / "sets.md", "\n\n".join(part.strip() for part in text) + "\n")
 
 
@@ -84,7 +88,7 @@ class Asked(NamedTuple):
     run: str
 
 
-def asked(config: Config) -> Iterator[Asked]:
+def list_policies(config: Config) -> Iterator[Asked]:
     """All policies that the study asks for, under the usual condition and the others."""
     for condition in (USUAL, *config.evaluation.conditions):
         for target in config.experiment.targets:
@@ -98,7 +102,7 @@ def collect(config: Config, results: Path, told: pd.DataFrame) -> tuple[pd.DataF
     """A row with `CELLS` per policy that is asked for, and the rollouts with `SUCCESS` of those that have run."""
     rows: list[dict[str, Any]] = []
     parts = [pd.DataFrame(columns=SUCCESS)]
-    for one in asked(config):
+    for one in list_policies(config):
         folder = "" if one.condition == USUAL else one.condition
         path = policy_file(results, folder, Cell(one.object, one.policy, one.training_set), one.run, one.seed)
         about: dict[str, Any] = dict(zip(CELL, one, strict=False)) | {"status": "not run"}
@@ -109,15 +113,17 @@ def collect(config: Config, results: Path, told: pd.DataFrame) -> tuple[pd.DataF
             parts.append(part[SUCCESS])
             about |= {"status": "run", "assets": len(part), "success": part["success"].mean()}
         rows.append(about)
-    outcomes = ended(config, results).rename(columns={"target": "object"})[[*POLICY, "outcome"]]
+    outcomes = list_outcomes(config, results).rename(columns={"target": "object"})[[*POLICY, "outcome"]]
     cells = pd.DataFrame(rows, columns=[*CELL, "assets", "success", "status"]).astype({"assets": "Int64"})
     cells = cells.merge(outcomes, "left", on=POLICY).merge(told[FORECAST], "left", on=["task", *POLICY])
     return cells[CELLS], pd.concat(parts[1:] or parts, ignore_index=True)
 
 
-def ended(config: Config, results: Path) -> pd.DataFrame:
+def list_outcomes(config: Config, results: Path) -> pd.DataFrame:
     """How the trainings ended that are there (`trainings.collect`)."""
-    folders = {f"{one.object}/{one.policy}/{one.training_set}/{one.run}/seed_{one.seed}" for one in asked(config)}
+    folders = {
+        f"{one.object}/{one.policy}/{one.training_set}/{one.run}/seed_{one.seed}" for one in list_policies(config)
+    }
     paths = [results / f"training/{folder}/config.json" for folder in sorted(folders)]
     return trainings.collect([path for path in paths if path.is_file()])
 
@@ -147,7 +153,7 @@ def compare(cells: pd.DataFrame, rollouts: pd.DataFrame, options: TablesConfig) 
         }
         for baseline, name in combinations(policies, 2):
             ours, theirs = policies[name], policies[baseline]
-            pairs = paired(_part(rollouts, condition, task, name), _part(rollouts, condition, task, baseline))
+            pairs = pair_cells(_part(rollouts, condition, task, name), _part(rollouts, condition, task, baseline))
             ran = pd.MultiIndex.from_frame(pairs[["object", "seed"]].drop_duplicates())
             bad = [side.index[side["outcome"].isin([trainings.BEHIND, trainings.STUCK])] for side in (ours, theirs)]
             kept = ~pd.MultiIndex.from_frame(pairs[["object", "seed"]]).isin(bad[0].union(bad[1]))

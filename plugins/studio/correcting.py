@@ -12,11 +12,8 @@ from pydantic import Field
 
 from plugins.inputs.own_scene import is_clone, to_run
 from plugins.studio.fronts import extents, jpeg, straight_on
-from plugins.studio.made import Made, made_of
-from plugins.studio.session import Answer
-from plugins.studio.write import tinted
-from stages.contracts import InputError, read_json, write_json
-from stages.contracts.corrected_masks import (
+from plugins.studio.last_run import LastRun, read_last_run
+from plugins.studio.masks import (
     ROOM,
     Cutter,
     apply_corrections,
@@ -25,6 +22,9 @@ from stages.contracts.corrected_masks import (
     list_found,
     paint_masks,
 )
+from plugins.studio.session import Answer
+from plugins.studio.write import tint_picture
+from stages.contracts import InputError, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
 from stages.contracts.files import Contract
 from stages.contracts.objects import object_ids
@@ -64,7 +64,7 @@ class Correcting:
         self._cut = Cutter(self.given.rgb)
         height, width = self.given.masks.shape
         self._moved: dict[int, tuple[float, float]] = {}  # by hand, before the page was opened
-        self.made: Made = made_of(self.results, self.scene, self.variant, (width, height))
+        self.made: LastRun = read_last_run(self.results, self.scene, self.variant, (width, height))
         self.posts: dict[str, Callable[[Any], Answer]] = {
             "solve": self.solve,
             "save": self.save,
@@ -74,7 +74,7 @@ class Correcting:
             "close": self.close,
         }
 
-    def opened(self) -> Drawing:
+    def open_drawing(self) -> Drawing:
         """What was found, with the corrections that were saved.
 
         Raises:
@@ -118,7 +118,7 @@ class Correcting:
 
     def start(self) -> Answer:
         """What the page begins with."""
-        drawing = self.opened()
+        drawing = self.open_drawing()
         self._moved = {item.mask: item.nudge for item in drawing.objects if item.nudge is not None}
         ids = {item.mask: item.id for item in drawing.objects}
         masks = {item.id: mask for mask, item in self.made.items.items()}
@@ -126,7 +126,7 @@ class Correcting:
             "project": self._page(drawing),
             "categories": [*self.categories, FLOOR, WALL],
             "folder": str(self.folder / CORRECTIONS),
-            "made": self.made.told(),
+            "made": self.made.describe_things(),
             "pictured": self.made.picture is not None,
             "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in ids.values() else None),
             "known": list(self.found),
@@ -161,9 +161,11 @@ class Correcting:
 
     def preview(self) -> bytes:
         """The saved masks over the picture, as JPEG."""
-        drawing = self.opened()
+        drawing = self.open_drawing()
         masks = self._painted(drawing)
-        return jpeg(tinted(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM]))
+        return jpeg(
+            tint_picture(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM])
+        )
 
     def _painted(self, drawing: Drawing) -> NDArray[np.uint16]:
         return paint_masks({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)

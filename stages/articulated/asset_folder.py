@@ -13,7 +13,7 @@ import numpy as np
 from stages.articulated.forward_kinematics import closed_box
 from stages.articulated.model import RobotModel
 from stages.articulated.roles import contract_joints, count_roles, with_roles_of
-from stages.articulated.stretching import stretched
+from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
 from stages.contracts.errors import InputError
@@ -88,7 +88,7 @@ def stretch_asset(folder: Path, asset: Asset, size: Vector, out: Path) -> Asset:
     about = Description(
         asset.id, asset.category, asset.licence, asset.provenance, symmetry=asset.symmetry, placement=asset.placement
     )
-    return write_asset(stretched(read_model(folder), (x, y, z)), out, about)
+    return write_asset(stretch_model(read_model(folder), (x, y, z)), out, about)
 
 
 def read_asset(folder: Path) -> Asset:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from stages.articulated.attributes import front_panel, measured_handle
+from stages.articulated.attributes import front_panel, measure_handle
 from stages.articulated.forward_kinematics import closed_box, link_frames
 from stages.articulated.model import JointModel, RobotModel, Role
 from stages.contracts.library import Joint
@@ -51,7 +51,7 @@ def contract_joints(robot: RobotModel) -> list[Joint]:
             continue
         handle = joint.handle
         if handle is None and joint.handle_link is not None:  # said to be there, but not of what kind
-            handle = measured_handle(robot, joint, frames)
+            handle = measure_handle(robot, joint, frames)
         joints.append(
             Joint(
                 name=joint.name,

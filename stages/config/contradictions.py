@@ -37,6 +37,7 @@ def _packages(config: "Config") -> Iterator[Mistake]:
     asked = {
         "furniture": ("assets.counts", any(config.assets.counts.values())),
         "importing": ("assets.folders", bool(config.assets.folders)),
+        "studies": ("evaluation.conditions", bool(config.evaluation.conditions)),
         "inputs": ("experiment.inputs", any(not room.folder for room in rooms)),
     }
     for name, (key, wanted) in asked.items():

@@ -9,9 +9,9 @@ from pydantic import Field, model_validator
 
 from stages.config.packages import with_sections
 from stages.contracts.section import OWN, Section
-from stages.plugins import available, short
+from stages.plugins import list_available, shorten_name
 
-JUDGE = "geometry" if "geometry" in available("judges") else "distance"  # the paper's where that package is not
+JUDGE = "geometry" if "geometry" in list_available("judges") else "distance"  # the paper's where that package is not
 BLIND = {"priors"}  # judges that look at no picture
 
 
@@ -69,7 +69,7 @@ class EncoderOptions(Section):
         """The options that the rows of a feature store depend on: weights are laid on them later."""
         given = getattr(self, self.encoder, None)
         if not isinstance(given, Section):
-            name = short(self.encoder)
+            name = shorten_name(self.encoder)
             own: dict[str, Any] = {"own": {name: self.own[name]} if name in self.own else {}}
         else:
             own = {self.encoder: given.model_dump(mode="json", exclude=given.unread())}
@@ -78,7 +78,7 @@ class EncoderOptions(Section):
     def store(self) -> str:
         """Name of the feature store: two variants share one if it holds the same for both."""
         digest = sha256(json.dumps(self.stored(), sort_keys=True).encode()).hexdigest()
-        return f"{short(self.encoder)}-{digest[:8]}"
+        return f"{shorten_name(self.encoder)}-{digest[:8]}"
 
 
 class ComparisonOptions(EncoderOptions):
@@ -193,7 +193,7 @@ class MatchingConfig(MatchingSection):
     def unread(self) -> set[str]:
         """The options of encoders and judges that are not used; judges of yours may read all."""
         judges = {self.model_selection, self.orientation_selection}
-        silent = self.beside() - judges if all(judge == short(judge) for judge in judges) else set()
+        silent = self.beside() - judges if all(judge == shorten_name(judge) for judge in judges) else set()
         return super().unread() | {"clip"} - {self.text_encoder} | silent
 
     def deciding(self) -> "MatchingConfig":

@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 from stages.config.mistakes import Mistake
 from stages.contracts.errors import InputError
 from stages.contracts.section import Section
-from stages.plugins import available, find, qualified
+from stages.plugins import find, list_available, qualify_module
 
 S = TypeVar("S", bound=Section)
 
@@ -20,7 +20,9 @@ def kind_of(section: type[Section], field: str) -> str | None:
 def modules(section: Section, *fields: str) -> list[str]:
     """Modules of the implementations that some keys of a section name, for the digest of a job's code."""
     named = [(kind_of(type(section), field) or "", getattr(section, field)) for field in fields]
-    return [qualified(kind, name) for kind, value in named for name in ([value] if isinstance(value, str) else value)]
+    return [
+        qualify_module(kind, name) for kind, value in named for name in ([value] if isinstance(value, str) else value)
+    ]
 
 
 def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mistake] | None = None) -> S:
@@ -54,7 +56,7 @@ def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mist
                 raise
             mistakes.append(Mistake.of(error))
             default = type(section).model_fields[field].default
-            changes[field] = default if value != default else next(iter(available(kind or "", packages)))
+            changes[field] = default if value != default else next(iter(list_available(kind or "", packages)))
     found = {field: value for field, value in changes.items() if value != getattr(section, field)}
     return section.model_copy(update=found)  # what nobody set stays so
 
@@ -62,7 +64,7 @@ def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mist
 def _check_own(section: type[Section], names: Iterable[str], packages: Sequence[str], key: str) -> None:
     """Options are given for implementations that there are, of a kind that the section names."""
     kinds = {kind for field in section.model_fields if (kind := kind_of(section, field))}
-    known = {name for kind in kinds for name in available(kind, packages)}
+    known = {name for kind in kinds for name in list_available(kind, packages)}
     for name in names:
         if name not in known:
             raise InputError(

@@ -48,7 +48,7 @@ class Package:
 
 def present() -> dict[str, Package]:
     """The packages of this checkout by name."""
-    return {module.rpartition(".")[2]: import_module(f"{module}.package").PACKAGE for module in plugins.shipped()}
+    return {module.rpartition(".")[2]: import_module(f"{module}.package").PACKAGE for module in plugins.list_shipped()}
 
 
 def packages_on(on: Mapping[str, bool]) -> list[Package]:
@@ -97,4 +97,4 @@ def verb(stage: str, name: str) -> Callable[..., None]:
 
 def home_of(stage: str) -> str:
     """The Python package of a stage's verbs: `stages.<stage>`, or that of a package beside the core."""
-    return f"plugins.{stage}" if f"plugins.{stage}" in plugins.shipped() else f"stages.{stage}"
+    return f"plugins.{stage}" if f"plugins.{stage}" in plugins.list_shipped() else f"stages.{stage}"

@@ -1,6 +1,7 @@
 """Verb `extract`: one input folder -> objects.json, masks.png, depth.npz, clouds.npz."""
 
 import zlib
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -14,7 +15,6 @@ from stages.config.made import made
 from stages.contracts import InputError, atomic, read_options, write_json
 from stages.contracts.corrections import corrections_of
 from stages.contracts.files import first_error, read_text
-from stages.extraction.corrections import correct_image, correct_scene
 from stages.extraction.reconstruct import reconstruct
 from stages.extraction.sources import Source
 from stages.plugins import load
@@ -48,8 +48,8 @@ def run(
     observe: Source = load("sources", config.source)
     image = observe(input, config, noise)
     stated = corrections_of(corrections, "extraction")
-    result = reconstruct(scene, correct_image(image, stated) if stated else image, config, steps)
-    result = correct_scene(result, stated) if stated else result
+    find = partial(reconstruct, scene, options=config, rng=steps)
+    result = load("correctors", "by_hand")(image, stated, find) if stated else find(image)
 
     folder = out.parent
     with atomic(folder / "masks.png") as path:

@@ -21,7 +21,7 @@ from stages.generation.placed import Placed, Prism
 
 
 def resize(item: Placed) -> Placed:
-    """With a model that fills its box, and what of that collides, to the digits of its files: what physics reads."""
+    """The item with a model of the size of its box and that model's collision prisms, rounded as in its files."""
     if has_size(item.asset, item.size.tolist()):
         return replace(item, prisms=to_prisms(read_collisions(item.folder)))
     sized = resize_model(item.folder, item.asset, item.size.tolist())
@@ -57,4 +57,4 @@ def read_collisions(folder: Path) -> list[Trimesh]:
 
 def read_visuals(folder: Path) -> list[Trimesh]:
     """What is seen, with its colours."""
-    return [visual.painted() for link in read_links(folder) for visual in link.visuals]
+    return [visual.paint() for link in read_links(folder) for visual in link.visuals]

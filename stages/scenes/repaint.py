@@ -32,7 +32,7 @@ class Look:
 AS_IS = Look({})
 
 
-def repainted(cast_room: CastRoom, library: Mapping[str, Path], out: Path, seed: int) -> tuple[CastRoom, Look]:
+def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, seed: int) -> tuple[CastRoom, Look]:
     """The room with models made anew in `out`: other sizes, finishes, walls and light; ids and counts stay.
 
     `library`: folders of its models, by id. Models without a recipe (a user's) keep their finish.

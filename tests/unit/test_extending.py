@@ -28,7 +28,7 @@ from stages.contracts.training_run import TrainingRun
 from stages.demonstrations.attempt import Recorder
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
-from stages.plugins import KINDS, available, find
+from stages.plugins import KINDS, find, list_available
 from stages.plugins import load as implementation
 from stages.policies.checkpoint import load_network
 from stages.scenes.layout import arrange
@@ -67,7 +67,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 def test_the_page_has_one_of_every_kind(package: Path) -> None:
-    yours = {kind: set(available(kind, ["my_package"])) - set(available(kind)) for kind in YOURS}
+    yours = {kind: set(list_available(kind, ["my_package"])) - set(list_available(kind)) for kind in YOURS}
     assert yours.pop("tasks") == {"touch", "shut"}
     assert all(len(names) == 1 for names in yours.values()), yours
     assert "my_package" not in sys.modules  # found without being imported

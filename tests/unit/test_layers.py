@@ -8,7 +8,7 @@ ORDER = (
     *("geometry", "contracts", "plugins", "articulated", "config", "cli"),
     *("simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction"),
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
-    *("tables", "doctor", "api"),
+    *("tables", "api"),
 )
 
 ON_OTHERS = {  # few, each for a reason
@@ -17,6 +17,7 @@ ON_OTHERS = {  # few, each for a reason
     ("inputs", "pretrained"),  # the same way to read weights
     ("inputs", "vlm"),  # captions may come from a language model
     ("studies", "report"),  # the times of a run
+    ("studio", "report"),  # doubts and pictures of models, as pages show them
     ("studio", "inputs"),  # a photograph's camera, and what an input folder is
 }
 

@@ -10,7 +10,7 @@ from stages.geometry.frames import angle_difference
 from stages.matching.draw import run as draw
 from stages.matching.features import run as features
 from stages.matching.match import run as match
-from stages.plugins import available
+from stages.plugins import list_available
 from tests.refusals import refused
 from tests.unit.matching_data import SHOWN, World
 
@@ -62,7 +62,7 @@ def test_one_bad_object_does_not_stop_the_scene(world: World, tmp_path: Path) ->
 
 
 def test_backends_pick_the_same_and_a_second_run_writes_the_same_bytes(world: World, tmp_path: Path) -> None:
-    others = sorted(available("searches").keys() - {"torch"})  # of packages
+    others = sorted(list_available("searches").keys() - {"torch"})  # of packages
     first, second, *found = (
         world.match(tmp_path / f"{name}.json", search=search)
         for name, search in zip("abc", ["torch", "torch", *others], strict=False)

@@ -9,7 +9,7 @@ from stages.config.model import load
 from stages.config.packages import home_of, present
 from stages.config.reads import READS, options_of, stores
 from stages.contracts.errors import InputError
-from stages.plugins import available
+from stages.plugins import list_available
 from tests.packages import needs
 from tests.refusals import refused
 
@@ -46,7 +46,7 @@ def test_a_section_belongs_to_its_package(name: str) -> None:
 
 def test_verbs_are_found_in_their_homes() -> None:
     assert home_of("matching") == "stages.matching" and home_of("exports") == "plugins.exports"
-    assert available("simulators")["mujoco"] == "plugins.mujoco.simulators.mujoco"
+    assert list_available("simulators")["mujoco"] == "plugins.mujoco.simulators.mujoco"
 
 
 @pytest.mark.parametrize("name", present())

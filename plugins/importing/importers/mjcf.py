@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
 from plugins.importing.importers import Importer
-from plugins.importing.mjcf_file import compiled
+from plugins.importing.mjcf_file import compile_model
 from stages.articulated.mesh_reader import convex_pieces
-from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
-from stages.articulated.urdf_reader import closed_at_lower
+from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, transform_mesh
+from stages.articulated.urdf_reader import close_at_lower
 from stages.articulated.urdf_tree import FIXED_RANGE, MOST_LINKS, MOST_SHAPES
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
@@ -29,7 +29,7 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
     Raises:
         InputError: names the file and what is wrong with it.
     """
-    spec, model = compiled(path, folder)
+    spec, model = compile_model(path, folder)
     if model.nbody > MOST_LINKS:
         raise InputError(path, f"has {model.nbody} bodies.", f"at most {MOST_LINKS}", code="E-MODEL-PARTS")
     if model.ngeom > MOST_SHAPES:
@@ -137,7 +137,7 @@ class _Reader:
             high,
             follows=self.pairs.get(joint),
         )
-        return closed_at_lower(made)
+        return close_at_lower(made)
 
     def _pairs(self) -> dict[int, str]:
         """The joints that an equality makes stand like another of the same body and type, and the names of those."""
@@ -165,8 +165,10 @@ class _Reader:
         seen = [geom for geom in geoms if self.shown[geom]]
         if self.looks:
             seen = [geom for geom in seen if not self.collides[geom]] or seen
-        visuals = [visual.moved(frames[geom]) for geom in seen for visual in self._visuals(geom)]
-        solid = [moved(mesh, frames[geom]) for geom in geoms if self.collides[geom] for mesh in self._meshes(geom)]
+        visuals = [visual.transform(frames[geom]) for geom in seen for visual in self._visuals(geom)]
+        solid = [
+            transform_mesh(mesh, frames[geom]) for geom in geoms if self.collides[geom] for mesh in self._meshes(geom)
+        ]
         solid = solid or [visual.mesh for visual in visuals]
         pieces = [piece for mesh in solid for piece in convex_pieces(mesh)]
         mass = min(float(model.body_mass[body]), self.told.get(body, 0.0))
@@ -187,7 +189,7 @@ class _Reader:
             yield trimesh.creation.icosphere(2, size[0])
         elif kind == mjtGeom.mjGEOM_ELLIPSOID:
             ball = trimesh.creation.icosphere(2)
-            yield moved(ball, np.diag([*size, 1.0]))
+            yield transform_mesh(ball, np.diag([*size, 1.0]))
         elif kind == mjtGeom.mjGEOM_CYLINDER:
             yield trimesh.creation.cylinder(size[0], 2 * size[1])
         elif kind == mjtGeom.mjGEOM_CAPSULE:

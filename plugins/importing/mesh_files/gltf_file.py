@@ -10,7 +10,7 @@ from PIL import features
 from trimesh import Scene
 
 from plugins.importing.mesh_files.accessors import Accessors, Header, header_of
-from plugins.importing.mesh_files.gltf_nodes import INSTANCES, VISIBILITY, placed
+from plugins.importing.mesh_files.gltf_nodes import INSTANCES, VISIBILITY, place_meshes
 from plugins.importing.mesh_files.gltf_parts import DRACO, GLOSSY, MOVED, Parts
 from stages.articulated.mesh_resolver import PICTURES, MeshResolver, fault_of
 from stages.articulated.urdf_tree import MOST_SHAPES
@@ -39,18 +39,18 @@ def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     lost = [f"is shown {line}" for line in _lost_pictures(header, accessors, files)]
     parts, placings, meshes = Parts(header, accessors), list[Header](), list[Header]()
     made = dict[tuple[int, tuple[float, ...]], int]()
-    for one in placed(header, accessors):
+    for one in place_meshes(header, accessors):
         key = (one.mesh, one.weights)
         if one.joints is not None or key not in made:
             made[key] = len(meshes)
-            meshes.append({"primitives": parts.plain(one)})
+            meshes.append({"primitives": parts.read_triangles(one)})
         placings.append({"mesh": made[key], "matrix": one.transform.T.ravel().tolist()})
     left_out = _left_out(header, parts)
     header.update(meshes=meshes, nodes=placings, materials=parts.materials, scene=0)
     header["scenes"] = [{"nodes": list(range(len(placings)))}]
     plain = {key: value for key, value in header.items() if key not in UNUSED}
     accessors.header = plain
-    scene = trimesh.load_scene(io.BytesIO(accessors.packed()), file_type="glb", resolver=files)
+    scene = trimesh.load_scene(io.BytesIO(accessors.pack_glb()), file_type="glb", resolver=files)
     lost += [f"is shown {line}" for line in dict.fromkeys(parts.lost)]
     return scene, [f"{path.name} {line}" for line in [*lost, *left_out]]
 

@@ -22,7 +22,7 @@ class Placed(NamedTuple):
     joints: Numbers | None
 
 
-def placed(header: Header, accessors: Accessors) -> list[Placed]:
+def place_meshes(header: Header, accessors: Accessors) -> list[Placed]:
     """All meshes of the file's scene, as its nodes stand.
 
     Raises:

@@ -34,7 +34,7 @@ class Parts:
         self.lost, self.others, self.materials = list[str](), 0, list[Header]()
         self._made = dict[str, int]()
 
-    def plain(self, placed: Placed) -> list[Header]:
+    def read_triangles(self, placed: Placed) -> list[Header]:
         """The triangles of a mesh that is shown; what they index is in the file."""
         return [
             part

@@ -11,6 +11,7 @@ import pandas as pd
 from plugins.report.page.files import RunFiles
 from plugins.report.page.findings import Findings
 from plugins.report.page.objects import Evidence, Match, match
+from plugins.report.snapshots import Snapshots
 from stages.contracts.cousins import Cousins
 from stages.contracts.doubt import Doubt
 from stages.contracts.extracted import read_clouds, read_object_masks
@@ -19,8 +20,7 @@ from stages.contracts.generated import GeneratedScene, views_of
 from stages.contracts.images import read_rgb
 from stages.contracts.made import Made
 from stages.contracts.objects import Objects
-from stages.contracts.snapshot_pictures import Snapshots
-from stages.plugins import short
+from stages.plugins import shorten_name
 from stages.tables.order import natural, title
 from stages.tables.pictures import Album, Picture
 from stages.tables.table2 import judge
@@ -181,7 +181,7 @@ def _reconstruction(
     alt, view = f"Reconstruction of {title(name)} from cousins of rank", files.one(f"{folder}/view.glb")
     return Reconstruction(
         variant=variant,
-        encoder=short(cousins.encoder) if cousins else "",
+        encoder=shorten_name(cousins.encoder) if cousins else "",
         judge=_judge(cousins) if cousins else "",
         scenes=[
             _scene(scene, found, album.maybe(files.one(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}"))

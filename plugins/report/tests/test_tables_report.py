@@ -21,10 +21,10 @@ from plugins.report.page.charts import line_chart
 from plugins.report.page.files import RunFiles
 from plugins.report.page.films import read_films
 from plugins.report.page.policies import losses
+from plugins.report.snapshots import Snapshots
 from stages.config.model import Config
 from stages.contracts.archives import pack
 from stages.contracts.ledgers import read_attempts
-from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables import policies, scenes
 from stages.tables.pictures import Album, load
 from tests.refusals import refused

@@ -1,4 +1,4 @@
-"""Say what this machine has and lacks: `python -m stages.doctor [--mend]`.
+"""Say what this machine has and lacks: `python -m plugins.ops.doctor [--mend]`.
 
 Every line is a check; a failed one comes with the command that mends it. `--mend` runs the
 mends that are safe to run unasked: a Vulkan driver and the libraries of Open3D, where we are root
@@ -16,7 +16,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 DISK_GB = 5
 VULKAN_PROBE = "import sapien; print(sapien.render.RenderSystem().device.name)"
 OPEN3D_PROBE = "import open3d; print(open3d.__version__)"
@@ -133,7 +133,7 @@ MENDS: dict[Mendable, tuple[str, str]] = {
 }
 
 
-def mended(check: Mendable) -> Check:
+def mend_check(check: Mendable) -> Check:
     """The check after its mend, if it fails and we may install packages; else as it is."""
     outcome = check()
     if outcome.good or os.geteuid() != 0 or not shutil.which("apt-get"):
@@ -146,7 +146,7 @@ def mended(check: Mendable) -> Check:
 
 def checks(mend: bool) -> list[Check]:
     """Those about this machine."""
-    vulkan, open3d = (mended(check) if mend else check() for check in (check_vulkan, check_open3d))
+    vulkan, open3d = (mend_check(check) if mend else check() for check in (check_vulkan, check_open3d))
     found = [check_python(), check_packages(), vulkan, open3d, check_cuda(), check_disk()]
     return [*found, check_containers(), *check_of_packages()]
 

@@ -1,10 +1,10 @@
-"""What `stages.doctor` says of a machine that lacks something."""
+"""What `plugins.ops.doctor` says of a machine that lacks something."""
 
 from pathlib import Path
 
 import pytest
 
-from stages import doctor
+from plugins.ops import doctor
 
 
 @pytest.mark.parametrize(

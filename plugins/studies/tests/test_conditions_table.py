@@ -5,11 +5,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from plugins.studies import conditions
 from stages.config.tables import TablesConfig
 from stages.contracts.files import read_rows
 from stages.contracts.policies import Rollout
 from stages.evaluation.rows import write_rows
-from stages.tables import conditions
 from stages.tables.intervals import difference_interval, side_of
 from tests.refusals import refused
 from tests.unit.tables_results import rollout
@@ -85,4 +85,4 @@ def test_a_file_lies_below_the_folder_of_its_condition(tmp_path: Path) -> None:
 
 def test_a_condition_is_told_by_the_folder_below_conditions_alone() -> None:
     path = Path("results/evaluation/conditions/parked/door/twin/lite/seed_0/rollouts.csv")
-    assert all(conditions._condition(path, ("parked", other)) == "parked" for other in ("door", "twin", "lite"))
+    assert all(conditions._find_condition(path, ("parked", other)) == "parked" for other in ("door", "twin", "lite"))

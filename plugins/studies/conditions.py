@@ -42,14 +42,14 @@ def run(
     settings = read_options(MethodTables, options)
     by_name: dict[str, list[Path]] = {name: [] for name in names}
     for path in elsewhere:
-        by_name[_condition(path, names)].append(path)
+        by_name[_find_condition(path, names)].append(path)
     files = {USUAL: list(rollouts)} | {name: paths for name, paths in by_name.items() if paths}
     frames = [read_pooled(paths, settings).assign(condition=name) for name, paths in files.items()]
     table = build(pd.concat(frames, ignore_index=True), settings)
     write(out, "conditions", table, [conditions_table(table)])
 
 
-def _condition(path: Path, names: tuple[str, ...]) -> str:
+def _find_condition(path: Path, names: tuple[str, ...]) -> str:
     found = [part for before, part in pairwise(path.parts) if before == "conditions" and part in names]
     if not found:
         raise InputError(path, f"lies below no folder of a condition ({', '.join(names)}).", code="E-CONDITIONS-NAMES")

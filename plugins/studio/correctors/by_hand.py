@@ -1,13 +1,13 @@
 """Apply a person's corrections: to masks and labels before reconstruction, to boxes and supports after it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.studio.masks import Cutter, correct_masks
 from stages.contracts import InputError, Objects
-from stages.contracts.corrected_masks import Cutter, correct_masks
 from stages.contracts.corrections import Correction
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.contracts.scenes import Held
@@ -16,9 +16,16 @@ from stages.extraction.mounting import MAX_STRETCH
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene
 from stages.geometry.boxes import UprightBox, with_bottom
-from stages.geometry.frames import rounded, yaw_matrix
+from stages.geometry.frames import round_vector, yaw_matrix
 
 OBLONG = 1.2  # ratio of two sides, above which one is surely the longer one; chosen
+
+
+def reconstruct_corrected(
+    image: AnnotatedImage, stated: dict[int, Correction], reconstruct: Callable[[AnnotatedImage], ExtractedScene]
+) -> ExtractedScene:
+    """The objects of a picture as a person corrected them; `stated`: by mask value."""
+    return correct_scene(reconstruct(correct_image(image, stated)), stated)
 
 
 def correct_image(image: AnnotatedImage, stated: dict[int, Correction]) -> AnnotatedImage:
@@ -42,7 +49,7 @@ def correct_scene(scene: ExtractedScene, stated: dict[int, Correction]) -> Extra
     done: dict[int, SceneObject] = {}
 
     def correct_object(mask: int) -> SceneObject:
-        """One object, after what carries it; nothing carries itself (the contract)."""
+        """One object with its corrections; its support was corrected before it."""
         if mask not in done:
             item, given = by_mask[mask], stated.get(mask, Correction(mask=mask))
             carrier = correct_object(given.on) if isinstance(given.on, int) and given.on in by_mask else None
@@ -140,4 +147,4 @@ def _main_axis(along: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _write_box(box: UprightBox) -> Box:
-    return Box(center=rounded(box.center), size=rounded(box.size), yaw=round(box.yaw, 6))
+    return Box(center=round_vector(box.center), size=round_vector(box.size), yaw=round(box.yaw, 6))

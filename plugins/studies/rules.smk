@@ -4,6 +4,9 @@
 #         results/tables/conditions.{csv,html,tex}.
 
 
+include: "helpers.smk"
+
+
 use rule rollout as rollout_under with:
     output:
         **filmed(
@@ -39,7 +42,7 @@ rule conditions:
         elsewhere=under_conditions,
     output:
         csv="results/tables/conditions.csv",
-        html=in_report("results/tables/conditions.html", "tables"),
+        html=in_report("results/tables/conditions.html", "tables", "../../report/captions"),
         tex="results/tables/conditions.tex",
     log:
         "logs/tables/conditions.log",
@@ -50,9 +53,9 @@ rule conditions:
     resources:
         **needs(1000, 10),
     params:
-        command=command("tables", "conditions"),
-        code=code("tables", "conditions"),
-        options=options("tables", "conditions"),
+        command=command("studies", "conditions"),
+        code=code("studies", "conditions"),
+        options=options("studies", "conditions"),
         names=list(CONFIG.evaluation.conditions),
         out=subpath(output.csv, parent=True),
     shell:

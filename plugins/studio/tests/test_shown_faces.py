@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.studio.made import Made
+from plugins.report.snapshots import Snapshots
+from plugins.studio.last_run import LastRun
 from stages.contracts import Objects
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject
-from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
 MASK, TURN = 3, Orientation(yaw=3.0, distance=1.0)
@@ -22,7 +22,7 @@ CHEST = PlacedObject(
 
 
 @pytest.fixture
-def made() -> Made:
+def made() -> LastRun:
     objects = Objects(
         scene="t",
         width=320,
@@ -32,14 +32,14 @@ def made() -> Made:
         walls=[],
         objects=[],
     )
-    return Made(objects, {}, {}, {MASK: CHEST}, Snapshots([]))
+    return LastRun(objects, {}, {}, {MASK: CHEST}, Snapshots([]))
 
 
-def _faces(made: Made, before: tuple[float, float] = (0.0, 0.0), **said: object) -> np.ndarray:
+def _faces(made: LastRun, before: tuple[float, float] = (0.0, 0.0), **said: object) -> np.ndarray:
     return np.array(made.faces(Correction.model_validate({"mask": MASK} | said), before))
 
 
-def test_a_box_is_shown_where_its_thing_will_stand(made: Made) -> None:
+def test_a_box_is_shown_where_its_thing_will_stand(made: LastRun) -> None:
     stands = _faces(made)
     assert stands.shape == (6, 4, 2)
     moved = _faces(made, nudge=(0.0, 0.2))  # to the left of the picture
@@ -51,13 +51,13 @@ def test_a_box_is_shown_where_its_thing_will_stand(made: Made) -> None:
     assert (back[..., 0] > stands[..., 0] + 10).all()
 
 
-def test_a_box_is_shown_as_large_as_its_thing_will_be(made: Made) -> None:
+def test_a_box_is_shown_as_large_as_its_thing_will_be(made: LastRun) -> None:
     stands, lower = _faces(made), _faces(made, size=(0.6, 0.4, 0.4))
     assert lower[..., 1].max() == stands[..., 1].max()  # it stands on the same floor
     assert lower[..., 1].min() > stands[..., 1].min() + 10
 
 
-def test_models_are_shown_as_they_stand_others_as_the_first(made: Made) -> None:
+def test_models_are_shown_as_they_stand_others_as_the_first(made: LastRun) -> None:
     """A model of rank 2 has its own turn, a cousin without a scene that of matching, any other model that of rank 1."""
     names = ["first", "second", "third", "other"]
     compared: list[Any] = [Candidate(asset=name, category="chest", distance=1.0) for name in names]

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.report.doubts import collect_doubts
+from plugins.report.snapshots import Snapshots
 from plugins.studio.fronts import FACES, extents, front_corners
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.doubt import Doubt
-from stages.contracts.doubts import collect_doubts
 from stages.contracts.generated import PlacedObject, views_of
 from stages.contracts.objects import SceneObject
-from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
@@ -28,7 +28,7 @@ SHOWN = 24  # models that can be chosen, nearest first
 
 
 @dataclass(frozen=True)
-class Made:
+class LastRun:
     """What a run made; all of it by mask value. Without a run it is empty.
 
     picture: of the scene of rank 1, as the camera sees it, if it was drawn; sizes: of the library's models, by id;
@@ -44,7 +44,7 @@ class Made:
     sizes: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     views: dict[int, dict[str, float]] = field(default_factory=dict)
 
-    def told(self) -> dict[str, Any]:
+    def describe_things(self) -> dict[str, Any]:
         """What the page shows of every thing, by mask value."""
         return {str(mask): self._about(item) for mask, item in self.items.items()}
 
@@ -156,7 +156,7 @@ class Made:
         return "data:image/png;base64," + base64.b64encode(file.getvalue()).decode("ascii")
 
 
-def made_of(results: Path, scene: str, variant: str | None, size: tuple[int, int]) -> Made:
+def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[int, int]) -> LastRun:
     """What lies in a folder of results of a scene; what does not is left out.
 
     Args:
@@ -169,14 +169,14 @@ def made_of(results: Path, scene: str, variant: str | None, size: tuple[int, int
     path = results / "extraction" / scene / "objects.json"
     objects = read_json(Objects, path) if path.is_file() else None
     if objects is None or (objects.width, objects.height) != size:
-        return Made(None, {}, {}, {}, Snapshots([]))
+        return LastRun(None, {}, {}, {}, Snapshots([]))
     variants = [variant] if variant else sorted(path.parent.parent.name for path in _cousins(results, scene))
     found = results / "matching" / (variants or ["-"])[0] / scene / "cousins.json"
     matched = read_json(Cousins, found).objects if found.is_file() else []
     place = results / "generation" / (variants or ["-"])[0] / scene
     scenes = [read_json(GeneratedScene, path) for path in sorted(place.glob("scene_*.json"))]
     masks = {item.id: item.mask for item in objects.objects}
-    return Made(
+    return LastRun(
         objects,
         {item.mask: item for item in objects.objects},
         {masks[one.id]: one for one in matched if one.id in masks},
