@@ -28,7 +28,7 @@ MAX_STRETCH = 2.0  # of an object's seen height: by more its box is not extended
 
 @dataclass(frozen=True)
 class Placement:
-    """Mounting (also by geometry alone), support, the box down to the support, and that box with hidden space filled."""
+    """Mounting (also by geometry alone), support, the box down to it, and that box with hidden space filled."""
 
     mounting: Mounting
     measured: Mounting
