@@ -90,11 +90,11 @@ def list_passed_flags(root: Path) -> dict[str, set[str]]:
     """The flags that the rules of the workflow pass, by `stage verb`, those of their `*_flags` functions among them."""
     texts = [path.read_text(encoding="utf-8") for path in rule_files(root)]
     parts = [part for text in texts for part in re.split(r"^(?=\w)", text, flags=re.MULTILINE)]
-    told = {found[1]: part for part in parts if (found := re.match(r"def (\w+_flags)\(", part))}
+    flags = {found[1]: part for part in parts if (found := re.match(r"def (\w+_flags)\(", part))}
     called = {}
     for part in parts:
         if found := re.search(r'command=command\("(\w+)", "([\w-]+)"\)', part):
-            said = [part[part.index("    shell:") :], *map(told.get, re.findall(r"=(\w+_flags),", part))]
+            said = [part[part.index("    shell:") :], *map(flags.get, re.findall(r"=(\w+_flags),", part))]
             called[f"{found[1]} {found[2]}"] = set(re.findall(r"--[a-z][a-z0-9-]*", "".join(said)))
     return called
 

@@ -58,14 +58,14 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
 
 def _discover(folder: Path, kinds: Sequence[str]) -> tuple[list[Found], list[str]]:
     """The models, and what is said of what is none, in lines."""
-    if numbered := numbered_model(folder):
+    if numbered := find_numbered_model(folder):
         return [partnet(numbered)], []
     unused = {path: why for path in sorted(folder.rglob("*")) if (why := explain_unusable(path, folder, kinds))}
     lines = [f"left out: {path.relative_to(folder)}: {why}" for path, why in unused.items()]
     found = _below(folder, folder, kinds)
     models = [one for one in found if not is_part(one.path, folder)]
     if any(one.path.suffix.lower() not in WHOLE for one in models):
-        named = named_meshes(folder)
+        named = find_named_meshes(folder)
         around = {path.parent for path in named} - {folder}
         models = [
             one
@@ -126,7 +126,7 @@ def _below(here: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
             found.append(describe_single_file(child, folder))
         elif not child.is_dir():
             continue
-        elif numbered := numbered_model(child):
+        elif numbered := find_numbered_model(child):
             found.append(Found(numbered, folder, read_category(child, folder) or here.name, child.name))
         elif is_common(child.name):
             found += _below(child, folder, kinds)
@@ -138,17 +138,17 @@ def _below(here: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
 def _sorted_in(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
     """The models of a category's folder. If its name is none of ours, but that of a model in it is, it holds various
     things: each is then of the category that its own name says."""
-    told, own = category_in(child.name), strip_name(child.name)
+    shared, own = category_in(child.name), strip_name(child.name)
     found: list[Found] = []
     for inner in _usable(child, folder, kinds):
         if is_model(inner, folder, kinds):
-            found.append(Found(inner, folder, told or category_in(inner.stem) or own, inner.stem))
-        elif inner.is_dir() and (numbered := numbered_model(inner)):
-            found.append(Found(numbered, folder, read_category(inner, folder) or told or own, inner.name))
+            found.append(Found(inner, folder, shared or category_in(inner.stem) or own, inner.stem))
+        elif inner.is_dir() and (numbered := find_numbered_model(inner)):
+            found.append(Found(numbered, folder, read_category(inner, folder) or shared or own, inner.name))
         elif inner.is_dir():
             for path, count_ in _first_kind(inner, folder, kinds):
                 names = [*path.relative_to(child).parts[:-1], *([path.stem] if count_ > 1 else [])]
-                category = told or next((known for name in names if (known := category_in(name))), own)
+                category = shared or next((known for name in names if (known := category_in(name))), own)
                 found.append(Found(path, folder, category, _name(path, inner, count_)))
     if all(one.category == own for one in found):
         return found
@@ -171,7 +171,7 @@ def strip_name(name: str) -> str:
     return kept or name
 
 
-def named_meshes(folder: Path) -> set[Path]:
+def find_named_meshes(folder: Path) -> set[Path]:
     """The files below a folder whose name (without folders) is used by a URDF or MJCF file in it."""
     files = [path for path in folder.rglob("*") if is_utf8(str(path)) and path.is_file()]
     texts = (_text(path, folder) for path in files if path.suffix.lower() in WHOLE)
@@ -188,7 +188,7 @@ def _text(path: Path, folder: Path) -> bytes:
         return b""
 
 
-def numbered_model(folder: Path) -> Path | None:
+def find_numbered_model(folder: Path) -> Path | None:
     """The URDF of a model of PartNet-Mobility or GAPartNet; of its versions the first."""
     return next((folder / name for name in NUMBERED if (folder / name).is_file()), None)
 
@@ -196,13 +196,13 @@ def numbered_model(folder: Path) -> Path | None:
 def read_category(model: Path, folder: Path) -> str | None:
     """What meta.json in a model's folder says that it is, in the library's words; None: it does not."""
     try:
-        told = json.loads(_text(model / "meta.json", folder)).get("model_cat")
+        category = json.loads(_text(model / "meta.json", folder)).get("model_cat")
     except (ValueError, AttributeError, RecursionError):
         return None
-    if not isinstance(told, str) or not told.strip():
+    if not isinstance(category, str) or not category.strip():
         return None
-    known = by_joined_name(known_categories()).get(told.lower())
-    return known.name if known else re.sub(r"(?<=[a-z])(?=[A-Z])", "_", told)
+    known = by_joined_name(known_categories()).get(category.lower())
+    return known.name if known else re.sub(r"(?<=[a-z])(?=[A-Z])", "_", category)
 
 
 def is_model(path: Path, folder: Path, kinds: Sequence[str]) -> bool:

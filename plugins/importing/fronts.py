@@ -8,7 +8,7 @@ import numpy as np
 
 from plugins.importing.hinges import ALONG, LEAST_OUT, LEAST_TURN, THIN, list_carried_links, on_something_narrower
 from stages.articulated.attributes import list_moved_links, merge_visuals
-from stages.articulated.forward_kinematics import change_root, closed_box, link_frames, visual_bounds
+from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box, visual_bounds
 from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.geometry.frames import rigid, yaw_matrix
 
@@ -27,7 +27,8 @@ class Front(NamedTuple):
 def align_to_axes(robot: RobotModel) -> tuple[RobotModel, float]:
     """The model (z up) turned about z by at most 45 degrees, so that most of its faces look along axes; and the angle.
 
-    Models without joints, without a common direction of their faces, or askew by less than `ASKEW` stay as they are.
+    A model stays as it is without joints, without a common direction of its faces, or if it is askew by less than
+    `ASKEW`.
     """
     looks = (
         merge_visuals(robot, robot.links, link_frames(robot)) if any(j.type != "fixed" for j in robot.joints) else None
@@ -67,7 +68,7 @@ def _fronts(robot: RobotModel) -> dict[str, Front | str]:
 
 def _shortened(robot: RobotModel) -> RobotModel:
     """The model with slides that go no farther than all of it is deep, closed: a drawer stays in its body."""
-    frames, depths = link_frames(robot), np.ptp(closed_box(robot), axis=0)
+    frames, depths = link_frames(robot), np.ptp(measure_closed_box(robot), axis=0)
     joints = list(robot.joints)
     for index, joint in enumerate(joints):
         most = float(depths[np.argmax(np.abs(frames[joint.child][:3, :3] @ joint.axis))])
@@ -154,7 +155,7 @@ def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     lines: list[str] = []
     short = _shortened(robot)
     fronts = _fronts(short)
-    for told, joint in zip(robot.joints, short.joints, strict=True):
+    for before, joint in zip(robot.joints, short.joints, strict=True):
         front = fronts.get(joint.name)
         if isinstance(front, Front) and front.outward[0] != 1.0:
             front = "opens to another side than the front"
@@ -162,8 +163,8 @@ def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
             fixed.setdefault(front, []).append(f"'{joint.name}'")
             origin = joint.origin @ joint.motion(joint.lower)
             joint = replace(joint, type="fixed", origin=origin, lower=0.0, upper=0.0)
-        elif joint.upper < told.upper:
-            reach, depth = (f"{100 * (one.upper - one.lower):.3g} cm" for one in (told, joint))
+        elif joint.upper < before.upper:
+            reach, depth = (f"{100 * (one.upper - one.lower):.3g} cm" for one in (before, joint))
             lines.append(f"drawer '{joint.name}' slides {reach} in its file, cut to {depth}: all of it is no deeper")
         joints.append(joint)
     lines += [f"fixed, as no door or drawer: {', '.join(names)} ({reason})" for reason, names in fixed.items()]

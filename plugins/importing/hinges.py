@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stages.articulated.forward_kinematics import closed_box, link_frames
+from stages.articulated.forward_kinematics import link_frames, measure_closed_box
 from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.geometry.frames import apply
 
@@ -41,7 +41,7 @@ class Slide(NamedTuple):
 
 def find_hinges(robot: RobotModel) -> list[Hinge]:
     """The panels of a model that turn; knobs, wheels, levers and seats are none."""
-    frames, box = link_frames(robot), closed_box(robot)
+    frames, box = link_frames(robot), measure_closed_box(robot)
     turns = [joint for joint in robot.joints if joint.type == "revolute" and joint.upper - joint.lower > LEAST_TURN]
     found = (
         _hinge(joint, seen_points(robot, list_carried_links(joint, robot.joints), frames), frames, box)
@@ -70,7 +70,7 @@ def _hinge(joint: JointModel, points: Matrix, frames: Mapping[str, Matrix], box:
 
 def find_slides(robot: RobotModel) -> list[Slide]:
     """What slides out of a body, or stands on what it slides from; sliding doors, levers and buttons do neither."""
-    frames, largest = link_frames(robot), float(np.ptp(closed_box(robot), axis=0).max())
+    frames, largest = link_frames(robot), float(np.ptp(measure_closed_box(robot), axis=0).max())
     found = []
     for joint in robot.joints:
         axis = frames[joint.child][:3, :3] @ joint.axis

@@ -16,7 +16,7 @@ from plugins.importing.discover import (
     is_part,
     number_names,
 )
-from plugins.importing.evidence import Told, find_shared_facts
+from plugins.importing.evidence import Stated, find_shared_facts
 from plugins.importing.examine import Examined, Read, examine_model, read
 from plugins.importing.import_page import write_page
 from plugins.importing.imports import IMPORTERS, by_suffix, in_one_line, snake_case
@@ -46,17 +46,17 @@ def run(folder: Path, /, *, out: Path) -> None:
     found = models_of(folder, out, list(kinds))
     pack = read_pack(out / PACK)
     models: dict[Path, Examined] = {}
-    told: dict[Path, Read] = {}
+    read_models: dict[Path, Read] = {}
     where = {one.path: out / place for one, place in zip(found, places(found), strict=True)}
     for one in progress(found, "models read", len(found)):
         try:
-            told[one.path] = read(one, kinds[one.path.suffix.lower()], where[one.path])
+            read_models[one.path] = read(one, kinds[one.path.suffix.lower()], where[one.path])
         except InputError as error:
             line = str(error).removeprefix(plain(f"{one.path}: "))
             models[one.path] = Examined(one.path, where[one.path], doubts=[line])
             print(models[one.path].text(), flush=True)
-    left = [one for one in found if one.path in told]
-    tell = [Told(one.path.suffix.lower(), one.category, told[one.path].evidence) for one in left]
+    left = [one for one in found if one.path in read_models]
+    tell = [Stated(one.path.suffix.lower(), one.category, read_models[one.path].evidence) for one in left]
     common, words = find_shared_facts(tell, kinds)
     pack = complete_pack(pack, common, [snake_case(one.category) for one in left])
     write_pack(out / PACK, pack, words)
@@ -66,9 +66,9 @@ def run(folder: Path, /, *, out: Path) -> None:
             work, kind = Path(scratch) / str(number), one.path.suffix.lower()
             category = pack.categories[snake_case(one.category)]
             before = list(models.values())
-            tells = told[one.path].evidence
+            tells = read_models[one.path].evidence
             model = examine_model(one, kinds[kind], where[one.path], work, before, tells, pack.kinds[kind], category)
-            model.doubts = [*told[one.path].remarks, *model.doubts]
+            model.doubts = [*read_models[one.path].remarks, *model.doubts]
             if model.asset is not None:
                 try:
                     with in_one_line(one.path):

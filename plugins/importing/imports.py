@@ -23,7 +23,7 @@ from plugins.importing.sandbox import run_in_fork
 from plugins.importing.solid_handle import with_solid_handles
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.attributes import explain_ungraspable
-from stages.articulated.forward_kinematics import change_root, closed_box, link_frames
+from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
 from stages.articulated.inside import check_inside
 from stages.articulated.mesh_reader import FLAT, thicken_piece
 from stages.articulated.model import Matrix, RobotModel
@@ -203,7 +203,7 @@ def check_believable(robot: RobotModel, path: Path) -> None:
     Raises:
         InputError: names the extent.
     """
-    low, high = closed_box(robot)
+    low, high = measure_closed_box(robot)
     extents = high - low
     size = " x ".join(f"{extent:.4g}" for extent in extents)
     if extents.min() < FLAT:
@@ -237,8 +237,8 @@ def turn_upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[s
     robot, turn = align_to_axes(robot)
     if turn:
         lines.append(f"turned by {np.rad2deg(turn):.0f} degrees, to face along an axis")
-    if notes.front is None and (told := front_direction(robot)) is not None and told[0][0] < 1:
-        (x, y, _), count = told
+    if notes.front is None and (facing := front_direction(robot)) is not None and facing[0][0] < 1:
+        (x, y, _), count = facing
         lines += [f"turned to face +x, where {count} of its doors and drawers open (asset.json: front)"]
         robot = change_root(robot, rigid(yaw_matrix(-float(np.arctan2(y, x))).round(9), np.zeros(3)))
     return robot, lines

@@ -9,7 +9,7 @@ from stages.contracts.files import Contract
 
 
 class Proposal(Contract):
-    """A guess that knows whether it is still what was guessed."""
+    """A file that `import` proposes; it knows whether a person changed it."""
 
     guess: str | None = Field(None, description="digest of what `import` wrote; what was changed by hand counts")
 

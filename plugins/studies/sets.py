@@ -53,8 +53,8 @@ def run(
             forecast.
     """
     config = read_files(configs)
-    told = read_table(forecast, FORECAST, FORECAST[:3]) if forecast else pd.DataFrame(columns=FORECAST)
-    cells, rollouts = collect(config, results, told)
+    predicted = read_table(forecast, FORECAST, FORECAST[:3]) if forecast else pd.DataFrame(columns=FORECAST)
+    cells, rollouts = collect(config, results, predicted)
     frames = {
         "cells": cells,
         "sets": of_sets(cells, rollouts, config.tables),
@@ -98,7 +98,7 @@ def list_policies(config: Config) -> Iterator[Asked]:
                     yield Asked(condition, task, target, name, seed, policy, plan.runs[0])
 
 
-def collect(config: Config, results: Path, told: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+def collect(config: Config, results: Path, predicted: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     """A row with `CELLS` per policy that is asked for, and the rollouts with `SUCCESS` of those that have run."""
     rows: list[dict[str, Any]] = []
     parts = [pd.DataFrame(columns=SUCCESS)]
@@ -115,7 +115,7 @@ def collect(config: Config, results: Path, told: pd.DataFrame) -> tuple[pd.DataF
         rows.append(about)
     outcomes = list_outcomes(config, results).rename(columns={"target": "object"})[[*POLICY, "outcome"]]
     cells = pd.DataFrame(rows, columns=[*CELL, "assets", "success", "status"]).astype({"assets": "Int64"})
-    cells = cells.merge(outcomes, "left", on=POLICY).merge(told[FORECAST], "left", on=["task", *POLICY])
+    cells = cells.merge(outcomes, "left", on=POLICY).merge(predicted[FORECAST], "left", on=["task", *POLICY])
     return cells[CELLS], pd.concat(parts[1:] or parts, ignore_index=True)
 
 
@@ -157,11 +157,11 @@ def compare(cells: pd.DataFrame, rollouts: pd.DataFrame, options: TablesConfig) 
             ran = pd.MultiIndex.from_frame(pairs[["object", "seed"]].drop_duplicates())
             bad = [side.index[side["outcome"].isin([trainings.BEHIND, trainings.STUCK])] for side in (ours, theirs)]
             kept = ~pd.MultiIndex.from_frame(pairs[["object", "seed"]]).isin(bad[0].union(bad[1]))
-            told = (ours["forecast"] - theirs["forecast"]).loc[ran].reset_index()
+            predicted = (ours["forecast"] - theirs["forecast"]).loc[ran].reset_index()
             found, learned = estimate(pairs, options), estimate(pairs[kept], options)
             row: dict[str, Any] = {"condition": condition, "task": task, "training_set": name, "baseline": baseline}
             row |= {"objects_asked": part["object"].nunique(), "preliminary": len(ran) < len(ours), **numbers(found)}
-            row |= {"forecast": over_objects(told, "forecast"), "verdict": verdict(found)}
+            row |= {"forecast": over_objects(predicted, "forecast"), "verdict": verdict(found)}
             row |= {"learned_mean": learned.mean, "learned_low": learned.low, "learned_high": learned.high}
             rows.append(row)
     return pd.DataFrame(rows, columns=COMPARISONS)

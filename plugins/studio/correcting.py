@@ -1,4 +1,4 @@
-"""Session of the page that corrects an input folder: its requests and answers as plain data, without HTTP."""
+"""Session of the page that corrects an input folder: requests and answers as plain data, without HTTP."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -34,7 +34,7 @@ from stages.geometry.masks import remove_specks
 
 
 class Thing(Correction):
-    """A thing, the floor or a wall as the page has it: whole, not only what differs from what was found."""
+    """An object, the floor or a wall as the page shows it, with every value and not only the corrected ones."""
 
     id: Id
 
@@ -47,7 +47,7 @@ class Drawing(Contract):
 
 @dataclass
 class Correcting:
-    """The folder with what was found, what completes labels, and where the last run left its results."""
+    """The input folder, the labels that the page completes, and the results of the last run."""
 
     folder: Path
     categories: list[str] = field(default_factory=list)
@@ -81,8 +81,8 @@ class Correcting:
             InputError: what was saved is broken.
         """
         path = self.folder / CORRECTIONS
-        told = read_json(Corrections, path, "mend or delete it").objects if path.is_file() else []
-        return self._named(apply_corrections(self.found, {item.mask: item for item in told}))
+        saved = read_json(Corrections, path, "mend or delete it").objects if path.is_file() else []
+        return self._named(apply_corrections(self.found, {item.mask: item for item in saved}))
 
     def _named(self, things: dict[int, Correction]) -> Drawing:
         """With ids that stay, whatever a thing is called: as found, or `drawn_<mask>`."""
@@ -99,10 +99,10 @@ class Correcting:
         )
 
     def corrections(self, drawing: Drawing) -> Corrections:
-        """What of a drawing differs from what was found."""
+        """The differences between a drawing and what was found."""
         things = {item.mask: item for item in drawing.objects}
         shown = set(np.unique(self.given.masks).tolist())
-        told = [Correction(mask=mask, gone=True) for mask in self.found if mask in shown and mask not in things]
+        corrections = [Correction(mask=mask, gone=True) for mask in self.found if mask in shown and mask not in things]
         for mask, item in things.items():
             before = self.found.get(mask, Correction(mask=mask))
             said = {
@@ -113,8 +113,8 @@ class Correcting:
             if before.mounting is not None and item.mounting is None:
                 said["mounting"] = MEASURED
             if said or mask not in self.found:
-                told.append(Correction.model_validate({"mask": mask, **said}))
-        return Corrections(objects=told)
+                corrections.append(Correction.model_validate({"mask": mask, **said}))
+        return Corrections(objects=corrections)
 
     def start(self) -> Answer:
         """What the page begins with."""
@@ -139,7 +139,7 @@ class Correcting:
         return {"picture": self.scene, "width": width, "height": height, **drawing.model_dump(mode="json")}
 
     def command(self) -> str:
-        """What makes again what depends on the corrections, and nothing else."""
+        """The command that runs again what depends on the corrections."""
         config = self.folder / "config.yaml"
         page = f"results/report/scenes/{self.scene}.html"
         config = config if is_clone() else config.resolve()
@@ -191,7 +191,7 @@ class Correcting:
         return {"models": self.made.models(int(body["mask"]))}
 
     def front(self, body: Any) -> Answer:
-        """The front of a thing seen straight on; before anything was made of the folder, what shows the thing."""
+        """The front of an object seen straight on; before the first run, the object's part of the picture."""
         drawing = self._drawing(body)
         item = {one.mask: one for one in drawing.objects}[body["mask"]]
         if (known := self.made.front(item.mask, item.front)) is not None:
@@ -203,22 +203,22 @@ class Correcting:
 
     def save(self, body: Any) -> Answer:
         """Keep the corrections; where nothing is corrected there is no file."""
-        told = self.corrections(self._drawing(body))
+        corrections = self.corrections(self._drawing(body))
         path = self.folder / CORRECTIONS
-        if told.objects:
-            write_json(path, {"version": 1, **told.model_dump(mode="json", exclude_defaults=True)})
+        if corrections.objects:
+            write_json(path, {"version": 1, **corrections.model_dump(mode="json", exclude_defaults=True)})
         else:
             path.unlink(missing_ok=True)
         return {}
 
     def write(self, body: Any) -> Answer:
-        """Keep the corrections, and say what comes of them.
+        """Keep the corrections, and say what they change.
 
         Raises:
             InputError: no object is left.
         """
-        told = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
-        annotations, _, notes = correct_masks(self.given.annotations, self.given.masks, told, self._cut)
+        corrections = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
+        annotations, _, notes = correct_masks(self.given.annotations, self.given.masks, corrections, self._cut)
         if annotations is None:
             raise InputError(
                 str(self.folder), "no object is left.", "draw a box around at least one", code="E-SCENE-EMPTY"

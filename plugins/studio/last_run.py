@@ -76,10 +76,11 @@ class LastRun:
         return collect_doubts(entry, item, placed, self.objects)
 
     def faces(self, said: Correction, before: tuple[float, float]) -> list[list[list[float]]]:
-        """The sides of what stands in the scene of rank 1 as pixels, its front last; none if one is behind us.
+        """The sides of an object of the scene of rank 1 as pixels, its front last; none if a corner is behind the
+        camera.
 
         Args:
-            said: what a person says of it by now: it is shown turned, moved and sized as it will be, nearly.
+            said: the corrections so far: the object is shown about as it will be turned, moved and sized.
             before: how far it was moved by hand already where it stands.
         """
         placed = self.placed.get(said.mask)
@@ -97,11 +98,11 @@ class LastRun:
             return []
         return [np.round(pixels[face], 1).tolist() for face in map(list, (*FACES[1:], FACES[0]))]
 
-    def front(self, mask: int, told: float | None) -> tuple[NDArray[np.float64], float, float] | None:
+    def front(self, mask: int, stated: float | None) -> tuple[NDArray[np.float64], float, float] | None:
         """Corners (4, 2) of a thing's front in the picture, its width and height in metres; None: there was no run.
 
         Args:
-            told: the direction about z that a person says it faces.
+            stated: the direction about z that a person says it faces.
         """
         item, placed = self.items.get(mask), self.placed.get(mask)
         if self.objects is None or item is None or item.box is None:
@@ -114,11 +115,11 @@ class LastRun:
             facing = (
                 float(np.arctan2(*(camera[:2, 3] - item.box.center[:2])[::-1])) if item.front is None else item.front
             )
-        points = front_corners(box, facing if told is None else told)
+        points = front_corners(box, facing if stated is None else stated)
         return project(apply(inverse(camera), points), self.objects.intrinsics), *extents(points)
 
     def models(self, mask: int) -> list[dict[str, Any]]:
-        """Models that can stand for a thing, nearest first, with pictures as they stand or would stand."""
+        """Models that can represent an object, nearest first, with pictures as they are placed or would be."""
         entry = self.cousins.get(mask)
         if entry is None or entry.status == "failed":
             return []
@@ -157,11 +158,11 @@ class LastRun:
 
 
 def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[int, int]) -> LastRun:
-    """What lies in a folder of results of a scene; what does not is left out.
+    """The results of a scene, as far as they are there.
 
     Args:
         variant: of matching; None: the first that is there.
-        size: width and height of the picture: another one's results are of something else.
+        size: width and height of the picture; results of a picture of another size are not used.
 
     Raises:
         InputError: a file is broken.

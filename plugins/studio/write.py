@@ -29,7 +29,7 @@ SIDES = ("right", "rear", "left", "front")  # of a drawn box, counter-clockwise 
 
 @dataclass(frozen=True)
 class Written:
-    """The folder's objects by their ids of the project, and what the drawer should know, in lines."""
+    """The folder's objects by their ids in the project, and lines for the person who draws."""
 
     ids: dict[str, str]
     notes: list[str]
@@ -186,7 +186,7 @@ def _used(seen: list[DrawnObject], project: Project, values: dict[str, int]) -> 
 
 
 def tint_picture(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: list[int]) -> NDArray[np.uint8]:
-    """The picture tinted by its masks, for people: what will be taken for what.
+    """The picture tinted by its masks, to show a person which pixels belong to which object.
 
     Args:
         objects: mask values of objects; what else has one is floor or wall, and tinted lightly.

@@ -22,7 +22,7 @@ def frames_of(root: str, joints: list[JointModel], opened: float = 0.0) -> dict[
     return frames
 
 
-def closed_links(robot: RobotModel) -> list[Link]:
+def read_closed_links(robot: RobotModel) -> list[Link]:
     """Links with their meshes in the root frame, every joint closed."""
     frames = link_frames(robot)
     return [link.map_linearly(frames[link.name]) for link in robot.links.values()]
@@ -36,7 +36,7 @@ def visual_bounds(visuals: list[Visual], frame: Matrix) -> Matrix | None:
     return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 
-def closed_box(robot: RobotModel) -> Matrix:
+def measure_closed_box(robot: RobotModel) -> Matrix:
     """Lowest and highest corner (2, 3), in the root frame, of all that is visible, every joint closed."""
     frames = link_frames(robot)
     boxes = (visual_bounds(link.visuals, frames[link.name]) for link in robot.links.values())

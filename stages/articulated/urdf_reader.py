@@ -182,12 +182,12 @@ class UrdfReader:
         What it does not say, or says impossibly, is that of a solid box.
         """
         try:
-            return self._told_inertial(element, pieces, mass, where)
+            return self._stated_inertial(element, pieces, mass, where)
         except InputError as error:
             self._remark("weighed by its size", error)
-            return self._told_inertial(None, pieces, mass, where)
+            return self._stated_inertial(None, pieces, mass, where)
 
-    def _told_inertial(
+    def _stated_inertial(
         self, element: ET.Element | None, pieces: list[Trimesh], mass: float, where: str
     ) -> tuple[float, Matrix, Matrix, bool]:
         low, high = box_around(pieces)

@@ -34,13 +34,14 @@ def contradictions(config: "Config") -> list[Mistake]:
 def _packages(config: "Config") -> Iterator[Mistake]:
     """What a config asks of packages that are off or not here, and what those that are on find."""
     rooms = [config.experiment.inputs[room] for room in config.experiment.rooms if room in config.experiment.inputs]
-    asked = {
-        "furniture": ("assets.counts", any(config.assets.counts.values())),
-        "importing": ("assets.folders", bool(config.assets.folders)),
-        "studies": ("evaluation.conditions", bool(config.evaluation.conditions)),
-        "inputs": ("experiment.inputs", any(not room.folder for room in rooms)),
-    }
-    for name, (key, wanted) in asked.items():
+    asked = (
+        ("furniture", "assets.counts", any(config.assets.counts.values())),
+        ("importing", "assets.folders", bool(config.assets.folders)),
+        ("studies", "evaluation.conditions", bool(config.evaluation.conditions)),
+        ("inputs", "experiment.inputs", any(not room.folder for room in rooms)),
+        ("inputs", "image", bool(config.image)),
+    )
+    for name, key, wanted in asked:
         if wanted and not config.packages.get(name):
             yield Mistake(
                 key, f"is read by the package {name}, which is off or not here", f"packages: {{{name}: true}}"

@@ -6,7 +6,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any, TypeVar
 
-from pydantic import create_model
+from pydantic import Field, create_model
 
 from stages import plugins
 from stages.contracts.section import Section
@@ -27,6 +27,9 @@ class Package:
         shards: of the section `assets`, the shards of models that its rules add to the library, by name.
         verbs: its commands that rules call, and what each reads of the config (None: nothing).
         sections: of config.yaml that belong to it, by name, as pydantic fields.
+        widens: sections of the core to which it adds keys, by name.
+        expand: of what a config gives, the same with what files say that it names, and `Mistake`s in these.
+        of_run: of the whole config, that of the run which it asks for.
         outside: of the whole config, files that its jobs read and that may lie outside the working directory.
         mistakes: of the whole config, `Mistake`s that the package finds in it.
         check: what of this machine the package may want: its name, whether all is there, what is or is not.
@@ -40,6 +43,9 @@ class Package:
     shards: Callable[[Any], Mapping[str, Any]] = lambda assets: {}
     verbs: Mapping[str, type[Section] | None] = field(default_factory=dict)
     sections: Mapping[str, tuple[type[Section], Any]] = field(default_factory=dict)
+    widens: Mapping[str, type[Section]] = field(default_factory=dict)
+    expand: Callable[[dict[str, Any]], tuple[dict[str, Any], list[Any]]] = lambda given: (given, [])
+    of_run: Callable[[Any], Any] = lambda config: config
     outside: Callable[[Any], list[str]] = lambda config: []
     keys: Callable[[Any], list[str] | None] = lambda config: None
     mistakes: Callable[[Any], Iterable[Any]] = lambda config: ()
@@ -80,6 +86,8 @@ def _with_sections(model: Any, names: tuple[str, ...], judges: bool) -> Any:
     fields: dict[str, Any] = {}
     for name in names:
         fields |= packages[name].sections if packages[name].judges or not judges else {}
+        for section, wider in packages[name].widens.items() if not judges else ():
+            fields[section] = wider, Field(wider(), description=model.model_fields[section].description)
     return create_model(model.__name__, __base__=model, __doc__=model.__doc__, **fields) if fields else model
 
 

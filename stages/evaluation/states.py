@@ -49,11 +49,11 @@ def starts_of(
             starts[role] = [(plan.asset_of(role, where), state) for state in states]
         elif trained:
             starts[role] = share_states([asset for name in trained for asset in plan.assets_of(name, where)], states)
-    unseen = unseen_starts(plan, settings, seed)
+    unseen = list_unseen_starts(plan, settings, seed)
     return starts | {settings.split: unseen} if unseen else starts
 
 
-def unseen_starts(plan: TaskAssets, settings: SkillOptions, seed: int) -> list[Start]:
+def list_unseen_starts(plan: TaskAssets, settings: SkillOptions, seed: int) -> list[Start]:
     """The episodes on the first assets of the split; if there are fewer than asked, a line on stderr says so."""
     found = plan.split(settings.split, settings.assets)
     if len(found) < settings.assets:

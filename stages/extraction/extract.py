@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from stages.config.extraction import ExtractionConfig
 from stages.config.inputs import INPUT_FILES
-from stages.config.made import made
+from stages.config.provenance import record_provenance
 from stages.contracts import InputError, atomic, read_options, write_json
 from stages.contracts.corrections import corrections_of
 from stages.contracts.files import first_error, read_text
@@ -59,7 +59,7 @@ def run(
     with atomic(folder / "clouds.npz") as path:
         np.savez_compressed(path, **result.clouds)  # type: ignore[arg-type]
     inputs = [input / name for name in INPUT_FILES if (input / name).is_file()]
-    origin = made("stages.extraction.extract", config, [*inputs, *own, *corrections], seed)
+    origin = record_provenance("stages.extraction.extract", config, [*inputs, *own, *corrections], seed)
     write_json(out, result.objects.model_copy(update={"made": origin}))
     for item in result.objects.objects:
         kind = f"mounting {item.mounting.type}" if item.mounting else f"failed: {item.reason}"

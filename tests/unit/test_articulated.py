@@ -20,7 +20,7 @@ from stages.articulated.asset_folder import (
     write_asset,
 )
 from stages.articulated.attributes import merge_visuals
-from stages.articulated.forward_kinematics import change_root, closed_box, link_frames
+from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
 from stages.articulated.handle import find_handle
 from stages.articulated.handle_extents import handle_extents
 from stages.articulated.mesh_reader import texture_of
@@ -231,7 +231,7 @@ def test_shapes_are_centred_and_have_their_size(tmp_path: Path, geometry: str, s
     shape = f'<origin xyz="1 0 0"/><geometry>{geometry}</geometry>'
     link = f'<link name="a"><visual>{shape}</visual><collision>{shape}</collision></link>'
     robot = read(tmp_path, f'<robot name="r">{link}</robot>')
-    low, high = closed_box(robot)
+    low, high = measure_closed_box(robot)
     assert np.allclose((low + high) / 2, [1, 0, 0], atol=1e-6)
     assert np.allclose(high - low, size, atol=2e-3)
     (piece,) = robot.links["a"].collisions
@@ -261,7 +261,7 @@ def test_joints_in_any_order(tmp_path: Path) -> None:
     )
     (tmp_path / "b.urdf").write_text(text)
     assert [joint.name for joint in UrdfTree(tmp_path / "b.urdf").joints] == ["hinge", "slide", "knob"]
-    boxes = [closed_box(read(tmp_path, t)) for t in (text, CABINET)]
+    boxes = [measure_closed_box(read(tmp_path, t)) for t in (text, CABINET)]
     assert np.allclose(*boxes)
 
 

@@ -19,7 +19,7 @@ from plugins.furniture.real_sizes import REAL_SIZES
 from plugins.furniture.robot import mass_properties
 from plugins.furniture.shapes import bounds_of, cushion, rod, shell_pieces, slab
 from stages.articulated.asset_folder import checksum
-from stages.articulated.forward_kinematics import closed_box, link_frames
+from stages.articulated.forward_kinematics import link_frames, measure_closed_box
 from stages.articulated.urdf_reader import read_urdf
 from stages.config import categories as counts
 from stages.config.assets import COUNTS
@@ -62,7 +62,7 @@ def test_what_is_too_thin_for_its_boards_is_scaled(category: str, axis: int, tmp
 def test_written_files_fill_the_promised_box(tmp_path: Path) -> None:
     asset = build(sample("bottom_cabinet", 3, 0), (0.6, 1.1, 0.8), tmp_path / "cab", "cab", "bottom_cabinet")
     robot = read_urdf(tmp_path / "cab" / "model.urdf", tmp_path / "cab")
-    assert np.allclose(closed_box(robot), [asset.box_min, asset.box_max], atol=2e-5)
+    assert np.allclose(measure_closed_box(robot), [asset.box_min, asset.box_max], atol=2e-5)
     assert asset.size == pytest.approx((0.6, 1.1, 0.8), abs=1e-6)
     assert sum(link.mass for link in robot.links.values()) == pytest.approx(asset.mass, rel=1e-4)
     assert asset.checksum == checksum(tmp_path / "cab")

@@ -58,7 +58,7 @@ class _Reader:
     def __init__(self, spec: Any, model: Any) -> None:
         self.model = model
         self.pairs = self._pairs()
-        self.told = {body.id: mass for body in spec.bodies if (mass := _told_mass(body)) is not None}
+        self.masses = {body.id: mass for body in spec.bodies if (mass := _stated_mass(body)) is not None}
         collides = (model.geom_contype | model.geom_conaffinity) != 0
         own = (model.geom_rgba != USUAL_RGBA).any(axis=1) | (model.geom_matid < 0)  # its colour beats its material's
         self.rgba = np.where(own[:, None], model.geom_rgba, model.mat_rgba[model.geom_matid] if model.nmat else 0.0)
@@ -143,9 +143,9 @@ class _Reader:
         """The joints that an equality makes stand like another of the same body and type, and the names of those."""
         model, pairs = self.model, dict[int, str]()
         for number in np.flatnonzero((model.eq_type == mjtEq.mjEQ_JOINT) & model.eq_active0.astype(bool)):
-            one, other, told = model.eq_obj1id[number], model.eq_obj2id[number], model.eq_data[number]
-            sign = float(np.sign(told[1]))
-            if other < 0 or not np.allclose(told[:5], (0, sign, 0, 0, 0), atol=1e-3):
+            one, other, data = model.eq_obj1id[number], model.eq_obj2id[number], model.eq_data[number]
+            sign = float(np.sign(data[1]))
+            if other < 0 or not np.allclose(data[:5], (0, sign, 0, 0, 0), atol=1e-3):
                 continue
             parents = model.body_parentid[model.jnt_bodyid[[one, other]]]
             alike = model.jnt_type[one] == model.jnt_type[other] and parents[0] == parents[1]
@@ -171,7 +171,7 @@ class _Reader:
         ]
         solid = solid or [visual.mesh for visual in visuals]
         pieces = [piece for mesh in solid for piece in convex_pieces(mesh)]
-        mass = min(float(model.body_mass[body]), self.told.get(body, 0.0))
+        mass = min(float(model.body_mass[body]), self.masses.get(body, 0.0))
         if mass > MINIMUM_MASS:  # what nothing weighs has that of `compiled`
             turn = _pose(model.body_ipos[body], model.body_iquat[body])[:3, :3]
             inertia = turn @ np.diag(model.body_inertia[body]) @ turn.T * (mass / model.body_mass[body])
@@ -252,7 +252,7 @@ class _Reader:
         return Image.fromarray(np.ascontiguousarray(np.broadcast_to(data[..., :3], (height, width, 3))))
 
 
-def _told_mass(body: Any) -> float | None:
+def _stated_mass(body: Any) -> float | None:
     """The most that a body weighs, if it or its geoms say so: MuJoCo takes geoms that do not, looks too, for water."""
     water = mujoco.MjSpec().default.geom.density
     if body.explicitinertial or any(geom.density != water for geom in body.geoms):

@@ -80,13 +80,13 @@ def _check_extensions(path: Path, header: Header) -> None:
 def _left_out(header: Header, parts: Parts) -> list[str]:
     """What of the file is not read, in a line."""
     scenes = len(header.get("scenes", []))
-    told = {
+    present = {
         f"{scenes - 1} of its {scenes} scenes": scenes > 1,
         "animations": bool(header.get("animations")),
         "cameras": bool(header.get("cameras")),
         "points or lines": parts.others > 0,
     }
-    names = [what for what, is_there in told.items() if is_there]
+    names = [what for what, is_there in present.items() if is_there]
     names += sorted(set(header.get("extensionsUsed", [])) - READ)
     return [f"has what is not read: {', '.join(names)[:300]}"] if names else []
 
@@ -95,14 +95,14 @@ def _lost_pictures(header: Header, accessors: Accessors, files: MeshResolver) ->
     """A line for every picture that cannot be shown; textures are left with the one picture that can."""
     lost, images, used = list[str](), header.get("images", []), list[int]()
     for texture in header.get("textures", []):
-        told = texture.pop("extensions", {})
-        usable = [name for name in (AVIF, WEBP) if name in told and features.check(name.rpartition("_")[2])]
+        extensions = texture.pop("extensions", {})
+        usable = [name for name in (AVIF, WEBP) if name in extensions and features.check(name.rpartition("_")[2])]
         if usable:
-            texture["source"] = told[usable[0]]["source"]
+            texture["source"] = extensions[usable[0]]["source"]
         if "source" in texture:
             used.append(texture["source"])
-        elif told:
-            used += [one["source"] for one in told.values() if "source" in one]
+        elif extensions:
+            used += [one["source"] for one in extensions.values() if "source" in one]
     for number in sorted(set(used)):
         if why := _fault(images[number], accessors, files):
             lost.append(f"without its picture {number}, which {why}")

@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plugins.importing.evidence import Told, collect_evidence, find_shared_facts
+from plugins.importing.evidence import Stated, collect_evidence, find_shared_facts
 from plugins.importing.fronts import doors_and_drawers
 from plugins.importing.import_ import run
 from plugins.importing.importers import Axis
 from plugins.importing.importers.urdf import IMPORTER
 from plugins.importing.imports import axis_vector
 from plugins.importing.tests.test_fronts import box, joint
-from stages.articulated.forward_kinematics import change_root, closed_box
+from stages.articulated.forward_kinematics import change_root, measure_closed_box
 from stages.articulated.model import RobotModel
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.categories import known_categories
@@ -83,7 +83,7 @@ def turned(robot: RobotModel, up: Axis, front: Axis, grounded: bool) -> RobotMod
     """The model in a file whose `up` is up, standing at its origin's height or about its origin."""
     x, z = axis_vector(front), axis_vector(up)
     rotation = np.array([x, np.cross(z, x), z]).T
-    low, high = closed_box(robot)
+    low, high = measure_closed_box(robot)
     foot = np.array([*(low + high)[:2] / 2, low[2] if grounded else (low + high)[2] / 2])
     return change_root(robot, rigid(rotation, -rotation @ foot))
 
@@ -125,7 +125,7 @@ def test_what_is_not_enough_against_the_format_is_a_doubt(tmp_path: Path) -> Non
 
 def test_three_fridges_with_y_up_tell_it_of_all(tmp_path: Path) -> None:
     files = [
-        Told(".urdf", "fridge", collect_evidence(turned(model(tmp_path, FRIDGE), "+y", "+x", True))) for _ in range(3)
+        Stated(".urdf", "fridge", collect_evidence(turned(model(tmp_path, FRIDGE), "+y", "+x", True))) for _ in range(3)
     ]
     common, words = find_shared_facts(files, {".urdf": IMPORTER})
     assert common[".urdf"].up == "+y"
@@ -184,5 +184,7 @@ def test_what_turns_about_its_own_middle_tells_nothing_of_what_is_up(tmp_path: P
 def test_a_drawer_that_is_cut_stays_where_it_is_closed(tmp_path: Path) -> None:
     robot = model(tmp_path, DRAWERS.replace('lower="0" upper="0.25"', 'lower="0.1" upper="2"'))
     ((slide,), lines) = doors_and_drawers(robot)[0].joints, doors_and_drawers(robot)[1]
-    assert slide.lower == 0.1 and slide.upper - slide.lower == pytest.approx(np.ptp(closed_box(robot), axis=0)[0])
+    assert slide.lower == 0.1 and slide.upper - slide.lower == pytest.approx(
+        np.ptp(measure_closed_box(robot), axis=0)[0]
+    )
     assert len(lines) == 1 and "slides 190 cm in its file, cut to" in lines[0]

@@ -22,8 +22,8 @@ from transformers import (
 )
 
 from plugins.inputs.config import PhotoConfig
+from plugins.inputs.known_cameras import FIELD_OF_VIEW
 from plugins.pretrained.weights import load_pretrained
-from stages.config.cameras import FIELD_OF_VIEW
 from stages.contracts import InputError
 from stages.contracts.depth import NEAREST, SKY
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.inputs.known_cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from plugins.inputs.rgbd.camera_files import ANGLE, CORNER, FOCAL, KNOWS, MATRICES, contents, find_first, matrix_of
 from plugins.inputs.rgbd.upright import Turn, is_stretched
-from stages.config.cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from stages.contracts import InputError
 from stages.contracts.types import check_view
 from stages.geometry.cameras import make_intrinsics, scale_intrinsics

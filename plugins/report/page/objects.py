@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from plugins.report.album import THUMBNAIL, Album, Picture
 from plugins.report.doubts import collect_doubts, collect_notes, describe_mounting, mountings_agree
 from plugins.report.snapshots import Snapshots
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins
@@ -15,7 +16,6 @@ from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Objects, SceneObject
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
-from stages.tables.pictures import THUMBNAIL, Album, Picture
 from stages.tables.text import NOTHING, count
 
 LISTED = 5  # cousins, models compared and categories of an object that are listed

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from plugins.report.album import Album, Picture
 from plugins.report.doubts import group_doubts
 from plugins.report.page.files import RunFiles
 from plugins.report.page.rooms import Reconstruction, RoomPart
@@ -20,7 +21,6 @@ from stages.contracts.extracted import read_metres
 from stages.contracts.files import read_json
 from stages.contracts.objects import Objects
 from stages.contracts.scenes import Camera
-from stages.tables.pictures import Album, Picture
 
 
 @dataclass(frozen=True)

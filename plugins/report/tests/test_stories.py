@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plugins.report.album import THUMBNAIL, Album
 from plugins.report.doubts import group_doubts
 from plugins.report.page.objects import Evidence, Match, cloud_picture, fade_background, match
 from plugins.report.snapshots import Snapshots
@@ -13,7 +14,6 @@ from stages.contracts.doubt import MEND, Doubt
 from stages.contracts.generated import GeneratedScene, PlacedObject, views_of
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.geometry.cameras import intrinsics_from_fov, look_at
-from stages.tables.pictures import THUMBNAIL, Album
 
 WIDTH, HEIGHT = 120, 90
 VIEW = Orientation(yaw=0.5, distance=1.0)

@@ -1,4 +1,4 @@
-"""Pictures for the page: loaded, made smaller, and written into the HTML itself."""
+"""Pictures for a page: made smaller, and written into the HTML itself."""
 
 import base64
 import io
@@ -8,20 +8,9 @@ from pathlib import Path
 from PIL import Image
 
 from stages.contracts.errors import InputError
-from stages.contracts.images import read_rgb
+from stages.contracts.images import read_narrow
 
 THUMBNAIL = 150  # pixels: small pictures of objects and assets
-
-
-def load(path: Path, width: int) -> Image.Image:
-    """The picture upright as RGB (transparency on white), no wider than `width` pixels.
-
-    Raises:
-        InputError: the file is missing or no picture.
-    """
-    picture = Image.fromarray(read_rgb(path))
-    picture.thumbnail((width, max(width, picture.height)), Image.Resampling.LANCZOS)
-    return picture
 
 
 @dataclass(frozen=True)
@@ -55,7 +44,7 @@ class Album:
 
     def add(self, path: Path, alt: str) -> Picture:
         """The picture of a file."""
-        return self.put(load(path, self.width), alt)
+        return self.put(read_narrow(path, self.width), alt)
 
     def maybe(self, path: Path | None, alt: str) -> Picture | None:
         """The picture, if the run has the file."""

@@ -8,10 +8,10 @@ from zipfile import ZipFile, is_zipfile
 from pydantic import BaseModel
 
 from stages.config.code import code_digest
-from stages.contracts.made import Made
+from stages.contracts.provenance import Provenance
 
 
-def made(module: str, options: BaseModel, inputs: Iterable[Path], seed: int | None = None) -> Made:
+def record_provenance(module: str, options: BaseModel, inputs: Iterable[Path], seed: int | None = None) -> Provenance:
     """Digests of a verb's code, options and inputs.
 
     Args:
@@ -24,7 +24,7 @@ def made(module: str, options: BaseModel, inputs: Iterable[Path], seed: int | No
     for path in inputs:
         digest.update(hashlib.sha256(content(path)).digest())
     said = hashlib.sha256(options.model_dump_json().encode()).hexdigest()
-    return Made(seed=seed, options=said[:12], inputs=digest.hexdigest()[:12], code=code_digest(module))
+    return Provenance(seed=seed, options=said[:12], inputs=digest.hexdigest()[:12], code=code_digest(module))
 
 
 def content(path: Path) -> bytes:

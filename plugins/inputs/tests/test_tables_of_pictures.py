@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from stages.config.inputs import INPUT_FILES, Input
+from plugins.inputs.pictures import Picture
+from stages.config.inputs import INPUT_FILES
 from stages.config.model import load
 from stages.config.outside import outside
 from stages.contracts import InputError
@@ -77,7 +78,7 @@ def test_other_signs_between_cells(data: Path, sign: str) -> None:
 
 def test_a_folder_of_folders_and_lists(data: Path) -> None:
     assert config("../data/many").rooms == ["hall", "kitchen"]  # notes/ holds nothing of a scene
-    assert config("../data/many/hall").inputs == {"hall": Input(folder="../data/many/hall")}
+    assert config("../data/many/hall").inputs == {"hall": Picture(folder="../data/many/hall")}
     both = ["../data/many", table(data, "desk,a.png,a_depth.png,,k.json,,,,,,masks.json,,,,,")]
     assert config(both, ["room_1", "ha*", "desk"]).rooms == ["room_1", "desk", "hall"]
     assert lines([*both, "../data/many"]) == [

@@ -6,7 +6,7 @@ from stages.contracts.files import Contract
 from stages.contracts.types import Seed, Text
 
 
-class Made(Contract):
+class Provenance(Contract):
     """The same of all four give the same bytes. Digests are the first 12 hex digits of SHA-256.
 
     Files that were made together with an input go by it: masks beside objects.json, features of patches beside those
