@@ -19,7 +19,7 @@ from stages.config.demonstrations import MotionOptions
 from stages.config.mistakes import check_keys
 from stages.config.model import load, with_defaults
 from stages.config.names import modules
-from stages.config.packages import home_of, packages_on, rule_files, shards_of
+from stages.config.packages import drawn_by, home_of, rule_files, shards_of
 from stages.config.outside import online, outside
 from stages.config.reads import options_of, stores
 from stages.config.sizes import sized

@@ -30,7 +30,7 @@ def corrected(stage):
 
 def corrector_code(wildcards, input):
     """Digest of the code that applies corrections in extraction; empty: there are none."""
-    return code_digest(find("correctors", "by_hand")) if input.corrections else ""
+    return code_digest(qualify_module("correctors", find("correctors", "by_hand"))) if input.corrections else ""
 
 
 def corrections_file(wildcards):

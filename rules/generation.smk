@@ -75,11 +75,12 @@ rule draw_scenes:
         **needs(2000, 10),
     params:
         command=command("generation", "draw"),
-        code=code("generation", "draw"),
+        code=code("generation", "draw", *drawn_by(CONFIG.packages, "generation")),
+        look=drawn_by(CONFIG.packages, "generation"),
         out=subpath(output.comparison, parent=True),
     shell:
         "{params.command} --scenes {input.scenes:q} --objects {input.objects:q} --image {input.image:q} "
-        "--library {input.library:q} --out {params.out:q} 2>&1 | tee {log:q}"
+        "--library {input.library:q} --look {params.look} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
 rule generation:

@@ -4,9 +4,6 @@
 #         results/matching/<variant>/<scene>/cousins.json, and for people cousins.png,
 #         results/matching/<variant>/<scene>/distances/<object>.json for the objects of the policy experiment.
 
-# Modules that show cousins in an object's place.
-IN_PLACE = [package.in_place for package in packages_on(CONFIG.packages) if package.in_place]
-
 
 rule features:
     """Encode the patches of one shard of snapshots."""
@@ -143,8 +140,8 @@ rule draw_cousins:
         **needs(1000, 10),
     params:
         command=command("matching", "draw"),
-        code=code("matching", "draw", *IN_PLACE),
-        in_place=IN_PLACE,
+        code=code("matching", "draw", *drawn_by(CONFIG.packages, "matching")),
+        in_place=drawn_by(CONFIG.packages, "matching"),
     shell:
         "{params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
         "--snapshots {input.snapshots:q} --library {input.library:q} --in-place {params.in_place} "

@@ -89,6 +89,7 @@ def make_scenes(
     Returns:
         scene_1.json, scene_2.json, ...
     """
+    from stages.config.packages import drawn_by
     from stages.config.sizes import sized
     from stages.contracts.corrections import CORRECTIONS, corrections_of
     from stages.extraction import extract
@@ -118,7 +119,8 @@ def make_scenes(
         options=_options(settings, "generation", "generate", variant=variant), corrections=corrections["generation"],
     )  # fmt: skip
     scenes = tuple(folder / f"scene_{rank}.json" for rank in range(1, settings.generation_of(variant).ranks + 1))
-    draw.run(scenes=scenes, objects=objects, image=image, library=index, out=folder)
+    look = tuple(drawn_by(settings.packages, "generation"))
+    draw.run(scenes=scenes, objects=objects, image=image, library=index, out=folder, look=look)
     return list(scenes)
 
 

@@ -15,5 +15,5 @@ PACKAGE = Package(
             ),
         )
     },
-    in_place="plugins.render_and_compare.in_place",
+    draws={"matching": "plugins.render_and_compare.in_place"},
 )

@@ -21,7 +21,8 @@ class Package:
     Attributes:
         last: whether its rules.smk looks at the rules of all others.
         judges: whether judges of matching read its sections, each that of its name, so that variants may change them.
-        in_place: a module whose `InPlace` shows cousins in an object's place, in cousins.png.
+        draws: modules with which the verbs `draw` show more, by stage: matching: `InPlace` shows cousins in an object's
+            place; generation: `estimate_look` finds a picture's light and colours.
         section: of config.yaml that its verbs read.
         shards: of the section `assets`, the shards of models that its rules add to the library, by name.
         verbs: its commands that rules call, and what each reads of the config (None: nothing).
@@ -38,7 +39,7 @@ class Package:
     last: bool = False
     section: str = ""
     judges: bool = False
-    in_place: str = ""
+    draws: Mapping[str, str] = field(default_factory=dict)
     shards: Callable[[Any], Mapping[str, Any]] = lambda assets: {}
     verbs: Mapping[str, type[Section] | None] = field(default_factory=dict)
     sections: Mapping[str, tuple[type[Section], Any]] = field(default_factory=dict)
@@ -59,6 +60,11 @@ def present() -> dict[str, Package]:
 def packages_on(on: Mapping[str, bool]) -> list[Package]:
     """The packages that are on."""
     return [package for name, package in present().items() if on[name]]
+
+
+def drawn_by(on: Mapping[str, bool], stage: str) -> list[str]:
+    """Modules of packages that are on with which the verb `draw` of a stage shows more."""
+    return [package.draws[stage] for package in packages_on(on) if stage in package.draws]
 
 
 def rule_files(on: Mapping[str, bool], last: bool = False) -> list[str]:

@@ -14,6 +14,7 @@ from stages.config.matching import MatchingConfig, matching_model
 from stages.config.model import complete, load, merged, read_files, with_defaults
 from stages.config.packages import home_of, present
 from stages.config.reads import READS, options_of, section_name, stores
+from tests.packages import needs
 
 ROOT = Path(__file__).resolve().parents[2]
 LISTED = {  # keys that do not simply run the one verb of their section again
@@ -114,7 +115,8 @@ def test_a_key_runs_again_what_reads_it(key: str, monkeypatch: pytest.MonkeyPatc
     verbs = [name for name in READS if section_name(name[0]) == section]
     own = [name for name in verbs if key.split(".")[1] in READS[name].model_fields]
     only = ONE.get(section) or {told(*name) for name in own or verbs}
-    assert {verb for verb in before if before[verb] != after[verb]} == (listed[0] if listed else only)
+    expected = (listed[0] if listed else only) & before.keys()  # a package with such a verb may not be here
+    assert {verb for verb in before if before[verb] != after[verb]} == expected
 
 
 @pytest.mark.parametrize(("stage", "verb"), READS)
@@ -166,6 +168,7 @@ def test_variants_with_different_encoder_settings_have_stores_side_by_side() -> 
     assert told == {"encoder": "hog", "hog": {"image_size": 192, "grid": 24}} | kept
 
 
+@needs("render_and_compare")
 def test_row_b_of_the_study_is_the_papers() -> None:
     theirs, ours = (read_files([ROOT / "config" / name]) for name in ("paper/scenes.yaml", "study/table2.yaml"))
     for variant in ("b", "b-votes"):

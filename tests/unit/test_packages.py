@@ -10,7 +10,10 @@ from stages.config.packages import home_of, present
 from stages.config.reads import READS, options_of, stores
 from stages.contracts.errors import InputError
 from stages.plugins import list_available
+from tests.packages import needs
 from tests.refusals import refused
+
+pytestmark = needs("exports", "importing", "inputs", "mujoco", "vlm")  # what the tests turn on and off
 
 
 def test_all_that_are_here_are_on_unless_one_says_otherwise() -> None:

@@ -1,5 +1,6 @@
 """The look of a room: light and colours of a picture that was drawn with known ones are found again."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -7,16 +8,18 @@ import pytest
 
 from plugins.furniture import build
 from plugins.furniture.catalogue import sample
+from plugins.look.estimate import estimate_look, merge_meshes
+from plugins.look.surfaces import Seen, estimate_light, find_bounds, find_surfaces, to_direction
 from stages.contracts import GeneratedScene, Objects
 from stages.contracts.look import ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Mounting, SceneObject, Wall
-from stages.generation.look import Seen, estimate_light, find_bounds, find_surfaces, to_direction
-from stages.generation.painting import estimate_look, furnish, merge_meshes
+from stages.generation.painting import furnish, usual_look
 from stages.generation.placed import Placed
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.simulation.backdrop import WALL_HEIGHT
 from stages.simulation.rendering import RenderCamera, instance_id
+from tests.workflow.workspace import dry_run, make
 
 WIDTH, HEIGHT = 200, 150
 WALL = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=99)  # the plane x = 4
@@ -152,3 +155,17 @@ def test_a_wall_is_seen_up_to_its_end_or_stands_to_the_height_of_a_room() -> Non
         (left, low), (right, highest[above]) = find_bounds("wall_1", seen)
         assert (left, right) == pytest.approx((-1.3, 1.3), abs=0.02) and low == 0  # it goes on a little at the border
     assert highest == {False: pytest.approx(1.2, abs=0.02), True: WALL_HEIGHT}
+
+
+def test_scenes_are_drawn_in_the_look_of_their_picture_if_the_package_is_on(tmp_path: Path) -> None:
+    folder = make(tmp_path)
+    asked = "results/generation/b/room_1/look.json"
+    assert f"--look {estimate_look.__module__} --out" in dry_run(folder, asked, "-p").stdout
+    (folder / "off.yaml").write_text("packages: {look: false}\n")
+    assert "--look --out" in " ".join(dry_run(folder, asked, "-p", "--configfile", "off.yaml").stdout.split())
+
+
+def test_without_the_package_the_light_is_the_usual_one() -> None:
+    look = usual_look()
+    assert look.light_from == "default" and look.surfaces == []
+    assert np.cross(look.light, ROOM_LIGHT) == pytest.approx(np.zeros(3), abs=1e-5)
