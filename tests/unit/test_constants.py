@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-STAGES = Path(__file__).parents[2] / "stages"
-FILES = sorted(path for stage in ("extraction", "generation", "matching") for path in (STAGES / stage).rglob("*.py"))
+ROOT = Path(__file__).parents[2]
+FOLDERS = ("stages/extraction", "stages/generation", "stages/matching", "plugins/render_and_compare")
+FILES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py") if "tests" not in path.parts)
 
 
 def find_bare_numbers(text: str) -> Iterator[str]:
@@ -25,7 +26,7 @@ def find_bare_numbers(text: str) -> Iterator[str]:
                 yield target
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(STAGES).as_posix())
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_numbers_say_what_they_are(path: Path) -> None:
     assert list(find_bare_numbers(path.read_text())) == []
 
