@@ -17,6 +17,7 @@ from stages.config.demonstrations import RandomiseOptions
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 from stages.geometry.frames import apply, inverse
 from stages.planning.clearance import Surroundings
+from stages.plugins import refuse_old_names
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, soften
 from stages.simulation.poses import batch_poses
@@ -61,6 +62,10 @@ class OpenTaskEnv(FilmedEnv):
     simulation_frequency: ClassVar[int] = SIMULATION_FREQUENCY  # a task may have a multiple of it
     robot_shift: ClassVar[tuple[float, float, float]] = (0.0, 0.0, 0.0)  # metres: out from the front, y, up
     agent: AcdcPanda
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        refuse_old_names(cls, {"succeeded": "check_success", "opened": "measure_opening"})
 
     def __init__(
         self,

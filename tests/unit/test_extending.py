@@ -44,7 +44,7 @@ from tests.unit.synthetic_room import write_room
 from tests.workflow.workspace import ROOT, make, snakemake
 
 DEFAULT = with_defaults({})
-YOURS = [kind for kind in KINDS if kind != "mesh_files"]  # those are found among ours alone
+YOURS = [kind for kind in KINDS if kind not in {"mesh_files", "correctors"}]  # those are found among ours alone
 BLOCK = re.compile(r"```(?:python|yaml)\n# (my_package/\S+)\n(.*?)```", re.DOTALL)
 
 
@@ -378,3 +378,11 @@ def test_a_run_with_plugins_has_a_dag(tmp_path: Path) -> None:
         "results/demonstrations/touch/twin/episodes.h5",
     ):
         assert text in done.stdout, text
+
+
+def test_a_task_of_yours_that_overrides_what_is_called_otherwise_now_is_refused() -> None:
+    from stages.tasks.environment import OpenTaskEnv
+
+    with refused("E-PLUGIN-OLD", "check_success"):
+        type("Mine", (OpenTaskEnv,), {"succeeded": lambda self: None})
+    assert type("Mine", (OpenTaskEnv,), {"check_success": lambda self: None})
