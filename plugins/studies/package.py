@@ -1,4 +1,4 @@
-"""What the core must know of this package: nothing, no rule calls it."""
+"""What the core must know of this package: nothing, its rules call no verb of it."""
 
 from stages.config.packages import Package
 
