@@ -1,6 +1,9 @@
 # One page over all scenes of a run: what came of each, what failed and why.
 
 
+container: CONFIG.containers.report
+
+
 rule overview_page:
     """Every scene as a row: pictures of input and rank 1, what failed and why, doubts."""
     input:
