@@ -33,7 +33,6 @@ include: "rules/trials.smk"
 include: "rules/scores.smk"
 include: "rules/evaluation.smk"
 include: "rules/tables.smk"
-include: "rules/conditions.smk"
 
 
 for file in rule_files(CONFIG.packages):

@@ -13,7 +13,7 @@ from stages.config.commands import check_line, command_digest, command_line, rep
 from stages.config.mistakes import check_keys
 from stages.config.model import load, with_defaults
 from stages.config.outside import container_environment
-from stages.config.packages import rule_files, shards_of
+from stages.config.packages import packages_on, rule_files, shards_of
 from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, options_of, stores
 from stages.config.sizes import sized
 from stages.contracts.errors import InputError

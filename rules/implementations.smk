@@ -1,6 +1,6 @@
 # Helpers: implementations whose code counts beside that of a verb, as modules. Functions of a job's wildcards. No rules.
 from stages.config.names import modules
-from stages.plugins import qualified
+from stages.plugins import qualify_module
 
 
 def store_modules(wildcards):
@@ -15,7 +15,7 @@ def matching_modules(*keys):
 
 def task_modules(wildcards):
     """The task of a target."""
-    return [qualified("tasks", task(wildcards))]
+    return [qualify_module("tasks", task(wildcards))]
 
 
 def policy_modules(wildcards):
@@ -27,7 +27,7 @@ def skill_modules(wildcards):
     """The task of a target, and the simulator that it is met in."""
     condition = wildcards.get("condition")
     simulator = (CONFIG.evaluation.under(condition) if condition else CONFIG.evaluation).simulator
-    return [*task_modules(wildcards), qualified("simulators", simulator)]
+    return [*task_modules(wildcards), qualify_module("simulators", simulator)]
 
 
 def rollout_modules(wildcards):

@@ -1,9 +1,9 @@
 # Helpers: what stands in the paths that a job reads, where the config says it. Functions of a job's wildcards. No rules.
-from snakemake.exceptions import WorkflowError
-
 from stages.config.room_files import recipe_digest, series
 from stages.config.targets import Cell
+from stages.config.code import code_digest
 from stages.contracts.corrections import CORRECTIONS, corrections_of
+from stages.plugins import find
 
 
 def room_shards(wildcards):
@@ -59,6 +59,11 @@ def corrections_file(stage):
 def corrections_flags(wildcards, input):
     """How the stage is told of it."""
     return shlex.join(["--corrections", str(input.corrections)]) if input.corrections else ""
+
+
+def corrector_digest(wildcards, input):
+    """Digest of the code that applies corrections in extraction; empty: there are none."""
+    return code_digest(find("correctors", "by_hand")) if input.corrections else ""
 
 
 def noise_seed(wildcards):
@@ -129,20 +134,3 @@ def policies_of(cell, pattern, **values):
 def policies(pattern, count=None):
     """The files of `pattern` for all policies of this run; `count`: of each cell, the first seed and best run first."""
     return lambda wildcards: [file for cell in EXPERIMENT.cells for file in policies_of(cell, pattern)[:count]]
-
-
-def under_conditions(skill, policy):
-    """The files of both patterns for every condition and all that its simulator has."""
-
-    def found(wildcards):
-        if not CONFIG.evaluation.conditions:
-            raise WorkflowError("evaluation.conditions: is empty. Fix: name some, e.g. {mujoco: {simulator: mujoco}}")
-        files = []
-        for name in CONFIG.evaluation.conditions:
-            targets = CONFIG.targets_under(name)
-            files += expand(skill, condition=name, target=[target for target in TRAINED_TARGETS if target in targets])
-            for cell in (cell for cell in EXPERIMENT.cells if cell.target in targets):
-                files += policies_of(cell, policy, condition=name)
-        return files
-
-    return found

@@ -8,6 +8,10 @@
 container: CONFIG.containers.learning
 
 
+# Modules that show cousins in an object's place.
+IN_PLACE = [package.in_place for package in packages_on(CONFIG.packages) if package.in_place]
+
+
 rule features:
     """Encode the patches of one shard of snapshots."""
     input:
@@ -146,10 +150,12 @@ rule draw_cousins:
     resources:
         **needs(1000, 10),
     params:
-        **verb("matching", "draw"),
+        **verb("matching", "draw", uses=IN_PLACE),
+        in_place=IN_PLACE,
     shell:
         "{params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
-        "--snapshots {input.snapshots:q} --library {input.library:q} --out {output.picture:q} 2>&1 | tee {log:q}"
+        "--snapshots {input.snapshots:q} --library {input.library:q} --in-place {params.in_place} "
+        "--out {output.picture:q} 2>&1 | tee {log:q}"
 
 
 rule matching:

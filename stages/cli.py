@@ -81,12 +81,12 @@ def progress(items: Iterable[T], what: str, total: int | None = None) -> Iterato
 
 def pacer() -> Callable[[], bool]:
     """A question that is answered with yes once in `SECONDS`, first when so many have gone by."""
-    told = [time.monotonic()]
+    last = [time.monotonic()]
 
     def due() -> bool:
-        if (now := time.monotonic()) - told[0] < SECONDS:
+        if (now := time.monotonic()) - last[0] < SECONDS:
             return False
-        told[0] = now
+        last[0] = now
         return True
 
     return due

@@ -87,7 +87,7 @@ def parts_of(model: Model) -> Iterable[Part]:
         yield from moving.parts
 
 
-def moved(model: Model, by: Sequence[float], suffix: str = "", turn: float = 0.0) -> Model:
+def move_model(model: Model, by: Sequence[float], suffix: str = "", turn: float = 0.0) -> Model:
     """The model turned about z, then moved, so that it can be a part of another; `suffix` goes to its joints' names."""
     rotation = np.eye(3)
     rotation[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
@@ -104,7 +104,7 @@ def bounds(model: Model) -> Array:
     return bounds_of([piece.mesh for piece in parts_of(model)])
 
 
-def fitted(model: Model, size: Size) -> Model:
+def fit_model(model: Model, size: Size) -> Model:
     """The model scaled and moved to fill exactly x in +-size_x/2, y in +-size_y/2, z in 0..size_z.
 
     Generators aim at `size` themselves, so that the scale is close to 1 and panels keep their thickness.

@@ -8,7 +8,7 @@ from itertools import product
 from math import prod
 from pathlib import Path
 
-from stages.articulated.inside import missing, read_inside
+from stages.articulated.inside import explain_missing, read_inside
 from stages.articulated.urdf_tree import AROUND
 from stages.contracts.errors import InputError
 
@@ -34,7 +34,7 @@ class Sources:
         while queue:
             here = queue.pop()
             if here not in self.roots:
-                self.roots[here] = parsed(here, folder)
+                self.roots[here] = parse_root(here, folder)
                 queue += [part for element in self.roots[here].iter() for part in self._parts(element, here)]
         for here, root in self.roots.items():
             for element in root.iter("model"):
@@ -60,7 +60,7 @@ class Sources:
         for name in sorted(names):
             places = product(self.roots, sorted(directories))
             if not (files := {file for here, directory in places for file in self._at(here, directory, name)}):
-                raise missing(self.path, "there is no file", name, self.path.parent, self.folder)
+                raise explain_missing(self.path, "there is no file", name, self.path.parent, self.folder)
             found |= {file: read_inside(file, self.folder) for file in files - found.keys()}
         return found
 
@@ -113,7 +113,7 @@ def _names(element: ET.Element) -> list[str]:
     return [value.replace("\\", "/") for key, value in element.attrib.items() if key.startswith("file") and value]
 
 
-def parsed(path: Path, folder: Path) -> ET.Element:
+def parse_root(path: Path, folder: Path) -> ET.Element:
     """The root of an MJCF file.
 
     Raises:

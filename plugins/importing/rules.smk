@@ -26,7 +26,7 @@ rule own:
     params:
         **verb("importing", "own", uses=modules(CONFIG.assets, "importers"), library_part="part"),
         folder=lambda wildcards, input: OWN_SHARDS[wildcards.shard].place(input.files[0]),
-        models=lambda wildcards, input: OWN_SHARDS[wildcards.shard].named(
+        models=lambda wildcards, input: OWN_SHARDS[wildcards.shard].list_files(
             OWN_SHARDS[wildcards.shard].place(input.files[0])
         ),
         digest=lambda wildcards: OWN_SHARDS[wildcards.shard].digest(),

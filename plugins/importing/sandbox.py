@@ -18,7 +18,7 @@ MEGABYTES = 3000  # beyond what this process has
 SIMPLER = "a file with fewer parts or triangles"
 
 
-def apart(path: Path, work: Callable[[], str]) -> str:
+def run_in_fork(path: Path, work: Callable[[], str]) -> str:
     """What `work` returns about a model's file, done in a fork of this process.
 
     Raises:
@@ -32,8 +32,8 @@ def apart(path: Path, work: Callable[[], str]) -> str:
         os.close(answer)
         _work(path, work, ours)
     os.close(ours)
-    with os.fdopen(answer, "rb") as told:
-        said = told.read()
+    with os.fdopen(answer, "rb") as stream:
+        said = stream.read()
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if status in (-signal.SIGXCPU, -signal.SIGALRM):
         seconds = SECONDS if status == -signal.SIGXCPU else WAIT
@@ -60,8 +60,8 @@ def _work(path: Path, work: Callable[[], str], ours: int) -> None:
         except MemoryError:
             what = f"takes more than {MEGABYTES} MB of memory to read."
             said = _told(InputError(path, what, SIMPLER, code="E-MODEL-MEMORY"))
-        with os.fdopen(ours, "wb") as told:
-            told.write(said.encode())
+        with os.fdopen(ours, "wb") as stream:
+            stream.write(said.encode())
         code = 0
     except BaseException:
         traceback.print_exc()

@@ -1,92 +1,75 @@
-# Rooms that are not ours: pictures of rooms of other people's models, reconstructed and scored (docs/results/open.md).
-# `snakemake open_rooms` in a clone of this repository, no part of `all`: 0.7 GB of models, Mitsuba 3, an hour on two cores.
-# Reads:  the default library and its features.
-# Writes: results/open_rooms/{packs,pictures,results}/, results/open_rooms/open.md, open.csv.
-from plugins.studies.open_rooms import digest_of, picture_names
+# Policies and skills under the conditions of `evaluation.conditions`, paired with the usual rollouts. No part of `all`.
+# Reads:  what rollouts read.
+# Writes: results/evaluation/conditions/<condition>/<target>/{<policy>/<training set>/<run>/seed_<n>,skill}/rollouts.csv,
+#         results/tables/conditions.{csv,html,tex}.
+
+
+include: "helpers.smk"
+include: "open_rooms.smk"
 
 
 container: CONFIG.containers.simulation
 
 
-rule open_models:
-    """Fetch models of other projects."""
+use rule rollout as rollout_under with:
     output:
-        packs=directory("results/open_rooms/packs"),
+        **unless_replaced(
+            "evaluation",
+            "rollout",
+            film=report(
+                "results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/film.png",
+                caption="../../report/captions/demos.rst",
+                category="Rollouts",
+                labels={
+                    "condition": "{condition}",
+                    "target": "{target}",
+                    "policy": "{policy}",
+                    "training set": "{training_set}",
+                    "seed": "{seed}",
+                },
+            ),
+            films="results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/films.zip",
+        ),
+        rollouts="results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
     log:
-        "logs/open_rooms/fetch.log",
+        "logs/evaluation/{condition}_{target}_{policy}_{training_set}_{run}_{seed}.log",
     benchmark:
-        "benchmarks/open_rooms/fetch.tsv"
+        "benchmarks/evaluation/{condition}_{target}_{policy}_{training_set}_{run}_{seed}.tsv"
+
+
+use rule skill as skill_under with:
+    output:
+        rollouts="results/evaluation/conditions/{condition}/{target}/skill/rollouts.csv",
+    log:
+        "logs/evaluation/{condition}_skill_{target}.log",
+    benchmark:
+        "benchmarks/evaluation/{condition}_skill_{target}.tsv"
+
+
+rule conditions:
+    """Success of all policies and skills under every condition, and minus that under the usual one."""
+    input:
+        rollouts=expand("results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv", zip, **CELLS),
+        skills=expand("results/evaluation/skill/{target}/rollouts.csv", target=TRAINED_TARGETS),
+        elsewhere=under_conditions(
+            skill="results/evaluation/conditions/{condition}/{target}/skill/rollouts.csv",
+            policy="results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
+        ),
+    output:
+        csv="results/tables/conditions.csv",
+        html=in_report("results/tables/conditions.html", "tables", "../../report/captions"),
+        tex="results/tables/conditions.tex",
+    log:
+        "logs/tables/conditions.log",
+    localrule: True
     container:
-        CONFIG.containers.learning
+        CONFIG.containers.report
     resources:
-        **needs(2000, 60),
+        **needs(1000, 10),
     params:
-        code=digest_of("packs.py", "models.csv"),
+        **verb("studies", "conditions"),
+        names=list(CONFIG.evaluation.conditions),
+        out=subpath(output.csv, parent=True),
     shell:
-        "python -m benchmarks.open_rooms fetch results/open_rooms 2>&1 | tee {log:q}"
-
-
-rule open_picture:
-    """Render one picture."""
-    input:
-        packs="results/open_rooms/packs",
-    output:
-        picture=directory("results/open_rooms/pictures/{picture}"),
-    log:
-        "logs/open_rooms/render_{picture}.log",
-    benchmark:
-        "benchmarks/open_rooms/render_{picture}.tsv"
-    resources:
-        **needs(3000, 20),
-    params:
-        code=digest_of("pictures.py", "render.py", "rooms.py", "rooms.yaml", "sensor.py", "views.py"),
-    shell:
-        "python -m benchmarks.open_rooms render results/open_rooms --only {wildcards.picture} 2>&1 | tee {log:q}"
-
-
-rule open_room:
-    """Reconstruct one picture."""
-    input:
-        library="results/assets/library/library.json",
-        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
-        features=expand("results/matching/features/{store}/shard_{shard}.npy", store=next(iter(STORES)), shard=SHARDS),
-        snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=SHARDS),
-        picture="results/open_rooms/pictures/{picture}",
-    output:
-        scenes=directory("results/open_rooms/results/{masks}/{picture}"),
-    log:
-        "logs/open_rooms/run_{masks}_{picture}.log",
-    benchmark:
-        "benchmarks/open_rooms/run_{masks}_{picture}.tsv"
-    resources:
-        **needs(3000, 30),
-    params:
-        code=[
-            command_digest(CONFIG, stage, name)
-            for stage, name in (("extraction", "extract"), ("matching", "match"), ("generation", "generate"))
-        ],
-    shell:
-        "python -m benchmarks.open_rooms run results/open_rooms --library results --only {wildcards.picture} --masks {wildcards.masks} "
-        "2>&1 | tee {log:q}"
-
-
-rule open_rooms:
-    """Score the reconstructions of all pictures."""
-    input:
-        library="results/assets/library/library.json",
-        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
-        packs="results/open_rooms/packs",
-        scenes=expand("results/open_rooms/results/{masks}/{picture}", masks=["drawn", "exact"], picture=picture_names),
-    output:
-        page="results/open_rooms/open.md",
-        rows="results/open_rooms/open.csv",
-    log:
-        "logs/open_rooms/score.log",
-    benchmark:
-        "benchmarks/open_rooms/score.tsv"
-    resources:
-        **needs(3000, 30),
-    params:
-        code=digest_of("score.py", "tables.py", "intro.md", "kinds.yaml", "models.csv"),
-    shell:
-        "python -m benchmarks.open_rooms score results/open_rooms --library results --out results/open_rooms 2>&1 | tee {log:q}"
+        "{params.command} --rollouts {input.rollouts:q} {input.skills:q} --elsewhere {input.elsewhere:q} --names {params.names:q} "
+        "--options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"

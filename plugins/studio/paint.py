@@ -95,7 +95,7 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
     return Painted(np.where(unseen, 0, depth).astype(np.float32), np.where(unseen, 0, masks).astype(np.uint16), values)
 
 
-def hidden(project: Project, solved: Solved) -> list[str]:
+def find_hidden(project: Project, solved: Solved) -> list[str]:
     """Objects of which the picture shows nothing: all pixels are looked at only if every `SPARSE`-th shows nothing."""
     left = {name for name, box in solved.boxes.items() if box.size.min() > THINNEST}  # else it is not all drawn yet
     for stride in (SPARSE, 1):

@@ -1,4 +1,4 @@
-"""What is usual: a size in place of an absurd one, and the height of a camera that nobody gave."""
+"""Usual values: a size in place of an absurd one, and the camera's height where nobody gave it."""
 
 from collections.abc import Mapping
 
@@ -17,7 +17,7 @@ Sides = tuple[float | None, float | None, float | None]
 
 
 def edge_marked(box: UprightBox) -> str:
-    """Whether of what hangs an edge was marked in the place of two opposite corners."""
+    """Whether an edge of a hanging object was marked instead of two opposite corners."""
     width, _, height = box.size
     if min(width, height) >= LEAST:
         return ""
@@ -34,7 +34,7 @@ def describe_odd(item: DrawnObject, box: UprightBox, factor: float) -> str:
     return describe_unusual(known, factor * size) and describe_unusual(known, size)
 
 
-def usual_size(item: DrawnObject, box: UprightBox) -> Sides | None:
+def find_usual_size(item: DrawnObject, box: UprightBox) -> Sides | None:
     """Width, depth and height that a thing of this label usually has, metres, where the box's is not; None: all are."""
     known = sizes_of(item.label)
     if not len(known):

@@ -96,7 +96,7 @@ def _spelt_alike(base: Path, *parts: str) -> Path:
     return base
 
 
-def missing(who: Path, what: str, name: str, here: Path, folder: Path) -> InputError:
+def explain_missing(who: Path, what: str, name: str, here: Path, folder: Path) -> InputError:
     """The complaint of `who` that no such file is in the folder; a folder above that has the file is told.
 
     Args:

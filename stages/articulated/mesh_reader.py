@@ -15,7 +15,7 @@ from stages.articulated.mesh_files import MeshReader
 from stages.articulated.mesh_resolver import MeshResolver
 from stages.articulated.urdf_tree import LARGEST
 from stages.contracts.errors import InputError
-from stages.plugins import available, load
+from stages.plugins import list_available, load
 
 NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 MOST_PIECES = 64
@@ -30,14 +30,14 @@ def find_reader(path: Path) -> MeshReader:
         InputError: no package that is here reads them.
     """
     if (reader := _reader(path.suffix.lower().lstrip("."))) is None:
-        what, kinds = f"'{path.suffix}' is not a mesh file that is read here.", sorted(available("mesh_files"))
+        what, kinds = f"'{path.suffix}' is not a mesh file that is read here.", sorted(list_available("mesh_files"))
         raise InputError(path, what, ", ".join(f".{kind}" for kind in kinds), code="E-MESH-KIND")
     return reader
 
 
 @cache
 def _reader(kind: str) -> MeshReader | None:
-    return load("mesh_files", kind) if kind in available("mesh_files") else None
+    return load("mesh_files", kind) if kind in list_available("mesh_files") else None
 
 
 def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
@@ -127,7 +127,7 @@ def convex_pieces(mesh: Trimesh) -> list[Trimesh]:
     return [_hull(body) for body in bodies if len(body.vertices) >= 3]
 
 
-def thickened(mesh: Trimesh) -> Trimesh:
+def thicken_piece(mesh: Trimesh) -> Trimesh:
     """The convex piece, or the box around it if it is too thin to collide."""
     if mesh.extents.min() >= FLAT:
         return mesh
@@ -137,7 +137,7 @@ def thickened(mesh: Trimesh) -> Trimesh:
 
 def _hull(mesh: Trimesh) -> Trimesh:
     if mesh.extents.min() < FLAT:
-        return thickened(mesh)
+        return thicken_piece(mesh)
     try:
         return mesh.convex_hull
     except Exception:  # qhull: all points in a slanted plane

@@ -15,8 +15,16 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
-from stages.articulated.mesh_writer import Surface, is_box, numbers, shaded, write_glb, write_obj, write_texture
-from stages.articulated.model import JointModel, Link, Matrix, RobotModel, moved
+from stages.articulated.mesh_writer import (
+    Surface,
+    is_box,
+    numbers,
+    split_sharp_edges,
+    write_glb,
+    write_obj,
+    write_texture,
+)
+from stages.articulated.model import JointModel, Link, Matrix, RobotModel, transform_mesh
 from stages.geometry.frames import rigid
 
 DAMPING, FRICTION = 2.0, 0.1  # N m s or N s / m, and SAPIEN's friction coefficient
@@ -54,7 +62,7 @@ def _rounded(piece: Trimesh) -> Trimesh:
     if not is_box(piece):
         return Trimesh(piece.vertices.round(5), piece.faces, process=False)
     box = trimesh.creation.box(np.maximum(piece.extents, 1e-5).round(5))
-    return moved(box, rigid(np.eye(3), piece.bounds.mean(axis=0).round(5)))
+    return transform_mesh(box, rigid(np.eye(3), piece.bounds.mean(axis=0).round(5)))
 
 
 def write_srdf(robot: RobotModel, folder: Path) -> None:
@@ -97,7 +105,9 @@ def _add_visuals(element: ET.Element, folder: Path, link: Link, stem: str) -> No
     looks = dict.fromkeys((visual.colour, visual.texture) for visual in link.visuals if visual.colour is not None)
     for number, (colour, texture) in enumerate(looks):
         name = f"{stem}_{number}"
-        alike = [shaded(visual) for visual in link.visuals if (visual.colour, visual.texture) == (colour, texture)]
+        alike = [
+            split_sharp_edges(visual) for visual in link.visuals if (visual.colour, visual.texture) == (colour, texture)
+        ]
         write_obj(folder / f"meshes/{name}.obj", alike, texture)
         visual = ET.SubElement(element, "visual", name=name)
         _add_mesh(visual, f"meshes/{name}.obj")

@@ -12,7 +12,7 @@ from stages.config.assets import COUNTS
 from stages.config.evaluation import USUAL
 from stages.config.inputs import NAME
 from stages.config.mistakes import Mistake
-from stages.config.packages import present
+from stages.config.packages import packages_on
 from stages.config.pinned_assets import pinned_assets
 from stages.contracts.corrections import CORRECTIONS, corrections_of
 from stages.contracts.errors import InputError, nearest
@@ -35,19 +35,20 @@ def contradictions(config: "Config") -> list[Mistake]:
 def _packages(config: "Config") -> Iterator[Mistake]:
     """What a config asks of packages that are off or not here, and what those that are on find."""
     rooms = [config.experiment.inputs[room] for room in config.experiment.rooms if room in config.experiment.inputs]
-    asked = {
-        "furniture": ("assets.counts", any(config.assets.counts.values())),
-        "importing": ("assets.folders", bool(config.assets.folders)),
-        "inputs": ("experiment.inputs", any(not room.folder for room in rooms)),
-    }
-    for name, (key, wanted) in asked.items():
+    asked = (
+        ("furniture", "assets.counts", any(config.assets.counts.values())),
+        ("importing", "assets.folders", bool(config.assets.folders)),
+        ("studies", "evaluation.conditions", bool(config.evaluation.conditions)),
+        ("inputs", "experiment.inputs", any(not room.folder for room in rooms)),
+        ("inputs", "image", bool(config.image)),
+    )
+    for name, key, wanted in asked:
         if wanted and not config.packages.get(name):
             yield Mistake(
                 key, f"is read by the package {name}, which is off or not here", f"packages: {{{name}: true}}"
             )
-    for name, package in present().items():
-        if config.packages[name]:
-            yield from package.mistakes(config)
+    for package in packages_on(config.packages):
+        yield from package.mistakes(config)
 
 
 def _names(config: "Config") -> Iterator[Mistake]:

@@ -49,14 +49,6 @@ class Scene(NamedTuple):
     options: Protocol
 
 
-def _as_written(schema: dict[str, Any]) -> None:
-    """What may stand under `inputs`, for editors."""
-    one = {"anyOf": [{"type": "string"}, schema.pop("additionalProperties")]}
-    text = {"type": "string"}
-    schema.pop("type")
-    schema["anyOf"] = [{"type": "object", "additionalProperties": one}, text, {"type": "array", "items": text}]
-
-
 class ExperimentConfig(Section):
     """Rooms, variants and policies of this run."""
 
@@ -69,13 +61,7 @@ class ExperimentConfig(Section):
     room_files: list[str] = Field(
         [], description="Rooms of your own: YAML files as in stages/scenes/rooms (docs/scenes.md), named by their stem."
     )
-    inputs: dict[str, Input] = Field(
-        {},
-        json_schema_extra=_as_written,
-        description="Your own scenes: name -> input folder (docs/scenes.md), or what a row of a table says; or a table "
-        "(CSV), a folder of input folders, or a list of these (docs/your-data.md). They are reconstructed like the "
-        "rooms, but not scored: there is no truth.",
-    )
+    inputs: dict[str, Input] = Field({}, description="Your own scenes: name -> input folder (docs/scenes.md).")
     variants: dict[str, dict[str, Any]] = Field(
         {"b": {}},
         min_length=1,
@@ -155,12 +141,6 @@ class ExperimentConfig(Section):
         plain = [room for room in self.rooms if "*" not in room]
         matched = [fnmatch.filter(self.inputs, room) or [room] for room in self.rooms if "*" in room]
         return [*plain, *(name for name in dict.fromkeys(chain(*matched)) if name not in plain)]
-
-    @property
-    def pictures(self) -> list[str]:
-        """Pictures of this run that networks look at."""
-        given = [self.inputs[room] for room in self.rooms if room in self.inputs]
-        return [one.image for one in given if one.alone]
 
     def scene(self, name: str) -> Scene:
         """A scene by its name: `<room>`, `<room>.<protocol>.<seed>`, or that of a picture of the user's."""

@@ -86,6 +86,17 @@ def read_rgb(path: Path) -> NDArray[np.uint8]:
     return np.array(image.convert("RGB"))
 
 
+def read_narrow(path: Path, width: int) -> Image.Image:
+    """The picture upright as RGB (transparency on white), no wider than `width` pixels.
+
+    Raises:
+        InputError: the file is missing or no picture.
+    """
+    picture = Image.fromarray(read_rgb(path))
+    picture.thumbnail((width, max(width, picture.height)), Image.Resampling.LANCZOS)
+    return picture
+
+
 def orientation_of(path: Path) -> int:
     """How EXIF data turn a picture: 1 (not at all, as one of another format) to 8."""
     with warnings.catch_warnings(), suppress(OSError):

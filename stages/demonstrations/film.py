@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stages.contracts.films import Film
 from stages.simulation.films import FRAMES, SIZE, make_film_strip, write_films, write_png
-from stages.simulation.studio import Image, Recording, Studio, evenly
+from stages.simulation.studio import Image, Recording, Studio, pick_evenly
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def plot_cloud(cloud: NDArray[np.floating]) -> Image:
 
 def make_strip(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> Image:
     """One episode: pictures in a row, the clouds below them."""
-    below = [plot_cloud(cloud) for cloud in evenly(clouds, FRAMES)]
+    below = [plot_cloud(cloud) for cloud in pick_evenly(clouds, FRAMES)]
     return np.concatenate([make_film_strip(pictures), np.concatenate(below, axis=1)])
 
 

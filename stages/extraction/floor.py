@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
-from stages.contracts.doubts import doubt_height
+from stages.extraction.camera_height import doubt_height
 from stages.extraction.observation import AnnotatedImage
 from stages.geometry.frames import Array
 from stages.geometry.masks import Mask

@@ -41,7 +41,7 @@ def fit_box_and_levels(
 ) -> tuple[UprightBox, tuple[float, ...]]:
     """The box of a cleaned cloud (N, 3), floor frame, and the heights at which it may carry others.
 
-    What ends in a level top by its label is as high as that. A thin top that erosion removed is put back.
+    An object whose label implies a level top (a table) ends at it. A thin top that erosion removed is restored.
 
     Args:
         cloud: of the eroded `mask` (H, W).
@@ -62,9 +62,9 @@ def fit_box_and_levels(
 def find_level(points: Array, box: UprightBox, distance: float) -> float | None:
     """The height of most of an object's upper surface, or where most of its front ends.
 
-    Clutter, a backrest or a tap are higher, but have fewer points. Of heights with at least half as many points as the
-    most it is the lowest, which carries the others. None: a front with nothing above it, or a base, part of what the
-    object stands on.
+    Clutter, a backrest or a tap reach higher, but have fewer points. Candidates are heights with at least half as
+    many points as the fullest one; the lowest carries the others and is taken. None: only a front is seen, or the
+    level belongs to what the object stands on.
 
     Args:
         points: (N, 3) of the object, `distance` metres from the camera; their box.

@@ -1,4 +1,4 @@
-"""Boxes and walls: what reaches to a wall ends there, and nothing stands in one (paper A.3)."""
+"""Fit boxes to walls: what touches a wall ends at it, and nothing reaches into one (paper A.3)."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,11 +21,11 @@ CONTACT = 0.05  # metres by which a place may be missed: of the floor, of a wall
 def mount(placed: Placed, sight: Sight, reached: Sequence[Wall], options: GenerationConfig) -> Placed:
     """A model with its rear at the walls that it reaches, and a believable depth."""
     for wall in reached:
-        placed = placed.changed(f"rear to {wall.id}", extend_to_wall(placed.box, wall, options.min_extent))
+        placed = placed.change_box(f"rear to {wall.id}", extend_to_wall(placed.box, wall, options.min_extent))
     if reached and options.aspect_prior == "native":
         hangs = placed.wall_mounted
         deep = correct_depth_at_wall(placed.box, placed.asset.size, sight, options.aspect_range, reached[0], hangs)
-        placed = placed.changed(DEEP, deep)
+        placed = placed.change_box(DEEP, deep)
     return placed
 
 
@@ -43,9 +43,10 @@ def fit_stated_box(box: UprightBox, yaw: float, walls: Sequence[Wall], min_exten
 def correct_depth_at_wall(
     box: UprightBox, native: ArrayLike, sight: Sight, believable: tuple[float, float], wall: Wall, hangs: bool
 ) -> UprightBox:
-    """The box of what was extended to a wall, with a believable depth, the model's own if the cloud tells none.
+    """The box of a model that was extended to a wall, with a plausible depth: the model's own if the cloud shows
+    none.
 
-    What stands and is far too deep does not reach the wall: its front was seen, its rear was not.
+    A standing object that came out far too deep does not reach the wall: only its front was seen.
     """
     normal = np.asarray(wall.normal)
     unknown = sight.is_one_face(normal)
@@ -58,7 +59,7 @@ def correct_depth_at_wall(
 def extend_to_wall(box: UprightBox, wall: Wall, min_extent: float) -> UprightBox:
     """The box rescaled along its own axis so that its rear reaches the wall and its front stays where it is.
 
-    A wall that it is a little turned against (the second one in a corner) it touches with an edge.
+    If the box is turned a little against the wall (the second wall of a corner), its edge touches the wall.
     """
     normal = np.asarray(wall.normal, dtype=float)
     along = normal @ yaw_matrix(box.yaw)

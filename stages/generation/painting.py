@@ -39,7 +39,7 @@ def estimate_look(
     generated: GeneratedScene,
     items: list[Placed],
 ) -> Look:
-    """The look of a picture, its furniture told by one scene made of it.
+    """The look of a picture; one scene that was made of it says where furniture stands.
 
     Args:
         pictures: colours, masks and depth as `find_surfaces` takes them.

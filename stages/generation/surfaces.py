@@ -81,9 +81,10 @@ def keep_polygons(geometry: BaseGeometry) -> MultiPolygon:
 
 
 def keep_balanced(item: Placed, lower: Placed, pieces: list[Prism], surface: BaseGeometry) -> BaseGeometry:
-    """The part of a surface where an item does not tip over what carries it: both weigh over the lower one's feet.
+    """The part of a surface where an item does not tip its support over: their common centre of mass is above its
+    feet.
 
-    All of it if there is no such part, or the lower one is held.
+    All of it if there is no such part, or the support cannot fall.
     """
     if lower.held:
         return surface

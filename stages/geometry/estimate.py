@@ -61,7 +61,7 @@ class Sight:
         """Standard deviation (2,), metres, of noise along the level axes turned by `yaw`."""
         return np.abs(self.ray[:2] @ yaw_matrix(yaw)[:2, :2]) * self.noise
 
-    def measured(
+    def measure_box(
         self, box: UprightBox, yaw: float, trim: float, has_faces: bool = True, beyond: float = 0.0
     ) -> UprightBox:
         """The object's box along axes turned by `yaw`, its heights those of `box`, which reaches down to the support.

@@ -16,7 +16,7 @@ SYMMETRY_PERIOD = {
 }
 
 
-def rounded(vector: ArrayLike) -> tuple[float, float, float]:
+def round_vector(vector: ArrayLike) -> tuple[float, float, float]:
     """A 3-vector as it is written to files: micrometres."""
     x, y, z = (round(float(value), 6) for value in np.asarray(vector))
     return x, y, z

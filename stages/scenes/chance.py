@@ -37,7 +37,7 @@ def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, op
     """
     rng = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(room.name.encode()))))
     for attempt in range(ATTEMPTS):
-        drawn = redrawn(room, rng, 1 - attempt / ATTEMPTS)
+        drawn = redraw_recipe(room, rng, 1 - attempt / ATTEMPTS)
         assets = choose_models(drawn, models, founders(models), rng, library)
         layout = arrange(drawn, {name: asset.size for name, asset in assets.items()})
         if layout is None:
@@ -52,7 +52,7 @@ def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, op
     )
 
 
-def redrawn(room: Room, rng: Rng, reach: float = 1.0) -> Room:
+def redraw_recipe(room: Room, rng: Rng, reach: float = 1.0) -> Room:
     """The recipe, perhaps mirrored, with everything moved by up to `reach` of what is allowed."""
     mirror = bool(rng.random() < 0.5)
     items = tuple(_moved(_mirrored(item) if mirror else item, rng, reach) for item in room.items)

@@ -68,7 +68,7 @@ def furnish(
 
     Args:
         folders: of the library's models, by id.
-        fixed: all of them are; else only what hangs on a wall.
+        fixed: no item can move; else only what hangs on a wall cannot.
         made: folders of models, by item, that stand in for the library's.
     """
     bodies = {}

@@ -58,7 +58,7 @@ def make_scene(
         renderer = sapien.render.RenderSystem(*device)
     except RuntimeError as error:
         raise InputError(
-            "renderer", f"no Vulkan device ({error}).", "python -m stages.doctor", code="E-RENDERER-MISSING"
+            "renderer", f"no Vulkan device ({error}).", "python -m plugins.ops.doctor", code="E-RENDERER-MISSING"
         ) from None
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem(), renderer])
     scene.timestep = 0.01

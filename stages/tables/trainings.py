@@ -9,7 +9,7 @@ import pandas as pd
 
 from stages.contracts import read_json, trained
 from stages.contracts.trained import TrainedPolicy
-from stages.plugins import short
+from stages.plugins import shorten_name
 from stages.tables.cells import in_order
 from stages.tables.markup import Table
 from stages.tables.order import row_title, title
@@ -40,7 +40,13 @@ def collect(configs: Sequence[Path]) -> pd.DataFrame:
     for path in configs:
         config, (target, policy, name, run) = read_json(TrainedPolicy, path, AGAIN), path.absolute().parts[-6:-2]
         outcome = LATE if config.late else LEARNED if config.learned else STUCK
-        about = {"target": target, "task": short(config.task), "policy": policy, "run": run, "training_set": name}
+        about = {
+            "target": target,
+            "task": shorten_name(config.task),
+            "policy": policy,
+            "run": run,
+            "training_set": name,
+        }
         losses = {"validation_loss": config.best_loss, "validation_error": config.best_error}
         losses |= {"seed": config.seed, "best_step": config.best_step}
         constant = {"constant_error": config.constant_error, "plateau": config.plateau}

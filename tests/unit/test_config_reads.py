@@ -32,6 +32,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "matching.hog": {"match", "distances"},  # weights: nothing is encoded anew
     "matching.dinov2": set(),
     "matching.clip": set(),
+    "geometry": {"match"},
     "vlm": set(),
     "matching.own": set(),
     "photo.depth_pro": set(),  # not used
@@ -93,7 +94,8 @@ def digests(config: Any) -> dict[str, str]:
 
 
 SECTIONS = dict.fromkeys(section_name(stage) for stage, _ in READS if stage != "training")
-KEYS = [key for section in [*SECTIONS, "vlm"] for key in leaves(getattr(CONFIG, section), section)]
+BESIDE = [section for package in present().values() if package.judges for section in package.sections]
+KEYS = [key for section in [*SECTIONS, *BESIDE] for key in leaves(getattr(CONFIG, section), section)]
 
 
 @pytest.mark.parametrize("key", [*KEYS, *leaves(CONFIG.training.runs["lite"], "training.runs.lite")])
@@ -101,7 +103,8 @@ def test_a_key_runs_again_what_reads_it(key: str, monkeypatch: pytest.MonkeyPatc
     other = changed(CONFIG, key.split("."))
 
     def matching_of(self: Any, variant: str) -> MatchingConfig:
-        return matching_model(present()).model_construct(**dict(self.matching), vlm=self.vlm)  # any value will do
+        beside = {section: getattr(self, section) for section in BESIDE}
+        return matching_model(present()).model_construct(**dict(self.matching), **beside)  # any value will do
 
     monkeypatch.setattr(Config, "matching_of", matching_of)
     monkeypatch.setattr(Config, "generation_of", lambda self, variant: self.generation)
@@ -159,18 +162,6 @@ def test_variants_with_different_encoder_settings_have_stores_side_by_side() -> 
     told = options_of(config, "matching", "features", {"store": fine})
     kept = {"dimensions": 0}
     assert told == {"encoder": "hog", "hog": {"image_size": 192, "grid": 24}} | kept
-
-
-@pytest.mark.parametrize(("captions", "read"), [("labels", False), ("vlm", True)])
-def test_the_language_model_is_read_where_it_is_asked(captions: str, read: bool) -> None:
-    config = Config.model_validate({"photo": {"captions": captions}, "vlm": {"model": "toy"}})
-    assert ("toy" in repr(options_of(config, "inputs", "estimate", {}))) == read
-    assert "toy" not in repr(options_of(config, "matching", "match", {"variant": "b"}))
-    judged = Config.model_validate({"matching": {"model_selection": "vlm"}, "vlm": {"model": "toy"}})
-    assert "toy" in repr(options_of(judged, "matching", "match", {"variant": "b"}))
-    other = {"variants": {"b": {"vlm": {"model": "other"}}}}
-    judged = Config.model_validate({"matching": {"model_selection": "vlm"}, "experiment": other})
-    assert options_of(judged, "matching", "match", {"variant": "b"})["vlm"]["model"] == "other"
 
 
 def test_row_b_of_the_study_is_the_papers() -> None:

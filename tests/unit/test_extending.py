@@ -28,7 +28,7 @@ from stages.contracts.training_run import TrainingRun
 from stages.demonstrations.attempt import Recorder
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
-from stages.plugins import KINDS, available, find
+from stages.plugins import KINDS, find, list_available
 from stages.plugins import load as implementation
 from stages.policies.checkpoint import load_network
 from stages.scenes.layout import arrange
@@ -67,7 +67,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 def test_the_page_has_one_of_every_kind(package: Path) -> None:
-    yours = {kind: set(available(kind, ["my_package"])) - set(available(kind)) for kind in YOURS}
+    yours = {kind: set(list_available(kind, ["my_package"])) - set(list_available(kind)) for kind in YOURS}
     assert yours.pop("tasks") == {"touch", "shut"}
     assert all(len(names) == 1 for names in yours.values()), yours
     assert "my_package" not in sys.modules  # found without being imported
@@ -104,7 +104,7 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
         }
     )
     assert config.matching.encoder == "my_package.encoders.colours" and config.matching.search == "torch"
-    assert config.assets.importers == ["plugins.importing.importers.urdf", "my_package.importers.off"]
+    assert config.assets.importers == ["urdf", "my_package.importers.off"]
     assert config.matching_of("b").model_selection == "my_package.judges.by_name"
     assert config.training.runs["mine"].policy == "my_package.policies.mean_action"
     for wrong, kind, named in (

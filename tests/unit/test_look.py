@@ -134,7 +134,7 @@ def test_only_what_lies_in_its_plane_is_a_surface(furniture: Any) -> None:
 def test_shadows_fall_far_from_the_camera_too(furniture: Any) -> None:
     """The floor frame's origin is below the camera: the shadow map must follow the furniture."""
     items = furniture
-    moved = [item.shifted([12, 0, 0]) for item in items]
+    moved = [item.shift([12, 0, 0]) for item in items]
     objects = objects_of(items).model_copy(update={"walls": []})
     objects.floor_from_camera = look_at([10, 0, 2.5], [15, 0, 0.2]).tolist()
     rgb, masks, depth = taken(objects, moved, true_look(to_direction(0.8, 0.8)))

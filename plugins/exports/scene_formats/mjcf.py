@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.articulated.mjcf_writer import TOUCHED, ModelWriter, document, text
+from plugins.mujoco.mjcf_writer import TOUCHED, ModelWriter, document, text
 from stages.contracts.look import GAMMA
 from stages.generation.scene_models import CAMERA, OPENGL, Room
 from stages.geometry.frames import quaternion_from_matrix, yaw_quaternion

