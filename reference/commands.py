@@ -93,7 +93,7 @@ def list_passed_flags(root: Path) -> dict[str, set[str]]:
     flags = {found[1]: part for part in parts if (found := re.match(r"def (\w+_flags)\(", part))}
     called = {}
     for part in parts:
-        if found := re.search(r'command=command\("(\w+)", "([\w-]+)"\)', part):
+        if found := re.search(r'\*\*verb\(\s*"(\w+)",\s*"([\w-]+)"', part):
             said = [part[part.index("    shell:") :], *map(flags.get, re.findall(r"=(\w+_flags),", part))]
             called[f"{found[1]} {found[2]}"] = set(re.findall(r"--[a-z][a-z0-9-]*", "".join(said)))
     return called

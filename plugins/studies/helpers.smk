@@ -1,16 +1,19 @@
-# Helpers: what is rolled out under other conditions. Nothing here makes a file.
+# Helpers: what is rolled out under other conditions. No rules.
+from snakemake.exceptions import WorkflowError
 
 
-def under_conditions(wildcards):
-    """The rollouts of all skills and policies under every condition whose simulator has their task."""
-    if not CONFIG.evaluation.conditions:
-        raise WorkflowError("evaluation.conditions: is empty. Fix: name some, e.g. {mujoco: {simulator: mujoco}}")
-    found = []
-    for condition in CONFIG.evaluation.conditions:
-        simulator = CONFIG.evaluation.under(condition).simulator
-        targets = [name for name in TARGETS if CONFIG.simulated(name, simulator)]
-        found += demonstrated(rules.skill_under.output.rollouts, targets, condition=condition)
-        for cell in EXPERIMENT.cells:
-            if cell.target in targets:
-                found += policies_of(cell, rules.rollout_under.output.rollouts, condition=condition)
+def under_conditions(skill, policy):
+    """The files of both patterns for every condition and all that its simulator has."""
+
+    def found(wildcards):
+        if not CONFIG.evaluation.conditions:
+            raise WorkflowError("evaluation.conditions: is empty. Fix: name some, e.g. {mujoco: {simulator: mujoco}}")
+        files = []
+        for name in CONFIG.evaluation.conditions:
+            targets = CONFIG.targets_under(name)
+            files += expand(skill, condition=name, target=[target for target in TRAINED_TARGETS if target in targets])
+            for cell in (cell for cell in EXPERIMENT.cells if cell.target in targets):
+                files += policies_of(cell, policy, condition=name)
+        return files
+
     return found

@@ -196,7 +196,7 @@ def score_files(config: Config, results: Path) -> list[Path]:
     for variant in experiment.variants:
         for room in (room for room in experiment.rooms if room not in experiment.inputs):
             groups[variant, room] = [results / f"evaluation/scenes/{variant}/{room}/scores.csv"]
-    for scene, variants in experiment.met().items():
+    for scene, variants in experiment.protocol_scenes().items():
         for variant in variants:
             path = results / f"evaluation/scenes/{variant}/{scene}/scores.csv"
             groups.setdefault((variant, scene.partition(".")[2]), []).append(path)

@@ -5,19 +5,30 @@
 
 
 include: "helpers.smk"
+include: "open_rooms.smk"
+
+
+container: CONFIG.containers.simulation
 
 
 use rule rollout as rollout_under with:
     output:
-        **filmed(
+        **unless_replaced(
             "evaluation",
             "rollout",
-            "results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}",
-            condition="{condition}",
-            target="{target}",
-            policy="{policy}",
-            **{"training set": "{training_set}"},
-            seed="{seed}",
+            film=report(
+                "results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/film.png",
+                caption="../../report/captions/demos.rst",
+                category="Rollouts",
+                labels={
+                    "condition": "{condition}",
+                    "target": "{target}",
+                    "policy": "{policy}",
+                    "training set": "{training_set}",
+                    "seed": "{seed}",
+                },
+            ),
+            films="results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/films.zip",
         ),
         rollouts="results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
     log:
@@ -38,8 +49,12 @@ use rule skill as skill_under with:
 rule conditions:
     """Success of all policies and skills under every condition, and minus that under the usual one."""
     input:
-        rollouts=ROLLOUTS,
-        elsewhere=under_conditions,
+        rollouts=expand("results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv", zip, **CELLS),
+        skills=expand("results/evaluation/skill/{target}/rollouts.csv", target=TRAINED_TARGETS),
+        elsewhere=under_conditions(
+            skill="results/evaluation/conditions/{condition}/{target}/skill/rollouts.csv",
+            policy="results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
+        ),
     output:
         csv="results/tables/conditions.csv",
         html=in_report("results/tables/conditions.html", "tables", "../../report/captions"),
@@ -49,15 +64,12 @@ rule conditions:
     localrule: True
     container:
         CONFIG.containers.report
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("studies", "conditions"),
-        code=code("studies", "conditions"),
-        options=options("studies", "conditions"),
+        **verb("studies", "conditions"),
         names=list(CONFIG.evaluation.conditions),
         out=subpath(output.csv, parent=True),
     shell:
-        "{params.command} --rollouts {input.rollouts:q} --elsewhere {input.elsewhere:q} --names {params.names:q} "
+        "{params.command} --rollouts {input.rollouts:q} {input.skills:q} --elsewhere {input.elsewhere:q} --names {params.names:q} "
         "--options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"

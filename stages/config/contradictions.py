@@ -14,6 +14,7 @@ from stages.config.inputs import NAME
 from stages.config.mistakes import Mistake
 from stages.config.packages import packages_on
 from stages.config.pinned_assets import pinned_assets
+from stages.contracts.corrections import CORRECTIONS, corrections_of
 from stages.contracts.errors import InputError, nearest
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 
@@ -119,6 +120,7 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
             yield Mistake(key, "is the name of a room", "give your scene another name")
         elif name in run and not config.image:
             yield from given.mistakes(key)
+    yield from _corrections(config)
     ours = [name for name in experiment.rooms if name in rooms]
     if config.assets.own_only and config.assets.folders and ours:
         what = f"{ours[0]} is furnished with procedural models"
@@ -139,6 +141,17 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
                 what = f"the rooms up to {room} need {needed}" if len(used) > 1 else f"{room} needs {needed}"
                 mend = f"raise it, or leave {room} out of experiment.rooms"
                 yield Mistake(f"assets.counts.{category}", what, mend)
+
+
+def _corrections(config: "Config") -> Iterator[Mistake]:
+    """Files of corrections beside the scenes' pictures that can be read."""
+    experiment = config.experiment
+    for scene in (*experiment.rooms, *experiment.protocol_scenes()):
+        path = Path(experiment.input_folder(scene), CORRECTIONS)
+        try:
+            corrections_of((path,) if path.is_file() else (), "extraction")
+        except InputError as error:
+            yield Mistake.of(error)
 
 
 def _library(config: "Config") -> Iterator[Mistake]:

@@ -121,6 +121,11 @@ class Config(Section):
         task = self.experiment.task(target)
         return simulator == "maniskill" or len(load_plugin("tasks", self.implementation("tasks", task)).skills) == 1
 
+    def targets_under(self, condition: str) -> list[str]:
+        """The targets whose task the simulator of a condition has."""
+        simulator = self.evaluation.under(condition).simulator
+        return [target for target in self.experiment.targets if self.simulated(target, simulator)]
+
 
 def merged(base: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
     """`base` with `changes`; mappings in mappings are merged, everything else is replaced."""

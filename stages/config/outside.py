@@ -35,6 +35,22 @@ def online(config: Config) -> list[str] | None:
     return sorted({name for found in keys for name in found} - {""}) if keys else None
 
 
+def container_environment(config: Config, published: str) -> dict[str, str]:
+    """What containers/podman-shell asks for: images, folders to mount, keys if the network is used, a GPU.
+
+    Args:
+        published: folder of the tables of the paper's values.
+    """
+    keys = online(config)
+    return {
+        "ACDC_IMAGE": config.containers.template,
+        "ACDC_OUTSIDE": "\n".join([*outside(config), published]),
+        "ACDC_PAPER": published,
+        "ACDC_CODE": str(plugins.PACKAGES.parent),
+        "ACDC_GPU": config.device.replace("cpu", ""),
+    } | ({} if keys is None else {"ACDC_ONLINE": " ".join(keys)})
+
+
 def _of_inputs(config: Config) -> list[str]:
     """The user's pictures, or, where they are many, the folders that these lie in."""
     inputs = [config.experiment.inputs[room] for room in config.experiment.rooms if room in config.experiment.inputs]

@@ -44,6 +44,10 @@ READS = CORE | {
 }
 
 
+# Wildcards of rules by which the options of a verb differ.
+WILDCARDS = ("scene", "variant", "store", "role", "run", "condition")
+
+
 def section_name(stage: str) -> str:
     """The config section of a stage or package."""
     package = present().get(stage)
@@ -63,7 +67,7 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
     if section_name(stage) == "tables":
         return policy_tables(config)
     section: Section = getattr(config, section_name(stage))
-    if isinstance(section, ExtractionConfig) and not config.experiment.meeting(wildcards["scene"]).protocol.scale_error:
+    if isinstance(section, ExtractionConfig) and not config.experiment.scene(wildcards["scene"]).options.scale_error:
         return section.model_copy(update={"noise": section.noise.model_copy(update={"scale": 0.0})})
     return section
 

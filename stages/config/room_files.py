@@ -1,6 +1,7 @@
 """Find and read the rooms, a YAML file each: the eight of Table 2, and a user's."""
 
 from collections.abc import Iterable, Sequence
+from hashlib import sha256
 from pathlib import Path
 
 import yaml
@@ -40,6 +41,13 @@ def room_files(own: Iterable[str] = (), packages: Sequence[str] = ()) -> dict[st
             )
         files[path.stem] = path
     return files
+
+
+def recipe_digest(path: Path | None) -> str:
+    """Digest (12 hex digits) of what a room is made by: its own file and, of ours, those before it."""
+    ours = series()
+    used = ours[: ours.index(path) + 1] if path in ours else [path] if path else []
+    return sha256(b"\0".join(file.read_bytes() for file in used)).hexdigest()[:12]
 
 
 def read_room(path: Path) -> Room:

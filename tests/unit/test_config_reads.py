@@ -141,13 +141,11 @@ def test_ranges_of_what_is_randomised_run_its_demonstrations_alone_again() -> No
         assert "randomise" in told, role
 
 
-def test_rules_ask_for_the_options_of_their_own_verb() -> None:
+def test_rules_pass_options_to_the_verbs_that_read_any() -> None:
     for path in rule_files(ROOT):
         for body in re.split(r"^(?:rule|checkpoint) ", path.read_text(), flags=re.MULTILINE)[1:]:
-            asked = re.findall(r'\boptions=options\(("\w+", "\w+")\)', body)
-            assert asked in ([], re.findall(r'command=command\(("\w+", "\w+")\)', body)), body[:40]
-            own = "picture_options(" in body  # of its verb, and a key of the picture's own
-            assert (bool(asked) or own) == ("{params.options:q}" in body), body[:40]
+            for called in re.findall(r'\*\*verb\(\s*"(\w+)",\s*"([\w-]+)"', body):
+                assert (called in READS) == ("{params.options:q}" in body), called
 
 
 def test_variants_with_different_encoder_settings_have_stores_side_by_side() -> None:

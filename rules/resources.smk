@@ -1,4 +1,4 @@
-# Helpers: what jobs ask an engine for, and which of them are one submission (docs/cluster.md). Nothing here makes a file.
+# Helpers: what jobs ask an engine for, and which of them are one submission (docs/cluster.md). No rules.
 
 
 def needs(mem_mb, minutes, gpu=False):
@@ -18,36 +18,43 @@ def needs(mem_mb, minutes, gpu=False):
     return asked | ({"gpu": 1} if gpu and CONFIG.device == "cuda" else {})
 
 
-def models_in(shard):
+def models_in(wildcards):
     """How many models a shard has."""
-    return len(OWN[shard].models) if shard in OWN else -(-sum(CONFIG.assets.counts.values()) // max(PROCEDURAL, 1))
+    if wildcards.shard in OWN_SHARDS:
+        return len(OWN_SHARDS[wildcards.shard].models)
+    return -(-sum(CONFIG.assets.counts.values()) // max(len(PROCEDURAL_SHARDS), 1))
 
 
-def views_in(shard):
+def views_in(wildcards):
     """How many pictures are taken of a shard's models."""
-    return models_in(shard) * CONFIG.assets.n_snap
+    return models_in(wildcards) * CONFIG.assets.n_snap
 
 
-def tests():
+def episodes_of(wildcards):
+    """How many demonstrations are collected on an asset."""
+    return EXPERIMENT.episodes_of(wildcards.target, wildcards.role)
+
+
+def test_episodes():
     """How many episodes one policy is rolled out for."""
     options = CONFIG.evaluation
     return len(options.test_assets) * options.rollouts + options.assets * options.asset_rollouts
 
 
-def trials(run):
+def trial_episodes(wildcards):
     """How many episodes one policy is tried for."""
-    return CONFIG.evaluation.selection_rollouts * max(1, CONFIG.training.runs[run].keep)
+    return CONFIG.evaluation.selection_rollouts * max(1, CONFIG.training.runs[wildcards.run].keep)
 
 
-def training_minutes(run):
+def training_minutes(wildcards):
     """Three times what a hyper-parameter set takes: measured on one core, for a GPU reckoned at 20 TFLOP/s."""
-    options = CONFIG.training.runs[run]
+    options = CONFIG.training.runs[wildcards.run]
     network, seconds = options.network, 3e-13 if CONFIG.device == "cuda" else 2.5e-11
     clouds = options.batch_size * options.rnn_horizon * network.points
     products = clouds * network.pointnet_width * (8 + network.pointnet_width * (network.pointnet_layers - 1))
     return 30 + 3 * options.steps * (0.015 + seconds * products) / 60
 
 
-def of_scene(wildcards):
+def scene_group(wildcards):
     """The submission of a job about one scene: one per variant, the first makes what they share."""
     return f"scene_{wildcards.get('variant', VARIANTS[0])}"
