@@ -144,10 +144,10 @@ class ExperimentConfig(Section):
 
     def scene(self, name: str) -> Scene:
         """A scene by its name: `<room>`, `<room>.<protocol>.<seed>`, or that of a picture of the user's."""
-        room, *followed = name.split(".")
+        room, _, followed = name.partition(".")
         if not followed:
             return Scene(room, "", None, Protocol())
-        protocol, seed = followed
+        protocol, _, seed = followed.rpartition(".")
         return Scene(room, protocol, int(seed), self.protocols[protocol])
 
     def picture_of(self, scene: str) -> str:

@@ -115,7 +115,7 @@ def test_shaders_without_a_sky_make_the_same_pictures(tmp_path: Path, monkeypatc
     k = intrinsics_from_fov(96, 96, 0.8)
     pictures = []
     for folder_of in (make_skyless_pack, str):
-        monkeypatch.setattr(shaders, "skyless", folder_of)
+        monkeypatch.setattr(shaders, "make_skyless_pack", folder_of)
         scene = make_scene(shadows=False)
         load_asset(scene, tmp_path / asset.id, root_pose(asset, (0.0, 0.0, 0.0), 0.5), True, asset.id)
         pose = look_at((1.5, 0.0, 0.5), (0.0, 0.0, 0.0))
