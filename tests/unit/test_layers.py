@@ -14,6 +14,7 @@ ORDER = (
 ON_OTHERS = {  # few, each for a reason
     ("patchnet", "furniture"),  # its training draws furniture
     ("segmenter", "furniture"),  # its training furnishes rooms
+    ("inputs", "segmenter"),  # masks that nobody gave
     ("inputs", "vlm"),  # captions may come from a language model
     ("studies", "report"),  # the times of a run
     ("studio", "inputs"),  # a photograph's camera, and what an input folder is
