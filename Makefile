@@ -18,7 +18,7 @@ help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
 setup: $(STAMP) ## create .venv from the pinned requirements, make sure a Vulkan device exists
-	@$(BIN)/python -m stages.doctor --mend
+	@$(BIN)/python -m plugins.ops.doctor --mend
 
 $(STAMP): envs/requirements.txt envs/setup.sh pyproject.toml
 	@bash envs/setup.sh

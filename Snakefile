@@ -18,11 +18,9 @@ report: "report/workflow.rst"
 
 
 include: "rules/common.smk"
-include: "rules/needs.smk"
-include: "rules/protocols.smk"
-include: "rules/paths.smk"
-include: "rules/rows.smk"
-include: "rules/corrections.smk"
+include: "rules/resources.smk"
+include: "rules/inputs.smk"
+include: "rules/implementations.smk"
 include: "rules/assets.smk"
 include: "rules/scenes.smk"
 include: "rules/extraction.smk"
@@ -35,8 +33,6 @@ include: "rules/trials.smk"
 include: "rules/scores.smk"
 include: "rules/evaluation.smk"
 include: "rules/tables.smk"
-include: "rules/conditions.smk"
-include: "rules/open_rooms.smk"
 
 
 for file in rule_files(CONFIG.packages):

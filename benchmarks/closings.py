@@ -27,7 +27,7 @@ from matplotlib.patches import Rectangle
 from stages.config.evaluation import EvaluationConfig, SkillOptions
 from stages.contracts.policies import TaskAsset, TaskAssets
 from stages.evaluation.arena import PolicyArena
-from stages.evaluation.states import Start, initial_states, taking_turns, unseen_starts
+from stages.evaluation.states import Start, initial_states, list_unseen_starts, share_states
 from stages.geometry.frames import apply, inverse
 from stages.tasks.api import TaskEnv
 from stages.tasks.movable import Movable
@@ -119,8 +119,8 @@ def starts(plan: TaskAssets, role: str, given: argparse.Namespace) -> list[Start
     """The episodes of `evaluation rollout` for a role or split."""
     if role in ("test", "validation"):
         settings = SkillOptions(split=role, assets=given.unseen, asset_rollouts=given.unseen_rollouts)
-        return unseen_starts(plan, settings, given.seed)
-    return taking_turns(plan.assets_of(role, given.assets), initial_states("roles", given.seed, given.rollouts))
+        return list_unseen_starts(plan, settings, given.seed)
+    return share_states(plan.assets_of(role, given.assets), initial_states("roles", given.seed, given.rollouts))
 
 
 def draw(given: argparse.Namespace) -> None:

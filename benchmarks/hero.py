@@ -41,7 +41,7 @@ def opened(room: Room, task: str) -> Recording:
     still = TaskConfig(object_xy=0.0, object_yaw=0.0, scale_range=(1.0, 1.0))
     joint = load("tasks", task).suitable_joint(room.target.folder)
     env = TaskEnv(task, room.target.folder, joint, None, still, vary_scale=False, room=room)
-    recorder = Recorder(env, DemonstrationsConfig(recovery=0.0, noise=0.0), film=1)
+    recorder = Recorder(env, DemonstrationsConfig(recovery=0.0, noise=0.0), film=True)
     for seed, room.shift in enumerate(list_base_shifts()):
         env.place(seed)
         if not find_obstacle(env, room) and recorder.attempt(seed)[1].success:

@@ -90,7 +90,7 @@ def film(
 ) -> None:
     """Films of one failed attempt, as it was."""
     world = TaskEnv(task, folder, row["joint"], size, TaskConfig(), render=True)
-    recorder = Recorder(world, options, film=1, failures=True)
+    recorder = Recorder(world, options, film=True, failures=True)
     recorder.attempt(int(row["seed"]))
     write_demonstration_films(out, recorder.filmed, "twin", world.options.control_frequency)
     world.close()

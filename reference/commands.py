@@ -86,15 +86,15 @@ def rule_files(root: Path) -> list[Path]:
     return [*sorted((root / "rules").glob("*.smk")), *sorted((root / "plugins").glob("*/*.smk"))]
 
 
-def passed(root: Path) -> dict[str, set[str]]:
+def list_passed_flags(root: Path) -> dict[str, set[str]]:
     """The flags that the rules of the workflow pass, by `stage verb`, those of their `*_flags` functions among them."""
     texts = [path.read_text(encoding="utf-8") for path in rule_files(root)]
     parts = [part for text in texts for part in re.split(r"^(?=\w)", text, flags=re.MULTILINE)]
-    told = {found[1]: part for part in parts if (found := re.match(r"def (\w+_flags)\(", part))}
+    flags = {found[1]: part for part in parts if (found := re.match(r"def (\w+_flags)\(", part))}
     called = {}
     for part in parts:
-        if found := re.search(r'command=command\("(\w+)", "([\w-]+)"\)', part):
-            said = [part[part.index("    shell:") :], *map(told.get, re.findall(r"=(\w+_flags),", part))]
+        if found := re.search(r'\*\*verb\(\s*"(\w+)",\s*"([\w-]+)"', part):
+            said = [part[part.index("    shell:") :], *map(flags.get, re.findall(r"=(\w+_flags),", part))]
             called[f"{found[1]} {found[2]}"] = set(re.findall(r"--[a-z][a-z0-9-]*", "".join(said)))
     return called
 
@@ -107,7 +107,7 @@ def targets(root: Path) -> Iterator[tuple[str, str]]:
 def page(root: Path) -> str:
     """The text of docs/commands.md."""
     lines = [HEAD + "\n".join(f"| `make {name}` | {text} |" for name, text in targets(root)), VERBS]
-    called = passed(root)
+    called = list_passed_flags(root)
     for each in verbs(root):
         ours = called.get(f"{each.stage} {each.name}", set())
         lines += [f"### `{each.stage} {each.name}`", "", each.summary[:1].upper() + each.summary[1:] + ".", ""]

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 import networkx as nx
 
-from reference.picture import drawn
+from reference.picture import draw_graph
 
 TITLE = "The rules of the default run: each reads files of those above it."
 NODE = re.compile(r"^(\d+) \[.*?<b><font[^>]*>(\w+)</font></b>(.*?)</table>>\]", re.DOTALL | re.MULTILINE)
@@ -46,7 +46,7 @@ def picture(root: Path) -> str:
     """The text of docs/images/data.svg."""
     graph = plan(root)
     graph.remove_nodes_from(["all", "report_page", "viewer"])  # the page reads what all others write
-    return drawn(graph, {rule: [rule, *files] for rule, files in graph.nodes(data="files")}, TITLE)
+    return draw_graph(graph, {rule: [rule, *files] for rule, files in graph.nodes(data="files")}, TITLE)
 
 
 def _names(patterns: Iterable[str]) -> list[str]:

@@ -48,7 +48,7 @@ class Box:
         return "\n".join([frame, *texts])
 
 
-def drawn(graph: nx.DiGraph, texts: Mapping[str, Sequence[str]], title: str) -> str:
+def draw_graph(graph: nx.DiGraph, texts: Mapping[str, Sequence[str]], title: str) -> str:
     """SVG of a connected graph without cycles; an arrow that follows from others is left out.
 
     Args:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import networkx as nx
 
-from reference.picture import drawn
+from reference.picture import draw_graph
 
 TITLE = "The folders of stages/: each imports only what lies below it."
 
@@ -27,7 +27,7 @@ def imports(root: Path) -> nx.DiGraph:
 def picture(root: Path) -> str:
     """The text of docs/images/rooms.svg."""
     graph = imports(root)
-    return drawn(graph, {room: [room] for room in graph}, TITLE)
+    return draw_graph(graph, {room: [room] for room in graph}, TITLE)
 
 
 def table(root: Path) -> str:

@@ -1,34 +1,27 @@
 # The asset library and its snapshots (paper A.1).
 # Reads:  nothing, or the user's folders named in `assets.folders`.
+# Whoever needs a model reads the index and all archives, by `ancient`: that one changed is seen in the index.
 # Writes: results/assets/library/shard_<i>.{json,zip} and library.json, the index of them all,
 #         results/assets/snapshots/shard_<i>.{h5,json}, and for people shard_<i>.png.
 
-# What a job reads that needs a model: that one changed is seen in the index, not by the age of the archives.
-LIBRARY = {
-    "library": "results/assets/library/library.json",
-    "models": ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
-}
+
+container: CONFIG.containers.simulation
 
 
 rule library:
     """Join the procedural models and the user's own."""
     input:
-        procedural=expand("results/assets/library/shard_{shard}.json", shard=range(PROCEDURAL)),
-        own=expand("results/assets/library/shard_{shard}.json", shard=OWN),
+        procedural=expand("results/assets/library/shard_{shard}.json", shard=PROCEDURAL_SHARDS),
+        own=expand("results/assets/library/shard_{shard}.json", shard=OWN_SHARDS),
     output:
-        library=LIBRARY["library"],
+        library="results/assets/library/library.json",
     log:
         "logs/assets/library.log",
     localrule: True
-    container:
-        CONFIG.containers.simulation
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("assets", "join"),
-        code=code("assets", "join"),
-        check=check(library="library"),
+        **verb("assets", "join", library="library"),
     shell:
         "({params.command} --library {input.procedural:q} --own {input.own:q} --out {output.library:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
@@ -48,19 +41,13 @@ rule snapshots:
         "benchmarks/assets/snapshots_{shard}.tsv"
     group:
         "shard"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
     resources:
         **needs(
-            lambda wildcards: 1500 + models_in(wildcards.shard),
-            lambda wildcards: 10 + views_in(wildcards.shard) / 3000,
+            lambda wildcards: 1500 + models_in(wildcards),
+            lambda wildcards: 10 + views_in(wildcards) / 3000,
         ),
     params:
-        command=command("assets", "snapshots"),
-        code=code("assets", "snapshots"),
-        check=check(snapshots="images"),
-        options=options("assets", "snapshots"),
+        **verb("assets", "snapshots", snapshots="images"),
     shell:
         "({params.command} --library {input.part:q} --options {params.options:q} --out {output.images:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
@@ -69,21 +56,17 @@ rule snapshots:
 rule draw_snapshots:
     """Lay the snapshots of one shard out on a contact sheet."""
     input:
-        images=rules.snapshots.output.images,
-        index=rules.snapshots.output.index,
+        images="results/assets/snapshots/shard_{shard}.h5",
+        index="results/assets/snapshots/shard_{shard}.json",
     output:
         sheet="results/assets/snapshots/shard_{shard}.png",
     log:
         "logs/assets/draw_{shard}.log",
     group:
         "shard"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("assets", "draw"),
-        code=code("assets", "draw"),
+        **verb("assets", "draw"),
     shell:
         "{params.command} --snapshots {input.images:q} 2>&1 | tee {log:q}"

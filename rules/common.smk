@@ -1,38 +1,23 @@
-# Helpers: the validated config, options and code digests of each job, commands. Nothing here makes a file.
-import atexit
-import gc
+# Helpers: the config, the names that rules expand over, the parameters of a rule that runs a verb. No rules.
 import json
 import os
 import shlex
 import sys
 from functools import cache
 from hashlib import sha256
-from itertools import chain, product
+from itertools import product
 from pathlib import Path
 
-from snakemake.exceptions import WorkflowError
-from snakemake.settings.types import ExecMode
-
-import stages
-from stages.config.code import code_digest, cover, files_digest
-from stages.config.demonstrations import MotionOptions
+from stages.config.code import cover, files_digest
+from stages.config.commands import check_line, command_digest, command_line, replacement
 from stages.config.mistakes import check_keys
 from stages.config.model import load, with_defaults
-from stages.config.names import modules
-from stages.config.packages import home_of, rule_files, shards_of
-from stages.config.outside import online, outside
-from stages.config.reads import options_of, stores
+from stages.config.outside import container_environment
+from stages.config.packages import drawn_by, rule_files, shards_of
+from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, options_of, stores
 from stages.config.sizes import sized
-from stages.contracts.corrections import CORRECTIONS, corrections_of
 from stages.contracts.errors import InputError
 from stages.contracts.training_sets import ROLE_NAME, SET_NAME
-from stages.plugins import qualified
-from stages.config.room_files import series
-
-# The graph of jobs only grows: looking through it for garbage, the last time at the end, is a third of a plan's time.
-gc.freeze()
-gc.set_threshold(100_000, 100, 100)
-atexit.register(gc.freeze)
 
 # `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
@@ -45,8 +30,8 @@ try:
         check_keys(file)
     CONFIG = load(with_defaults(config))
     cover(CONFIG.plugins)
-    OWN = shards_of(CONFIG)
-    LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN.values())
+    OWN_SHARDS = shards_of(CONFIG)
+    LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN_SHARDS.values())
     CONFIG = sized(CONFIG, LIBRARY_SIZE)
 except InputError as error:
     print(f"error: {error} [{error.code}]", file=sys.stderr)  # one line: Snakemake would add this file and its line
@@ -54,104 +39,110 @@ except InputError as error:
 
 # Snakemake keeps copies of what `workflow.source_path` names, in a folder of its own.
 PUBLISHED = str(Path([workflow.source_path(f"../report/published/table{n}.csv") for n in (2, 3)][0]).resolve().parent)
-# What containers/podman-shell asks for: images, folders to mount, the network and keys, a GPU.
-os.environ.update(
-    ACDC_IMAGE=CONFIG.containers.template,
-    ACDC_OUTSIDE="\n".join([*outside(CONFIG), PUBLISHED]),
-    ACDC_PAPER=PUBLISHED,  # where the tables of the paper's values lie
-    ACDC_CODE=str(Path(stages.__file__).resolve().parents[1]),
-    ACDC_GPU=CONFIG.device.replace("cpu", ""),
-)
 os.environ.pop("ACDC_ONLINE", None)
-if online(CONFIG) is not None:
-    os.environ.update(ACDC_ONLINE=" ".join(online(CONFIG)))
+os.environ.update(container_environment(CONFIG, PUBLISHED))
+
+
+def columns(*names, rows):
+    """Rows as lists by name, for `expand(pattern, zip, **columns)`."""
+    return {name: [row[index] for row in rows] for index, name in enumerate(names)}
+
+
 EXPERIMENT = CONFIG.experiment
+# Rooms and pictures of the user's; those whose truth is known; those that the report shows: of many pictures eight.
 ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
-# The report shows a handful of the user's pictures; where there are more, the overview has them all.
-MORE = [room for room in ROOMS if room in EXPERIMENT.inputs][8:]
-SHOWN = [room for room in ROOMS if room not in set(MORE)]
-MET = EXPERIMENT.met()
+FURTHER_ROOMS = set([room for room in ROOMS if room in EXPERIMENT.inputs][8:])
+REPORT_ROOMS = [room for room in ROOMS if room not in FURTHER_ROOMS]
+ROOM_FILES = CONFIG.room_files()
+# Variants, and that of the policy experiment; rooms by protocols, each with its variants.
 VARIANTS = list(EXPERIMENT.variants)
-matching_of = cache(CONFIG.matching_of)  # asked for by every job of matching
+MATCHING = {variant: CONFIG.matching_of(variant) for variant in VARIANTS}
+POLICY_VARIANT = EXPERIMENT.policy_variant
+PROTOCOL_SCENES = [(scene, variant) for scene, named in EXPERIMENT.protocol_scenes().items() for variant in named]
+PROTOCOL_SCENES = columns("scene", "variant", rows=PROTOCOL_SCENES)
+RANKS = list(range(1, CONFIG.generation.ranks + 1))
+# Shards of the procedural models, or of what a command of the user's makes in their place; then of the user's models.
+PROCEDURAL = any(CONFIG.assets.counts.values()) or replacement(CONFIG, "furniture", "library")
+PROCEDURAL_SHARDS = list(range(CONFIG.assets.shards)) if PROCEDURAL else []
+SHARDS = [*PROCEDURAL_SHARDS, *OWN_SHARDS]
+STORES = stores(CONFIG)
+# What policies open, also inside generated scenes; on which assets it is demonstrated; who opens it after what training.
 TARGETS = list(EXPERIMENT.targets)
+SCENE_TARGETS = TARGETS if EXPERIMENT.in_scene else []
+TRAINED_TARGETS = [name for name in TARGETS if EXPERIMENT.sets_of(name)]
+DEMONSTRATED = [(name, role) for name in TARGETS for role in EXPERIMENT.trained_roles(name)]
+DEMONSTRATED = columns("target", "role", rows=DEMONSTRATED)
+CELLS = columns("target", "policy", "training_set", rows=EXPERIMENT.cells)
+# Files of assets that the user has committed, by target.
 PINNED = {name: target.assets for name, target in EXPERIMENT.targets.items() if target.assets}
-# Shards of the procedural models, or of what a command of the user's makes in their place.
-PROCEDURAL = (
-    CONFIG.assets.shards if any(CONFIG.assets.counts.values()) or "library" in CONFIG.stages.get("furniture", {}) else 0
-)
-SHARDS = [*map(str, range(PROCEDURAL)), *OWN]
 # What packages beside the core add to the target `all`.
 EVERYTHING = []
-RANKS = list(range(1, CONFIG.generation.ranks + 1))
-STORES = stores(CONFIG)
 
 
 wildcard_constraints:
+    room=r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*",
+    protocol="|".join(EXPERIMENT.protocols) or "-",
+    seed=r"\d+",
     scene=r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*(\.(" + "|".join(EXPERIMENT.protocols) + r")\.\d+)?",
     variant=r"[A-Za-z0-9_-]+",
+    shard=r"\d+|own_\w+",
     store=r"[A-Za-z0-9_]+-[0-9a-f]{8}",
-    target="|".join(TARGETS) or "-",
-    policy="|".join(EXPERIMENT.policies) or "-",
-    condition="|".join(CONFIG.evaluation.conditions) or "-",
     object=r"[^/]+",
+    target="|".join(TARGETS) or "-",
     role=ROLE_NAME,
+    policy="|".join(EXPERIMENT.policies) or "-",
     training_set=SET_NAME,
     run=r"[A-Za-z0-9_-]+",
-    seed=r"\d+",
-    shard=r"\d+|own_\w+",
+    condition="|".join(CONFIG.evaluation.conditions) or "-",
 
 
-def files(patterns, **values):
-    """Snakemake's `expand` for outputs of rules, also where a storage provider holds them; other wildcards stay."""
-    found = []
-    for pattern in [patterns] if isinstance(patterns, str) else patterns:
-        names = pattern.get_wildcard_names()
-        lists = {name: [value] if isinstance(value, (str, int)) else value for name, value in values.items()}
-        for chosen in product(*(lists[name] for name in lists if name in names)):
-            given = dict(zip((name for name in lists if name in names), chosen))
-            found.append(pattern.apply_wildcards({name: f"{{{name}}}" for name in names} | given))
-    return found
+def verb(stage, name, uses=(), options=None, **outputs):
+    """What runs a verb, as parameters: `command`, a digest of its `code`, its `options`, a `check` of its outputs.
+
+    uses: modules of implementations whose code counts as well, or a function of wildcards that gives them.
+    options: a function of wildcards, in the place of what the verb reads of the config.
+    outputs: contract = output, of those that are checked.
+    """
+
+    def code(wildcards):
+        return command_digest(CONFIG, stage, name, *uses(wildcards))
+
+    def check(wildcards, output):
+        return check_line({contract: getattr(output, key) for contract, key in outputs.items()})
+
+    found = {"command": command_line(CONFIG, stage, name)}
+    found["code"] = code if callable(uses) else command_digest(CONFIG, stage, name, *uses)
+    if options or (stage, name) in READS:
+        found["options"] = options or read_options(stage, name)
+    return found | ({"check": check} if outputs else {})
 
 
-def options(stage, verb):
+def read_options(stage, name):
     """The --options of a verb, as JSON: what it reads of the config and no more, so that no other change runs it."""
 
     @cache
-    def told(**wildcards):
-        return json.dumps(options_of(CONFIG, stage, verb, wildcards), sort_keys=True)
+    def read(**wildcards):
+        return json.dumps(options_of(CONFIG, stage, name, wildcards), sort_keys=True)
 
-    def found(wildcards):
-        met = {"scene": "".join(wildcards.scene.partition(".")[1:])} if "scene" in wildcards.keys() else {}
-        return told(**dict(wildcards) | met)  # of a scene only its protocol counts
+    def options(wildcards):
+        given = {key: value for key, value in wildcards.items() if key in OPTION_WILDCARDS}
+        if "scene" in given:  # only its protocol counts
+            given["scene"] = "".join(given["scene"].partition(".")[1:])
+        return read(**given)
 
-    return found
-
-
-def command(stage, verb):
-    """The command line of a verb: ours, or the user's own if it is replaced, which ends with the workflow as ours do."""
-    own = CONFIG.stages.get(stage, {}).get(verb)
-    if own is None:
-        return f"python -m {home_of(stage)} {verb}"
-    guard = ["python", "-m", "plugins.ops.guard"] if CONFIG.packages.get("ops") else []
-    return shlex.join([*guard, "bash", "-c", own.command + ' "$@"', verb])
+    return options
 
 
-def code(stage, verb, *used):
-    """Digest of the code behind a verb and of the implementations it uses: an edit re-runs what uses it."""
-    own = CONFIG.stages.get(stage, {}).get(verb)
-    return files_digest(own.code) if own else code_digest(f"{home_of(stage)}.{verb}", *used)
+def unless_replaced(stage, name, **outputs):
+    """Outputs for people, of our own verb: a command in its place need not make them."""
+    return {} if replacement(CONFIG, stage, name) else outputs
 
 
-def check(**outputs):
-    """The command that refuses what breaks its contract, keeping it aside; `outputs`: kind of file = its output."""
-
-    def line(wildcards, output):
-        files = {kind: getattr(output, name) for kind, name in outputs.items()}
-        named = [[kind, *([file] if isinstance(file, str) else file)] for kind, file in files.items()]
-        return shlex.join(["python", "-m", "stages.contracts", "--refuse", *chain(*named)])
-
-    return line
+def in_report(path, kind, captions="../report/captions"):
+    """A file that Snakemake's own report shows as well; `captions`: folder, from the file that asks."""
+    caption = f"{captions}/{kind}.rst"
+    return report(path, caption=caption, category=kind.capitalize(), labels={"name": Path(path).stem})
 
 
 def paper(table):

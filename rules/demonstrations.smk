@@ -4,18 +4,26 @@
 #         results/demonstrations/<target>/in_scene/{in_scene.json,episodes.zip,film.png,films.zip}.
 
 
+container: CONFIG.containers.simulation
+
+
 rule demonstrate:
     """Collect the demonstrations of one asset."""
     input:
-        **LIBRARY,
-        assets=lambda wildcards: target_assets(wildcards.target),
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        assets=f"results/experiment/{POLICY_VARIANT}/{{target}}/assets.json",
     output:
-        **filmed(
+        **unless_replaced(
             "demonstrations",
             "collect",
-            "results/demonstrations/{target}/{role}",
-            target="{target}",
-            asset="{role}",
+            film=report(
+                "results/demonstrations/{target}/{role}/film.png",
+                caption="../report/captions/demos.rst",
+                category="Demonstrations",
+                labels={"target": "{target}", "asset": "{role}"},
+            ),
+            films="results/demonstrations/{target}/{role}/films.zip",
         ),
         episodes="results/demonstrations/{target}/{role}/episodes.h5",
         attempts="results/demonstrations/{target}/{role}/attempts.jsonl",
@@ -23,18 +31,12 @@ rule demonstrate:
         "logs/demonstrations/{target}_{role}.log",
     benchmark:
         "benchmarks/demonstrations/{target}_{role}.tsv"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
     resources:
-        **needs(3000, lambda wildcards: 15 + EXPERIMENT.episodes_of(wildcards.target, wildcards.role) / 5),
+        **needs(3000, lambda wildcards: 15 + episodes_of(wildcards) / 5),
     params:
-        command=command("demonstrations", "collect"),
-        code=task_code("demonstrations", "collect"),
-        check=check(episodes="episodes", attempts="attempts"),
-        options=options("demonstrations", "collect"),
-        task_options=lambda wildcards: CONFIG.task_of(wildcards.target).model_dump_json(),
-        episodes=lambda wildcards: EXPERIMENT.episodes_of(wildcards.target, wildcards.role),
+        **verb("demonstrations", "collect", uses=task_modules, episodes="episodes", attempts="attempts"),
+        task_options=task_options,
+        episodes=episodes_of,
         seed=CONFIG.seed,
     shell:
         "({params.command} --assets {input.assets:q} --library {input.library:q} --role {wildcards.role} "
@@ -46,13 +48,20 @@ rule demonstrate:
 rule demonstrate_in_scene:
     """Demonstrate a task once in the generated scene of every rank, furniture in the way."""
     input:
-        **LIBRARY,
-        scenes=target_scenes,
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        scenes=expand(
+            "results/generation/{variant}/{room}/scene_{rank}.json",
+            variant=POLICY_VARIANT,
+            room=target_room,
+            rank=RANKS[: EXPERIMENT.in_scene],
+        ),
     output:
-        **(
-            {}
-            if "scene" in CONFIG.stages.get("demonstrations", {})
-            else {name: f"results/demonstrations/{{target}}/in_scene/{file}" for name, file in FILMS.items()}
+        **unless_replaced(
+            "demonstrations",
+            "scene",
+            film="results/demonstrations/{target}/in_scene/film.png",
+            films="results/demonstrations/{target}/in_scene/films.zip",
         ),
         in_scene="results/demonstrations/{target}/in_scene/in_scene.json",
         episodes="results/demonstrations/{target}/in_scene/episodes.zip",
@@ -60,19 +69,13 @@ rule demonstrate_in_scene:
         "logs/demonstrations/{target}_in_scene.log",
     benchmark:
         "benchmarks/demonstrations/{target}_in_scene.tsv"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
     resources:
         **needs(3000, 60),
     params:
-        command=command("demonstrations", "scene"),
-        code=task_code("demonstrations", "scene"),
-        check=check(in_scene="in_scene"),
-        options=options("demonstrations", "scene"),
-        task_options=lambda wildcards: CONFIG.task_of(wildcards.target).model_dump_json(),
-        task=lambda wildcards: implementation(wildcards.target),
-        object=lambda wildcards: EXPERIMENT.targets[wildcards.target].object,
+        **verb("demonstrations", "scene", uses=task_modules, in_scene="in_scene"),
+        task_options=task_options,
+        task=task,
+        object=target_object,
         seed=CONFIG.seed,
         out=subpath(output.in_scene, parent=True),
     shell:
@@ -85,6 +88,6 @@ rule demonstrate_in_scene:
 rule demonstrations:
     """Demonstrations of every asset that a training set uses, and those inside generated scenes."""
     input:
-        trained(rules.demonstrate.output.episodes),
-        in_scenes(rules.demonstrate_in_scene.output.in_scene),
+        expand("results/demonstrations/{target}/{role}/episodes.h5", zip, **DEMONSTRATED),
+        expand("results/demonstrations/{target}/in_scene/in_scene.json", target=SCENE_TARGETS),
     localrule: True

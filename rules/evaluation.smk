@@ -3,47 +3,57 @@
 # Writes: results/evaluation/policies/<target>/<policy>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films.zip},
 #         results/evaluation/policies/<target>/<policy>/<training set>/rollouts.csv,
 #         results/evaluation/skill/<target>/rollouts.csv.
+from stages.config.demonstrations import MotionOptions
+
+
+container: CONFIG.containers.simulation
 
 
 rule rollout:
     """Roll one policy out on the test roles and on unseen assets, from initial states that all policies share."""
     input:
-        **LIBRARY,
-        policy=rules.train.output.policy,
-        last=rules.train.output.last,
-        checkpoints=rules.train.output.checkpoints,
-        config=rules.train.output.config,
-        assets=lambda wildcards: target_assets(wildcards.target),
-        trial=rules.trial.output.rollouts if CONFIG.evaluation.checkpoint == "rollouts" else [],
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        policy="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/policy.safetensors",
+        last="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/last.safetensors",
+        checkpoints="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/checkpoints.zip",
+        config="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/config.json",
+        assets=f"results/experiment/{POLICY_VARIANT}/{{target}}/assets.json",
+        trial=(
+            "results/evaluation/trials/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv"
+            if CONFIG.evaluation.checkpoint == "rollouts"
+            else []
+        ),
     output:
-        **filmed(
+        **unless_replaced(
             "evaluation",
             "rollout",
-            "results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}",
-            target="{target}",
-            policy="{policy}",
-            **{"training set": "{training_set}"},
-            seed="{seed}",
+            film=report(
+                "results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/film.png",
+                caption="../report/captions/demos.rst",
+                category="Rollouts",
+                labels={
+                    "target": "{target}",
+                    "policy": "{policy}",
+                    "training set": "{training_set}",
+                    "seed": "{seed}",
+                },
+            ),
+            films="results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/films.zip",
         ),
         rollouts="results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
     log:
         "logs/evaluation/{target}_{policy}_{training_set}_{run}_{seed}.log",
     benchmark:
         "benchmarks/evaluation/{target}_{policy}_{training_set}_{run}_{seed}.tsv"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
     resources:
-        **needs(4000, 15 + tests() / 10, gpu=True),
+        **needs(4000, 15 + test_episodes() / 10, gpu=True),
     params:
-        command=command("evaluation", "rollout"),
-        code=policy_code("rollout"),
-        check=check(rollouts="rollouts"),
-        options=options("evaluation", "rollout"),
+        **verb("evaluation", "rollout", uses=rollout_modules, rollouts="rollouts"),
         seed=CONFIG.seed,
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
-        roles=lambda wildcards: EXPERIMENT.roles(wildcards.training_set, int(wildcards.seed)),
+        roles=trained_roles,
     shell:
         "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
         "--target {wildcards.target} --policy-name {wildcards.policy} --training-set {wildcards.training_set} "
@@ -55,26 +65,21 @@ rule rollout:
 rule skill:
     """Do a task by the scripted skill on what its policies are rolled out on, from the same states."""
     input:
-        **LIBRARY,
-        assets=lambda wildcards: target_assets(wildcards.target),
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        assets=f"results/experiment/{POLICY_VARIANT}/{{target}}/assets.json",
     output:
         rollouts="results/evaluation/skill/{target}/rollouts.csv",
     log:
         "logs/evaluation/skill_{target}.log",
     benchmark:
         "benchmarks/evaluation/skill_{target}.tsv"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
     resources:
-        **needs(3000, 15 + tests() / 10),
+        **needs(3000, 15 + test_episodes() / 10),
     params:
-        command=command("evaluation", "skill"),
-        code=lambda wildcards: code("evaluation", "skill", *tested(wildcards)),
-        check=check(rollouts="rollouts"),
-        options=options("evaluation", "skill"),
+        **verb("evaluation", "skill", uses=skill_modules, rollouts="rollouts"),
         skill_options=CONFIG.demonstrations.model_dump_json(include=set(MotionOptions.model_fields)),
-        task_options=lambda wildcards: CONFIG.task_of(wildcards.target).model_dump_json(),
+        task_options=task_options,
         seed=CONFIG.seed,
     shell:
         "({params.command} --assets {input.assets:q} --library {input.library:q} --target {wildcards.target} "
@@ -86,7 +91,10 @@ rule skill:
 rule gather:
     """Put the rollouts of all policies of one cell into one table."""
     input:
-        rollouts=lambda wildcards: policies_of(Cell(**wildcards), rules.rollout.output.rollouts),
+        rollouts=lambda wildcards: policies_of(
+            Cell(**wildcards),
+            "results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
+        ),
     output:
         rollouts="results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv",
     log:
@@ -94,13 +102,10 @@ rule gather:
     localrule: True
     container:
         CONFIG.containers.learning
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("evaluation", "gather"),
-        code=code("evaluation", "gather"),
-        check=check(rollouts="rollouts"),
+        **verb("evaluation", "gather", rollouts="rollouts"),
     shell:
         "({params.command} --rollouts {input.rollouts:q} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
@@ -109,8 +114,8 @@ rule gather:
 rule evaluation:
     """All scores and rollouts of this run."""
     input:
-        files(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
-        policies(rules.rollout.output.rollouts),
-        cells(rules.gather.output.rollouts),
-        demonstrated(rules.skill.output.rollouts),
+        expand("results/evaluation/scenes/{variant}/{room}/scores.csv", variant=VARIANTS, room=SCORED_ROOMS),
+        policies("results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv"),
+        expand("results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv", zip, **CELLS),
+        expand("results/evaluation/skill/{target}/rollouts.csv", target=TRAINED_TARGETS),
     localrule: True

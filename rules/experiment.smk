@@ -4,15 +4,24 @@
 # Writes: results/experiment/<variant>/<target>/assets.json, and for people assets.png, splits.png.
 
 
+container: CONFIG.containers.learning
+
+
 rule select:
     """Name the assets of a target: the object's twin, its cousins, a dissimilar one, those of training and test."""
     input:
-        **LIBRARY,
-        cousins=lambda wildcards: of_target(wildcards, rules.match.output.cousins),
-        distances=lambda wildcards: of_target(wildcards, rules.distances.output.distances),
-        scene=lambda wildcards: of_target(wildcards, rules.generate.output.scenes[0]),
-        truth=known_truth,
-        objects=lambda wildcards: of_target(wildcards, rules.extract.output.objects),
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        cousins=expand("results/matching/{variant}/{room}/cousins.json", room=target_room, allow_missing=True),
+        distances=expand(
+            "results/matching/{variant}/{room}/distances/{object}.json",
+            room=target_room,
+            object=target_object,
+            allow_missing=True,
+        ),
+        scene=expand("results/generation/{variant}/{room}/scene_1.json", room=target_room, allow_missing=True),
+        truth=expand("results/scenes/{room}/truth.json", room=known_scene),
+        objects=expand("results/extraction/{room}/objects.json", room=target_room),
     output:
         assets="results/experiment/{variant}/{target}/assets.json",
     log:
@@ -22,17 +31,12 @@ rule select:
     wildcard_constraints:
         target="|".join(name for name in TARGETS if name not in PINNED) or "-",
     localrule: True
-    container:
-        CONFIG.containers.learning
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("experiment", "select"),
-        code=task_code("experiment", "select"),
-        check=check(task="assets"),
-        task=lambda wildcards: implementation(wildcards.target),
-        object=lambda wildcards: EXPERIMENT.targets[wildcards.target].object,
+        **verb("experiment", "select", uses=task_modules, task="assets"),
+        task=task,
+        object=target_object,
         cousins=EXPERIMENT.cousins,
         held_out=EXPERIMENT.held_out,
         truth=truth_flags,
@@ -50,7 +54,8 @@ rule select:
 rule pinned:
     """Take the assets of a target from a committed file, if the library has the very same models."""
     input:
-        **LIBRARY,
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
         assets=lambda wildcards: PINNED[wildcards.target],
     output:
         assets="results/experiment/{variant}/{target}/assets.json",
@@ -61,16 +66,11 @@ rule pinned:
     wildcard_constraints:
         target="|".join(PINNED) or "-",
     localrule: True
-    container:
-        CONFIG.containers.learning
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("experiment", "pinned"),
-        code=task_code("experiment", "pinned"),
-        check=check(task="assets"),
-        task=lambda wildcards: implementation(wildcards.target),
+        **verb("experiment", "pinned", uses=task_modules, task="assets"),
+        task=task,
     shell:
         "({params.command} --assets {input.assets:q} --task {params.task} --library {input.library:q} "
         "--out {output.assets:q} && "
@@ -80,9 +80,9 @@ rule pinned:
 rule draw_roles:
     """Draw the assets of a target with their roles and what a gripper meets there."""
     input:
-        assets=lambda wildcards: target_assets(wildcards.target),
-        snapshots=files(rules.snapshots.output.images, shard=SHARDS),
-        indices=files(rules.snapshots.output.index, shard=SHARDS),
+        assets=f"results/experiment/{POLICY_VARIANT}/{{target}}/assets.json",
+        snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=SHARDS),
+        indices=expand("results/assets/snapshots/shard_{shard}.json", shard=SHARDS),
     output:
         picture=report(
             "results/experiment/{variant}/{target}/assets.png",
@@ -99,14 +99,10 @@ rule draw_roles:
     log:
         "logs/experiment/draw_{variant}_{target}.log",
     localrule: True
-    container:
-        CONFIG.containers.learning
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("experiment", "draw"),
-        code=code("experiment", "draw"),
+        **verb("experiment", "draw"),
     shell:
         "{params.command} --assets {input.assets:q} --snapshots {input.snapshots:q} --out {output.picture:q} "
         "--splits {output.splits:q} 2>&1 | tee {log:q}"
@@ -115,6 +111,6 @@ rule draw_roles:
 rule experiment:
     """The assets of all targets, and their pictures."""
     input:
-        [target_assets(name) for name in TARGETS],
-        files(rules.draw_roles.output.picture, variant=EXPERIMENT.policy_variant, target=TARGETS),
+        expand("results/experiment/{variant}/{target}/assets.json", variant=POLICY_VARIANT, target=TARGETS),
+        expand("results/experiment/{variant}/{target}/assets.png", variant=POLICY_VARIANT, target=TARGETS),
     localrule: True

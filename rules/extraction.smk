@@ -3,12 +3,19 @@
 # Writes: results/extraction/<scene>/{objects.json,masks.png,depth.npz,clouds.npz}, and for people overview.png.
 
 
+container: CONFIG.containers.learning
+
+
 rule extract:
     """Find the objects of one scene."""
     input:
-        unpack(scene_inputs),
-        own=own_options,
-        corrections=corrections("extraction"),
+        rgb=input_file("rgb.png"),
+        camera=input_file("camera.json"),
+        depth=input_file("depth.npz"),
+        masks=input_file("masks.png"),
+        annotations=input_file("annotations.json"),
+        own=picture_config,
+        corrections=ancient(corrections_file("extraction")),  # `corrected` says whether it counts
     output:
         objects="results/extraction/{scene}/objects.json",
         masks="results/extraction/{scene}/masks.png",
@@ -19,22 +26,17 @@ rule extract:
     benchmark:
         "benchmarks/extraction/{scene}.tsv"
     group:
-        of_scene
-    container:
-        CONFIG.containers.learning
-    threads: 1
+        scene_group
     resources:
         **needs(2000, 10),
     params:
-        command=command("extraction", "extract"),
-        code=code("extraction", "extract", *modules(CONFIG.extraction, "source")),
-        check=check(objects="objects"),
-        options=options("extraction", "extract"),
-        name=room_of,
+        **verb("extraction", "extract", uses=modules(CONFIG.extraction, "source"), objects="objects"),
+        name=lambda wildcards: EXPERIMENT.scene(wildcards.scene).room,
         own=lambda wildcards, input: shlex.join(["--own", *input.own]) if input.own else "",
-        corrections=corrections_flag,
-        corrected=corrected("extraction"),
-        seed=seed_of,
+        corrections=corrections_flags,
+        corrected=corrections("extraction"),
+        corrector=corrector_digest,
+        seed=noise_seed,
         folder=subpath(input.rgb, parent=True),
     shell:
         "({params.command} --input {params.folder:q} --scene {params.name} --options {params.options:q} "
@@ -45,9 +47,9 @@ rule extract:
 rule draw_objects:
     """Draw what was found in one scene."""
     input:
-        objects=rules.extract.output.objects,
-        masks=rules.extract.output.masks,
-        image=scene_image,
+        objects="results/extraction/{scene}/objects.json",
+        masks="results/extraction/{scene}/masks.png",
+        image=input_file("rgb.png"),
     output:
         overview=report(
             "results/extraction/{scene}/overview.png",
@@ -58,15 +60,11 @@ rule draw_objects:
     log:
         "logs/extraction/draw_{scene}.log",
     group:
-        of_scene
-    container:
-        CONFIG.containers.learning
-    threads: 1
+        scene_group
     resources:
         **needs(1000, 10),
     params:
-        command=command("extraction", "draw"),
-        code=code("extraction", "draw"),
+        **verb("extraction", "draw"),
     shell:
         "{params.command} --objects {input.objects:q} --image {input.image:q} --out {output.overview:q} "
         "2>&1 | tee {log:q}"
@@ -75,6 +73,6 @@ rule draw_objects:
 rule extraction:
     """Objects of all scenes."""
     input:
-        files(rules.extract.output.objects, scene=ROOMS),
-        files(rules.draw_objects.output.overview, scene=ROOMS),
+        expand("results/extraction/{scene}/objects.json", scene=ROOMS),
+        expand("results/extraction/{scene}/overview.png", scene=ROOMS),
     localrule: True

@@ -4,35 +4,33 @@
 #         look.json, view.glb (the first scene, small, for the report) and thumbnail.webp (for the overview).
 
 
+container: CONFIG.containers.simulation
+
+
 rule generate:
     """Place the cousins of every rank and let physics judge."""
     input:
-        **LIBRARY,
-        cousins=rules.match.output.cousins,
-        objects=rules.extract.output.objects,
-        clouds=rules.extract.output.clouds,
-        masks=rules.extract.output.masks,
-        corrections=corrections("generation"),
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        cousins="results/matching/{variant}/{scene}/cousins.json",
+        objects="results/extraction/{scene}/objects.json",
+        clouds="results/extraction/{scene}/clouds.npz",
+        masks="results/extraction/{scene}/masks.png",
+        corrections=ancient(corrections_file("generation")),  # `corrected` says whether it counts
     output:
-        scenes=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.json" for rank in RANKS],
+        scenes=expand("results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, allow_missing=True),
     log:
         "logs/generation/{variant}_{scene}.log",
     benchmark:
         "benchmarks/generation/{variant}_{scene}.tsv"
     group:
-        of_scene
-    container:
-        CONFIG.containers.simulation
-    threads: 1
+        scene_group
     resources:
         **needs(2000, 20),
     params:
-        command=command("generation", "generate"),
-        code=code("generation", "generate"),
-        check=check(generated="scenes"),
-        options=options("generation", "generate"),
-        corrections=corrections_flag,
-        corrected=corrected("generation"),
+        **verb("generation", "generate", generated="scenes"),
+        corrections=corrections_flags,
+        corrected=corrections("generation"),
         out=lambda wildcards, output: str(Path(output.scenes[0]).parent),
     shell:
         "({params.command} --cousins {input.cousins:q} --objects {input.objects:q} "
@@ -44,15 +42,16 @@ rule generate:
 rule draw_scenes:
     """Draw the generated scenes of one room beside its picture, in its light and colours, and export them as GLB."""
     input:
-        **LIBRARY,
-        scenes=rules.generate.output.scenes,
-        objects=rules.extract.output.objects,
-        masks=rules.extract.output.masks,
-        depth=rules.extract.output.depth,
-        image=scene_image,
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        scenes=expand("results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, allow_missing=True),
+        objects="results/extraction/{scene}/objects.json",
+        masks="results/extraction/{scene}/masks.png",
+        depth="results/extraction/{scene}/depth.npz",
+        image=input_file("rgb.png"),
     output:
-        previews=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.png" for rank in RANKS],
-        exports=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.glb" for rank in RANKS],
+        previews=expand("results/generation/{variant}/{scene}/scene_{rank}.png", rank=RANKS, allow_missing=True),
+        exports=expand("results/generation/{variant}/{scene}/scene_{rank}.glb", rank=RANKS, allow_missing=True),
         look="results/generation/{variant}/{scene}/look.json",
         thumbnail="results/generation/{variant}/{scene}/thumbnail.webp",
         view="results/generation/{variant}/{scene}/view.glb",
@@ -67,24 +66,21 @@ rule draw_scenes:
     benchmark:
         "benchmarks/generation/draw_{variant}_{scene}.tsv"
     group:
-        of_scene
-    container:
-        CONFIG.containers.simulation
-    threads: 1
+        scene_group
     resources:
         **needs(2000, 10),
     params:
-        command=command("generation", "draw"),
-        code=code("generation", "draw"),
+        **verb("generation", "draw", uses=drawn_by(CONFIG.packages, "generation")),
+        look=drawn_by(CONFIG.packages, "generation"),
         out=subpath(output.comparison, parent=True),
     shell:
         "{params.command} --scenes {input.scenes:q} --objects {input.objects:q} --image {input.image:q} "
-        "--library {input.library:q} --out {params.out:q} 2>&1 | tee {log:q}"
+        "--library {input.library:q} --look {params.look} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
 rule generation:
     """Generated scenes of all rooms and variants."""
     input:
-        files(rules.generate.output.scenes, variant=VARIANTS, scene=ROOMS),
-        files(rules.draw_scenes.output.comparison, variant=VARIANTS, scene=ROOMS),
+        expand("results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, variant=VARIANTS, scene=ROOMS),
+        expand("results/generation/{variant}/{scene}/comparison.png", variant=VARIANTS, scene=ROOMS),
     localrule: True

@@ -5,11 +5,14 @@
 #         results/matching/<variant>/<scene>/distances/<object>.json for the objects of the policy experiment.
 
 
+container: CONFIG.containers.learning
+
+
 rule features:
     """Encode the patches of one shard of snapshots."""
     input:
-        images=rules.snapshots.output.images,
-        index=rules.snapshots.output.index,
+        images="results/assets/snapshots/shard_{shard}.h5",
+        index="results/assets/snapshots/shard_{shard}.json",
     output:
         features="results/matching/features/{store}/shard_{shard}.npy",
         index="results/matching/features/{store}/shard_{shard}.json",
@@ -20,19 +23,13 @@ rule features:
         "benchmarks/matching/features_{store}_{shard}.tsv"
     group:
         "shard"
-    container:
-        CONFIG.containers.learning
-    threads: 1
     resources:
         **needs(
-            lambda wildcards: 1000 + 4 * models_in(wildcards.shard),
-            lambda wildcards: 10 + views_in(wildcards.shard) / 200,
+            lambda wildcards: 1000 + 4 * models_in(wildcards),
+            lambda wildcards: 10 + views_in(wildcards) / 200,
         ),
     params:
-        command=command("matching", "features"),
-        code=lambda wildcards: code("matching", "features", *modules(STORES[wildcards.store], "encoder")),
-        check=check(features="features"),
-        options=options("matching", "features"),
+        **verb("matching", "features", uses=store_modules, features="features"),
     shell:
         "({params.command} --snapshots {input.images:q} --options {params.options:q} "
         "--out {output.features:q} && "
@@ -42,16 +39,28 @@ rule features:
 rule match:
     """Rank the cousins of every object of one scene."""
     input:
-        **LIBRARY,
-        objects=rules.extract.output.objects,
-        masks=rules.extract.output.masks,
-        depth=rules.extract.output.depth,
-        image=scene_image,
-        features=lambda wildcards: pictures_of(wildcards.variant, features_of(wildcards.variant)),
-        beside_features=lambda wildcards: pictures_of(wildcards.variant, beside_features(wildcards.variant)),
-        snapshots=lambda wildcards: snapshots_of(wildcards.variant, "images"),
-        indices=lambda wildcards: snapshots_of(wildcards.variant, "index"),
-        without=left_out,
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        objects="results/extraction/{scene}/objects.json",
+        masks="results/extraction/{scene}/masks.png",
+        depth="results/extraction/{scene}/depth.npz",
+        image=input_file("rgb.png"),
+        features=expand(
+            "results/matching/features/{store}/shard_{shard}.npy", store=store_of_variant, shard=compared_shards
+        ),
+        beside_features=expand(
+            [
+                "results/matching/features/{store}/shard_{shard}.json",
+                "results/matching/features/{store}/shard_{shard}.npz",
+            ],
+            store=store_of_variant,
+            shard=compared_shards,
+        ),
+        snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=compared_shards),
+        indices=expand("results/assets/snapshots/shard_{shard}.json", shard=compared_shards),
+        without=lambda wildcards: (
+            "results/evaluation/left_out/{scene}.json" if EXPERIMENT.scene(wildcards.scene).options.unknown else []
+        ),
     output:
         cousins="results/matching/{variant}/{scene}/cousins.json",
     log:
@@ -59,17 +68,16 @@ rule match:
     benchmark:
         "benchmarks/matching/{variant}_{scene}.tsv"
     group:
-        of_scene
-    container:
-        CONFIG.containers.learning
-    threads: 1
+        scene_group
     resources:
         **needs(2000 + 0.1 * LIBRARY_SIZE, 30),
     params:
-        command=command("matching", "match"),
-        code=matching_code("match", "encoder", "text_encoder", "search", "model_selection", "orientation_selection"),
-        check=check(cousins="cousins"),
-        options=options("matching", "match"),
+        **verb(
+            "matching",
+            "match",
+            uses=matching_modules("encoder", "text_encoder", "search", "model_selection", "orientation_selection"),
+            cousins="cousins",
+        ),
     shell:
         "({params.command} --objects {input.objects:q} --image {input.image:q} --library {input.library:q} "
         "--features {input.features:q} --snapshots {input.snapshots:q} --without {input.without:q} "
@@ -80,12 +88,19 @@ rule match:
 rule distances:
     """How far the library's models look from the cousins of one object, and from its true model in a room."""
     input:
-        cousins=rules.match.output.cousins,
-        truth=known_truth,
-        objects=rules.extract.output.objects,
-        library=rules.library.output.library,
-        features=lambda wildcards: features_of(wildcards.variant),
-        beside_features=lambda wildcards: beside_features(wildcards.variant),
+        cousins="results/matching/{variant}/{scene}/cousins.json",
+        truth=expand("results/scenes/{room}/truth.json", room=known_scene),
+        objects="results/extraction/{scene}/objects.json",
+        library="results/assets/library/library.json",
+        features=expand("results/matching/features/{store}/shard_{shard}.npy", store=store_of_variant, shard=SHARDS),
+        beside_features=expand(
+            [
+                "results/matching/features/{store}/shard_{shard}.json",
+                "results/matching/features/{store}/shard_{shard}.npz",
+            ],
+            store=store_of_variant,
+            shard=SHARDS,
+        ),
     output:
         distances="results/matching/{variant}/{scene}/distances/{object}.json",
     log:
@@ -93,17 +108,11 @@ rule distances:
     benchmark:
         "benchmarks/matching/distances_{variant}_{scene}_{object}.tsv"
     group:
-        of_scene
-    container:
-        CONFIG.containers.learning
-    threads: 1
+        scene_group
     resources:
         **needs(2000 + 0.2 * LIBRARY_SIZE, 10),
     params:
-        command=command("matching", "distances"),
-        code=matching_code("distances", "encoder", "search"),
-        check=check(distances="distances"),
-        options=options("matching", "distances"),
+        **verb("matching", "distances", uses=matching_modules("encoder", "search"), distances="distances"),
         truth=truth_flags,
     shell:
         "({params.command} --cousins {input.cousins:q} --object {wildcards.object:q} --library {input.library:q} "
@@ -114,14 +123,15 @@ rule distances:
 rule draw_cousins:
     """Draw the objects of one scene beside their cousins."""
     input:
-        **LIBRARY,
-        cousins=rules.match.output.cousins,
-        objects=rules.extract.output.objects,
-        masks=rules.extract.output.masks,
-        depth=rules.extract.output.depth,
-        image=scene_image,
-        snapshots=files(rules.snapshots.output.images, shard=SHARDS),
-        indices=files(rules.snapshots.output.index, shard=SHARDS),
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        cousins="results/matching/{variant}/{scene}/cousins.json",
+        objects="results/extraction/{scene}/objects.json",
+        masks="results/extraction/{scene}/masks.png",
+        depth="results/extraction/{scene}/depth.npz",
+        image=input_file("rgb.png"),
+        snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=SHARDS),
+        indices=expand("results/assets/snapshots/shard_{shard}.json", shard=SHARDS),
     output:
         picture=report(
             "results/matching/{variant}/{scene}/cousins.png",
@@ -132,23 +142,21 @@ rule draw_cousins:
     log:
         "logs/matching/draw_{variant}_{scene}.log",
     group:
-        of_scene
-    container:
-        CONFIG.containers.learning
-    threads: 1
+        scene_group
     resources:
         **needs(1000, 10),
     params:
-        command=command("matching", "draw"),
-        code=code("matching", "draw"),
+        **verb("matching", "draw", uses=drawn_by(CONFIG.packages, "matching")),
+        in_place=drawn_by(CONFIG.packages, "matching"),
     shell:
         "{params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
-        "--snapshots {input.snapshots:q} --library {input.library:q} --out {output.picture:q} 2>&1 | tee {log:q}"
+        "--snapshots {input.snapshots:q} --library {input.library:q} --in-place {params.in_place} "
+        "--out {output.picture:q} 2>&1 | tee {log:q}"
 
 
 rule matching:
     """Cousins of all scenes, in all variants."""
     input:
-        files(rules.match.output.cousins, variant=VARIANTS, scene=ROOMS),
-        files(rules.draw_cousins.output.picture, variant=VARIANTS, scene=ROOMS),
+        expand("results/matching/{variant}/{scene}/cousins.json", variant=VARIANTS, scene=ROOMS),
+        expand("results/matching/{variant}/{scene}/cousins.png", variant=VARIANTS, scene=ROOMS),
     localrule: True

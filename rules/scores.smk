@@ -3,25 +3,25 @@
 # Writes: results/evaluation/scenes/<variant>/<scene>/scores.csv, results/evaluation/left_out/<scene>.json.
 
 
+container: CONFIG.containers.learning
+
+
 rule leave_out:
     """Name the true models of a room with all their relatives, for matching to do without."""
     input:
-        **LIBRARY,
-        truth=truth_of,
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        truth=expand("results/scenes/{room}/truth.json", room=known_scene),
     output:
         assets="results/evaluation/left_out/{scene}.json",
     log:
         "logs/evaluation/left_out_{scene}.log",
     group:
-        of_scene
-    container:
-        CONFIG.containers.learning
-    threads: 1
+        scene_group
     resources:
         **needs(1000, 10),
     params:
-        command=command("evaluation", "leave_out"),
-        code=code("evaluation", "leave_out"),
+        **verb("evaluation", "leave_out"),
     shell:
         "{params.command} --truth {input.truth:q} --library {input.library:q} --out {output.assets:q} 2>&1 | tee {log:q}"
 
@@ -29,11 +29,12 @@ rule leave_out:
 rule score:
     """Compare the generated scenes of one room with its truth."""
     input:
-        **LIBRARY,
-        scenes=rules.generate.output.scenes,
-        cousins=rules.match.output.cousins,
-        objects=rules.extract.output.objects,
-        truth=truth_of,
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        scenes=expand("results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, allow_missing=True),
+        cousins="results/matching/{variant}/{scene}/cousins.json",
+        objects="results/extraction/{scene}/objects.json",
+        truth=expand("results/scenes/{room}/truth.json", room=known_scene),
     output:
         scores="results/evaluation/scenes/{variant}/{scene}/scores.csv",
     log:
@@ -41,18 +42,13 @@ rule score:
     benchmark:
         "benchmarks/evaluation/{variant}_{scene}.tsv"
     group:
-        of_scene
-    container:
-        CONFIG.containers.learning
-    threads: 1
+        scene_group
     resources:
         **needs(1000, 10),
     params:
-        command=command("evaluation", "score"),
-        code=code("evaluation", "score"),
-        check=check(scores="scores"),
-        protocol=lambda wildcards: EXPERIMENT.meeting(wildcards.scene).name,
-        draw=seed_of,
+        **verb("evaluation", "score", scores="scores"),
+        protocol=lambda wildcards: EXPERIMENT.scene(wildcards.scene).protocol,
+        draw=noise_seed,
     shell:
         "({params.command} --scenes {input.scenes:q} --objects {input.objects:q} --truth {input.truth:q} "
         "--library {input.library:q} --cousins {input.cousins:q} --protocol '{params.protocol}' --draw {params.draw} "

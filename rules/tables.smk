@@ -2,15 +2,16 @@
 # Reads:  evaluation rows, how trainings ended, the published values in report/published, pictures of the generated scenes.
 # Writes: results/tables/{table2,table2_robustness,assets,table3}.{csv,html,tex}, results/figures/figure{4,6,9}.{svg,png}.
 
-ROLLOUTS = [*cells(rules.gather.output.rollouts), *demonstrated(rules.skill.output.rollouts)]
+
+container: CONFIG.containers.report
 
 
 rule table2:
     """Table 2 and Figure 6, and the companion on robustness variants of the rooms; the published values beside ours."""
     input:
-        scores=files(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
-        met=met(rules.score.output.scores),
-        comparisons=files(rules.draw_scenes.output.comparison, scene=SHOWN, variant=VARIANTS),
+        scores=expand("results/evaluation/scenes/{variant}/{room}/scores.csv", variant=VARIANTS, room=SCORED_ROOMS),
+        robustness=expand("results/evaluation/scenes/{variant}/{scene}/scores.csv", zip, **PROTOCOL_SCENES),
+        comparisons=expand("results/generation/{variant}/{scene}/comparison.png", scene=REPORT_ROOMS, variant=VARIANTS),
     output:
         csv=expand("results/tables/{table}.csv", table=["table2", "table2_robustness"]),
         html=in_report("results/tables/table2.html", "tables"),
@@ -23,23 +24,19 @@ rule table2:
     benchmark:
         "benchmarks/tables/table2.tsv"
     localrule: True
-    container:
-        CONFIG.containers.report
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("tables", "scenes"),
+        **verb("tables", "scenes"),
         paper=paper("table2"),
-        code=code("tables", "scenes"),
-        options=options("tables", "scenes"),
         comparisons=lambda wildcards, input: [
-            f"{room}/{variant}={file}" for (room, variant), file in zip(product(SHOWN, VARIANTS), input.comparisons)
+            f"{room}/{variant}={file}"
+            for (room, variant), file in zip(product(REPORT_ROOMS, VARIANTS), input.comparisons)
         ],
         out=subpath(output.html, parent=True),
         figures=subpath(output.figure6, parent=True),
     shell:
-        "{params.command} --scores {input.scores:q} {input.met:q} --comparisons {params.comparisons:q} "
+        "{params.command} --scores {input.scores:q} {input.robustness:q} --comparisons {params.comparisons:q} "
         '--published "$ACDC_PAPER" --options {params.options:q} --figures {params.figures:q} '
         "--out {params.out:q} 2>&1 | tee {log:q}"
 
@@ -47,8 +44,9 @@ rule table2:
 rule table3:
     """Success over unseen assets; Table 3: every cell with its n, seeds and interval; Figures 4 and 9."""
     input:
-        rollouts=ROLLOUTS,
-        trainings=rules.trainings.output.csv,
+        rollouts=expand("results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv", zip, **CELLS),
+        skills=expand("results/evaluation/skill/{target}/rollouts.csv", target=TRAINED_TARGETS),
+        trainings="results/tables/trainings.csv",
     output:
         csv="results/tables/table3.csv",
         more=expand("results/tables/table3_{what}.csv", what=["cells", "differences", "claims", "stability"]),
@@ -64,20 +62,15 @@ rule table3:
     benchmark:
         "benchmarks/tables/table3.tsv"
     localrule: True
-    container:
-        CONFIG.containers.report
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("tables", "policies"),
+        **verb("tables", "policies"),
         paper=paper("table3"),
-        code=code("tables", "policies"),
-        options=options("tables", "policies"),
         out=subpath(output.csv, parent=True),
         figures=subpath(output.figure4, parent=True),
     shell:
-        '{params.command} --rollouts {input.rollouts:q} --trainings {input.trainings:q} --published "$ACDC_PAPER" --options {params.options:q} '
+        '{params.command} --rollouts {input.rollouts:q} {input.skills:q} --trainings {input.trainings:q} --published "$ACDC_PAPER" --options {params.options:q} '
         "--figures {params.figures:q} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
@@ -93,7 +86,7 @@ rule tables:
 rule figures:
     """Figures 4, 6 and 9."""
     input:
-        rules.table2.output.figure6,
-        rules.table3.output.figure4,
-        rules.table3.output.figure9,
+        "results/figures/figure4.svg",
+        "results/figures/figure6.svg",
+        "results/figures/figure9.svg",
     localrule: True

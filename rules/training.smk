@@ -4,14 +4,13 @@
 #         .../{checkpoints.zip,config.json,metrics.jsonl}; results/tables/trainings.{csv,html,tex}.
 
 
+container: CONFIG.containers.learning
+
+
 rule train:
     """Train one policy."""
     input:
-        episodes=lambda wildcards: files(
-            rules.demonstrate.output.episodes,
-            target=wildcards.target,
-            role=EXPERIMENT.roles(wildcards.training_set, int(wildcards.seed)),
-        ),
+        episodes=expand("results/demonstrations/{target}/{role}/episodes.h5", role=trained_roles, allow_missing=True),
     output:
         policy="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/policy.safetensors",
         last="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/last.safetensors",
@@ -22,17 +21,11 @@ rule train:
         "logs/training/{target}_{policy}_{training_set}_{run}_{seed}.log",
     benchmark:
         "benchmarks/training/{target}_{policy}_{training_set}_{run}_{seed}.tsv"
-    container:
-        CONFIG.containers.learning
-    threads: 1
     resources:
-        **needs(4000, lambda wildcards: training_minutes(wildcards.run), gpu=True),
+        **needs(4000, training_minutes, gpu=True),
     params:
-        command=command("training", "train"),
-        code=lambda wildcards: code("training", "train", *modules(CONFIG.training.runs[wildcards.run], "policy")),
-        check=check(policy="config", metrics="metrics"),
-        options=options("training", "train"),
-        task=lambda wildcards: implementation(wildcards.target),
+        **verb("training", "train", uses=policy_modules, policy="config", metrics="metrics"),
+        task=task,
         share=lambda wildcards: EXPERIMENT.share(wildcards.target, wildcards.training_set),
         device=CONFIG.device,
         out=subpath(output.policy, parent=True),
@@ -45,7 +38,7 @@ rule train:
 rule trainings:
     """How every training ended, and which failed, before any rollout."""
     input:
-        configs=policies(rules.train.output.config),
+        configs=policies("results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/config.json"),
     output:
         csv="results/tables/trainings.csv",
         html=in_report("results/tables/trainings.html", "tables"),
@@ -55,12 +48,10 @@ rule trainings:
     localrule: True
     container:
         CONFIG.containers.report
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("tables", "trainings"),
-        code=code("tables", "trainings"),
+        **verb("tables", "trainings"),
         out=subpath(output.csv, parent=True),
     shell:
         "{params.command} --policies {input.configs:q} --out {params.out:q} 2>&1 | tee {log:q}"
@@ -69,6 +60,6 @@ rule trainings:
 rule training:
     """All policies of this run, and how their trainings ended."""
     input:
-        policies(rules.train.output.policy),
-        rules.trainings.output.csv,
+        policies("results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/policy.safetensors"),
+        "results/tables/trainings.csv",
     localrule: True

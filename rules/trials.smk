@@ -5,15 +5,19 @@
 # Writes: results/evaluation/trials/<target>/<policy>/<training set>/{<run>/seed_<n>/rollouts.csv,chosen.json}.
 
 
+container: CONFIG.containers.learning
+
+
 rule trial:
     """Roll the checkpoints of one policy out on the twin, from states that no test uses."""
     input:
-        **LIBRARY,
-        policy=rules.train.output.policy,
-        last=rules.train.output.last,
-        checkpoints=rules.train.output.checkpoints,
-        config=rules.train.output.config,
-        assets=lambda wildcards: target_assets(wildcards.target),
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        policy="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/policy.safetensors",
+        last="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/last.safetensors",
+        checkpoints="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/checkpoints.zip",
+        config="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/config.json",
+        assets=f"results/experiment/{POLICY_VARIANT}/{{target}}/assets.json",
     output:
         rollouts="results/evaluation/trials/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
     log:
@@ -22,14 +26,10 @@ rule trial:
         "benchmarks/evaluation/trial_{target}_{policy}_{training_set}_{run}_{seed}.tsv"
     container:
         CONFIG.containers.simulation
-    threads: 1
     resources:
-        **needs(4000, lambda wildcards: 15 + trials(wildcards.run) / 10, gpu=True),
+        **needs(4000, lambda wildcards: 15 + trial_episodes(wildcards) / 10, gpu=True),
     params:
-        command=command("evaluation", "trial"),
-        code=policy_code("trial"),
-        check=check(rollouts="rollouts"),
-        options=options("evaluation", "trial"),
+        **verb("evaluation", "trial", uses=rollout_modules, rollouts="rollouts"),
         seed=CONFIG.seed,
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
@@ -43,26 +43,21 @@ rule trial:
 checkpoint choose:
     """Choose the hyper-parameter sets of one training set by their trials."""
     input:
-        trials=lambda wildcards: files(
-            rules.trial.output.rollouts,
-            run=EXPERIMENT.plan(wildcards.policy).runs,
-            seed=EXPERIMENT.plan(wildcards.policy).seeds[0],
-            **wildcards,
+        trials=expand(
+            "results/evaluation/trials/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
+            run=lambda wildcards: EXPERIMENT.plan(wildcards.policy).runs,
+            seed=lambda wildcards: EXPERIMENT.plan(wildcards.policy).seeds[0],
+            allow_missing=True,
         ),
     output:
         chosen="results/evaluation/trials/{target}/{policy}/{training_set}/chosen.json",
     log:
         "logs/evaluation/choose_{target}_{policy}_{training_set}.log",
     localrule: True
-    container:
-        CONFIG.containers.learning
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("evaluation", "choose"),
-        code=code("evaluation", "choose"),
-        check=check(chosen="chosen"),
+        **verb("evaluation", "choose", chosen="chosen"),
         best=EXPERIMENT.best_runs,
     shell:
         "({params.command} --trials {input.trials:q} --count {params.best} --out {output.chosen:q} && "

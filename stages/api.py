@@ -39,16 +39,16 @@ def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Pa
     shards = (settings.assets.shards or 1) if any(counts.values()) else 0
     ours = [folder / f"shard_{number}.json" for number in range(shards)]
     for number, part in enumerate(ours):
-        told = _options(settings, "furniture", "library")
-        verb("furniture", "library")(out=part, shard=number, shards=shards, options=told, seed=settings.seed)
+        options = _options(settings, "furniture", "library")
+        verb("furniture", "library")(out=part, shard=number, shards=shards, options=options, seed=settings.seed)
     for name, shard in theirs.items():
         models = tuple(f"{model}={path}" for model, path in shard.models.items())
-        told = _options(settings, "importing", "own")
-        verb("importing", "own")(folder=shard.folder, models=models, out=folder / f"shard_{name}.json", options=told)
+        options = _options(settings, "importing", "own")
+        verb("importing", "own")(folder=shard.folder, models=models, out=folder / f"shard_{name}.json", options=options)
     parts = [*ours, *(folder / f"shard_{name}.json" for name in theirs)]
     for part in parts:
-        told = _options(settings, "assets", "snapshots")
-        snapshots.run(library=part, out=folder / "snapshots" / f"{part.stem}.h5", options=told)
+        options = _options(settings, "assets", "snapshots")
+        snapshots.run(library=part, out=folder / "snapshots" / f"{part.stem}.h5", options=options)
     join.run(library=tuple(ours), own=tuple(parts[shards:]), out=folder / "library.json")
     return folder / "library.json"
 
@@ -89,6 +89,7 @@ def make_scenes(
     Returns:
         scene_1.json, scene_2.json, ...
     """
+    from stages.config.packages import drawn_by
     from stages.config.sizes import sized
     from stages.contracts.corrections import CORRECTIONS, corrections_of
     from stages.extraction import extract
@@ -118,7 +119,8 @@ def make_scenes(
         options=_options(settings, "generation", "generate", variant=variant), corrections=corrections["generation"],
     )  # fmt: skip
     scenes = tuple(folder / f"scene_{rank}.json" for rank in range(1, settings.generation_of(variant).ranks + 1))
-    draw.run(scenes=scenes, objects=objects, image=image, library=index, out=folder)
+    look = tuple(drawn_by(settings.packages, "generation"))
+    draw.run(scenes=scenes, objects=objects, image=image, library=index, out=folder, look=look)
     return list(scenes)
 
 

@@ -12,8 +12,9 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
+from stages.contracts.section import SEEDS
+
 T = TypeVar("T")
-SEEDS = 2**53  # as in config: JSON holds no larger ones exactly
 SECONDS = 5.0  # from one line of progress to the next
 
 
@@ -81,12 +82,12 @@ def progress(items: Iterable[T], what: str, total: int | None = None) -> Iterato
 
 def pacer() -> Callable[[], bool]:
     """A question that is answered with yes once in `SECONDS`, first when so many have gone by."""
-    told = [time.monotonic()]
+    last = [time.monotonic()]
 
     def due() -> bool:
-        if (now := time.monotonic()) - told[0] < SECONDS:
+        if (now := time.monotonic()) - last[0] < SECONDS:
             return False
-        told[0] = now
+        last[0] = now
         return True
 
     return due

@@ -6,7 +6,7 @@ package has a sub-package per kind: `my_package/encoders/mine.py`. Nothing is im
 
 import importlib
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
@@ -35,6 +35,7 @@ KINDS = {
     "searches": PluginKind("matching.searches", "search"),
     "judges": PluginKind("matching.judges", "Judge"),
     "sources": PluginKind("extraction.sources", "observe"),
+    "correctors": PluginKind("extraction.correctors", "reconstruct_corrected"),
     "rooms": PluginKind("scenes.rooms", ".yaml"),
     "tasks": PluginKind("tasks", "TASK"),
     "policies": PluginKind("policies", "Policy"),
@@ -49,7 +50,7 @@ PACKAGES = Path(__file__).resolve().parents[1] / "plugins"  # those beside the c
 
 
 @cache
-def shipped() -> tuple[str, ...]:
+def list_shipped() -> tuple[str, ...]:
     """The packages beside the core that are in this checkout, as modules."""
     return tuple(f"plugins.{file.parent.name}" for file in sorted(PACKAGES.glob("*/package.py")))
 
@@ -68,14 +69,14 @@ def folder(package: str) -> Path:
     return Path(spec.submodule_search_locations[0]).joinpath(*parts)
 
 
-def available(kind: str, packages: Sequence[str] | None = None) -> dict[str, str]:
+def list_available(kind: str, packages: Sequence[str] | None = None) -> dict[str, str]:
     """Qualified module name of every implementation by its name: the core's and those of `packages` (None: all here).
 
     Raises:
         InputError: a package is not there, or a name is taken twice.
     """
     found: dict[str, str] = {}
-    beside = shipped() if packages is None else packages
+    beside = list_shipped() if packages is None else packages
     for home in [KINDS[kind].home, *(f"{package}.{kind}" for package in beside)]:
         for file in sorted(folder(home).glob("*")):
             name = file.stem
@@ -96,22 +97,47 @@ def find(kind: str, name: str, packages: Sequence[str] | None = None, key: str =
     """The name to load an implementation by: as it is for ours, qualified for a user's.
 
     Raises:
-        InputError: there is none of that name; the message has the `key` of the config and the nearest name.
+        InputError: there is none of that name; the message has the `key` of the config and what to do instead: turn
+            its package on, or take the nearest name.
     """
-    known = available(kind, packages)
+    known = list_available(kind, packages)
     if name in known.values():
         return name
     if name not in known:
-        raise InputError(key or kind, f"there is no '{name}'.", nearest(name, known), code="E-PLUGIN-UNKNOWN")
-    return name if known[name] == f"{KINDS[kind].home}.{name}" else known[name]
+        package = _ours(kind).get(name, "").partition(".")[2].partition(".")[0]
+        mend = f"packages: {{{package}: true}}, or one of {', '.join(known)}" if package else nearest(name, known)
+        raise InputError(key or kind, f"there is no '{name}'.", mend, code="E-PLUGIN-UNKNOWN")
+    return name if known[name] == _ours(kind).get(name) else known[name]
 
 
-def qualified(kind: str, name: str) -> str:
+@cache
+def _ours(kind: str) -> dict[str, str]:
+    """Modules of the implementations of the core and of the packages in this checkout, by name."""
+    return list_available(kind)
+
+
+def qualify_module(kind: str, name: str) -> str:
     """Module of an implementation."""
-    return name if "." in name else f"{KINDS[kind].home}.{name}"
+    return name if "." in name else _ours(kind).get(name, f"{KINDS[kind].home}.{name}")
 
 
-def short(name: str) -> str:
+def refuse_old_names(implementation: type, names: Mapping[str, str]) -> None:
+    """Refuse a class that overrides methods which are called otherwise now: nobody would ask it.
+
+    Args:
+        implementation: the class of a user's package.
+        names: the names of today by those of before.
+
+    Raises:
+        InputError: it has one of the old names.
+    """
+    for old, new in names.items():
+        if old in vars(implementation):
+            what = f"{implementation.__qualname__} overrides `{old}`, which is not asked any more."
+            raise InputError(implementation.__module__, what, f"call it `{new}`", code="E-PLUGIN-OLD")
+
+
+def shorten_name(name: str) -> str:
     """The name without its package, for files and tables."""
     return name.rpartition(".")[2]
 
@@ -122,7 +148,7 @@ def load(kind: str, name: str) -> Any:
     Raises:
         InputError: there is no such module, or it defines no such thing.
     """
-    module, symbol = qualified(kind, name if "." in name else find(kind, name)), KINDS[kind].symbol
+    module, symbol = qualify_module(kind, name if "." in name else find(kind, name)), KINDS[kind].symbol
     try:
         implementation = getattr(importlib.import_module(module), symbol, None)
     except ModuleNotFoundError as error:
@@ -138,7 +164,7 @@ def load(kind: str, name: str) -> Any:
 
 def data_file(kind: str, name: str) -> Path:
     """File of an implementation that is data."""
-    home, _, stem = qualified(kind, name).rpartition(".")
+    home, _, stem = qualify_module(kind, name).rpartition(".")
     return folder(home) / f"{stem}{KINDS[kind].symbol}"
 
 

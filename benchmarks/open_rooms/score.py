@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from benchmarks.open_rooms import packs, pictures
+from plugins.report.doubts import collect_doubts
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.categories import usual_size
 from stages.contracts.doubt import Doubt
-from stages.contracts.doubts import collect_doubts
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import Asset, HingeSide
 from stages.contracts.library_folder import AssetFolders

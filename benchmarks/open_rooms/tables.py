@@ -51,6 +51,11 @@ def table(heading: list[str], lines: Iterator[list[str]]) -> str:
     return "\n".join(["| " + " | ".join(line) + " |" for line in [heading, ["---"] * len(heading), *lines]]) + "\n"
 
 
+def fold(text: str, summary: str) -> str:
+    """Markdown that is closed until its summary is clicked."""
+    return f'<details markdown="1">\n<summary>{summary}</summary>\n\n{text}\n</details>\n'
+
+
 def _measures(rows: pd.DataFrame) -> list[str]:
     return [share(rows, measure) for measure in MEASURES]
 
@@ -157,9 +162,8 @@ def _half(rows: pd.DataFrame) -> Iterator[str]:
             for masks, group in first[(first["judge"] == "geometry") & (first["status"] == "ok")].groupby("masks")
         ),
     )
-    yield "By kind of thing (rank 1, drawn masks, `geometry`):\n"
     best = first[(first["masks"] == "drawn") & (first["judge"] == "geometry")]
-    yield table(
+    kinds = table(
         ["kind", "objects", "placed", *MEASURES],
         (
             [str(kind).replace("_", " "), str(len(group)), str(int((group["status"] == "ok").sum())),
@@ -167,6 +171,8 @@ def _half(rows: pd.DataFrame) -> Iterator[str]:
             for kind, group in best.groupby("kind")
         ),
     )  # fmt: skip
+    yield "By kind of thing (rank 1, drawn masks, `geometry`):\n"
+    yield fold(kinds, f"{best['kind'].nunique()} kinds")
 
 
 def page(rows: pd.DataFrame) -> str:

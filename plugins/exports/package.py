@@ -7,14 +7,14 @@ from typing import Any
 from stages.config.code import source
 from stages.config.packages import Package
 from stages.contracts.training_run import TrainingRun
-from stages.plugins import qualified
+from stages.plugins import qualify_module
 
 PACKAGE = Package(verbs={"scenes": None, "demonstrations": None, "policy": None})
 
 
 def has_portable_form(run: TrainingRun) -> bool:
     """Whether `exports policy` can write policies of these options: they see clouds, and their kind has code for it."""
-    return run.network.cloud and source(f"{qualified('policies', run.policy)}.portable") is not None
+    return run.network.cloud and source(f"{qualify_module('policies', run.policy)}.portable") is not None
 
 
 def with_portable_form(

@@ -8,7 +8,7 @@ from stages.config.code import cover, source
 from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, write_json
 from stages.contracts.policy_folder import read_config
-from stages.plugins import qualified
+from stages.plugins import qualify_module
 from stages.policies import Choice, handle_points
 from stages.policies.checkpoint import load_network, save_weights
 
@@ -31,7 +31,7 @@ def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "
         action: by which mode of the mixture it acts, as in `evaluation.action`.
     """
     config = read_config(policy)
-    module = qualified("policies", config.run.policy)
+    module = qualify_module("policies", config.run.policy)
     cover([module])
     if source(f"{module}.portable") is None:
         what = f"a policy '{config.run.policy}' has no portable form."

@@ -3,29 +3,30 @@
 # Writes: results/exports/scenes/<format>/<variant>/<scene>/rank_<n>/,
 #         results/exports/demonstrations/<format>/<target>/<training set>/, results/exports/policies/<target>/.../seed_<n>/.
 
+
+container: CONFIG.containers.simulation
+
+
 from plugins.exports.package import with_portable_form
 
 
 rule export_scenes:
     """The generated scenes of one room in another tool's format."""
     input:
-        **LIBRARY,
-        scenes=rules.generate.output.scenes,
-        look=rules.draw_scenes.output.look,
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        scenes=expand("results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, allow_missing=True),
+        look="results/generation/{variant}/{scene}/look.json",
     output:
         folder=directory("results/exports/scenes/{format}/{variant}/{scene}"),
     log:
         "logs/exports/scenes_{format}_{variant}_{scene}.log",
     benchmark:
         "benchmarks/exports/scenes_{format}_{variant}_{scene}.tsv"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
     resources:
         **needs(2000, 30),
     params:
-        command=command("exports", "scenes"),
-        code=lambda wildcards: code("exports", "scenes", f"plugins.exports.scene_formats.{wildcards.format}"),
+        **verb("exports", "scenes", uses=lambda wildcards: [f"plugins.exports.scene_formats.{wildcards.format}"]),
     shell:
         "{params.command} --scenes {input.scenes:q} --library {input.library:q} --format {wildcards.format} "
         "--look {input.look:q} --out {output.folder:q} 2>&1 | tee {log:q}"
@@ -34,11 +35,12 @@ rule export_scenes:
 rule export_demonstrations:
     """The demonstrations of a training set, if it was drawn by chance of all draws, in another tool's format."""
     input:
-        **LIBRARY,
-        episodes=lambda wildcards: files(
-            rules.demonstrate.output.episodes,
-            target=wildcards.target,
-            role=EXPERIMENT.roles_of(wildcards.target, wildcards.training_set),
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        episodes=expand(
+            "results/demonstrations/{target}/{role}/episodes.h5",
+            role=lambda wildcards: EXPERIMENT.roles_of(wildcards.target, wildcards.training_set),
+            allow_missing=True,
         ),
     output:
         folder=directory("results/exports/demonstrations/{format}/{target}/{training_set}"),
@@ -46,14 +48,10 @@ rule export_demonstrations:
         "logs/exports/{format}_{target}_{training_set}.log",
     benchmark:
         "benchmarks/exports/{format}_{target}_{training_set}.tsv"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
     resources:
         **needs(3000, 60),
     params:
-        command=command("exports", "demonstrations"),
-        code=task_code("exports", "demonstrations"),
+        **verb("exports", "demonstrations", uses=task_modules),
     shell:
         "{params.command} --episodes {input.episodes:q} --format {wildcards.format} --library {input.library:q} "
         "--out {output.folder:q} 2>&1 | tee {log:q}"
@@ -62,8 +60,8 @@ rule export_demonstrations:
 rule export_policy:
     """A policy with a loader that needs torch and safetensors alone."""
     input:
-        config=rules.train.output.config,
-        policy=rules.train.output.policy,
+        config="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/config.json",
+        policy="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/policy.safetensors",
     output:
         folder=directory("results/exports/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}"),
     log:
@@ -72,12 +70,10 @@ rule export_policy:
         "benchmarks/exports/{target}_{policy}_{training_set}_{run}_{seed}.tsv"
     container:
         CONFIG.containers.learning
-    threads: 1
     resources:
         **needs(2000, 10),
     params:
-        command=command("exports", "policy"),
-        code=lambda wildcards: code("exports", "policy", *modules(CONFIG.training.runs[wildcards.run], "policy")),
+        **verb("exports", "policy", uses=policy_modules),
         action=CONFIG.evaluation.action,
         policy=subpath(input.policy, parent=True),
     shell:
@@ -87,13 +83,21 @@ rule export_policy:
 rule exports:
     """All scenes and demonstrations of this run in all formats, and its policies that have a portable form."""
     input:
-        files(rules.export_scenes.output.folder, format=["glb", "urdf", "mjcf", "usd"], variant=VARIANTS, scene=ROOMS),
-        with_portable_form(policies(rules.export_policy.output.folder), CONFIG.training.runs),
+        expand(
+            "results/exports/scenes/{format}/{variant}/{scene}",
+            format=["glb", "urdf", "mjcf", "usd"],
+            variant=VARIANTS,
+            scene=ROOMS,
+        ),
+        with_portable_form(
+            policies("results/exports/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}"),
+            CONFIG.training.runs,
+        ),
         [
             folder
             for name in TARGETS
-            for folder in files(
-                rules.export_demonstrations.output.folder,
+            for folder in expand(
+                "results/exports/demonstrations/{format}/{target}/{training_set}",
                 format=["robomimic", "lerobot", "maniskill"],
                 target=name,
                 training_set=EXPERIMENT.sets_of(name),

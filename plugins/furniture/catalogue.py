@@ -50,12 +50,12 @@ def _sampled(category: str, index: int, seed: int, variations: bool = True) -> t
         return record.sample(rng, index), founder
     in_turn = families.in_turn(record, index)
     if not in_turn:
-        founder = families.fewest([_fronts(category, k, seed) for k in range(index)], record.founders)
+        founder = families.find_rarest_founder([_fronts(category, k, seed) for k in range(index)], record.founders)
     if not record.varied:
         return record.sample(rng, founder), founder  # in the founder's style: styles go by number
     first = record.sample(_generator(category, founder, seed), founder)
     generation = index // record.founders if in_turn else index
-    return families.relative(record, first, generation, rng, any_fronts=in_turn), founder
+    return families.vary_founder(record, first, generation, rng, any_fronts=in_turn), founder
 
 
 @cache

@@ -31,4 +31,4 @@ def pick(rng: np.random.Generator, *palettes: Palette, spread: float = 0.08) -> 
     factor = rng.uniform(1 - spread, 1 + spread)
     # Derived from the factor, so that the random numbers after it stay the same.
     pattern = int(1e6 * factor) % MATERIALS[finish.material].patterns
-    return str(finish.tinted([factor * channel for channel in finish.colour])._replace(pattern=pattern))
+    return str(finish.change_colour([factor * channel for channel in finish.colour])._replace(pattern=pattern))

@@ -14,7 +14,7 @@ from plugins.furniture.category import Category, Fronts
 from plugins.furniture.colours import APPLIANCE, METALS, PAINTS, WOODS, pick
 from plugins.furniture.finishes import shade
 from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
-from plugins.furniture.recipe import Rng, Sampled, rounded, uniform
+from plugins.furniture.recipe import Rng, Sampled, round_size, uniform
 
 IN_TURN = 24  # models of a category that vary its founders in turn, at least
 ABOUT = 2  # doors and drawers more or less, as matching's count_threshold (A.7)
@@ -25,13 +25,13 @@ def in_turn(category: Category, index: int) -> bool:
     return not category.fronts or index < max(IN_TURN, 3 * category.founders // 2)
 
 
-def fewest(fronts: list[tuple[int, int]], founders: int) -> int:
+def find_rarest_founder(fronts: list[tuple[int, int]], founders: int) -> int:
     """Which founder has the fewest models with about as many doors and drawers as it; `fronts`: those of all models."""
     alike = [sum(abs(a - c) + abs(b - d) <= ABOUT for c, d in fronts) for a, b in fronts[:founders]]
     return alike.index(min(alike))
 
 
-def relative(category: Category, founder: Sampled, generation: int, rng: Rng, any_fronts: bool = True) -> Sampled:
+def vary_founder(category: Category, founder: Sampled, generation: int, rng: Rng, any_fronts: bool = True) -> Sampled:
     """A variation of a founder that is a cabinet; odd generations are near, even ones farther from it: with any
     fronts of their category, or with one cell more or less than it."""
     recipe, far = founder.recipe, generation % 2 == 0
@@ -59,7 +59,7 @@ def relative(category: Category, founder: Sampled, generation: int, rng: Rng, an
             changes |= {"major": major, "layout": layout}
     elif rng.random() < 0.5:
         changes["inset_front"] = not recipe.inset_front and not category.appliance
-    return Sampled(rounded(x, y, z), recipe.changed(**changes))
+    return Sampled(round_size(x, y, z), recipe.change_parameters(**changes))
 
 
 def _looks(category: Category, rng: Rng) -> dict[str, Any]:

@@ -69,7 +69,7 @@ class Finish(NamedTuple):
         r, g, b = self.colour
         return f"{self.material} {r:g} {g:g} {b:g} {self.pattern}"
 
-    def tinted(self, colour: Sequence[float]) -> "Finish":
+    def change_colour(self, colour: Sequence[float]) -> "Finish":
         """The same in another colour."""
         r, g, b = (round(min(max(float(channel), 0.0), 1.0), 3) for channel in colour)
         return self._replace(colour=(r, g, b))
@@ -96,10 +96,10 @@ def finish_of(surface: Surface) -> Finish:
 def shade(surface: Surface, factor: float) -> str:
     """A darker or lighter version."""
     finish = finish_of(surface)
-    return str(finish.tinted([factor * channel for channel in finish.colour]))
+    return str(finish.change_colour([factor * channel for channel in finish.colour]))
 
 
-def made_of(material: str, surface: Surface) -> str:
+def change_material(material: str, surface: Surface) -> str:
     """The same colour on another material."""
     finish = finish_of(surface)
     return str(Finish(material, finish.colour, finish.pattern % MATERIALS[material].patterns))

@@ -7,12 +7,12 @@ import numpy as np
 from pydantic import ValidationError
 from scipy.spatial import QhullError
 
-from plugins.furniture.model import Model, Size, bounds, fitted, parts_of
+from plugins.furniture.model import Model, Size, bounds, fit_model, parts_of
 from plugins.furniture.recipe import Generator
 from plugins.furniture.robot import robot_of
 from stages.articulated.asset_folder import Description, write_asset
-from stages.articulated.mesh_reader import FLAT
 from stages.articulated.resizing import SizedModel
+from stages.articulated.urdf_tree import FLAT
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.library import Asset, Recipe
@@ -100,7 +100,7 @@ def _made(generator: Generator, wanted: Size) -> Model:
             continue
         if _is_sound(model):
             break
-    return fitted(model, wanted)
+    return fit_model(model, wanted)
 
 
 def _is_sound(model: Model) -> bool:
@@ -118,4 +118,4 @@ def _fitted(generator: Generator, wanted: Size) -> Model:
             break
         a, b, c = (aim * (wanted / (high - low))).tolist()
         aim = (a, b, c)
-    return fitted(model, wanted)
+    return fit_model(model, wanted)

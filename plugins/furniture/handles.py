@@ -6,7 +6,7 @@ import numpy as np
 
 from plugins.furniture.finishes import Surface
 from plugins.furniture.model import METAL, Part, part
-from plugins.furniture.shapes import hull, lathe, rod, rotated, slab, translated
+from plugins.furniture.shapes import hull, lathe, rod, rotate, slab, translate
 from stages.contracts.library import HandleKind
 
 Style = Literal["bar", "square_bar", "knob", "arch", "edge", "none"]
@@ -53,8 +53,8 @@ def handle_parts(
     make = {"bar": _bar, "square_bar": _square_bar, "knob": _knob, "arch": _arch, "edge": _edge}[style]
     parts = make(max(length, 0.06), protrusion, colour)
     if along == "y":
-        parts = [part(rotated(p.mesh, np.pi / 2, [1, 0, 0]), colour, p.density, p.smooth) for p in parts]
-    return [part(translated(p.mesh, at), colour, p.density, p.smooth) for p in parts]
+        parts = [part(rotate(p.mesh, np.pi / 2, [1, 0, 0]), colour, p.density, p.smooth) for p in parts]
+    return [part(translate(p.mesh, at), colour, p.density, p.smooth) for p in parts]
 
 
 def _bar(length: float, out: float, colour: Surface) -> list[Part]:
@@ -82,7 +82,7 @@ def _knob(length: float, out: float, colour: Surface) -> list[Part]:
     head = lathe(
         [(0, out * 0.45), (0.009, out * 0.45), (0.015, out * 0.68), (0.015, out * 0.82), (0.010, out), (0, out)], 16
     )
-    meshes = [rod((-0.004, 0, 0), (out * 0.5, 0, 0), 0.0065), rotated(head, np.pi / 2, [0, 1, 0])]
+    meshes = [rod((-0.004, 0, 0), (out * 0.5, 0, 0), 0.0065), rotate(head, np.pi / 2, [0, 1, 0])]
     return [part(mesh, colour, METAL, smooth=True) for mesh in meshes]
 
 

@@ -11,13 +11,13 @@ from trimesh import Trimesh
 from plugins.furniture.finishes import RGB, Finish, Surface, finish_of
 from plugins.furniture.shapes import bounds_of
 from stages.contracts.library import HandleKind, Placement, Symmetry
+from stages.geometry.frames import ROUNDING
 from stages.geometry.solids import DENSITY as WOOD
 
 Size = tuple[float, float, float]
 Array = NDArray[np.float64]
 
 METAL, STEEL, CERAMIC, GLASS = 2700.0, 7800.0, 2200.0, 2400.0  # kg / m^3
-EXACT = 1e-9  # a model that fits as well as this is left as it is
 FOAM, PLASTIC, PAPER, FILLED = 60.0, 1000.0, 700.0, 900.0  # FILLED: a vessel and what is in it, wax
 
 
@@ -87,7 +87,7 @@ def parts_of(model: Model) -> Iterable[Part]:
         yield from moving.parts
 
 
-def moved(model: Model, by: Sequence[float], suffix: str = "", turn: float = 0.0) -> Model:
+def move_model(model: Model, by: Sequence[float], suffix: str = "", turn: float = 0.0) -> Model:
     """The model turned about z, then moved, so that it can be a part of another; `suffix` goes to its joints' names."""
     rotation = np.eye(3)
     rotation[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
@@ -104,7 +104,7 @@ def bounds(model: Model) -> Array:
     return bounds_of([piece.mesh for piece in parts_of(model)])
 
 
-def fitted(model: Model, size: Size) -> Model:
+def fit_model(model: Model, size: Size) -> Model:
     """The model scaled and moved to fill exactly x in +-size_x/2, y in +-size_y/2, z in 0..size_z.
 
     Generators aim at `size` themselves, so that the scale is close to 1 and panels keep their thickness.
@@ -112,7 +112,7 @@ def fitted(model: Model, size: Size) -> Model:
     low, high = bounds(model)
     scale = np.array(size) / (high - low)
     shift = np.array([-size[0] / 2, -size[1] / 2, 0.0]) - scale * low
-    if np.abs(scale - 1.0).max() < EXACT and np.abs(shift).max() < EXACT:
+    if np.abs(scale - 1.0).max() < ROUNDING and np.abs(shift).max() < ROUNDING:
         return model
 
     def on_joint(moving: Moving) -> Moving:

@@ -11,6 +11,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from plugins.furniture.colours import Palette, pick
 from plugins.furniture.finishes import finish_of
 from plugins.furniture.model import Model, Size
+from stages.plugins import refuse_old_names
 
 Rng = np.random.Generator
 
@@ -31,6 +32,10 @@ class Generator(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        refuse_old_names(cls, {"sampled": "sample_parameters", "changed": "change_parameters"})
+
     @abstractmethod
     def build(self, size: Size) -> Model:
         """The model, about as large as asked: z up, front towards +x."""
@@ -41,7 +46,7 @@ class Generator(BaseModel):
         return 0, 0
 
     @classmethod
-    def sampled(cls, rng: Rng, index: int, **given: Any) -> Self:
+    def sample_parameters(cls, rng: Rng, index: int, **given: Any) -> Self:
         """Parameters of the `index`-th model, sampled in the order of the fields; `given` may hold functions."""
         values = {}
         for name, field in cls.model_fields.items():
@@ -53,7 +58,7 @@ class Generator(BaseModel):
                 values[name] = extra["sample"](rng, index)
         return cls.model_validate(values)
 
-    def changed(self, **changes: Any) -> Self:
+    def change_parameters(self, **changes: Any) -> Self:
         """The recipe with some parameters changed, checked again."""
         return self.model_validate(self.parameters() | changes)
 
@@ -120,6 +125,6 @@ def uniform(rng: Rng, low: float, high: float, digits: int = 3) -> float:
     return round(float(rng.uniform(low, high)), digits)
 
 
-def rounded(x: float, y: float, z: float, digits: int = 3) -> Size:
+def round_size(x: float, y: float, z: float, digits: int = 3) -> Size:
     """A size, rounded."""
     return (round(float(x), digits), round(float(y), digits), round(float(z), digits))

@@ -49,5 +49,5 @@ def _shade_of(old: Finish, new: dict[Finish, Finish]) -> Finish | None:
     for base, painted in new.items():
         ratio = np.array(old.colour) / np.maximum(base.colour, 1e-3)
         if old.material == base.material and np.ptp(ratio) < SHADED * ratio.max():
-            return painted.tinted([float(ratio.mean()) * channel for channel in painted.colour])
+            return painted.change_colour([float(ratio.mean()) * channel for channel in painted.colour])
     return None

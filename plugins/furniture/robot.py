@@ -7,12 +7,12 @@ from plugins.furniture.model import Model, Moving, Part
 from plugins.furniture.textures import texture_of
 from stages.articulated.mesh_writer import is_box
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel, Visual
+from stages.contracts.images import GOLDEN
 from stages.geometry.frames import rigid
 from stages.geometry.solids import MINIMUM_INERTIA
 
 BASE = "base"
 SLIM = 0.03  # metres: a part that is no wider in two directions shows its colour alone
-TURN = 0.618034
 
 
 def robot_of(model: Model, name: str) -> RobotModel:
@@ -36,7 +36,7 @@ def _link(name: str, parts: list[Part], origin: Matrix) -> Link:
 def _visual(part: Part, origin: Matrix, number: int) -> Visual:
     """What is seen of a part; no two neighbours show the same piece of their texture."""
     slim = np.sort(part.mesh.extents)[1] < SLIM
-    start = (number * TURN % 1, number * TURN**2 % 1)
+    start = (number * GOLDEN % 1, number * GOLDEN**2 % 1)
     texture = None if slim else texture_of(part.finish)
     return Visual(_shifted(part.mesh, origin), (*part.colour, 1.0), not part.smooth, texture, start)
 

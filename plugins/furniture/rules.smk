@@ -3,6 +3,9 @@
 # Writes: results/assets/library/shard_<n>.{json,zip}.
 
 
+container: CONFIG.containers.simulation
+
+
 rule procedural:
     """Make one shard of the procedural models."""
     output:
@@ -16,17 +19,11 @@ rule procedural:
         shard=r"\d+",
     group:
         "shard"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
     resources:
-        **needs(1000, lambda wildcards: 10 + models_in(wildcards.shard) / 20),
+        **needs(1000, lambda wildcards: 10 + models_in(wildcards) / 20),
     params:
-        command=command("furniture", "library"),
-        code=code("furniture", "library"),
-        check=check(library_part="part"),
-        options=options("furniture", "library"),
-        shards=PROCEDURAL,
+        **verb("furniture", "library", library_part="part"),
+        shards=len(PROCEDURAL_SHARDS),
         seed=CONFIG.seed,
     shell:
         "({params.command} --shard {wildcards.shard} --shards {params.shards} --options {params.options:q} "

@@ -103,14 +103,14 @@ def ball(radius: float, low: float, high: float, bands: int, segments: int = SEG
     return lathe(profile, segments)
 
 
-def translated(mesh: Trimesh, by: ArrayLike) -> Trimesh:
+def translate(mesh: Trimesh, by: ArrayLike) -> Trimesh:
     """A copy moved by a vector."""
     copy = mesh.copy()
     copy.apply_translation(np.asarray(by, dtype=float))
     return copy
 
 
-def rotated(mesh: Trimesh, angle: float, axis: ArrayLike) -> Trimesh:
+def rotate(mesh: Trimesh, angle: float, axis: ArrayLike) -> Trimesh:
     """A copy turned by `angle` about an axis through the origin."""
     copy = mesh.copy()
     copy.apply_transform(trimesh.transformations.rotation_matrix(angle, axis))

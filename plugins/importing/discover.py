@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from plugins.importing.mjcf_file import root_tag
-from plugins.importing.sandbox import apart
+from plugins.importing.sandbox import run_in_fork
 from stages.articulated.inside import read_inside
 from stages.contracts.categories import category_in, known_categories
 from stages.contracts.category import by_joined_name, split_words
@@ -50,7 +50,7 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
         folder: of the user.
         kinds: suffixes of model files, the most telling first.
     """
-    found, lines = json.loads(apart(folder, lambda: json.dumps(_discover(folder, kinds), default=str)))
+    found, lines = json.loads(run_in_fork(folder, lambda: json.dumps(_discover(folder, kinds), default=str)))
     for line in lines:
         print(plain(line), file=sys.stderr)
     return [Found(Path(path), Path(within), category, name) for path, within, category, name in found]
@@ -58,14 +58,14 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
 
 def _discover(folder: Path, kinds: Sequence[str]) -> tuple[list[Found], list[str]]:
     """The models, and what is said of what is none, in lines."""
-    if numbered := numbered_model(folder):
+    if numbered := find_numbered_model(folder):
         return [partnet(numbered)], []
-    unused = {path: why for path in sorted(folder.rglob("*")) if (why := unusable(path, folder, kinds))}
+    unused = {path: why for path in sorted(folder.rglob("*")) if (why := explain_unusable(path, folder, kinds))}
     lines = [f"left out: {path.relative_to(folder)}: {why}" for path, why in unused.items()]
     found = _below(folder, folder, kinds)
     models = [one for one in found if not is_part(one.path, folder)]
     if any(one.path.suffix.lower() not in WHOLE for one in models):
-        named = named_meshes(folder)
+        named = find_named_meshes(folder)
         around = {path.parent for path in named} - {folder}
         models = [
             one
@@ -78,14 +78,14 @@ def _discover(folder: Path, kinds: Sequence[str]) -> tuple[list[Found], list[str
     return models, lines
 
 
-def single(path: Path, folder: Path | None = None) -> Found:
+def describe_single_file(path: Path, folder: Path | None = None) -> Found:
     """A model file by itself, in a folder that says nothing of it."""
     if folder is None and path.name in NUMBERED:
         return partnet(path)
-    return Found(path, folder or path.parent, category_in(path.stem) or bare(path.stem), path.stem)
+    return Found(path, folder or path.parent, category_in(path.stem) or strip_name(path.stem), path.stem)
 
 
-def unusable(path: Path, folder: Path, kinds: Sequence[str]) -> str | None:
+def explain_unusable(path: Path, folder: Path, kinds: Sequence[str]) -> str | None:
     """Why a file or folder is not looked at, whatever is in it; None: it is."""
     if not is_utf8(path.name):
         return "its name is not UTF-8"
@@ -100,7 +100,7 @@ def unusable(path: Path, folder: Path, kinds: Sequence[str]) -> str | None:
 
 def _usable(here: Path, folder: Path, kinds: Sequence[str]) -> list[Path]:
     """What lies in a folder and is looked at, sorted."""
-    return [child for child in sorted(here.iterdir()) if unusable(child, folder, kinds) is None]
+    return [child for child in sorted(here.iterdir()) if explain_unusable(child, folder, kinds) is None]
 
 
 def is_utf8(name: str) -> bool:
@@ -115,7 +115,7 @@ def is_utf8(name: str) -> bool:
 def partnet(path: Path) -> Found:
     """The model of a folder <number>/ of PartNet-Mobility by itself."""
     folder = path.parent
-    return Found(path, folder, told_category(folder, folder) or folder.resolve().parent.name, folder.resolve().name)
+    return Found(path, folder, read_category(folder, folder) or folder.resolve().parent.name, folder.resolve().name)
 
 
 def _below(here: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
@@ -123,11 +123,11 @@ def _below(here: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
     found: list[Found] = []
     for child in _usable(here, folder, kinds):
         if is_model(child, folder, kinds):
-            found.append(single(child, folder))
+            found.append(describe_single_file(child, folder))
         elif not child.is_dir():
             continue
-        elif numbered := numbered_model(child):
-            found.append(Found(numbered, folder, told_category(child, folder) or here.name, child.name))
+        elif numbered := find_numbered_model(child):
+            found.append(Found(numbered, folder, read_category(child, folder) or here.name, child.name))
         elif is_common(child.name):
             found += _below(child, folder, kinds)
         else:
@@ -138,21 +138,21 @@ def _below(here: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
 def _sorted_in(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
     """The models of a category's folder. If its name is none of ours, but that of a model in it is, it holds various
     things: each is then of the category that its own name says."""
-    told, own = category_in(child.name), bare(child.name)
+    shared, own = category_in(child.name), strip_name(child.name)
     found: list[Found] = []
     for inner in _usable(child, folder, kinds):
         if is_model(inner, folder, kinds):
-            found.append(Found(inner, folder, told or category_in(inner.stem) or own, inner.stem))
-        elif inner.is_dir() and (numbered := numbered_model(inner)):
-            found.append(Found(numbered, folder, told_category(inner, folder) or told or own, inner.name))
+            found.append(Found(inner, folder, shared or category_in(inner.stem) or own, inner.stem))
+        elif inner.is_dir() and (numbered := find_numbered_model(inner)):
+            found.append(Found(numbered, folder, read_category(inner, folder) or shared or own, inner.name))
         elif inner.is_dir():
             for path, count_ in _first_kind(inner, folder, kinds):
                 names = [*path.relative_to(child).parts[:-1], *([path.stem] if count_ > 1 else [])]
-                category = told or next((known for name in names if (known := category_in(name))), own)
+                category = shared or next((known for name in names if (known := category_in(name))), own)
                 found.append(Found(path, folder, category, _name(path, inner, count_)))
     if all(one.category == own for one in found):
         return found
-    named = {one: bare(one.name) for one in found if one.category == own and split_words(one.name)}
+    named = {one: strip_name(one.name) for one in found if one.category == own and split_words(one.name)}
     return [one._replace(category=named.get(one, one.category)) for one in found]
 
 
@@ -163,7 +163,7 @@ def is_common(name: str) -> bool:
     )
 
 
-def bare(name: str) -> str:
+def strip_name(name: str) -> str:
     """A name without leading numbers and trailing common words: `011_banana_mesh` is banana."""
     kept = re.sub(r"^[\W\d_]+", "", name)
     while (shorter := re.sub(r"[\W\d_]+[A-Za-z]+$", "", kept)) != kept and is_common(kept[len(shorter) :]):
@@ -171,7 +171,7 @@ def bare(name: str) -> str:
     return kept or name
 
 
-def named_meshes(folder: Path) -> set[Path]:
+def find_named_meshes(folder: Path) -> set[Path]:
     """The files below a folder whose name (without folders) is used by a URDF or MJCF file in it."""
     files = [path for path in folder.rglob("*") if is_utf8(str(path)) and path.is_file()]
     texts = (_text(path, folder) for path in files if path.suffix.lower() in WHOLE)
@@ -188,21 +188,21 @@ def _text(path: Path, folder: Path) -> bytes:
         return b""
 
 
-def numbered_model(folder: Path) -> Path | None:
+def find_numbered_model(folder: Path) -> Path | None:
     """The URDF of a model of PartNet-Mobility or GAPartNet; of its versions the first."""
     return next((folder / name for name in NUMBERED if (folder / name).is_file()), None)
 
 
-def told_category(model: Path, folder: Path) -> str | None:
+def read_category(model: Path, folder: Path) -> str | None:
     """What meta.json in a model's folder says that it is, in the library's words; None: it does not."""
     try:
-        told = json.loads(_text(model / "meta.json", folder)).get("model_cat")
+        category = json.loads(_text(model / "meta.json", folder)).get("model_cat")
     except (ValueError, AttributeError, RecursionError):
         return None
-    if not isinstance(told, str) or not told.strip():
+    if not isinstance(category, str) or not category.strip():
         return None
-    known = by_joined_name(known_categories()).get(told.lower())
-    return known.name if known else re.sub(r"(?<=[a-z])(?=[A-Z])", "_", told)
+    known = by_joined_name(known_categories()).get(category.lower())
+    return known.name if known else re.sub(r"(?<=[a-z])(?=[A-Z])", "_", category)
 
 
 def is_model(path: Path, folder: Path, kinds: Sequence[str]) -> bool:
@@ -233,7 +233,7 @@ def _name(path: Path, folder: Path, models: int) -> str:
     return next((name for name in [*names, folder.parent.name] if not is_common(name)), folder.name)
 
 
-def numbered_names(names: Iterable[str], taken: Iterable[str]) -> list[str]:
+def number_names(names: Iterable[str], taken: Iterable[str]) -> list[str]:
     """The names, with _2, _3, ... after those that are there already."""
     used, result = set(taken), []
     for name in names:

@@ -6,12 +6,12 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from plugins.importing.fronts import front_direction, squared
+from plugins.importing.fronts import align_to_axes, front_direction
+from plugins.importing.hinges import Hinge, Slide, find_hinges, find_slides
 from plugins.importing.importers import Axis, Importer
-from plugins.importing.imports import in_file, standing, usual_front
-from plugins.importing.upright import CLEAR, FITS, FOOT, UPS, Up, chosen, number, said_by_hinges, said_by_slides
-from stages.articulated.forward_kinematics import closed_box
-from stages.articulated.hung import Hinge, Slide, hinges, slides
+from plugins.importing.imports import in_file, turn_to_axes, usual_front
+from plugins.importing.upright import CLEAR, FITS, FOOT, UPS, Up, choose_up, number, weigh_hinges, weigh_slides
+from stages.articulated.forward_kinematics import measure_closed_box
 from stages.articulated.model import Matrix, RobotModel
 from stages.contracts.categories import usual_size
 from stages.contracts.files import Contract
@@ -24,7 +24,8 @@ ORIGIN = 0.01  # of its height, by which the foot of what stands may miss the or
 
 
 class Shared(Contract):
-    """What nearly all the models of a kind of file that tell it have in common; None: each by itself."""
+    """What nearly all models of a kind of file have in common, among those that show it; None: it is set model by
+    model."""
 
     up: Axis | None = None
     unit: float | None = None  # metres
@@ -32,7 +33,7 @@ class Shared(Contract):
 
 
 class Evidence(Contract):
-    """What a model tells of its file.
+    """What a model shows about its file: up, unit and front.
 
     extents: (3,) in its frame and unit. hinges, slides: of it. foot: the direction in which alone its foot is at the
     origin's height. fronts: by up, where its doors and drawers open to.
@@ -47,88 +48,90 @@ class Evidence(Contract):
     def up(self, category: str, agreed: Axis | None = None, sure: bool = False) -> Up:
         """The direction up, if such files agree on one: all but exceptions (`sure`), or many of them.
 
-        One that is none of `UPS`, as an importer of a user's may have, stays: nothing here speaks of such.
+        A direction outside of `UPS`, from a user's own importer, stays: there is no evidence about it.
         """
         if agreed is not None and agreed not in UPS:
             return Up(agreed, 0.0, "", "")
         says = {
-            "hinges": said_by_hinges(self.hinges, category),
-            "slides": said_by_slides(self.slides),
+            "hinges": weigh_hinges(self.hinges, category),
+            "slides": weigh_slides(self.slides),
             "foot": FOOT * np.array([up == self.foot for up in UPS]),
             "size": FITS * np.array([self.unit(category, up) is not None for up in UPS]),
         }
-        return chosen(says, agreed, sure)
+        return choose_up(says, agreed, sure)
 
     def unit(self, category: str, up: Axis) -> float | None:
-        """Metres per unit in which it is as large as its category usually is; None: in none, or that is not known."""
-        sizes, size = usual_size(category), self.standing(up)
+        """Metres per unit that give the model its category's usual size; None: no unit does, or no size is known."""
+        sizes, size = usual_size(category), self.order_extents(up)
         return next((unit for unit in UNITS if sizes is not None and sizes.misfit(size * unit) == 0), None)
 
     def likeliest_unit(self, category: str, up: Axis) -> float:
-        """Metres per unit of a thing that would be absurd in metres: that in which it is nearest to its category's
-        usual size, else a millimetre."""
-        sizes, size = usual_size(category), self.standing(up)
+        """Metres per unit of a model that would be absurd in metres: the unit that brings it nearest to its
+        category's usual size, else a millimetre."""
+        sizes, size = usual_size(category), self.order_extents(up)
         return min(SMALLER, key=lambda unit: sizes.misfit(size * unit) if sizes else 0.0)
 
-    def standing(self, up: Axis) -> Matrix:
+    def order_extents(self, up: Axis) -> Matrix:
         """Its extents (3,), the height last."""
         height = "xyz".index(up[1])
         return np.array([*np.delete(self.extents, height), self.extents[height]])
 
 
-def evidence(robot: RobotModel) -> Evidence:
+def collect_evidence(robot: RobotModel) -> Evidence:
     """The evidence of a model, in its file's frame."""
-    box = closed_box(robot)
+    box = measure_closed_box(robot)
     extents = np.ptp(box, axis=0)
     grounded = [up for up in UPS if abs(box[0, number(up)]) < ORIGIN * extents[number(up)]]
     fronts: dict[Axis, Axis] = {}
     for up in UPS:
-        if (told := front_direction(squared(standing(robot, up, usual_front(up)))[0])) is not None:
-            fronts[up] = in_file(told[0], usual_front(up), up)
+        if (facing := front_direction(align_to_axes(turn_to_axes(robot, up, usual_front(up)))[0])) is not None:
+            fronts[up] = in_file(facing[0], usual_front(up), up)
     return Evidence(
         extents=tuple(extents.tolist()),
-        hinges=tuple(hinges(robot)),
-        slides=tuple(slides(robot)),
+        hinges=tuple(find_hinges(robot)),
+        slides=tuple(find_slides(robot)),
         foot=grounded[0] if len(grounded) == 1 else None,
         fronts=fronts,
     )
 
 
-class Told(NamedTuple):
-    """A model that was read: the kind of its file, its category, and what it tells."""
+class Stated(NamedTuple):
+    """A model that was read: the kind of its file, its category, and its evidence."""
 
     kind: str
     category: str
     evidence: Evidence
 
 
-def shared(models: Iterable[Told], kinds: Mapping[str, Importer]) -> tuple[dict[str, Shared], dict[str, str]]:
-    """What the models of each kind of file share, by suffix; and how many tell it, in words."""
-    groups: dict[str, list[Told]] = {}
+def find_shared_facts(
+    models: Iterable[Stated], kinds: Mapping[str, Importer]
+) -> tuple[dict[str, Shared], dict[str, str]]:
+    """The facts that the models of each kind of file share, by suffix; and how many models support them, in words."""
+    groups: dict[str, list[Stated]] = {}
     for model in models:
         groups.setdefault(model.kind, []).append(model)
     common, words = {}, {}
     for kind, group in sorted(groups.items()):
-        told_ups = [one.evidence.up(one.category) for one in group]
-        ups = [told.axis for told in told_ups if told.ahead >= CLEAR]
-        up = _most(ups)
+        directions = [one.evidence.up(one.category) for one in group]
+        ups = [direction.axis for direction in directions if direction.ahead >= CLEAR]
+        up = _find_majority(ups)
         by_up = up or kinds[kind].up
         units = [unit for one in group if (unit := one.evidence.unit(one.category, by_up))]
         fronts = [front for one in group if (front := one.evidence.fronts.get(by_up))]
-        common[kind] = Shared(up=up, unit=_most(units), front=_most(fronts))
-        told = (f"up: {_counts(ups)}", f"unit: {_counts([UNITS[unit] for unit in units])}", f"front: {_counts(fronts)}")
-        words[kind] = f"{len(group)} models; {'; '.join(told)}"
+        common[kind] = Shared(up=up, unit=_find_majority(units), front=_find_majority(fronts))
+        names = _count_values([UNITS[unit] for unit in units])
+        words[kind] = f"{len(group)} models; up: {_count_values(ups)}; unit: {names}; front: {_count_values(fronts)}"
     return common, words
 
 
-def _counts(told: Sequence[str]) -> str:
-    """How many say what, the most first."""
-    return ", ".join(f"{count} {value}" for value, count in Counter(told).most_common()) or "none tells"
+def _count_values(values: Sequence[str]) -> str:
+    """The values with how often each occurs, the most frequent first."""
+    return ", ".join(f"{count} {value}" for value, count in Counter(values).most_common()) or "none tells"
 
 
-def _most(told: Sequence[T]) -> T | None:
-    """What most of them say; None: they are too few, or do not agree."""
-    for value, count in Counter(told).most_common(1):
-        if count >= MAJORITY * max(1, len(told) - count):
+def _find_majority(values: Sequence[T]) -> T | None:
+    """The value that most of them share; None: they are too few, or do not agree."""
+    for value, count in Counter(values).most_common(1):
+        if count >= MAJORITY * max(1, len(values) - count):
             return value
     return None

@@ -12,11 +12,11 @@ from PIL import Image
 from pydantic import ConfigDict, Field, TypeAdapter
 
 from plugins.importing.discover import NUMBERED, Found
-from plugins.importing.evidence import UNITS, Evidence, Shared, evidence
+from plugins.importing.evidence import UNITS, Evidence, Shared, collect_evidence
 from plugins.importing.importers import Importer
 from plugins.importing.importers.urdf import IMPORTER as URDF
 from plugins.importing.imports import ModelFile, Notes, import_file, in_one_line, usual_front, with_notes
-from plugins.importing.sandbox import apart
+from plugins.importing.sandbox import run_in_fork
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import RobotModel
 from stages.articulated.urdf_writer import write_urdf
@@ -33,9 +33,9 @@ TINY = 0.03  # metres: smaller things are in no room that is rebuilt; most are i
 
 @dataclass
 class Examined:
-    """A model: where it was and is, the notes that count for it, how they came about, what it became, what is doubtful.
+    """A model: its source and folder, the notes that count and where they come from, the asset, the doubts.
 
-    asset None: it cannot be used, for the last of the doubts.
+    asset None: it cannot be used; the last doubt says why.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -43,7 +43,7 @@ class Examined:
     source: Path
     folder: Path
     notes: Notes | None = None
-    told: list[str] = field(default_factory=list)
+    because: list[str] = field(default_factory=list)
     asset: Asset | None = None
     doubts: list[str] = field(default_factory=list)
     picture: Annotated[Image.Image | None, Field(exclude=True)] = None
@@ -53,15 +53,15 @@ class Examined:
         if self.notes is None:
             return []
         notes = self.notes
-        facts = [f"{notes.category}", f"front {notes.front}, up {notes.up}, scale {notes.scale:g}", *self.told]
+        facts = [f"{notes.category}", f"front {notes.front}, up {notes.up}, scale {notes.scale:g}", *self.because]
         if self.asset is not None:
             x, y, z = (100 * extent for extent in self.asset.size)
             facts.insert(1, f"{y:.3g} cm wide, {x:.3g} deep, {z:.3g} high, {self.asset.mass:.3g} kg")
         return facts
 
     def joints(self) -> list[str]:
-        """Its doors and drawers, a line each."""
-        return [described(joint) for joint in self.asset.joints] if self.asset is not None else []
+        """A line for each door and drawer."""
+        return [describe_joint(joint) for joint in self.asset.joints] if self.asset is not None else []
 
     def text(self) -> str:
         """All of it, in lines."""
@@ -72,7 +72,7 @@ class Examined:
 
 
 class Read(Contract):
-    """A model that was read: what its reader left out, and what it tells of its file."""
+    """A model that was read: what its reader left out, and the evidence of its file's frame."""
 
     remarks: tuple[str, ...]
     evidence: Evidence
@@ -89,12 +89,12 @@ def read(found: Found, importer: Importer, place: Path) -> Read:
         with in_one_line(found.path):
             robot = with_notes(found, importer).importer.read(found.path, found.folder)
             write_model(robot, place)
-            return Read(remarks=robot.remarks, evidence=evidence(robot)).model_dump_json()
+            return Read(remarks=robot.remarks, evidence=collect_evidence(robot)).model_dump_json()
 
-    return Read.model_validate_json(apart(found.path, work))
+    return Read.model_validate_json(run_in_fork(found.path, work))
 
 
-def examined(
+def examine_model(
     found: Found,
     importer: Importer,
     place: Path,
@@ -106,7 +106,7 @@ def examined(
 ) -> Examined:
     """Complete the notes of a model that was read into `place` and build its asset below `work`, in another process.
 
-    Notes that were written by hand count and stay as they are; of the others what is not told is guessed.
+    Notes that were written by hand count and stay as they are. In others, what is not stated is inferred.
 
     Args:
         before: models that it may be a copy of.
@@ -117,12 +117,12 @@ def examined(
     kind = TypeAdapter(Examined)
     named = found if category is None else found._replace(category=category)
     try:
-        told = apart(
+        answer = run_in_fork(
             found.path, lambda: kind.dump_json(_examined(named, importer, place, work, tells, shared)).decode()
         )
     except InputError as error:
         return Examined(found.path, place, doubts=[str(error).removeprefix(plain(f"{found.path}: "))])
-    model = kind.validate_json(told)
+    model = kind.validate_json(answer)
     asset = model.asset
     twin = next((other for other in before if asset and other.asset and other.asset.checksum == asset.checksum), None)
     if twin is not None:
@@ -140,10 +140,10 @@ def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: 
             theirs = read_json(Notes, place / NOTES) if (place / NOTES).is_file() else None
             if theirs is not None and theirs.by_hand:
                 model.notes = theirs
-                model.told.append(f"as {NOTES} says")
+                model.because.append(f"as {NOTES} says")
             else:
-                model.notes, model.told = guessed(file, tells, shared)
-                write_json(place / NOTES, model.notes.sealed())
+                model.notes, model.because = complete_notes(file, tells, shared)
+                write_json(place / NOTES, model.notes.add_checksum())
             as_written = Found(written, place.parent.parent, place.parent.name, place.name)
             asset, doubts = import_file(with_notes(as_written, URDF), work)
             model.doubts += doubts
@@ -158,20 +158,20 @@ def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: 
     return model
 
 
-def guessed(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Notes, list[str]]:
-    """The notes beside a model, with what they do not say: as the folder's models share it, else as this one tells it,
-    else as such files usually are; and what was not usual, in lines."""
+def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Notes, list[str]]:
+    """The notes beside a model, completed: by what the folder's models share, else by the model's own evidence, else
+    by what such files usually are. The second value has a line for everything unusual."""
     notes, kind, lines = file.notes, f"most {file.path.suffix.lower()} here", list[str]()
-    agreed, told = file.importer.up, tells.up(file.category, file.importer.up, file.importer.has_up)
-    up = notes.up or shared.up or told.axis
+    agreed, evidence = file.importer.up, tells.up(file.category, file.importer.up, file.importer.has_up)
+    up = notes.up or shared.up or evidence.axis
     if notes.up is None and (up != agreed or (shared.up and not file.importer.has_up)):
-        lines.append(f"up {up} {f'as {kind}' if shared.up else f'by its {told.because}'}")
-    elif notes.up is None and told.doubt:
-        lines.append(f"up {up} as such files have it, though {told.doubt}")
+        lines.append(f"up {up} {f'as {kind}' if shared.up else f'by its {evidence.because}'}")
+    elif notes.up is None and evidence.doubt:
+        lines.append(f"up {up} as such files have it, though {evidence.doubt}")
     scale, sizes = notes.scale, usual_size(file.category)
     if "scale" not in notes.model_fields_set:
-        if file.path.name in NUMBERED and sizes and sizes.misfit(tells.standing(up)):
-            scale = sizes.factor(tells.standing(up))
+        if file.path.name in NUMBERED and sizes and sizes.misfit(tells.order_extents(up)):
+            scale = sizes.factor(tells.order_extents(up))
             lines.append("as large as ours are: models of PartNet have no size")
         else:
             scale = shared.unit or tells.unit(file.category, up) or 1.0
@@ -216,7 +216,7 @@ def write_model(robot: RobotModel, place: Path) -> None:
             shutil.copy(place / NOTES, folder / NOTES)
 
 
-def described(joint: Joint) -> str:
+def describe_joint(joint: Joint) -> str:
     """A door or drawer in one line."""
     reach = f"{np.rad2deg(joint.upper - joint.lower):.0f} degrees"
     if joint.type == "prismatic":

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stages.articulated.attributes import moved_by, seen_of
-from stages.articulated.forward_kinematics import closed_box, link_frames, rebased, visual_bounds
-from stages.articulated.hung import ALONG, LEAST_OUT, LEAST_TURN, THIN, carried_by, on_something_narrower
+from plugins.importing.hinges import ALONG, LEAST_OUT, LEAST_TURN, THIN, list_carried_links, on_something_narrower
+from stages.articulated.attributes import list_moved_links, merge_visuals
+from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box, visual_bounds
 from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.geometry.frames import rigid, yaw_matrix
 
@@ -24,12 +24,15 @@ class Front(NamedTuple):
     area: float
 
 
-def squared(robot: RobotModel) -> tuple[RobotModel, float]:
+def align_to_axes(robot: RobotModel) -> tuple[RobotModel, float]:
     """The model (z up) turned about z by at most 45 degrees, so that most of its faces look along axes; and the angle.
 
-    Models without joints, without a common direction of their faces, or askew by less than `ASKEW` stay as they are.
+    A model stays as it is without joints, without a common direction of its faces, or if it is askew by less than
+    `ASKEW`.
     """
-    looks = seen_of(robot, robot.links, link_frames(robot)) if any(j.type != "fixed" for j in robot.joints) else None
+    looks = (
+        merge_visuals(robot, robot.links, link_frames(robot)) if any(j.type != "fixed" for j in robot.joints) else None
+    )
     if looks is None:
         return robot, 0.0
     normals = looks.face_normals[:, :2]
@@ -38,7 +41,7 @@ def squared(robot: RobotModel) -> tuple[RobotModel, float]:
     turn = -float(np.angle(total)) / 4
     if abs(total) < ALONG * weights.sum() or abs(turn) < ASKEW:
         return robot, 0.0
-    return rebased(robot, rigid(yaw_matrix(turn), np.zeros(3))), turn
+    return change_root(robot, rigid(yaw_matrix(turn), np.zeros(3))), turn
 
 
 def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
@@ -65,7 +68,7 @@ def _fronts(robot: RobotModel) -> dict[str, Front | str]:
 
 def _shortened(robot: RobotModel) -> RobotModel:
     """The model with slides that go no farther than all of it is deep, closed: a drawer stays in its body."""
-    frames, depths = link_frames(robot), np.ptp(closed_box(robot), axis=0)
+    frames, depths = link_frames(robot), np.ptp(measure_closed_box(robot), axis=0)
     joints = list(robot.joints)
     for index, joint in enumerate(joints):
         most = float(depths[np.argmax(np.abs(frames[joint.child][:3, :3] @ joint.axis))])
@@ -75,11 +78,11 @@ def _shortened(robot: RobotModel) -> RobotModel:
 
 
 def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> Front | str:
-    links = moved_by(joint, robot.joints)
+    links = list_moved_links(joint, robot.joints)
     box = _box(robot, links, frames)
     if box is None:
         return "moves nothing that is seen"
-    still = _box(robot, robot.links.keys() - set(carried_by(joint, robot.joints)), frames)
+    still = _box(robot, robot.links.keys() - set(list_carried_links(joint, robot.joints)), frames)
     if still is None:
         return "moves all that is seen"
     low, high = box
@@ -127,7 +130,7 @@ def _box(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> 
 
 def _askew(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix], outward: Matrix) -> float:
     """Angle in radians between a direction and the median normal, by area, of the front of some links."""
-    looks = seen_of(robot, links, frames)
+    looks = merge_visuals(robot, links, frames)
     if looks is None:
         return 0.0
     along, aside = looks.face_normals @ outward, looks.face_normals @ np.cross([0, 0, 1], outward)
@@ -152,7 +155,7 @@ def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     lines: list[str] = []
     short = _shortened(robot)
     fronts = _fronts(short)
-    for told, joint in zip(robot.joints, short.joints, strict=True):
+    for before, joint in zip(robot.joints, short.joints, strict=True):
         front = fronts.get(joint.name)
         if isinstance(front, Front) and front.outward[0] != 1.0:
             front = "opens to another side than the front"
@@ -160,8 +163,8 @@ def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
             fixed.setdefault(front, []).append(f"'{joint.name}'")
             origin = joint.origin @ joint.motion(joint.lower)
             joint = replace(joint, type="fixed", origin=origin, lower=0.0, upper=0.0)
-        elif joint.upper < told.upper:
-            reach, depth = (f"{100 * (one.upper - one.lower):.3g} cm" for one in (told, joint))
+        elif joint.upper < before.upper:
+            reach, depth = (f"{100 * (one.upper - one.lower):.3g} cm" for one in (before, joint))
             lines.append(f"drawer '{joint.name}' slides {reach} in its file, cut to {depth}: all of it is no deeper")
         joints.append(joint)
     lines += [f"fixed, as no door or drawer: {', '.join(names)} ({reason})" for reason, names in fixed.items()]

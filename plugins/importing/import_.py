@@ -6,12 +6,21 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
-from plugins.importing.discover import PACK, PAGE, Found, discover, is_model, is_part, numbered_names, single
-from plugins.importing.evidence import Told, shared
-from plugins.importing.examine import Examined, Read, examined, read
+from plugins.importing.discover import (
+    PACK,
+    PAGE,
+    Found,
+    describe_single_file,
+    discover,
+    is_model,
+    is_part,
+    number_names,
+)
+from plugins.importing.evidence import Stated, find_shared_facts
+from plugins.importing.examine import Examined, Read, examine_model, read
 from plugins.importing.import_page import write_page
 from plugins.importing.imports import IMPORTERS, by_suffix, in_one_line, snake_case
-from plugins.importing.pack import completed, read_pack, write_pack
+from plugins.importing.pack import complete_pack, read_pack, write_pack
 from plugins.importing.portrait import Portraits
 from plugins.importing.reach import out_of_reach
 from stages.assets.snapshots import Look
@@ -37,19 +46,19 @@ def run(folder: Path, /, *, out: Path) -> None:
     found = models_of(folder, out, list(kinds))
     pack = read_pack(out / PACK)
     models: dict[Path, Examined] = {}
-    told: dict[Path, Read] = {}
+    read_models: dict[Path, Read] = {}
     where = {one.path: out / place for one, place in zip(found, places(found), strict=True)}
     for one in progress(found, "models read", len(found)):
         try:
-            told[one.path] = read(one, kinds[one.path.suffix.lower()], where[one.path])
+            read_models[one.path] = read(one, kinds[one.path.suffix.lower()], where[one.path])
         except InputError as error:
             line = str(error).removeprefix(plain(f"{one.path}: "))
             models[one.path] = Examined(one.path, where[one.path], doubts=[line])
             print(models[one.path].text(), flush=True)
-    left = [one for one in found if one.path in told]
-    tell = [Told(one.path.suffix.lower(), one.category, told[one.path].evidence) for one in left]
-    common, words = shared(tell, kinds)
-    pack = completed(pack, common, [snake_case(one.category) for one in left])
+    left = [one for one in found if one.path in read_models]
+    tell = [Stated(one.path.suffix.lower(), one.category, read_models[one.path].evidence) for one in left]
+    common, words = find_shared_facts(tell, kinds)
+    pack = complete_pack(pack, common, [snake_case(one.category) for one in left])
     write_pack(out / PACK, pack, words)
     with tempfile.TemporaryDirectory() as scratch:
         portraits, look = Portraits(), Look()
@@ -57,9 +66,9 @@ def run(folder: Path, /, *, out: Path) -> None:
             work, kind = Path(scratch) / str(number), one.path.suffix.lower()
             category = pack.categories[snake_case(one.category)]
             before = list(models.values())
-            tells = told[one.path].evidence
-            model = examined(one, kinds[kind], where[one.path], work, before, tells, pack.kinds[kind], category)
-            model.doubts = [*told[one.path].remarks, *model.doubts]
+            tells = read_models[one.path].evidence
+            model = examine_model(one, kinds[kind], where[one.path], work, before, tells, pack.kinds[kind], category)
+            model.doubts = [*read_models[one.path].remarks, *model.doubts]
             if model.asset is not None:
                 try:
                     with in_one_line(one.path):
@@ -107,7 +116,7 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
             raise InputError(
                 given, "is a part that MJCF models include.", "give the file that includes it", code="E-MJCF-PART"
             )
-        return [single(given)]
+        return [describe_single_file(given)]
     if not given.is_dir():
         raise InputError(given, "is not there.", "a folder of models, or a model's file", code="E-MODELS-NONE")
     inside, outside = sorted([given.resolve(), out.resolve()], key=lambda path: -len(path.parts))
@@ -139,4 +148,4 @@ def unread(folder: Path) -> str:
 
 def places(found: Iterable[Found]) -> list[str]:
     """<category>/<name> of every model; names that are taken get a number."""
-    return numbered_names([f"{snake_case(one.category)}/{snake_case(one.name)}" for one in found], [])
+    return number_names([f"{snake_case(one.category)}/{snake_case(one.name)}" for one in found], [])

@@ -18,15 +18,15 @@ from stages.contracts.categories import known_categories
 from stages.contracts.files import write_text
 
 
-def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack, told: Mapping[str, str]) -> None:
+def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack, counts: Mapping[str, str]) -> None:
     """Write the page; the models in the order of their folders, those that are not used last.
 
     Args:
         pack: what they share, which the page lets its reader change and save.
-        told: by suffix, how many models tell what.
+        counts: by suffix, how many models tell what.
     """
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("stages.assets", "."), autoescape=True, undefined=jinja2.StrictUndefined,
+        loader=jinja2.PackageLoader("plugins.importing", "."), autoescape=True, undefined=jinja2.StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     page = environment.get_template("import_page.html.jinja").render(
@@ -34,7 +34,7 @@ def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack,
         notes=NOTES,
         used=[(model, _place(model, path), _inline(model.picture)) for model in models if model.asset is not None],
         pack=pack,
-        told=told,
+        counts=counts,
         axes=get_args(Axis),
         units=UNITS,
         known=sorted(known_categories()),

@@ -13,22 +13,23 @@ from typing import NamedTuple, get_args
 import numpy as np
 from pydantic import Field, ValidationError
 
-from plugins.importing.discover import Found, discover, numbered_names
-from plugins.importing.fronts import doors_and_drawers, front_direction, squared
+from plugins.importing.discover import Found, discover, number_names
+from plugins.importing.fronts import align_to_axes, doors_and_drawers, front_direction
 from plugins.importing.importers import IMPORTERS, Axis, Importer
-from plugins.importing.inertia_repair import weighed_sanely, with_mass
-from plugins.importing.proposal import Guess
-from plugins.importing.pushing import stuck_joints, touching_when_closed
-from plugins.importing.sandbox import apart
+from plugins.importing.inertia_repair import repair_inertias, with_mass
+from plugins.importing.proposal import Proposal
+from plugins.importing.pushing import find_touching_links, stuck_joints
+from plugins.importing.sandbox import run_in_fork
 from plugins.importing.solid_handle import with_solid_handles
 from stages.articulated.asset_folder import Description, read_asset, write_asset
-from stages.articulated.attributes import ungraspable
-from stages.articulated.forward_kinematics import closed_box, link_frames, rebased
+from stages.articulated.attributes import explain_ungraspable
+from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
 from stages.articulated.inside import check_inside
-from stages.articulated.mesh_reader import FLAT, thickened
+from stages.articulated.mesh_reader import thicken_piece
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
-from stages.articulated.stretching import stretched
+from stages.articulated.stretching import stretch_model
+from stages.articulated.urdf_tree import FLAT
 from stages.assets.snapshots import Look
 from stages.cli import progress
 from stages.contracts.errors import InputError, plain
@@ -37,10 +38,10 @@ from stages.contracts.library import Asset, Placement, Symmetry
 from stages.contracts.types import LARGEST, Mass
 from stages.geometry.frames import rigid, yaw_matrix
 from stages.geometry.solids import board_mass
-from stages.plugins import load, short
+from stages.plugins import load, shorten_name
 
 
-class Notes(Guess):
+class Notes(Proposal):
     """Optional `asset.json` beside an imported model: what its geometry does not tell."""
 
     category: str | None = Field(None, description="default: the name of the folder")
@@ -91,7 +92,7 @@ def named_models(folders: Sequence[Path], kinds: dict[str, Importer], taken: Ite
                 code="E-MODELS-NONE",
             )
         found += models
-    return dict(zip(numbered_names([_name(one, kinds) for one in found], taken), found, strict=True))
+    return dict(zip(number_names([_name(one, kinds) for one in found], taken), found, strict=True))
 
 
 def _name(found: Found, kinds: dict[str, Importer]) -> str:
@@ -106,7 +107,7 @@ def import_models(models: dict[str, Found], kinds: dict[str, Importer], folder: 
     assets, left_out, look = [], [], Look()
     for name, found in progress(models.items(), "imports", len(models)):
         try:
-            doubts = json.loads(apart(found.path, partial(_import_one, name, found, kinds, folder)))
+            doubts = json.loads(run_in_fork(found.path, partial(_import_one, name, found, kinds, folder)))
             with in_one_line(found.path):
                 look.check(folder / name, found.path)
                 assets.append(read_asset(folder / name))
@@ -145,7 +146,7 @@ def in_one_line(path: Path) -> Iterator[None]:
 def by_suffix(importers: Sequence[str]) -> dict[str, Importer]:
     """Importers by the suffix of their files, which most are named after; `importers` empty: all of this package."""
     loaded = {name: load("importers", name) for name in importers or IMPORTERS}
-    return {importer.suffix or f".{short(name)}": importer for name, importer in loaded.items()}
+    return {importer.suffix or f".{shorten_name(name)}": importer for name, importer in loaded.items()}
 
 
 def with_notes(found: Found, importer: Importer) -> ModelFile:
@@ -166,11 +167,11 @@ def with_notes(found: Found, importer: Importer) -> ModelFile:
 def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
     """Write the asset folder of one model; what is doubtful about it, in lines."""
     path, notes = file.path, file.notes
-    robot, turned = upright(file.importer.read(path, file.folder), file)
+    robot, turned = turn_upright(file.importer.read(path, file.folder), file)
     robot, fixed = doors_and_drawers(robot)
     robot = with_roles(robot)
     check_believable(robot, path)
-    robot, weighed = weighed_sanely(robot)
+    robot, weighed = repair_inertias(robot)
     if notes.mass is not None:
         robot, weighed = with_mass(robot, notes.mass), []
     robot, cut = with_solid_handles(without_specks(robot))
@@ -184,13 +185,13 @@ def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
     )
     try:
         asset = write_asset(robot, models / file.id, about)
-        if touching := touching_when_closed(models / file.id):
+        if touching := find_touching_links(models / file.id):
             asset = write_asset(replace(robot, touching=touching), models / file.id, about)
     except ValidationError as error:
         raise InputError(path, f"makes no asset: {error.errors()[0]['msg']}.", code="E-MODEL-IMPORT") from None
     bare = {joint.name for joint in asset.joints if joint.handle is None}
     held = [
-        f"{joint.role} '{joint.name}' cannot be grasped: {ungraspable(robot, joint, link_frames(robot))}"
+        f"{joint.role} '{joint.name}' cannot be grasped: {explain_ungraspable(robot, joint, link_frames(robot))}"
         for joint in robot.joints
         if joint.name in bare
     ]
@@ -203,7 +204,7 @@ def check_believable(robot: RobotModel, path: Path) -> None:
     Raises:
         InputError: names the extent.
     """
-    low, high = closed_box(robot)
+    low, high = measure_closed_box(robot)
     extents = high - low
     size = " x ".join(f"{extent:.4g}" for extent in extents)
     if extents.min() < FLAT:
@@ -223,7 +224,7 @@ def snake_case(text: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_") or "model"
 
 
-def upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:
+def turn_upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:
     """The model with z up, its front towards +x, in metres; and a line if it was turned without being told."""
     notes, lines = file.notes, []
     up = notes.up or file.importer.up
@@ -231,16 +232,16 @@ def upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:
     if front[1] == up[1]:
         what = f"front {front} and up {up} lie along one line."
         raise InputError(file.notes_path, what, "give two different axes", code="E-MODEL-AXES")
-    robot = standing(robot, up, front)
+    robot = turn_to_axes(robot, up, front)
     if notes.scale != 1.0:
         robot = in_metres(robot, notes.scale)
-    robot, turn = squared(robot)
+    robot, turn = align_to_axes(robot)
     if turn:
         lines.append(f"turned by {np.rad2deg(turn):.0f} degrees, to face along an axis")
-    if notes.front is None and (told := front_direction(robot)) is not None and told[0][0] < 1:
-        (x, y, _), count = told
+    if notes.front is None and (facing := front_direction(robot)) is not None and facing[0][0] < 1:
+        (x, y, _), count = facing
         lines += [f"turned to face +x, where {count} of its doors and drawers open (asset.json: front)"]
-        robot = rebased(robot, rigid(yaw_matrix(-float(np.arctan2(y, x))).round(9), np.zeros(3)))
+        robot = change_root(robot, rigid(yaw_matrix(-float(np.arctan2(y, x))).round(9), np.zeros(3)))
     return robot, lines
 
 
@@ -249,9 +250,9 @@ def usual_front(up: Axis) -> Axis:
     return "+z" if up == "+y" else "+y" if up[1] == "x" else "+x"
 
 
-def standing(robot: RobotModel, up: Axis, front: Axis) -> RobotModel:
+def turn_to_axes(robot: RobotModel, up: Axis, front: Axis) -> RobotModel:
     """The model with the file's axis `up` as z, and `front` as x."""
-    return rebased(robot, rigid(_axes(front, up), np.zeros(3)))
+    return change_root(robot, rigid(_axes(front, up), np.zeros(3)))
 
 
 def in_file(direction: np.ndarray, front: Axis, up: Axis) -> Axis:
@@ -268,7 +269,7 @@ def _axes(front: Axis, up: Axis) -> Matrix:
 
 def in_metres(robot: RobotModel, scale: float) -> RobotModel:
     """The model in metres, `scale` of which are one unit of its file; masses that the file tells are kilograms."""
-    robot, volume = stretched(robot, (scale,) * 3), scale**3
+    robot, volume = stretch_model(robot, (scale,) * 3), scale**3
     links = {}
     for name, link in robot.links.items():
         wanted = link.mass / volume if link.weighed else board_mass(link.collisions, link.visuals)
@@ -282,7 +283,7 @@ def without_specks(robot: RobotModel) -> RobotModel:
         name: replace(
             link,
             visuals=[visual for visual in link.visuals if np.sort(visual.mesh.extents)[1] > FLAT],
-            collisions=[thickened(piece) for piece in link.collisions if piece.extents.max() > FLAT],
+            collisions=[thicken_piece(piece) for piece in link.collisions if piece.extents.max() > FLAT],
         )
         for name, link in robot.links.items()
     }

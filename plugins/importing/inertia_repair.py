@@ -1,11 +1,11 @@
-"""Masses and inertias that nothing of such a size has: what exporters fill in becomes that of boards."""
+"""Repair masses and inertias that no model of this size has: placeholders of exporters become those of boards."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from stages.articulated.attributes import moved_by
-from stages.articulated.forward_kinematics import closed_box
+from stages.articulated.attributes import list_moved_links
+from stages.articulated.forward_kinematics import measure_closed_box
 from stages.articulated.model import Link, RobotModel
 from stages.geometry.solids import board_mass, box_inertia
 
@@ -16,19 +16,19 @@ ROOM = 4.0  # metres: no thing in a room is as wide and as deep
 SLACK = 0.01  # by which a principal moment of inertia may exceed the sum of the others
 
 
-def weighed_sanely(robot: RobotModel) -> tuple[RobotModel, list[str]]:
+def repair_inertias(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     """The model (in metres) with masses of doors and drawers, and inertias, that its shape can have; lines say what was
     changed, and what is doubtful about the whole."""
     lines, links = _doubts(robot), dict(robot.links)
     for joint in robot.joints:
         if joint.type == "fixed":
             continue
-        moving = {name: links[name] for name in moved_by(joint, robot.joints)}
+        moving = {name: links[name] for name in list_moved_links(joint, robot.joints)}
         boards = {name: _boards(link) for name, link in moving.items()}
-        told, expected = sum(link.mass for link in moving.values()), sum(boards.values())
-        if told > HEAVY * expected:
+        given, expected = sum(link.mass for link in moving.values()), sum(boards.values())
+        if given > HEAVY * expected:
             lines.append(
-                f"what '{joint.name}' moves weighs {told:.3g} kg in its file: taken for boards, {expected:.2g} kg"
+                f"what '{joint.name}' moves weighs {given:.3g} kg in its file: taken for boards, {expected:.2g} kg"
             )
             links |= {name: _weighing(link, boards[name]) for name, link in moving.items()}
     impossible = [name for name, link in links.items() if _impossible(link)]
@@ -42,12 +42,12 @@ def weighed_sanely(robot: RobotModel) -> tuple[RobotModel, list[str]]:
 
 def _doubts(robot: RobotModel) -> list[str]:
     """Lines if it is as large as a room, or if its file says that it weighs what nothing of its size does."""
-    extents = np.ptp(closed_box(robot), axis=0)
+    extents = np.ptp(measure_closed_box(robot), axis=0)
     shorter, longer = np.sort(extents[:2])
     lines = [f"is {shorter:.2g} by {longer:.2g} m: a whole room is no model (one file a thing)"] * bool(shorter > ROOM)
-    told = [link for link in robot.links.values() if link.weighed]
-    mass, boards = sum(link.mass for link in told), sum(_boards(link) for link in told)
-    if told and not LIGHTEST * boards <= mass <= HEAVIEST * boards:
+    weighed = [link for link in robot.links.values() if link.weighed]
+    mass, boards = sum(link.mass for link in weighed), sum(_boards(link) for link in weighed)
+    if weighed and not LIGHTEST * boards <= mass <= HEAVIEST * boards:
         lines.append(f"weighs {mass:.3g} kg in its file, boards of its size {boards:.3g} kg (asset.json: mass)")
     elif robot.mass < SPARSEST * np.prod(extents):
         lines.append(f"weighs {robot.mass:.3g} kg, less than anything of its size (asset.json: mass)")

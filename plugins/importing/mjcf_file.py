@@ -9,19 +9,19 @@ from typing import Any
 
 import mujoco
 
-from plugins.importing.mjcf_sources import Sources, parsed
+from plugins.importing.mjcf_sources import Sources, parse_root
 from stages.articulated.inside import is_inside
 from stages.contracts.errors import InputError
 from stages.geometry.solids import MINIMUM_INERTIA, MINIMUM_MASS
 
 
-def compiled(path: Path, folder: Path) -> tuple[Any, Any]:
+def compile_model(path: Path, folder: Path) -> tuple[Any, Any]:
     """MuJoCo's specification and compiled model (MjSpec, MjModel) of a file.
 
     Raises:
         InputError: MuJoCo refuses the file, it is a part of a model, or it names files outside `folder`.
     """
-    if (tag := parsed(path, folder).tag) != "mujoco":
+    if (tag := parse_root(path, folder).tag) != "mujoco":
         raise InputError(path, f"has <{tag[:40]}> at the top.", "give the file that includes it", code="E-MJCF-PART")
     files = Sources(path, folder).files()
     mujoco.set_mju_user_warning(lambda text: None)  # else it writes MUJOCO_LOG.TXT where the user is

@@ -8,13 +8,11 @@ from itertools import product
 from math import prod
 from pathlib import Path
 
-from stages.articulated.inside import missing, read_inside
-from stages.articulated.urdf_tree import AROUND
+from stages.articulated.inside import explain_missing, read_inside
+from stages.articulated.urdf_tree import AROUND, MOST_SHAPES
 from stages.contracts.errors import InputError
 
 DIRECTORIES = ("assetdir", "meshdir", "texturedir")  # of a compiler element
-MOST_ELEMENTS = 10_000  # once all is included, attached and replicated; MuJoCo takes 3 s for so many, and four times
-# that for twice as many
 
 
 class Sources:
@@ -34,16 +32,16 @@ class Sources:
         while queue:
             here = queue.pop()
             if here not in self.roots:
-                self.roots[here] = parsed(here, folder)
+                self.roots[here] = parse_root(here, folder)
                 queue += [part for element in self.roots[here].iter() for part in self._parts(element, here)]
         for here, root in self.roots.items():
             for element in root.iter("model"):
                 for part in self._parts(element, here):
                     name = element.get("name", "") or self.roots[part].get("model", "")
                     self._attached[name].setdefault(here, set()).add(part)
-        if (size := self._size(path, ())) > MOST_ELEMENTS:
+        if (size := self._size(path, ())) > MOST_SHAPES:
             what = f"has {size} elements once all is included, attached and replicated."
-            raise InputError(path, what, f"at most {MOST_ELEMENTS}", code="E-MODEL-PARTS")
+            raise InputError(path, what, f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
 
     def files(self) -> dict[Path, bytes]:
         """The bytes of every file that the model is made of, by the path that MuJoCo looks for it at.
@@ -60,7 +58,7 @@ class Sources:
         for name in sorted(names):
             places = product(self.roots, sorted(directories))
             if not (files := {file for here, directory in places for file in self._at(here, directory, name)}):
-                raise missing(self.path, "there is no file", name, self.path.parent, self.folder)
+                raise explain_missing(self.path, "there is no file", name, self.path.parent, self.folder)
             found |= {file: read_inside(file, self.folder) for file in files - found.keys()}
         return found
 
@@ -113,7 +111,7 @@ def _names(element: ET.Element) -> list[str]:
     return [value.replace("\\", "/") for key, value in element.attrib.items() if key.startswith("file") and value]
 
 
-def parsed(path: Path, folder: Path) -> ET.Element:
+def parse_root(path: Path, folder: Path) -> ET.Element:
     """The root of an MJCF file.
 
     Raises:

@@ -7,7 +7,7 @@ import yaml
 from pydantic import ValidationError
 
 from plugins.importing.evidence import Shared
-from plugins.importing.proposal import Guess
+from plugins.importing.proposal import Proposal
 from stages.contracts.categories import known_categories
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_text, write_text
@@ -19,7 +19,7 @@ HEAD = """\
 """
 
 
-class Pack(Guess):
+class Pack(Proposal):
     """By suffix, what the models of a kind of file share; and the category for what their names say."""
 
     kinds: dict[str, Shared] = {}
@@ -46,23 +46,23 @@ def read_pack(path: Path) -> Pack:
         raise InputError(where, what, "or delete it", code="E-PACK-BROKEN") from None
 
 
-def completed(pack: Pack, proposed: Mapping[str, Shared], categories: Iterable[str]) -> Pack:
-    """The pack with what it does not say; what it says counts if it was written by hand."""
+def complete_pack(pack: Pack, proposed: Mapping[str, Shared], categories: Iterable[str]) -> Pack:
+    """The pack, completed. What a person wrote in it counts."""
     pack = pack if pack.by_hand else Pack()
     said = {category: category for category in sorted(set(categories))}
     whole = Pack(kinds={**proposed, **pack.kinds}, categories={**said, **pack.categories})
-    return whole if pack != Pack() else whole.sealed()
+    return whole if pack != Pack() else whole.add_checksum()
 
 
-def write_pack(path: Path, pack: Pack, told: Mapping[str, str]) -> None:
+def write_pack(path: Path, pack: Pack, counts: Mapping[str, str]) -> None:
     """Write the file.
 
     Args:
-        told: by suffix, how many models tell what.
+        counts: by suffix, how many models tell what.
     """
     lines = [HEAD + "kinds:"]
     for kind, shared in pack.kinds.items():
-        lines += [f"  # {told[kind]}"] if kind in told else []
+        lines += [f"  # {counts[kind]}"] if kind in counts else []
         values = yaml.safe_dump(shared.model_dump(), default_flow_style=True, sort_keys=False, width=1000)
         lines.append(f"  {kind}: {values.strip()}")
     lines.append("categories:" if pack.categories else "categories: {}")

@@ -8,12 +8,12 @@ from pydantic import Field
 from stages.contracts.files import Contract
 
 
-class Guess(Contract):
-    """A guess that knows whether it is still what was guessed."""
+class Proposal(Contract):
+    """A file that `import` proposes; it knows whether a person changed it."""
 
     guess: str | None = Field(None, description="digest of what `import` wrote; what was changed by hand counts")
 
-    def sealed(self) -> Self:
+    def add_checksum(self) -> Self:
         """The same, as `import` writes it."""
         return self.model_copy(update={"guess": self._digest()})
 

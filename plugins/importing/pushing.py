@@ -18,7 +18,7 @@ OPEN = 0.9  # of its range, for a joint that does not stick
 CREEPS = 0.01  # of its range in the last tenth of the time: what goes on by more is slow (a heavy door), and not stuck
 
 
-def touching_when_closed(folder: Path) -> tuple[tuple[str, str], ...]:
+def find_touching_links(folder: Path) -> tuple[tuple[str, str], ...]:
     """Pairs of links of an asset that touch when everything is closed, by name; a link and its parent never collide.
 
     Raises:

@@ -23,13 +23,13 @@ from stages.tasks.initial_state import (
     nominal_root,
     object_motion,
     sample_initial_state,
-    sampled_scale,
+    sample_scale,
 )
 
 STARTS = 4  # of the skill, by seed: seconds each; what it opens in two of three is missed once in a hundred times
 
 
-def undisturbed() -> InitialState:
+def find_middle_state() -> InitialState:
     """The state in the middle of all that varies."""
     return InitialState(0, np.zeros(3), 0.0, np.zeros(2), 0.0, np.zeros(7))
 
@@ -41,9 +41,9 @@ def out_of_reach(folder: Path) -> list[str]:
     """
     asset, options = read_asset(folder), TaskConfig()
     left = {joint.name: joint for joint in asset.joints if joint.handle is not None}
-    starts = [(undisturbed(), np.ones(3))]
+    starts = [(find_middle_state(), np.ones(3))]
     for seed in range(STARTS):
-        starts.append((sample_initial_state(seed, options), sampled_scale(seed, options, options.scale_range)))
+        starts.append((sample_initial_state(seed, options), sample_scale(seed, options, options.scale_range)))
     for state, scale in starts:
         if left:
             for name in _followed(folder, asset, set(left), state, scale, options):

@@ -3,10 +3,13 @@
 # Writes: results/assets/library/shard_own_<digest>.{json,zip}.
 
 
+container: CONFIG.containers.simulation
+
+
 rule own:
     """Import one shard of the models in a folder of the user's."""
     input:
-        files=lambda wildcards: ancient(OWN[wildcards.shard].files),  # their digest counts
+        files=ancient(lambda wildcards: OWN_SHARDS[wildcards.shard].files),  # their digest counts
     output:
         part="results/assets/library/shard_{shard}.json",
         models="results/assets/library/shard_{shard}.zip",
@@ -18,19 +21,15 @@ rule own:
         shard=r"own_\w+",
     group:
         "shard"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
     resources:
-        **needs(4000, lambda wildcards: 10 + models_in(wildcards.shard)),
+        **needs(4000, lambda wildcards: 10 + models_in(wildcards)),
     params:
-        command=command("importing", "own"),
-        code=code("importing", "own", *modules(CONFIG.assets, "importers")),
-        check=check(library_part="part"),
-        options=options("importing", "own"),
-        folder=lambda wildcards, input: OWN[wildcards.shard].place(input.files[0]),
-        models=lambda wildcards, input: OWN[wildcards.shard].named(OWN[wildcards.shard].place(input.files[0])),
-        digest=lambda wildcards: OWN[wildcards.shard].digest(),
+        **verb("importing", "own", uses=modules(CONFIG.assets, "importers"), library_part="part"),
+        folder=lambda wildcards, input: OWN_SHARDS[wildcards.shard].place(input.files[0]),
+        models=lambda wildcards, input: OWN_SHARDS[wildcards.shard].list_files(
+            OWN_SHARDS[wildcards.shard].place(input.files[0])
+        ),
+        digest=lambda wildcards: OWN_SHARDS[wildcards.shard].digest(),
     shell:
         "({params.command} --folder {params.folder:q} --models {params.models:q} --options {params.options:q} "
         "--out {output.part:q} && "

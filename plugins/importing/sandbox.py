@@ -13,12 +13,11 @@ from pathlib import Path
 from stages.contracts.errors import InputError
 
 SECONDS = 150  # of CPU time; a mesh of 1.3 million triangles takes 35
-WAIT = 2 * SECONDS  # on the clock: what waits for a disk, or for other work, takes no CPU time
 MEGABYTES = 3000  # beyond what this process has
 SIMPLER = "a file with fewer parts or triangles"
 
 
-def apart(path: Path, work: Callable[[], str]) -> str:
+def run_in_fork(path: Path, work: Callable[[], str]) -> str:
     """What `work` returns about a model's file, done in a fork of this process.
 
     Raises:
@@ -32,11 +31,11 @@ def apart(path: Path, work: Callable[[], str]) -> str:
         os.close(answer)
         _work(path, work, ours)
     os.close(ours)
-    with os.fdopen(answer, "rb") as told:
-        said = told.read()
+    with os.fdopen(answer, "rb") as stream:
+        said = stream.read()
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if status in (-signal.SIGXCPU, -signal.SIGALRM):
-        seconds = SECONDS if status == -signal.SIGXCPU else WAIT
+        seconds = SECONDS if status == -signal.SIGXCPU else 2 * SECONDS
         raise InputError(path, f"takes more than {seconds} s to read.", SIMPLER, code="E-MODEL-TIME")
     if status != 0:
         what = f"crashes what reads it, or takes more than {MEGABYTES} MB of memory ({_name(status)})."
@@ -60,8 +59,8 @@ def _work(path: Path, work: Callable[[], str], ours: int) -> None:
         except MemoryError:
             what = f"takes more than {MEGABYTES} MB of memory to read."
             said = _told(InputError(path, what, SIMPLER, code="E-MODEL-MEMORY"))
-        with os.fdopen(ours, "wb") as told:
-            told.write(said.encode())
+        with os.fdopen(ours, "wb") as stream:
+            stream.write(said.encode())
         code = 0
     except BaseException:
         traceback.print_exc()
@@ -82,7 +81,7 @@ def _limit() -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.setitimer(signal.ITIMER_REAL, WAIT)
+    signal.setitimer(signal.ITIMER_REAL, 2 * SECONDS)
     status = Path("/proc/self/status")
     if status.exists():
         held = next(int(line.split()[1]) for line in status.read_text().splitlines() if line.startswith("VmData"))

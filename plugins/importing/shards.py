@@ -33,7 +33,7 @@ class Shard(NamedTuple):
         """The user's folder, or its place among a storage's local copies, where the first of `files` is `first`."""
         return str(first).removesuffix(str(self.files[0].relative_to(self.folder))).rstrip("/")
 
-    def named(self, place: str) -> list[str]:
+    def list_files(self, place: str) -> list[str]:
         """<id>=<file> of each model, below that place."""
         return [f"{name}={Path(place, file.relative_to(self.folder))}" for name, file in self.models.items()]
 

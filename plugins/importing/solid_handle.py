@@ -6,11 +6,11 @@ import numpy as np
 import trimesh
 from trimesh import Trimesh
 
-from stages.articulated.attributes import moved_by, seen_of
+from stages.articulated.attributes import list_moved_links, merge_visuals
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.handle import GRID, Handle, find_handle
-from stages.articulated.mesh_reader import FLAT
-from stages.articulated.model import RobotModel, moved
+from stages.articulated.model import RobotModel, transform_mesh
+from stages.articulated.urdf_tree import FLAT
 
 # VHACD's: 32 pieces show the handle of a drawer with its box and keep a gripper's clearance; one thread, so that the
 # same mesh gives the same pieces.
@@ -28,9 +28,9 @@ def with_solid_handles(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     for joint in robot.joints:
         if joint.type == "fixed" or joint.role is None:
             continue
-        names = moved_by(joint, robot.joints)
-        looks = seen_of(robot, names, frames)
-        solid = [moved(piece, frames[name]) for name in names for piece in links[name].collisions]
+        names = list_moved_links(joint, robot.joints)
+        looks = merge_visuals(robot, names, frames)
+        solid = [transform_mesh(piece, frames[name]) for name in names for piece in links[name].collisions]
         if looks is None or not solid:
             continue
         whole: Trimesh = trimesh.util.concatenate(solid)  # type: ignore[assignment]

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from plugins.importing.hinges import Hinge, Slide
 from plugins.importing.importers import Axis
-from stages.articulated.hung import Hinge, Slide
 from stages.articulated.model import Matrix
 from stages.contracts.categories import known_categories
 from stages.contracts.category import split_words
@@ -40,7 +40,7 @@ class Up(NamedTuple):
     doubt: str
 
 
-def said_by_hinges(hinges: Iterable[Hinge], category: str | None) -> Matrix:
+def weigh_hinges(hinges: Iterable[Hinge], category: str | None) -> Matrix:
     """(3,) logarithms of likelihoods of `UPS`: as doors, flaps and lids are frequent in the category."""
     known = known_categories().get(category or "")
     doors, flaps = (known.doors, known.flaps) if known else (0, 0)
@@ -58,14 +58,14 @@ def _share(hinge: Hinge, up: Axis, usual: Matrix) -> float:
     return float(usual[2 if hinge.above else 3]) * (NAMED if called & DOORS else 1.0)
 
 
-def said_by_slides(slides: Iterable[Slide]) -> Matrix:
+def weigh_slides(slides: Iterable[Slide]) -> Matrix:
     """(3,) logarithms of likelihoods of `UPS`: drawers slide level, what stands on a gas lift slides up."""
     along = [[(slide.along == number(up), DRAWER if slide.drawer else LIFT) for up in UPS] for slide in slides]
     shares = [[share if it else 1 - share for it, share in row] for row in along]
     return np.log(np.mean(shares, axis=0)) if shares else np.zeros(3)
 
 
-def chosen(says: Mapping[str, Matrix], agreed: Axis | None, sure: bool) -> Up:
+def choose_up(says: Mapping[str, Matrix], agreed: Axis | None, sure: bool) -> Up:
     """The direction up that kinds of evidence, logarithms of likelihoods (3,) of `UPS`, speak for.
 
     Args:

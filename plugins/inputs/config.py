@@ -4,7 +4,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from stages.config.cameras import FIELD_OF_VIEW
+from plugins.inputs.known_cameras import FIELD_OF_VIEW
 from stages.contracts.section import Section
 
 

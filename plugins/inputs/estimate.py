@@ -23,11 +23,12 @@ from plugins.vlm.config import VlmConfig
 from stages.cli import progress
 from stages.contracts import Annotations, Camera, InputError, read_options
 from stages.contracts.categories import known_categories
-from stages.contracts.corrected_masks import ROOM
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation, Held
-from stages.contracts.types import WALL
+from stages.contracts.types import FLOOR, WALL
 from stages.geometry.cameras import make_intrinsics
+
+ROOM = (FLOOR, WALL)  # labels of what is no object
 
 
 @dataclass(frozen=True)

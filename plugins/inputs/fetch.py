@@ -6,9 +6,9 @@ from pathlib import Path
 from pydantic import Field, TypeAdapter, ValidationError
 
 from plugins.inputs.config import PhotoSection
+from plugins.pretrained.weights import check_folder, weights_sha256
 from stages.contracts import InputError, read_options, write_text
 from stages.contracts.files import Contract, first_error
-from stages.pretrained import check_folder, weights_sha256
 
 LOCK = Path("weights.lock.json")
 SOURCES = {  # model ids on the hub

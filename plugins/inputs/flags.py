@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from stages.config.inputs import Input
+from plugins.inputs.pictures import Picture, PicturesExperiment
 from stages.config.model import Config
 from stages.config.reads import options_of
 
 
-def frame_flags(frame: Input, files: Mapping[str, Any]) -> str:
+def frame_flags(frame: Picture, files: Mapping[str, Any]) -> str:
     """The flags of `from-rgbd` for a frame; `files`: where its files lie now, by their keys."""
     flags = {
         "--rgb": files.get("image"),
@@ -40,6 +40,7 @@ def weight_files(config: Config) -> list[str]:
 
 def picture_options(config: Config, scene: str) -> str:
     """The --options of `estimate` for one picture: the config, and the picture's own field of view."""
+    assert isinstance(config.experiment, PicturesExperiment)
     own = config.experiment.inputs[scene].fov
     options = options_of(config, "inputs", "estimate", {}) | ({"field_of_view": own} if own else {})
     return json.dumps(options, sort_keys=True)

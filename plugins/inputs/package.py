@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import Field
 
 from plugins.inputs.config import PhotoConfig, PhotoSection
+from plugins.inputs.pictures import PicturesExperiment, of_picture, read_sources
 from stages.config.mistakes import Mistake
 from stages.config.packages import Package
 
@@ -68,6 +69,9 @@ PACKAGE = Package(
             Field(PhotoSection(), description="From one RGB picture to an input folder (A.2, A.7)."),
         )
     },
+    widens={"experiment": PicturesExperiment},
+    expand=read_sources,
+    of_run=of_picture,
     outside=needed_files,
     keys=keys,
     mistakes=find_mistakes,

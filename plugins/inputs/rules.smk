@@ -5,21 +5,19 @@
 from plugins.inputs.flags import frame_flags, picture_options, weight_files
 
 
+container: CONFIG.containers.learning
+
+
 rule fetch:
     """Download the weights that are not there."""
     output:
         record="results/photo/weights.json",
     log:
         "logs/photo/fetch.log",
-    container:
-        CONFIG.containers.learning
-    threads: 1
     resources:
         **needs(1000, 60),
     params:
-        command=command("inputs", "fetch"),
-        code=code("inputs", "fetch"),
-        options=options("inputs", "fetch"),
+        **verb("inputs", "fetch"),
     shell:
         "{params.command} --options {params.options:q} --out {output.record:q} 2>&1 | tee {log:q}"
 
@@ -39,16 +37,17 @@ rule estimate:
         "logs/photo/{scene}.log",
     benchmark:
         "benchmarks/photo/{scene}.tsv"
-    container:
-        CONFIG.containers.learning
     threads: 2
     resources:
         **needs(8000, 60, gpu=True),
     params:
-        command=command("inputs", "estimate"),
-        code=code("inputs", "estimate"),
-        check=check(camera="camera", annotations="annotations"),
-        options=lambda wildcards: picture_options(CONFIG, wildcards.scene),
+        **verb(
+            "inputs",
+            "estimate",
+            options=lambda wildcards: picture_options(CONFIG, wildcards.scene),
+            camera="camera",
+            annotations="annotations",
+        ),
         device=CONFIG.device,
         out=subpath(output.rgb, parent=True),
     shell:
@@ -73,16 +72,11 @@ rule frame:
     benchmark:
         "benchmarks/scenes/frame_{scene}.tsv"
     group:
-        of_scene
-    container:
-        CONFIG.containers.learning
-    threads: 1
+        scene_group
     resources:
         **needs(2000, 10),
     params:
-        command=command("inputs", "from-rgbd"),
-        code=code("inputs", "from_rgbd"),
-        check=check(camera="camera", annotations="annotations"),
+        **verb("inputs", "from-rgbd", camera="camera", annotations="annotations"),
         frame=lambda wildcards, input: frame_flags(EXPERIMENT.inputs[wildcards.scene], input),
         out=subpath(output.rgb, parent=True),
     shell:

@@ -36,9 +36,9 @@ from stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
 from stages.simulation.studio import Moment, Recording
 from stages.simulation.target import Target, read_target
 from stages.tasks.api import Float, TaskEnv
-from stages.tasks.base_placement import AJAR, placed, success_opening
+from stages.tasks.base_placement import AJAR, place_robot_and_asset, success_opening
 from stages.tasks.cameras import shoulder
-from stages.tasks.initial_state import nominal_root, sample_initial_state, sampled_scale
+from stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
 from stages.tasks.observation import CameraRig, Observation
 
 SHOWN_ID = np.array([1], np.int16)  # entity id of what the cloud shows; everything else has 0
@@ -70,10 +70,10 @@ class MujocoTaskEnv(TaskEnv):
     def place(self, seed: int) -> None:
         """`reset` without looking."""
         setup = sample_initial_state(seed, self.options)
-        scale = sampled_scale(seed, self.options, self.options.scale_range if self.vary_scale else None)
+        scale = sample_scale(seed, self.options, self.options.scale_range if self.vary_scale else None)
         self._look_up(self._at_scale(self._nominal_folder(), scale))
         at = nominal_root(self._model_asset, np.ones(3))
-        self.base, self.root = placed(setup, self.target, at, self.options, self.around)
+        self.base, self.root = place_robot_and_asset(setup, self.target, at, self.options, self.around)
         self.rig.place({}, 0, seed)
         camera = self.base @ self.rig.pose("shoulder", 0)
         camera[:3, :3] = camera[:3, :3] @ CAMERA_FROM_IMAGE

@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.mujoco.mjcf_writer import write_model
 from stages.articulated.asset_folder import read_model
-from stages.articulated.mjcf_writer import write_model
 from stages.geometry.frames import quaternion_from_matrix
 from stages.simulation.robot import TCP, low_poly_urdf
 

@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 from typing import IO
 
-from plugins.ops.lock import LOCK, WORKFLOW, Holder, start_time, stop_if_taken_over, taken_over
+from plugins.ops.lock import LOCK, WORKFLOW, Holder, is_taken_over, start_time, stop_if_taken_over
 from plugins.ops.queue import cancel_left_over
 from stages.contracts.errors import InputError
 from stages.contracts.files import BEFORE_WRITING, PARTIAL
@@ -108,7 +108,7 @@ def end_with_workflow() -> None:
         watched.append(os.pidfd_open(job))
         if near:
             watched.append(os.pidfd_open(workflow.pid))
-        alive = start_time(workflow.pid) == workflow.started if near else not taken_over()
+        alive = start_time(workflow.pid) == workflow.started if near else not is_taken_over()
     except OSError:
         alive = False
     if not alive:
@@ -117,7 +117,7 @@ def end_with_workflow() -> None:
         return
     try:
         ended: list[int] = []
-        while not ended and not taken_over():
+        while not ended and not is_taken_over():
             ended = select.select(watched, [], [], None if near else LOOK_EVERY)[0]
         if watched[0] not in ended:
             kill_all(job)

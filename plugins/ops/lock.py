@@ -60,7 +60,7 @@ def _place() -> str:
         return ""
 
 
-def taken_over() -> bool:
+def is_taken_over() -> bool:
     """Whether another workflow holds the folder that this process is a job of: it must write nothing there any more."""
     mine = Holder.read(os.environ.get(WORKFLOW, ""))
     if mine is None:
@@ -78,5 +78,5 @@ def stop_if_taken_over(path: Path) -> None:
     Raises:
         InputError: it has.
     """
-    if taken_over():
+    if is_taken_over():
         raise InputError(path, "is not written: another workflow has taken over this folder.", code="E-FOLDER-TAKEN")

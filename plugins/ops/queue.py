@@ -21,7 +21,7 @@ class Job(NamedTuple):
     folder: str
 
 
-def queued() -> list[Job]:
+def list_jobs() -> list[Job]:
     """The jobs of this user; [] if SLURM does not answer."""
     command = ["squeue", "--me", "--noheader", "--format=%i|%j|%Z"]
     try:
@@ -33,7 +33,7 @@ def queued() -> list[Job]:
 
 def left_over(folder: Path) -> list[str]:
     """Ids of the jobs that a workflow in this folder submitted."""
-    return [job.id for job in queued() if RUN.search(job.name) and Path(job.folder) == folder]
+    return [job.id for job in list_jobs() if RUN.search(job.name) and Path(job.folder) == folder]
 
 
 def cancel_left_over(folder: Path) -> None:

@@ -35,30 +35,30 @@ class Brief(DefaultFormatter):
         self.jobs: dict[int, str] = {}
         self.ended: list[str] = []
 
-    def format_workflow_started(self, told: dict[str, Any]) -> str:
-        files = ", ".join(map(str, told["configfiles"]))
-        return f"Snakemake {told['snakemake_version']} in {told['cwd']}, config: {files}"
+    def format_workflow_started(self, message: dict[str, Any]) -> str:
+        files = ", ".join(map(str, message["configfiles"]))
+        return f"Snakemake {message['snakemake_version']} in {message['cwd']}, config: {files}"
 
-    def format_job_info(self, told: dict[str, Any]) -> str:
+    def format_job_info(self, message: dict[str, Any]) -> str:
         if self.dryrun:
-            return "\n" + super().format_job_info(told)
-        name = f"{told['rule_name']} {format_wildcards(told['wildcards'])}".rstrip()
-        written = os.path.commonpath(told["output"]) if told["output"] else ""
-        self.jobs[told["jobid"]] = f"{name} -> {written}" if written else name
-        reasons = [each for each in str(told["reason"]).split("; ") if not each.startswith(EVERY_JOB)]
-        because = " ".join("; ".join(reasons).replace(PADDING, "").split())[:200] if told["output"] else ""
-        log = f", log: {', '.join(told['log'])}" if told["log"] else ""
+            return "\n" + super().format_job_info(message)
+        name = f"{message['rule_name']} {format_wildcards(message['wildcards'])}".rstrip()
+        written = os.path.commonpath(message["output"]) if message["output"] else ""
+        self.jobs[message["jobid"]] = f"{name} -> {written}" if written else name
+        reasons = [each for each in str(message["reason"]).split("; ") if not each.startswith(EVERY_JOB)]
+        because = " ".join("; ".join(reasons).replace(PADDING, "").split())[:200] if message["output"] else ""
+        log = f", log: {', '.join(message['log'])}" if message["log"] else ""
         why = f", because: {because}" if because else ""
-        return f"{'    ' * bool(told.get('indent'))}{now()} {name}{log}{why}"
+        return f"{'    ' * bool(message.get('indent'))}{now()} {name}{log}{why}"
 
-    def format_job_finished(self, told: dict[str, Any]) -> str:
-        self.ended.append(self.jobs.get(told["job_id"], told["msg"]))
+    def format_job_finished(self, message: dict[str, Any]) -> str:
+        self.ended.append(self.jobs.get(message["job_id"], message["msg"]))
         return ""  # the next message says how far the run is
 
-    def format_progress(self, told: dict[str, Any]) -> str:
+    def format_progress(self, message: dict[str, Any]) -> str:
         ended, self.ended = "; ".join(self.ended), []
-        percent = format_percentage(told["done"], told["total"])
-        return f"{now()} {told['done']} of {told['total']} steps ({percent}) done: {ended}"
+        percent = format_percentage(message["done"], message["total"])
+        return f"{now()} {message['done']} of {message['total']} steps ({percent}) done: {ended}"
 
 
 class Lines(ColorizingTextHandler):

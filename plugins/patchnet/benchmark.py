@@ -26,12 +26,12 @@ from numpy.typing import NDArray
 from plugins.furniture.catalogue import CATEGORIES
 from plugins.patchnet.encoders.patchnet import Weights
 from plugins.patchnet.network import seen_categories
-from plugins.patchnet.training.pairs import blemished, hidden
+from plugins.patchnet.training.pairs import blemish_picture, hide_part
 from plugins.patchnet.training.render import MODELS, PAINTED, make
 from plugins.patchnet.training.studio import ChanceStudio
 from stages.assets.snapshots import Turntable
 from stages.config.assets import SnapshotOptions
-from stages.config.matching import Dinov2Config, EncoderOptions, HogConfig
+from stages.config.matching import Dinov2Config, EncoderOptions, HogConfig, MatchingConfig
 from stages.contracts.section import Section
 from stages.geometry.frames import angle_difference
 from stages.matching.crop import View
@@ -39,9 +39,9 @@ from stages.matching.encoders import PatchEncoder, Patches, make_encoder
 from stages.matching.snapshots import up_of_camera
 from stages.matching.voting import embedding_distance
 
-YAWS = 24
+YAWS = SnapshotOptions().n_snap
 STEP = 4  # every fourth of them is compared to find the model
-WORST = 0.1
+WORST = MatchingConfig().exclude_worst
 FRONT = 1.75  # radians: furniture is not seen from behind
 HEADING = "| encoder | category | in 3 | model | in 3 | yaw median | within 15 | ms |\n" + "|---" * 8 + "|"
 Rng = np.random.Generator
@@ -89,19 +89,21 @@ def models(categories: Sequence[str], count: int, queries: int, seed: int) -> It
                 View(rgb, depth > 0, depth.astype(np.float32) / 1000, turntable.intrinsics, up)
                 for rgb, depth in zip(rgbs, depths, strict=True)
             ]
-            pictures = [spoiled(hidden(shot.view, rng) if rng.random() < 0.5 else shot.view, rng) for shot in shots]
+            pictures = [
+                degrade_picture(hide_part(shot.view, rng) if rng.random() < 0.5 else shot.view, rng) for shot in shots
+            ]
             yield Model(category, asset.symmetry, snapshots, pictures, turns)
 
 
-def spoiled(view: View, rng: Rng) -> View:
+def degrade_picture(view: View, rng: Rng) -> View:
     """A picture as a camera takes it; depth as a network might tell it: another scale, smooth errors, soft edges."""
     assert view.depth is not None
     coarse = cv2.resize(rng.normal(0, 0.01, (6, 6)).astype(np.float32), view.mask.shape[::-1])
     depth = cv2.blur(view.depth, (3, 3)) * rng.uniform(0.7, 1.4) * (1 + coarse)
-    return replace(view, rgb=blemished(view.rgb, rng), depth=np.where(view.mask, depth, 0).astype(np.float32))
+    return replace(view, rgb=blemish_picture(view.rgb, rng), depth=np.where(view.mask, depth, 0).astype(np.float32))
 
 
-def weighted(patches: Patches, weights: NDArray[np.float32]) -> NDArray[np.float32]:
+def weigh_rows(patches: Patches, weights: NDArray[np.float32]) -> NDArray[np.float32]:
     """Rows (P, D) to compare."""
     rows = np.concatenate([patches.features, patches.positions], axis=1)
     return rows[:, weights > 0] * weights[weights > 0]
@@ -124,7 +126,7 @@ class Encoded:
     cost: float
 
 
-def encoded(library: list[Model], encoder: PatchEncoder) -> Encoded:
+def encode_all(library: list[Model], encoder: PatchEncoder) -> Encoded:
     """Everything, once: weights are laid on later."""
     start = time.process_time()
     snapshots = [encoder.encode(model.snapshots) for model in library]
@@ -134,13 +136,13 @@ def encoded(library: list[Model], encoder: PatchEncoder) -> Encoded:
 
 def answers(library: list[Model], patches: Encoded, weights: NDArray[np.float32]) -> list[Answer]:
     """What every picture is taken for by patches with these weights."""
-    views = [[weighted(each, weights) for each in model] for model in patches.snapshots]
+    views = [[weigh_rows(each, weights) for each in model] for model in patches.snapshots]
     compared = [view for each in views for view in each[::STEP]]
     owner = np.repeat(np.arange(len(library)), len(range(0, YAWS, STEP)))
     found = []
     for number, model in enumerate(library):
         for picture, yaw in zip(patches.pictures[number], model.yaws, strict=True):
-            query = weighted(picture, weights)
+            query = weigh_rows(picture, weights)
             distances = np.full(len(library), np.inf)
             np.minimum.at(distances, owner, embedding_distance(table(query, compared), WORST))
             order = np.argsort(distances, kind="stable")
@@ -181,12 +183,12 @@ def variants(name: str, dinov2: str) -> dict[str, EncoderOptions]:
     }
 
 
-def compared(library: list[Model], names: Sequence[str], dinov2: str) -> dict[str, tuple[list[Answer], float]]:
+def compare_rows(library: list[Model], names: Sequence[str], dinov2: str) -> dict[str, tuple[list[Answer], float]]:
     """Answers and cost by row."""
     results = {}
     for name in names:
         rows = variants(name, dinov2)
-        patches = encoded(library, make_encoder(next(iter(rows.values())))) if rows else None
+        patches = encode_all(library, make_encoder(next(iter(rows.values())))) if rows else None
         for title, options in rows.items():
             encoder = make_encoder(options)
             with_depth, without = encoder.weights(True), encoder.weights(False)
@@ -209,7 +211,7 @@ def main() -> None:
     given = parser.parse_args()
     library = list(models(given.categories, given.models, given.queries, given.seed))
     print(f"{len(library)} models in {len(given.categories)} categories, {len(library) * given.queries} pictures\n")
-    results = compared(library, given.encoders, given.dinov2)
+    results = compare_rows(library, given.encoders, given.dinov2)
     seen = set(seen_categories())
     chosen = {
         "All": given.categories,

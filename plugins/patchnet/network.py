@@ -68,10 +68,10 @@ class PatchNet(nn.Module):
 def network_input(pictures: NDArray[np.uint8], coverage: NDArray[np.uint8]) -> Tensor:
     """(B, 4, H, W) float32 of crops (B, H, W, 3), grey outside the mask, and its coverage (B, H, W), 0 to 255."""
     both = np.concatenate([pictures, coverage[..., None]], axis=-1)
-    return normalised(torch.from_numpy(both).permute(0, 3, 1, 2).float())
+    return normalise_crops(torch.from_numpy(both).permute(0, 3, 1, 2).float())
 
 
-def normalised(x: Tensor) -> Tensor:
+def normalise_crops(x: Tensor) -> Tensor:
     """Bytes (B, 4, H, W) as the network takes them: about -1 to 1, the grey outside the mask near 0."""
     return x.sub(127.5).div(127.5).contiguous(memory_format=torch.channels_last)
 

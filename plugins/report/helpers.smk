@@ -1,67 +1,98 @@
-# Helpers of the pages. Nothing here makes a file.
+# Helpers of the pages. No rules.
 import subprocess
-from types import SimpleNamespace
+
+from snakemake.exceptions import WorkflowError
+from snakemake.settings.types import ExecMode
+
+# What stands before `results/` and `benchmarks/` in a module with a prefix, and in a storage.
+ROOT = str(rules.library.output.library).removesuffix("results/assets/library/library.json")
 
 
 def of_picture(pattern):
-    """A function of what Snakemake calls a job's inputs: the files of `pattern` for the picture of this run."""
+    """The files of `pattern` for the picture of this run."""
 
     def found(wildcards):
         if not CONFIG.image:
             raise WorkflowError("image: there is no picture. Fix: snakemake --cores 2 photo --config image=kitchen.jpg")
-        return files(pattern, variant=VARIANTS, scene=ROOMS)
+        return expand(pattern, variant=VARIANTS, scene=ROOMS)
 
     return found
 
 
 def own_pages(scenes):
     """The scenes' own pages that are there, or are asked for: other pages link to them."""
-    asked, paths = "pages" in workflow.dag_settings.targets, files(rules.scene_page.output.page, scene=scenes)
-    return [path for path in paths if asked or Path(str(path)).is_file()]
+    asked, pages = "pages" in workflow.dag_settings.targets, expand("results/report/scenes/{scene}.html", scene=scenes)
+    return [page for page in pages if asked or Path(ROOT + page).is_file()]
 
 
 def tell_of_failures():
     """After a failed run of many scenes: the same pages of what there is, with where and why scenes stopped."""
-    for variant in VARIANTS if MORE and workflow.exec_mode == ExecMode.DEFAULT else []:
-        page = files(rules.overview_page.output.page, variant=variant)[0].removesuffix("html") + "failed.html"
-        line = [*shlex.split(command("report", "overview")), "--variant", variant, "--out", page, "--scenes", *ROOMS]
-        subprocess.run(line)
+    for variant in VARIANTS if FURTHER_ROOMS and workflow.exec_mode == ExecMode.DEFAULT else []:
+        page = f"{ROOT}results/report/overview/{variant}.failed.html"
+        line = shlex.split(command_line(CONFIG, "report", "overview"))
+        subprocess.run([*line, "--variant", variant, "--out", page, "--scenes", *ROOMS])
 
 
-# A command in the place of our verb need not make films.
-DEMO_FILMS = [] if "collect" in CONFIG.stages.get("demonstrations", {}) else trained(rules.demonstrate.output.films)
-SCENE_FILMS = (
-    [] if "scene" in CONFIG.stages.get("demonstrations", {}) else in_scenes(rules.demonstrate_in_scene.output.films)
+def films_of(stage, name, found):
+    """Films, which a command in the place of our verb need not make."""
+    return unless_replaced(stage, name, films=found).get("films", [])
+
+
+DEMO_FILMS = films_of(
+    "demonstrations",
+    "collect",
+    expand("results/demonstrations/{target}/{role}/films.zip", zip, **DEMONSTRATED),
 )
-ROLLOUT_FILMS = (
-    [] if "rollout" in CONFIG.stages.get("evaluation", {}) else policies(rules.rollout.output.films, first=True)
+SCENE_FILMS = films_of(
+    "demonstrations", "scene", expand("results/demonstrations/{target}/in_scene/films.zip", target=SCENE_TARGETS)
+)
+ROLLOUT_FILMS = films_of(
+    "evaluation",
+    "rollout",
+    policies("results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/films.zip", count=1),
 )
 # Benchmark files cannot be inputs: those of this run are named to the page, so that it counts no others.
-BENCHMARKS = [
-    *expand("benchmarks/assets/procedural_{shard}.tsv", shard=range(PROCEDURAL)),
-    *expand("benchmarks/assets/{shard}.tsv", shard=OWN),
-    *files(rules.snapshots.benchmark, shard=SHARDS),
-    *files(rules.room.benchmark, scene=SCORED_ROOMS),
-    *files(rules.extract.benchmark, scene=SHOWN),
-    *files(rules.features.benchmark, store=STORES, shard=SHARDS),
-    *files(
-        [rules.match.benchmark, rules.generate.benchmark, rules.draw_scenes.benchmark], variant=VARIANTS, scene=SHOWN
-    ),
-    *files(rules.score.benchmark, variant=VARIANTS, scene=SCORED_ROOMS),
-    *files(rules.select.benchmark, variant=EXPERIMENT.policy_variant, target=TARGETS),
-    *[
-        file
-        for name in TARGETS
-        if name not in PINNED
-        for file in of_target(
-            SimpleNamespace(target=name, variant=EXPERIMENT.policy_variant), rules.distances.benchmark
-        )
+POSSIBLE = columns(
+    "target",
+    "policy",
+    "training_set",
+    "run",
+    "seed",
+    rows=[
+        (*cell, run, seed)
+        for cell in EXPERIMENT.cells
+        for plan in [EXPERIMENT.plan(cell.policy)]
+        for run in plan.runs
+        for seed in plan.seeds
     ],
-    *trained(rules.demonstrate.benchmark),
-    *in_scenes(rules.demonstrate_in_scene.benchmark),
-    *demonstrated(rules.skill.benchmark),
-    *possible_policies([rules.train.benchmark, rules.trial.benchmark, rules.rollout.benchmark]),
-    *met([rules.room.benchmark, rules.extract.benchmark, rules.match.benchmark, rules.generate.benchmark]),
-    *met(rules.score.benchmark),
+)
+MATCHED = columns(
+    "room",
+    "object",
+    rows=[(target.room, target.object) for name, target in EXPERIMENT.targets.items() if name not in PINNED],
+)
+BENCHMARKS = [
+    *expand("benchmarks/assets/procedural_{shard}.tsv", shard=PROCEDURAL_SHARDS),
+    *expand("benchmarks/assets/{shard}.tsv", shard=OWN_SHARDS),
+    *expand("benchmarks/assets/snapshots_{shard}.tsv", shard=SHARDS),
+    *expand("benchmarks/scenes/{room}.tsv", room=SCORED_ROOMS),
+    *expand("benchmarks/extraction/{scene}.tsv", scene=REPORT_ROOMS),
+    *expand("benchmarks/matching/features_{store}_{shard}.tsv", store=STORES, shard=SHARDS),
+    *expand("benchmarks/matching/{variant}_{scene}.tsv", variant=VARIANTS, scene=REPORT_ROOMS),
+    *expand("benchmarks/generation/{variant}_{scene}.tsv", variant=VARIANTS, scene=REPORT_ROOMS),
+    *expand("benchmarks/generation/draw_{variant}_{scene}.tsv", variant=VARIANTS, scene=REPORT_ROOMS),
+    *expand("benchmarks/evaluation/{variant}_{room}.tsv", variant=VARIANTS, room=SCORED_ROOMS),
+    *expand("benchmarks/experiment/{variant}_{target}.tsv", variant=POLICY_VARIANT, target=TARGETS),
+    *expand(f"benchmarks/matching/distances_{POLICY_VARIANT}_{{room}}_{{object}}.tsv", zip, **MATCHED),
+    *expand("benchmarks/demonstrations/{target}_{role}.tsv", zip, **DEMONSTRATED),
+    *expand("benchmarks/demonstrations/{target}_in_scene.tsv", target=SCENE_TARGETS),
+    *expand("benchmarks/evaluation/skill_{target}.tsv", target=TRAINED_TARGETS),
+    *expand("benchmarks/training/{target}_{policy}_{training_set}_{run}_{seed}.tsv", zip, **POSSIBLE),
+    *expand("benchmarks/evaluation/trial_{target}_{policy}_{training_set}_{run}_{seed}.tsv", zip, **POSSIBLE),
+    *expand("benchmarks/evaluation/{target}_{policy}_{training_set}_{run}_{seed}.tsv", zip, **POSSIBLE),
+    *expand("benchmarks/{stage}/{scene}.tsv", stage=["scenes", "extraction"], scene=PROTOCOL_SCENES["scene"]),
+    *expand("benchmarks/matching/{variant}_{scene}.tsv", zip, **PROTOCOL_SCENES),
+    *expand("benchmarks/generation/{variant}_{scene}.tsv", zip, **PROTOCOL_SCENES),
+    *expand("benchmarks/evaluation/{variant}_{scene}.tsv", zip, **PROTOCOL_SCENES),
     *expand("benchmarks/tables/{table}.tsv", table=["table2", "table3"]),
 ]

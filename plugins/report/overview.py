@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from plugins.report.page.overview import Layout, common, row
+from plugins.report.page.overview import Layout, count_failures, row
 from plugins.report.report import link_there_and_back, script
 from stages.contracts.files import write_text
 from stages.tables.markup import environment
@@ -42,7 +42,7 @@ def run(
         variant=variant,
         stopped=stopped,
         waiting=waiting,
-        common=common(rows),
+        common=count_failures(rows),
         furnished=any((results / "scenes" / scene / "input").is_dir() for scene in scenes),
         script=script("sort.js", "back.js"),
     )

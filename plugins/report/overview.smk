@@ -1,27 +1,28 @@
 # One page over all scenes of a run: what came of each, what failed and why.
 
 
+container: CONFIG.containers.report
+
+
 rule overview_page:
     """Every scene as a row: pictures of input and rank 1, what failed and why, doubts."""
     input:
-        objects=files(rules.extract.output.objects, scene=ROOMS),
-        cousins=files(rules.match.output.cousins, scene=ROOMS),
-        scenes=files(rules.generate.output.scenes, scene=ROOMS),
-        thumbnails=files(rules.draw_scenes.output.thumbnail, scene=ROOMS),
+        objects=expand("results/extraction/{scene}/objects.json", scene=ROOMS),
+        cousins=expand("results/matching/{variant}/{scene}/cousins.json", scene=ROOMS, allow_missing=True),
+        scenes=expand(
+            "results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, scene=ROOMS, allow_missing=True
+        ),
+        thumbnails=expand("results/generation/{variant}/{scene}/thumbnail.webp", scene=ROOMS, allow_missing=True),
         pages=lambda wildcards: own_pages(ROOMS),
     output:
         page=in_report("results/report/overview/{variant}.html", "report", "../../report/captions"),
     log:
         "logs/tables/overview_{variant}.log",
     localrule: True
-    container:
-        CONFIG.containers.report
-    threads: 1
     resources:
         **needs(2000, 30),
     params:
-        command=command("report", "overview"),
-        code=code("report", "overview"),
+        **verb("report", "overview"),
         results=lambda wildcards, input: input.objects[0].partition("extraction/")[0],
         scenes=ROOMS,
     shell:
@@ -33,5 +34,5 @@ rule overview_page:
 rule overview:
     """One page over all scenes, for every variant."""
     input:
-        files(rules.overview_page.output.page, variant=VARIANTS),
+        expand("results/report/overview/{variant}.html", variant=VARIANTS),
     localrule: True

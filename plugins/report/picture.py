@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from plugins.report.album import Album
 from plugins.report.page import rooms, single
 from plugins.report.page.files import RunFiles
 from plugins.report.report import link_to, script
@@ -9,7 +10,6 @@ from stages.config.tables import TablesConfig
 from stages.contracts import InputError
 from stages.contracts.files import read_options, write_text
 from stages.tables.markup import environment
-from stages.tables.pictures import Album
 from stages.tables.text import number
 
 

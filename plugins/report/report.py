@@ -10,18 +10,18 @@ import pandas as pd
 import yaml
 from markupsafe import Markup
 
+from plugins.report.album import Album
 from plugins.report.page import library, policies, result, rooms
 from plugins.report.page.benchmarks import by_stage, longest_table, read_jobs, times_table
-from plugins.report.page.charts import embedded
+from plugins.report.page.charts import embed_svg
 from plugins.report.page.files import RunFiles
+from plugins.report.roles import role_title
 from stages.config.tables import PolicyTables
 from stages.contracts.files import read_options, read_text, write_text
 from stages.tables import assets, claims, policy_tables, robustness, scene_tables, table2, table3
 from stages.tables.cells import CELL
 from stages.tables.markup import Table, environment
 from stages.tables.methods import beside_ours, kinds_of
-from stages.tables.order import role_title
-from stages.tables.pictures import Album
 from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_policies, read_table
 from stages.tables.scenes import named
@@ -121,7 +121,7 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
                 *table(policy_tables.stability_table, "table3_stability"),
             ],
             figures={
-                name: (embedded(path.read_bytes(), alt) if path else None, alt)
+                name: (embed_svg(path.read_bytes(), alt) if path else None, alt)
                 for name, (path, alt) in drawings.items()
             },
             script=script("page.js", "viewer.js"),

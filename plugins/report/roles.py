@@ -4,10 +4,19 @@ from collections import Counter
 from collections.abc import Iterable
 
 from stages.contracts.policies import TaskAsset, TaskAssets
-from stages.contracts.training_sets import RANDOMISED, plain
+from stages.contracts.training_sets import DRAW, DRAWN, RANDOMISED, SetName, is_set, plain, read_set
 from stages.tables.markup import Table
-from stages.tables.order import role_title
+from stages.tables.order import title
 from stages.tables.text import cell, number
+
+
+def role_title(role: str) -> str:
+    """A role for people; random_3 is one asset, as a training set it is three; random_19 is the third of draw 2."""
+    rule, place, randomised = read_set(role) if is_set(role) else SetName(role, 1, False)
+    if rule not in DRAWN:
+        return title(role)
+    draw, place = divmod(place - 1, DRAW)
+    return f"{rule} {place + 1}" + f" of draw {draw + 1}" * (draw > 0) + ", randomised" * randomised
 
 
 def handle_kind(asset: TaskAsset) -> str:
@@ -74,12 +83,12 @@ def lists_table(chosen: TaskAssets, name: str, caption: str) -> list[Table]:
         "test": chosen.test_assets,
     }
     rows = []
-    for title, listed in lists.items():
+    for heading, listed in lists.items():
         if assets := list({asset.asset: asset for asset in listed}.values()):
             kinds = ", ".join(f"{kind} {n}" for kind, n in sorted(Counter(asset.handle for asset in assets).items()))
             lengths = sorted(100 * asset.handle_length for asset in assets)
             families = len({asset.family for asset in assets})
-            rows.append([title, str(len(assets)), str(families), kinds, f"{lengths[0]:.0f}-{lengths[-1]:.0f} cm"])
+            rows.append([heading, str(len(assets)), str(families), kinds, f"{lengths[0]:.0f}-{lengths[-1]:.0f} cm"])
     columns = ["Set", "Assets", "Families", "By kind of handle", "Length of handles"]
     notes = [
         "A family is in one set alone: trained on, held out, validation or test. Random and covering assets are drawn "

@@ -2,7 +2,9 @@
 # Reads:  what the stages wrote, benchmark files.
 # Writes: results/report/{index,times}.html, results/report/scenes/<scene>.html, results/report/overview/<variant>.html
 #         (where a run of many scenes failed <variant>.failed.html), results/report/three.min.js.
-from types import SimpleNamespace
+
+
+container: CONFIG.containers.report
 
 
 include: "helpers.smk"
@@ -15,14 +17,10 @@ rule viewer:
     log:
         "logs/tables/viewer.log",
     localrule: True
-    container:
-        CONFIG.containers.report
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("report", "viewer"),
-        code=code("report", "viewer"),
+        **verb("report", "viewer"),
     shell:
         "{params.command} --out {output.script:q} 2>&1 | tee {log:q}"
 
@@ -30,27 +28,33 @@ rule viewer:
 rule report_page:
     """One page that shows this run: what these inputs hold, and nothing else that lies in results/."""
     input:
-        viewer=rules.viewer.output.script,
-        library=rules.library.output.library,
-        snapshots=files([*rules.snapshots.output], shard=SHARDS),
-        sheets=files(rules.draw_snapshots.output.sheet, shard=SHARDS),
-        images=[scene_image(SimpleNamespace(scene=room)) for room in SHOWN],
-        objects=files(rules.extract.output.objects, scene=SHOWN),
-        overviews=files(rules.draw_objects.output.overview, scene=SHOWN),
-        cousins=files(rules.match.output.cousins, variant=VARIANTS, scene=SHOWN),
-        scenes=files(rules.generate.output.scenes, variant=VARIANTS, scene=SHOWN),
-        previews=files(
-            [*rules.draw_scenes.output.previews, rules.draw_scenes.output.view], variant=VARIANTS, scene=SHOWN
+        viewer="results/report/three.min.js",
+        library="results/assets/library/library.json",
+        snapshots=expand(
+            ["results/assets/snapshots/shard_{shard}.h5", "results/assets/snapshots/shard_{shard}.json"],
+            shard=SHARDS,
         ),
-        assets=[target_assets(name) for name in TARGETS],
+        sheets=expand("results/assets/snapshots/shard_{shard}.png", shard=SHARDS),
+        images=[f"{EXPERIMENT.input_folder(room)}/rgb.png" for room in REPORT_ROOMS],
+        objects=expand("results/extraction/{scene}/objects.json", scene=REPORT_ROOMS),
+        overviews=expand("results/extraction/{scene}/overview.png", scene=REPORT_ROOMS),
+        cousins=expand("results/matching/{variant}/{scene}/cousins.json", variant=VARIANTS, scene=REPORT_ROOMS),
+        scenes=expand(
+            "results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, variant=VARIANTS, scene=REPORT_ROOMS
+        ),
+        previews=expand(
+            "results/generation/{variant}/{scene}/scene_{rank}.png", rank=RANKS, variant=VARIANTS, scene=REPORT_ROOMS
+        ),
+        views=expand("results/generation/{variant}/{scene}/view.glb", variant=VARIANTS, scene=REPORT_ROOMS),
+        assets=expand("results/experiment/{variant}/{target}/assets.json", variant=POLICY_VARIANT, target=TARGETS),
         films=DEMO_FILMS,
         scene_films=SCENE_FILMS,
         rollout_films=ROLLOUT_FILMS,
-        in_scene=in_scenes(rules.demonstrate_in_scene.output.in_scene),
-        attempts=trained(rules.demonstrate.output.attempts),
-        metrics=policies(rules.train.output.metrics, first=True),
+        in_scene=expand("results/demonstrations/{target}/in_scene/in_scene.json", target=SCENE_TARGETS),
+        attempts=expand("results/demonstrations/{target}/{role}/attempts.jsonl", zip, **DEMONSTRATED),
+        metrics=policies("results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/metrics.jsonl", count=1),
         tables=rules.tables.input,
-        pages=lambda wildcards: own_pages(SHOWN),
+        pages=lambda wildcards: own_pages(REPORT_ROOMS),
     output:
         page=in_report("results/report/index.html", "report", "../../report/captions"),
         times="results/report/times.html",
@@ -58,58 +62,65 @@ rule report_page:
     log:
         "logs/tables/report.log",
     localrule: True
-    container:
-        CONFIG.containers.report
-    threads: 1
     resources:
         **needs(2000, 30),
     params:
-        command=command("report", "report"),
+        **verb("report", "report"),
         paper=paper("table3"),
-        code=code("report", "report"),
-        options=options("report", "report"),
-        images=lambda wildcards, input: [f"{room}={image}" for room, image in zip(SHOWN, input.images)],
+        images=lambda wildcards, input: [f"{room}={image}" for room, image in zip(REPORT_ROOMS, input.images)],
         files=lambda wildcards, input: [file for file in input if file != input.viewer],
-        benchmarks=BENCHMARKS,
+        benchmarks=[ROOT + path for path in BENCHMARKS],
+        benchmarks_root=f"{ROOT}benchmarks",
         seed=CONFIG.seed,
         config=lambda wildcards: CONFIG.model_dump_json(),
-        more=len(MORE),
+        more=len(FURTHER_ROOMS),
     shell:
         "{params.command} --files {params.files:q} --viewer {input.viewer:q} --images {params.images:q} "
-        "--benchmarks {params.benchmarks:q} --seed {params.seed} --config {params.config:q} --options {params.options:q} "
+        "--benchmarks {params.benchmarks:q} --benchmarks-root {params.benchmarks_root:q} --seed {params.seed} --config {params.config:q} --options {params.options:q} "
         '--published "$ACDC_PAPER" --more {params.more} --out {output.page:q} 2>&1 | tee {log:q}'
 
 
 rule scene_page:
     """One page about one picture: what was found, cousins, scenes, every object's story, files to save."""
     input:
-        unpack(scene_inputs),
-        viewer=rules.viewer.output.script,
-        snapshots=files([*rules.snapshots.output], shard=SHARDS),
-        found=[*rules.extract.output, rules.draw_objects.output.overview],
-        cousins=files(rules.match.output.cousins, variant=VARIANTS),
-        scenes=files(rules.generate.output.scenes, variant=VARIANTS),
-        drawn=files(
-            [*rules.draw_scenes.output.previews, *rules.draw_scenes.output.exports, rules.draw_scenes.output.view],
-            variant=VARIANTS,
+        rgb=input_file("rgb.png"),
+        camera=input_file("camera.json"),
+        depth=input_file("depth.npz"),
+        masks=input_file("masks.png"),
+        annotations=input_file("annotations.json"),
+        viewer="results/report/three.min.js",
+        snapshots=expand(
+            ["results/assets/snapshots/shard_{shard}.h5", "results/assets/snapshots/shard_{shard}.json"],
+            shard=SHARDS,
         ),
+        found=expand(
+            "results/extraction/{scene}/{file}",
+            file=["objects.json", "masks.png", "depth.npz", "clouds.npz", "overview.png"],
+            allow_missing=True,
+        ),
+        cousins=expand("results/matching/{variant}/{scene}/cousins.json", variant=VARIANTS, allow_missing=True),
+        scenes=expand(
+            "results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, variant=VARIANTS, allow_missing=True
+        ),
+        previews=expand(
+            "results/generation/{variant}/{scene}/scene_{rank}.png", rank=RANKS, variant=VARIANTS, allow_missing=True
+        ),
+        exports=expand(
+            "results/generation/{variant}/{scene}/scene_{rank}.glb", rank=RANKS, variant=VARIANTS, allow_missing=True
+        ),
+        views=expand("results/generation/{variant}/{scene}/view.glb", variant=VARIANTS, allow_missing=True),
     output:
         page=in_report("results/report/scenes/{scene}.html", "report", "../../report/captions"),
     log:
         "logs/tables/scene_page_{scene}.log",
     group:
         f"scene_{VARIANTS[-1]}"
-    container:
-        CONFIG.containers.report
-    threads: 1
     resources:
         **needs(1000, 10),
     params:
-        command=command("report", "picture"),
-        code=code("report", "picture"),
-        options=options("report", "picture"),
+        **verb("report", "picture"),
     shell:
-        "{params.command} --files {input.snapshots:q} {input.found:q} {input.cousins:q} {input.scenes:q} {input.drawn:q} "
+        "{params.command} --files {input.snapshots:q} {input.found:q} {input.cousins:q} {input.scenes:q} {input.previews:q} {input.exports:q} {input.views:q} "
         "--image {input.rgb:q} --camera {input.camera:q} --scene {wildcards.scene} --viewer {input.viewer:q} "
         "--options {params.options:q} --out {output.page:q} 2>&1 | tee {log:q}"
 
@@ -117,16 +128,17 @@ rule scene_page:
 rule pages:
     """A page of its own for every picture of the run."""
     input:
-        files([rules.match.output.cousins, *rules.generate.output.scenes], variant=VARIANTS, scene=ROOMS),
-        files(rules.scene_page.output.page, scene=ROOMS),
+        expand("results/matching/{variant}/{scene}/cousins.json", variant=VARIANTS, scene=ROOMS),
+        expand("results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, variant=VARIANTS, scene=ROOMS),
+        expand("results/report/scenes/{scene}.html", scene=ROOMS),
     localrule: True
 
 
 rule photo:
     """The picture that `--config image=...` names, as scenes of cousins, and the page about them."""
     input:
-        comparisons=of_picture(rules.draw_scenes.output.comparison),
-        page=of_picture(rules.scene_page.output.page),
+        comparisons=of_picture("results/generation/{variant}/{scene}/comparison.png"),
+        page=of_picture("results/report/scenes/{scene}.html"),
     localrule: True
 
 
@@ -137,4 +149,4 @@ onerror:
     tell_of_failures()
 
 
-EVERYTHING += [rules.report_page.output, *([rules.overview.input] if MORE else [])]
+EVERYTHING += [rules.report_page.output, *([rules.overview.input] if FURTHER_ROOMS else [])]

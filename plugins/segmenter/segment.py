@@ -14,7 +14,7 @@ from plugins.segmenter.joining import join_pixels
 from plugins.segmenter.network import BACKGROUND, FLOOR, STRIDE, THING, Segmenter, load, network_input
 from stages.geometry.cameras import back_project, scale_intrinsics
 from stages.geometry.frames import apply, rigid
-from stages.geometry.gravity import find_ground
+from stages.geometry.levels import find_ground
 from stages.geometry.room_planes import find_walls, make_floor_frame, sample_points
 
 Array = NDArray[np.float64]

@@ -7,6 +7,7 @@ if __name__ == "__main__":
         "plugins.studies",
         {
             "choose": "which models of a library to train on, and what they cover",
+            "conditions": "success in another simulator, under noise, ..., minus the usual",
             "sets": "how training sets compare over many objects, measured and forecast",
             "results": "what a study found, as Markdown, CSV and figures for docs/results",
         },

@@ -102,7 +102,7 @@ def _correlation(pairs: NDArray[np.float64], weights: NDArray[np.float64]) -> ND
     return np.divide(both, scale, out=np.zeros_like(both), where=scale > 1e-12)
 
 
-def signed(value: float) -> str:
+def format_signed(value: float) -> str:
     """A correlation with its sign."""
     return f"{value:+.2f}".replace("-", "−")
 
@@ -113,7 +113,7 @@ def associations_table(table: pd.DataFrame) -> Table:
     rows = []
     for (_, trait), part in table.groupby([table[ROW].agg("/".join, axis=1), "trait"], sort=False):
         line = {row["training_set"]: row for row in records(part)}
-        texts = [cell(signed(line[n]["correlation"]), _remark(line[n])) if n in line else "" for n in sets]
+        texts = [cell(format_signed(line[n]["correlation"]), _remark(line[n])) if n in line else "" for n in sets]
         rows.append([row_title(records(part)[0]), TRAITS[str(trait)], *texts])
     return Table(
         "associations",
@@ -130,4 +130,4 @@ def associations_table(table: pd.DataFrame) -> Table:
 
 
 def _remark(row: dict[str, float]) -> str:
-    return f"[{signed(row['low'])} to {signed(row['high'])}] {count(int(row['assets']), 'asset')}"
+    return f"[{format_signed(row['low'])} to {format_signed(row['high'])}] {count(int(row['assets']), 'asset')}"

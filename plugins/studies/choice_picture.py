@@ -11,10 +11,10 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
+from plugins.studies.choice import Choice
 from plugins.studies.choice_report import share
 from plugins.studies.coverage import HEIGHT, WIDTH
 from stages.contracts import atomic
-from stages.contracts.choice import Choice
 from stages.contracts.policies import TaskAsset
 from stages.experiment.draw import representatives
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 
+from plugins.studies.choice import Choice, ChosenModel
 from plugins.studies.coverage import ERRORS
-from stages.contracts.choice import Choice, ChosenModel
 from stages.contracts.policies import TaskAsset
 
 SEEN = (

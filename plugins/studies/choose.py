@@ -7,10 +7,10 @@ from typing import Literal
 
 import numpy as np
 
+from plugins.studies.choice import Choice, ChosenModel
 from plugins.studies.choice_report import report
-from plugins.studies.coverage import CURVES, alone, covered, forecast_mean, most_covered
+from plugins.studies.coverage import CURVES, find_isolated, forecast_mean, measure_coverage, most_covered
 from stages.contracts import InputError, read_json, write_json
-from stages.contracts.choice import Choice, ChosenModel
 from stages.contracts.cousins import Distances
 from stages.contracts.errors import nearest
 from stages.contracts.library import Vector
@@ -140,10 +140,10 @@ def choice_of(
         usable=len(pool),
         families=len({asset.family for asset in pool}),
         models=[ChosenModel(**asset.model_dump(include=set(ChosenModel.model_fields))) for asset in chosen],
-        within_1=round(covered(pool, chosen, 1), 4),
-        within_2=round(covered(pool, chosen, 2), 4),
+        within_1=round(measure_coverage(pool, chosen, 1), 4),
+        within_2=round(measure_coverage(pool, chosen, 2), 4),
         greedy_within_1=round(most.greedy, 4),
         most_within_1=round(most.bound, 4),
         forecast=round(forecast_mean(task, unseen, chosen), 4) if known else None,
-        alone=[asset.asset for asset in alone(pool, 1)],
+        alone=[asset.asset for asset in find_isolated(pool, 1)],
     )

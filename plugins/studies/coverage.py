@@ -64,7 +64,7 @@ def forecast_mean(task: str, unseen: Sequence[TaskAsset], shown: Sequence[TaskAs
     return float(forecast(task, unseen, shown).mean())
 
 
-def covered(assets: Sequence[TaskAsset], shown: Sequence[TaskAsset], reach: float) -> float:
+def measure_coverage(assets: Sequence[TaskAsset], shown: Sequence[TaskAsset], reach: float) -> float:
     """The share of the assets that lie within a distance of one that is shown."""
     return float((nearest(assets, shown) <= reach).mean())
 
@@ -91,7 +91,7 @@ def most_covered(assets: Sequence[TaskAsset], count: int, reach: float) -> Most:
     return Most(float(greedy) / len(assets), float(bound) / len(assets))
 
 
-def alone(assets: Sequence[TaskAsset], reach: float) -> list[TaskAsset]:
+def find_isolated(assets: Sequence[TaskAsset], reach: float) -> list[TaskAsset]:
     """The assets with none of another family within a distance: nothing but their own family shows them."""
     families = np.array([asset.family for asset in assets])
     others = (distances(assets, assets) <= reach) & (families[:, None] != families[None])

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from stages.tables.claims import MIN_SPREAD_RUNS
 from stages.tables.markup import Table
 from stages.tables.order import task_title, title
 from stages.tables.rows import records
@@ -13,7 +14,6 @@ from stages.tables.text import NOT_RUN, number, percent, points
 
 FORECAST = ["task", "object", "training_set", "seed", "forecast"]
 AGREEMENT = ["condition", "task", "cells", "measured", "forecast", "error", "correlation", "slope"]
-FEWEST = 3  # cells that a correlation needs
 BINS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
@@ -37,12 +37,12 @@ def agreement(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def _fit(cells: pd.DataFrame) -> dict[str, Any]:
-    measured, told = cells["success"].to_numpy(), cells["forecast"].to_numpy()
+    measured, forecast = cells["success"].to_numpy(), cells["forecast"].to_numpy()
     correlation = slope = NAN
-    if len(cells) >= FEWEST and measured.std() > 0 and told.std() > 0:
-        correlation = float(np.corrcoef(told, measured)[0, 1])
-        slope = float(correlation * measured.std() / told.std())
-    error = float(np.abs(measured - told).mean()) if len(cells) else NAN
+    if len(cells) >= MIN_SPREAD_RUNS and measured.std() > 0 and forecast.std() > 0:
+        correlation = float(np.corrcoef(forecast, measured)[0, 1])
+        slope = float(correlation * measured.std() / forecast.std())
+    error = float(np.abs(measured - forecast).mean()) if len(cells) else NAN
     means = {"measured": cells["success"].mean(), "forecast": cells["forecast"].mean()}
     return {"cells": len(cells), **means, "error": error, "correlation": correlation, "slope": slope}
 

@@ -35,7 +35,7 @@ class Estimate(NamedTuple):
     crossed: Interval
 
 
-def paired(ours: pd.DataFrame, theirs: pd.DataFrame) -> pd.DataFrame:
+def pair_cells(ours: pd.DataFrame, theirs: pd.DataFrame) -> pd.DataFrame:
     """`success` of ours minus theirs, where both met the same asset of the same object with the same training seed."""
     both = ours.merge(theirs, on=ROLLOUT, suffixes=("", "_theirs"))
     return both[ROLLOUT].assign(success=both["success"].astype(float) - both["success_theirs"].astype(float))
@@ -50,7 +50,7 @@ def estimate(rows: pd.DataFrame, options: TablesConfig) -> Estimate:
     if min(objects, families) < 2:
         return Estimate(objects, families, len(rows), mean, NAN, NAN, Interval(NAN, NAN))
     half = standard_error(rows) * stats.t.ppf((1 + options.confidence) / 2, min(objects, families) - 1)
-    crossed = quantiles(resampled(rows, options), options)
+    crossed = quantiles(resample_means(rows, options), options)
     return Estimate(objects, families, len(rows), mean, mean - half, mean + half, crossed)
 
 
@@ -74,7 +74,7 @@ def standard_error(rows: pd.DataFrame) -> float:
     return float(np.sqrt(max(objects + between("family") - between("object", "family"), objects)))
 
 
-def resampled(rows: pd.DataFrame, options: TablesConfig) -> NDArray[np.float64]:
+def resample_means(rows: pd.DataFrame, options: TablesConfig) -> NDArray[np.float64]:
     """Means of resamples in which objects, families and runs are drawn, crossed."""
     rng = np.random.default_rng(options.seed)
     codes = [pd.factorize(rows[name])[0] for name in ("object", "family", "seed")]

@@ -1,5 +1,6 @@
-"""What the core must know of this package: nothing, no rule calls it."""
+"""What the core must know of this package."""
 
 from stages.config.packages import Package
+from stages.config.tables import MethodTables
 
-PACKAGE = Package()
+PACKAGE = Package(verbs={"conditions": MethodTables}, section="tables")

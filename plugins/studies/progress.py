@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from stages.config.evaluation import USUAL
 from stages.config.model import Config
 from stages.config.policy_kinds import policy_tables
 from stages.config.targets import Cell
 from stages.contracts.files import read_json
 from stages.contracts.policies import ChosenRuns
-from stages.tables.conditions import USUAL
 from stages.tables.markup import Table
 from stages.tables.order import row_title, set_key, title
 from stages.tables.pooling import pool_of

@@ -8,10 +8,12 @@ from typing import Literal, NamedTuple
 import pandas as pd
 
 from plugins.report.roles import demonstrated_assets, lists_table, roles_table
+from plugins.studies import conditions
 from plugins.studies.associations import Shown, associations_table, traits
 from plugins.studies.associations import build as associate
 from plugins.studies.progress import policy_file, progress_table, runs_that_count
-from plugins.studies.study import cost, facts
+from plugins.studies.study import cost, facts, fold_table, split_totals
+from stages.config.evaluation import USUAL
 from stages.config.model import Config, read_files
 from stages.config.policy_kinds import policy_tables
 from stages.config.targets import Cell
@@ -19,10 +21,10 @@ from stages.contracts.files import read_json, write_text
 from stages.contracts.library import Library
 from stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
 from stages.contracts.training_sets import is_randomised
-from stages.tables import conditions, robustness, table2, table3, trainings
+from stages.tables import robustness, table2, table3, trainings
 from stages.tables.assets import of_splits
 from stages.tables.drawing import save, style
-from stages.tables.markup import Table, markdown
+from stages.tables.markup import Table
 from stages.tables.methods import kinds_of, read_pooled, read_rollouts
 from stages.tables.order import SKILL, SPLITS, target_title, title
 from stages.tables.policies import asset_tables, collect, role_tables, target_tables, write_figures
@@ -69,7 +71,7 @@ def _trainings(config: Config, results: Path) -> pd.DataFrame:
     return trainings.collect([path for path in paths if path.is_file()])
 
 
-def asked_cells(config: Config) -> pd.DataFrame:
+def list_cells(config: Config) -> pd.DataFrame:
     """The cells that the study is to fill, with `table3.CELL`, task and cloud; targets pooled."""
     experiment, pools = config.experiment, pool_of(policy_tables(config), config.experiment.targets)
     cells = [
@@ -122,7 +124,7 @@ def _elsewhere(config: Config, results: Path, usual: pd.DataFrame) -> list[Table
     met = [read_pooled(paths, options).assign(condition=name) for name, paths in found.items() if paths]
     if not met:
         return []
-    episodes = of_splits(pd.concat([usual.assign(condition=conditions.USUAL), *met], ignore_index=True))
+    episodes = of_splits(pd.concat([usual.assign(condition=USUAL), *met], ignore_index=True))
     return [
         conditions.conditions_table(conditions.build(episodes, options)),
         conditions.baselines_table(conditions.against_baselines(episodes, options)),
@@ -158,7 +160,7 @@ def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, s
 def _policies(config: Config, results: Path, published: Path, out: Path) -> StudyResults:
     options, trained = policy_tables(config), _trainings(config, results)
     rows, kinds = read_rollouts(list(rollout_files(config, results)), options), kinds_of(options)
-    episodes, asked = pooled(rows, options), asked_cells(config)
+    episodes, asked = pooled(rows, options), list_cells(config)
     found = collect(episodes, published, options, asked)
     notes = [*policy_notes(options), *trainings.failed_note(trained)]
     tables = asset_tables(found, options, kinds, notes) + role_tables(found, options, kinds, notes)
@@ -194,14 +196,14 @@ def score_files(config: Config, results: Path) -> list[Path]:
     for variant in experiment.variants:
         for room in (room for room in experiment.rooms if room not in experiment.inputs):
             groups[variant, room] = [results / f"evaluation/scenes/{variant}/{room}/scores.csv"]
-    for scene, variants in experiment.met().items():
+    for scene, variants in experiment.protocol_scenes().items():
         for variant in variants:
             path = results / f"evaluation/scenes/{variant}/{scene}/scores.csv"
             groups.setdefault((variant, scene.partition(".")[2]), []).append(path)
     return [path for paths in groups.values() if all(each.is_file() for each in paths) for path in paths]
 
 
-def asked_protocols(config: Config) -> list[tuple[str, str]]:
+def list_protocols(config: Config) -> list[tuple[str, str]]:
     """Protocols of the study with their variants; '' is the rooms as they are."""
     experiment = config.experiment
     protocols = {"": experiment.variants} | {
@@ -222,7 +224,7 @@ def _scenes(config: Config, results: Path, published: Path, out: Path, variants:
     experiment, files = config.experiment, score_files(config, results)
     rows = read_rows(SceneScore, files, ONE_SCENE)
     scenes = table2.build(rows, published_scenes(published), config.tables)
-    companion = robustness.build(rows, asked_protocols(config))
+    companion = robustness.build(rows, list_protocols(config))
     seeds = [f"{name} {' '.join(map(str, protocol.seeds))}" for name, protocol in experiment.protocols.items()]
     pairs = [(room, variant) for room in experiment.rooms for variant in variants or experiment.variants]
     paths = {pair: results / f"generation/{pair[1]}/{pair[0]}/comparison.png" for pair in pairs}
@@ -238,7 +240,7 @@ def _scenes(config: Config, results: Path, published: Path, out: Path, variants:
             ("Library", _library(results)),
             ("Scenes", f"{len(files)} scored, {(rows['rank'] == 1).sum()} objects"),
         ],
-        tables=[scenes_table(scenes, config.tables), robustness_table(companion)],
+        tables=[*split_totals(scenes_table(scenes, config.tables)), robustness_table(companion)],
         frames={"table2": scenes, "table2_robustness": companion},
         figures={"figure6.jpg": "Figure 6: the rooms and their reconstructions"} if pictures else {},
     )
@@ -275,7 +277,7 @@ def run(
     else:
         found, target, stages = _policies(config, results, published, out), "all", POLICY_STAGES
     text = [f"# {found.title}", "", facts(target, configs, commit, machine, found.facts)]
-    text += map(markdown, [*found.tables, cost(benchmarks, stages)])
+    text += map(fold_table, [*found.tables, cost(benchmarks, stages)])
     text += [f"![{caption}]({name})\n" for name, caption in found.figures.items()]
     reference = os.path.relpath("docs/tables.md", out)
     text.append(f"All columns: {', '.join(f'`{name}.csv`' for name in found.frames)} ([reference]({reference})).\n")

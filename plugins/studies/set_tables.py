@@ -37,10 +37,10 @@ def comparisons_table(table: pd.DataFrame) -> Table:
         verdict = f"{row['verdict']}{', preliminary' if row['preliminary'] else ''}"
         crossed = span(row["crossed_low"], row["crossed_high"]) if row["crossed_low"] == row["crossed_low"] else ""
         learned = cell(points(row["learned_mean"]), _span(row["learned_low"], row["learned_high"]))
-        told = "" if row["forecast"] != row["forecast"] else points(row["forecast"])
+        forecast = "" if row["forecast"] != row["forecast"] else points(row["forecast"])
         size = f"{row['objects']} of {row['objects_asked']} objects, {row['families']} families"
         gain = cell(points(row["mean"]), _span(row["low"], row["high"]), verdict)
-        rows.append([*_where(row), pair, gain, crossed, told, learned, size])
+        rows.append([*_where(row), pair, gain, crossed, forecast, learned, size])
     return Table(
         "comparisons",
         "Training sets compared, on the same unseen assets, in percentage points.",

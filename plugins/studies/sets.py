@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from plugins.studies.forecasts import FORECAST, agreement, agreement_table
-from plugins.studies.objects import ROLLOUT, Estimate, estimate, paired
+from plugins.studies.objects import ROLLOUT, Estimate, estimate, pair_cells
 from plugins.studies.progress import policy_file
 from plugins.studies.set_tables import comparisons_table, sets_table
 from stages.config.evaluation import USUAL
@@ -53,8 +53,8 @@ def run(
             forecast.
     """
     config = read_files(configs)
-    told = read_table(forecast, FORECAST, FORECAST[:3]) if forecast else pd.DataFrame(columns=FORECAST)
-    cells, rollouts = collect(config, results, told)
+    predicted = read_table(forecast, FORECAST, FORECAST[:3]) if forecast else pd.DataFrame(columns=FORECAST)
+    cells, rollouts = collect(config, results, predicted)
     frames = {
         "cells": cells,
         "sets": of_sets(cells, rollouts, config.tables),
@@ -68,7 +68,11 @@ def run(
         sets_table(frames["sets"]),
         agreement_table(frames["agreement"]),
     ]
-    text = ["# Training sets over many objects", *map(markdown, tables), *trainings.failed_note(ended(config, results))]
+    text = [
+        "# Training sets over many objects",
+        *map(markdown, tables),
+        *trainings.failed_note(list_outcomes(config, results)),
+    ]
     write_text(out / "sets.md", "\n\n".join(part.strip() for part in text) + "\n")
 
 
@@ -84,7 +88,7 @@ class Asked(NamedTuple):
     run: str
 
 
-def asked(config: Config) -> Iterator[Asked]:
+def list_policies(config: Config) -> Iterator[Asked]:
     """All policies that the study asks for, under the usual condition and the others."""
     for condition in (USUAL, *config.evaluation.conditions):
         for target in config.experiment.targets:
@@ -94,11 +98,11 @@ def asked(config: Config) -> Iterator[Asked]:
                     yield Asked(condition, task, target, name, seed, policy, plan.runs[0])
 
 
-def collect(config: Config, results: Path, told: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+def collect(config: Config, results: Path, predicted: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     """A row with `CELLS` per policy that is asked for, and the rollouts with `SUCCESS` of those that have run."""
     rows: list[dict[str, Any]] = []
     parts = [pd.DataFrame(columns=SUCCESS)]
-    for one in asked(config):
+    for one in list_policies(config):
         folder = "" if one.condition == USUAL else one.condition
         path = policy_file(results, folder, Cell(one.object, one.policy, one.training_set), one.run, one.seed)
         about: dict[str, Any] = dict(zip(CELL, one, strict=False)) | {"status": "not run"}
@@ -109,15 +113,17 @@ def collect(config: Config, results: Path, told: pd.DataFrame) -> tuple[pd.DataF
             parts.append(part[SUCCESS])
             about |= {"status": "run", "assets": len(part), "success": part["success"].mean()}
         rows.append(about)
-    outcomes = ended(config, results).rename(columns={"target": "object"})[[*POLICY, "outcome"]]
+    outcomes = list_outcomes(config, results).rename(columns={"target": "object"})[[*POLICY, "outcome"]]
     cells = pd.DataFrame(rows, columns=[*CELL, "assets", "success", "status"]).astype({"assets": "Int64"})
-    cells = cells.merge(outcomes, "left", on=POLICY).merge(told[FORECAST], "left", on=["task", *POLICY])
+    cells = cells.merge(outcomes, "left", on=POLICY).merge(predicted[FORECAST], "left", on=["task", *POLICY])
     return cells[CELLS], pd.concat(parts[1:] or parts, ignore_index=True)
 
 
-def ended(config: Config, results: Path) -> pd.DataFrame:
+def list_outcomes(config: Config, results: Path) -> pd.DataFrame:
     """How the trainings ended that are there (`trainings.collect`)."""
-    folders = {f"{one.object}/{one.policy}/{one.training_set}/{one.run}/seed_{one.seed}" for one in asked(config)}
+    folders = {
+        f"{one.object}/{one.policy}/{one.training_set}/{one.run}/seed_{one.seed}" for one in list_policies(config)
+    }
     paths = [results / f"training/{folder}/config.json" for folder in sorted(folders)]
     return trainings.collect([path for path in paths if path.is_file()])
 
@@ -147,15 +153,15 @@ def compare(cells: pd.DataFrame, rollouts: pd.DataFrame, options: TablesConfig) 
         }
         for baseline, name in combinations(policies, 2):
             ours, theirs = policies[name], policies[baseline]
-            pairs = paired(_part(rollouts, condition, task, name), _part(rollouts, condition, task, baseline))
+            pairs = pair_cells(_part(rollouts, condition, task, name), _part(rollouts, condition, task, baseline))
             ran = pd.MultiIndex.from_frame(pairs[["object", "seed"]].drop_duplicates())
             bad = [side.index[side["outcome"].isin([trainings.BEHIND, trainings.STUCK])] for side in (ours, theirs)]
             kept = ~pd.MultiIndex.from_frame(pairs[["object", "seed"]]).isin(bad[0].union(bad[1]))
-            told = (ours["forecast"] - theirs["forecast"]).loc[ran].reset_index()
+            predicted = (ours["forecast"] - theirs["forecast"]).loc[ran].reset_index()
             found, learned = estimate(pairs, options), estimate(pairs[kept], options)
             row: dict[str, Any] = {"condition": condition, "task": task, "training_set": name, "baseline": baseline}
             row |= {"objects_asked": part["object"].nunique(), "preliminary": len(ran) < len(ours), **numbers(found)}
-            row |= {"forecast": over_objects(told, "forecast"), "verdict": verdict(found)}
+            row |= {"forecast": over_objects(predicted, "forecast"), "verdict": verdict(found)}
             row |= {"learned_mean": learned.mean, "learned_low": learned.low, "learned_high": learned.high}
             rows.append(row)
     return pd.DataFrame(rows, columns=COMPARISONS)

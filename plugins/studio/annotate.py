@@ -115,7 +115,10 @@ def _check_named(session: Correcting, results: Path, scene: str | None, choose: 
     runs = sorted(path.parent.name for path in (results / "extraction").glob("*/objects.json"))
     if scene is not None and runs and scene not in runs:
         raise InputError("--scene", f"{results} has no scene '{scene}'.", nearest(scene, runs), code="E-OBJECT-MISSING")
-    names = [*(item.id for item in session.made.items.values()), *(thing.id for thing in session.opened().objects)]
+    names = [
+        *(item.id for item in session.made.items.values()),
+        *(thing.id for thing in session.open_drawing().objects),
+    ]
     if choose is not None and choose not in names:
         fix = nearest(choose, list(dict.fromkeys(names)))
         raise InputError("--choose", f"there is no '{choose}' in the picture.", fix, code="E-OBJECT-MISSING")
@@ -135,7 +138,7 @@ def _drawn(
         print(f"{image}: is turned by its EXIF data ({turned}); {depth} is taken to be upright")
     given = None if depth is None else at_size(read_depth(depth)[0], width, height)
     session = Session(photo, image.name, _folder(out or image.with_suffix("")), _categories(library), given)
-    session.opened()
+    session.open_drawing()
     return session
 
 

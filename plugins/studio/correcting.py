@@ -1,4 +1,4 @@
-"""Session of the page that corrects an input folder: its requests and answers as plain data, without HTTP."""
+"""Session of the page that corrects an input folder: requests and answers as plain data, without HTTP."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -12,11 +12,8 @@ from pydantic import Field
 
 from plugins.inputs.own_scene import is_clone, to_run
 from plugins.studio.fronts import extents, jpeg, straight_on
-from plugins.studio.made import Made, made_of
-from plugins.studio.session import Answer
-from plugins.studio.write import tinted
-from stages.contracts import InputError, read_json, write_json
-from stages.contracts.corrected_masks import (
+from plugins.studio.last_run import LastRun, read_last_run
+from plugins.studio.masks import (
     ROOM,
     Cutter,
     apply_corrections,
@@ -25,6 +22,9 @@ from stages.contracts.corrected_masks import (
     list_found,
     paint_masks,
 )
+from plugins.studio.session import Answer
+from plugins.studio.write import tint_picture
+from stages.contracts import InputError, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
 from stages.contracts.files import Contract
 from stages.contracts.objects import object_ids
@@ -34,7 +34,7 @@ from stages.geometry.masks import remove_specks
 
 
 class Thing(Correction):
-    """A thing, the floor or a wall as the page has it: whole, not only what differs from what was found."""
+    """An object, the floor or a wall as the page shows it, with every value and not only the corrected ones."""
 
     id: Id
 
@@ -47,7 +47,7 @@ class Drawing(Contract):
 
 @dataclass
 class Correcting:
-    """The folder with what was found, what completes labels, and where the last run left its results."""
+    """The input folder, the labels that the page completes, and the results of the last run."""
 
     folder: Path
     categories: list[str] = field(default_factory=list)
@@ -64,7 +64,7 @@ class Correcting:
         self._cut = Cutter(self.given.rgb)
         height, width = self.given.masks.shape
         self._moved: dict[int, tuple[float, float]] = {}  # by hand, before the page was opened
-        self.made: Made = made_of(self.results, self.scene, self.variant, (width, height))
+        self.made: LastRun = read_last_run(self.results, self.scene, self.variant, (width, height))
         self.posts: dict[str, Callable[[Any], Answer]] = {
             "solve": self.solve,
             "save": self.save,
@@ -74,15 +74,15 @@ class Correcting:
             "close": self.close,
         }
 
-    def opened(self) -> Drawing:
+    def open_drawing(self) -> Drawing:
         """What was found, with the corrections that were saved.
 
         Raises:
             InputError: what was saved is broken.
         """
         path = self.folder / CORRECTIONS
-        told = read_json(Corrections, path, "mend or delete it").objects if path.is_file() else []
-        return self._named(apply_corrections(self.found, {item.mask: item for item in told}))
+        saved = read_json(Corrections, path, "mend or delete it").objects if path.is_file() else []
+        return self._named(apply_corrections(self.found, {item.mask: item for item in saved}))
 
     def _named(self, things: dict[int, Correction]) -> Drawing:
         """With ids that stay, whatever a thing is called: as found, or `drawn_<mask>`."""
@@ -99,10 +99,10 @@ class Correcting:
         )
 
     def corrections(self, drawing: Drawing) -> Corrections:
-        """What of a drawing differs from what was found."""
+        """The differences between a drawing and what was found."""
         things = {item.mask: item for item in drawing.objects}
         shown = set(np.unique(self.given.masks).tolist())
-        told = [Correction(mask=mask, gone=True) for mask in self.found if mask in shown and mask not in things]
+        corrections = [Correction(mask=mask, gone=True) for mask in self.found if mask in shown and mask not in things]
         for mask, item in things.items():
             before = self.found.get(mask, Correction(mask=mask))
             said = {
@@ -113,12 +113,12 @@ class Correcting:
             if before.mounting is not None and item.mounting is None:
                 said["mounting"] = MEASURED
             if said or mask not in self.found:
-                told.append(Correction.model_validate({"mask": mask, **said}))
-        return Corrections(objects=told)
+                corrections.append(Correction.model_validate({"mask": mask, **said}))
+        return Corrections(objects=corrections)
 
     def start(self) -> Answer:
         """What the page begins with."""
-        drawing = self.opened()
+        drawing = self.open_drawing()
         self._moved = {item.mask: item.nudge for item in drawing.objects if item.nudge is not None}
         ids = {item.mask: item.id for item in drawing.objects}
         masks = {item.id: mask for mask, item in self.made.items.items()}
@@ -126,7 +126,7 @@ class Correcting:
             "project": self._page(drawing),
             "categories": [*self.categories, FLOOR, WALL],
             "folder": str(self.folder / CORRECTIONS),
-            "made": self.made.told(),
+            "made": self.made.describe_things(),
             "pictured": self.made.picture is not None,
             "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in ids.values() else None),
             "known": list(self.found),
@@ -139,7 +139,7 @@ class Correcting:
         return {"picture": self.scene, "width": width, "height": height, **drawing.model_dump(mode="json")}
 
     def command(self) -> str:
-        """What makes again what depends on the corrections, and nothing else."""
+        """The command that runs again what depends on the corrections."""
         config = self.folder / "config.yaml"
         page = f"results/report/scenes/{self.scene}.html"
         config = config if is_clone() else config.resolve()
@@ -161,9 +161,11 @@ class Correcting:
 
     def preview(self) -> bytes:
         """The saved masks over the picture, as JPEG."""
-        drawing = self.opened()
+        drawing = self.open_drawing()
         masks = self._painted(drawing)
-        return jpeg(tinted(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM]))
+        return jpeg(
+            tint_picture(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM])
+        )
 
     def _painted(self, drawing: Drawing) -> NDArray[np.uint16]:
         return paint_masks({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)
@@ -189,7 +191,7 @@ class Correcting:
         return {"models": self.made.models(int(body["mask"]))}
 
     def front(self, body: Any) -> Answer:
-        """The front of a thing seen straight on; before anything was made of the folder, what shows the thing."""
+        """The front of an object seen straight on; before the first run, the object's part of the picture."""
         drawing = self._drawing(body)
         item = {one.mask: one for one in drawing.objects}[body["mask"]]
         if (known := self.made.front(item.mask, item.front)) is not None:
@@ -201,22 +203,22 @@ class Correcting:
 
     def save(self, body: Any) -> Answer:
         """Keep the corrections; where nothing is corrected there is no file."""
-        told = self.corrections(self._drawing(body))
+        corrections = self.corrections(self._drawing(body))
         path = self.folder / CORRECTIONS
-        if told.objects:
-            write_json(path, {"version": 1, **told.model_dump(mode="json", exclude_defaults=True)})
+        if corrections.objects:
+            write_json(path, {"version": 1, **corrections.model_dump(mode="json", exclude_defaults=True)})
         else:
             path.unlink(missing_ok=True)
         return {}
 
     def write(self, body: Any) -> Answer:
-        """Keep the corrections, and say what comes of them.
+        """Keep the corrections, and say what they change.
 
         Raises:
             InputError: no object is left.
         """
-        told = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
-        annotations, _, notes = correct_masks(self.given.annotations, self.given.masks, told, self._cut)
+        corrections = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
+        annotations, _, notes = correct_masks(self.given.annotations, self.given.masks, corrections, self._cut)
         if annotations is None:
             raise InputError(
                 str(self.folder), "no object is left.", "draw a box around at least one", code="E-SCENE-EMPTY"

@@ -40,7 +40,7 @@ def straight_on(rgb: NDArray[np.uint8], pixels: NDArray[np.float64], width: floa
     longest = max(width, height)
     size = [max(1, round(LONGEST * side / longest)) for side in (width, height)]
     answer: dict[str, Any] = {"width": size[0], "height": size[1], "picture": None}
-    if not seen(pixels):
+    if not faces_camera(pixels):
         return answer
     right, low = size[0] - 0.5, size[1] - 0.5
     target = np.array([(-0.5, low), (right, low), (right, -0.5), (-0.5, -0.5)], np.float32)
@@ -56,7 +56,7 @@ def jpeg(rgb: NDArray[np.uint8]) -> bytes:
     return data.tobytes()
 
 
-def seen(pixels: NDArray[np.float64]) -> bool:
+def faces_camera(pixels: NDArray[np.float64]) -> bool:
     """Whether a front with these corners (4, 2) faces the camera: their order in the picture tells."""
     if not np.isfinite(pixels).all():
         return False

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.inputs.photo.metrology import THINNEST, View
+from plugins.inputs.photo.metrology import DRAWING_ERROR, View
 from plugins.studio.project import DrawnObject, Project
 from plugins.studio.solve import Solved
 from stages.contracts.types import LARGEST
@@ -95,9 +95,10 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
     return Painted(np.where(unseen, 0, depth).astype(np.float32), np.where(unseen, 0, masks).astype(np.uint16), values)
 
 
-def hidden(project: Project, solved: Solved) -> list[str]:
+def find_hidden(project: Project, solved: Solved) -> list[str]:
     """Objects of which the picture shows nothing: all pixels are looked at only if every `SPARSE`-th shows nothing."""
-    left = {name for name, box in solved.boxes.items() if box.size.min() > THINNEST}  # else it is not all drawn yet
+    # What is thinner is not all drawn yet.
+    left = {name for name, box in solved.boxes.items() if box.size.min() > DRAWING_ERROR}
     for stride in (SPARSE, 1):
         if left:
             painted = paint(project, solved, stride)

@@ -24,7 +24,7 @@ PAGES = {
     "page.css": ("page.css", "text/css; charset=utf-8"),
     **{name: (name, "text/javascript; charset=utf-8") for name in SCRIPTS},
 }
-LARGEST = 2_000_000  # bytes of a request: no drawing comes near
+MAX_REQUEST = 2_000_000  # bytes of a request: no drawing comes near
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; base-uri 'none'"
 )
@@ -108,7 +108,7 @@ class Handler(BaseHTTPRequestHandler):
         length = self.headers.get("Content-Length", "")
         if not re.fullmatch("[0-9]{1,18}", length):
             return self._refuse(400, "the length of the drawing is no number")
-        if int(length) > LARGEST:
+        if int(length) > MAX_REQUEST:
             return self._refuse(413, "the drawing is too large")
         if self.headers.get("Content-Type") != "application/json":
             return self._refuse(415, "not JSON")

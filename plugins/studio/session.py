@@ -12,15 +12,15 @@ from pydantic import TypeAdapter
 
 from plugins.inputs.own_scene import is_clone, to_run
 from plugins.inputs.photo.metrology import View, WallPlane
-from plugins.inputs.photo.perspective import horizon, vanishing_point, weak
+from plugins.inputs.photo.perspective import find_weak_lines, horizon, vanishing_point
 from plugins.inputs.photo.picture import Photo
 from plugins.inputs.photo.segments import propose, usual_focal
 from plugins.studio.fronts import FACES, extents, front_corners, jpeg, straight_on
-from plugins.studio.paint import hidden, paint
+from plugins.studio.paint import find_hidden, paint
 from plugins.studio.project import PROJECT, Project
 from plugins.studio.solve import Solved
 from plugins.studio.support import support_at
-from plugins.studio.write import finished, side_angle, tinted, write_folder
+from plugins.studio.write import finish_drawing, side_angle, tint_picture, write_folder
 from stages.contracts import InputError, read_json, write_json
 from stages.contracts.types import Pixel
 from stages.geometry.boxes import UprightBox, corners
@@ -64,7 +64,7 @@ class Session:
             project.scale.kind = "depth"
         return project
 
-    def opened(self) -> Project:
+    def open_drawing(self) -> Project:
         """The drawing that was saved, or a fresh one.
 
         Raises:
@@ -91,7 +91,7 @@ class Session:
         if self.photo.focal:
             notes.append("The focal length is known from the photograph's EXIF data.")
         return {
-            "project": self.opened().model_dump(mode="json"),
+            "project": self.open_drawing().model_dump(mode="json"),
             "fresh": self.fresh().model_dump(mode="json"),
             "categories": self.categories,
             "folder": str(self.folder),
@@ -105,9 +105,9 @@ class Session:
 
     def preview(self) -> bytes:
         """The saved drawing's masks over the picture, as JPEG."""
-        project, solved = finished(self.opened(), self.depth)
+        project, solved = finish_drawing(self.open_drawing(), self.depth)
         painted = paint(project, solved)
-        return jpeg(tinted(self.photo.rgb, painted.masks, [painted.values[item.id] for item in project.objects]))
+        return jpeg(tint_picture(self.photo.rgb, painted.masks, [painted.values[item.id] for item in project.objects]))
 
     def _project(self, body: Any) -> Project:
         project = Project.model_validate(body)
@@ -118,10 +118,10 @@ class Session:
 
     def solve(self, body: Any) -> Answer:
         """Where everything is, in metres and in pixels."""
-        project, solved = finished(self._project(body), self.depth)
-        for name in hidden(project, solved):
+        project, solved = finish_drawing(self._project(body), self.depth)
+        for name in find_hidden(project, solved):
             solved.notes[name] = "; ".join(filter(None, [solved.notes.get(name), UNSEEN]))
-        return described(project, solved)
+        return describe_room(project, solved)
 
     def save(self, body: Any) -> Answer:
         """Keep the drawing."""
@@ -131,14 +131,14 @@ class Session:
     def support(self, body: Any) -> Answer:
         """What is at a pixel that something could stand or hang on."""
         project = self._project(body["project"])
-        solved = finished(project, self.depth)[1]
+        solved = finish_drawing(project, self.depth)[1]
         pixel = TypeAdapter(Pixel).validate_python(body["pixel"])
         return {"on": support_at(project, solved, pixel, bool(body.get("stands")))}
 
     def front(self, body: Any) -> Answer:
         """The real front of an object seen straight on."""
         project = self._project(body["project"])
-        solved = finished(project, self.depth)[1]
+        solved = finish_drawing(project, self.depth)[1]
         item = {one.id: one for one in project.objects}[body["id"]]
         if (box := solved.boxes.get(item.id)) is None:
             raise InputError(
@@ -214,7 +214,7 @@ def _grid(view: View) -> list[list[list[float]]]:
     return _lines(view, np.array(lines, dtype=float))
 
 
-def described(project: Project, solved: Solved) -> Answer:
+def describe_room(project: Project, solved: Solved) -> Answer:
     """The solved room for the page."""
     view = solved.view
     up, forward = view.rotation[2], view.rotation[:, 2]
@@ -229,7 +229,7 @@ def described(project: Project, solved: Solved) -> Answer:
         },
         "horizon": horizon(view),
         "vanishing": {name: vanishing_point(view, axis) for axis, name in enumerate("xyz")},
-        "weak": weak(view, project.perspective.guides),
+        "weak": find_weak_lines(view, project.perspective.guides),
         "grid": _grid(view),
         "walls": {name: _wall(view, wall) for name, wall in solved.walls.items()},
         "boxes": {name: _box(view, box) for name, box in solved.boxes.items()},

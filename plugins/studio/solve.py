@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.inputs.photo.metrology import (
-    THINNEST,
+    DRAWING_ERROR,
     MetrologyError,
     RearCornerError,
     View,
@@ -18,7 +18,7 @@ from plugins.inputs.photo.metrology import (
 )
 from plugins.inputs.photo.perspective import fit_view
 from plugins.studio.project import DrawnObject, Project, Scale
-from plugins.studio.usual import STANDING, Sides, camera_factor, describe_odd, edge_marked, usual_size
+from plugins.studio.usual import STANDING, Sides, camera_factor, describe_odd, edge_marked, find_usual_size
 from stages.contracts.categories import sizes_of
 from stages.contracts.depth import NEAREST
 from stages.contracts.doubt import Doubt
@@ -73,7 +73,8 @@ def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]
     """The wall with its ends where it meets others.
 
     Args:
-        drawn: from where to where along it its foot was drawn; what crosses that in the middle ends nothing.
+        drawn: the stretch along the wall where its foot was drawn; a wall that crosses it in the middle cuts nothing
+        off.
     """
     (first, last), (low, high) = sorted(drawn), wall.ends
     slack = WITHIN * (last - first)
@@ -157,7 +158,7 @@ class _Room:
             towards = float(inward @ wall.normal)
             gap = (wall.offset - float(front @ wall.normal)) / towards if towards < -0.5 else np.inf
             low, high = wall.ends
-            if THINNEST < gap < depth and low <= float((front + gap * inward) @ wall.along) <= high:
+            if DRAWING_ERROR < gap < depth and low <= float((front + gap * inward) @ wall.along) <= high:
                 depth = gap
         return UprightBox(front + inward * depth / 2, [width, depth, height], box.yaw)
 
@@ -271,16 +272,16 @@ def solve(project: Project) -> Solved:
             del room.boxes[item.id]
         elif box is not None:
             odd = describe_odd(item, box, factor or 1.0)
-            if odd and (instead := usual_size(item, box)):
+            if odd and (instead := find_usual_size(item, box)):
                 usual[item.id] = instead
                 odd += _cause(item, room)
             hangs = item.on in room.walls
             edge, guess = edge_marked(box) if hangs else "", _guessed(item, hangs)
-            told = [edge, room.notes.get(item.id, guess), odd]
+            lines = [edge, room.notes.get(item.id, guess), odd]
             if doubted := "; ".join(filter(None, [edge, room.notes.get(item.id, guess.partition(":")[0])])):
                 moved = item.id in room.notes and item.id not in room.guessed and not edge
                 doubts[item.id] = [Doubt(cause="place" if moved else "size", what=doubted)]
-            room.notes |= {item.id: "; ".join(filter(None, told))} if any(told) else {}
+            room.notes |= {item.id: "; ".join(filter(None, lines))} if any(lines) else {}
     return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes}, room.guessed, usual, factor, doubts)
 
 

@@ -1,10 +1,10 @@
-"""What is usual: a size in place of an absurd one, and the height of a camera that nobody gave."""
+"""Usual values: a size in place of an absurd one, and the camera's height where nobody gave it."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
-from plugins.inputs.photo.metrology import THINNEST
+from plugins.inputs.photo.metrology import DRAWING_ERROR
 from plugins.studio.project import DrawnObject, Project
 from stages.contracts.categories import known_categories, sizes_of
 from stages.contracts.category import USUAL_SPREAD, describe_unusual, find_category
@@ -17,7 +17,7 @@ Sides = tuple[float | None, float | None, float | None]
 
 
 def edge_marked(box: UprightBox) -> str:
-    """Whether of what hangs an edge was marked in the place of two opposite corners."""
+    """Whether an edge of a hanging object was marked instead of two opposite corners."""
     width, _, height = box.size
     if min(width, height) >= LEAST:
         return ""
@@ -28,13 +28,13 @@ def edge_marked(box: UprightBox) -> str:
 def describe_odd(item: DrawnObject, box: UprightBox, factor: float) -> str:
     """What is wrong with the size of a box, by the usual sizes of its label, if it were `factor` times as large."""
     size = box.size
-    if size.min() < THINNEST:
+    if size.min() < DRAWING_ERROR:
         return f"would be {1000 * size.min():.1f} mm thin: draw it anew"
     known = find_category(item.label, known_categories())
     return describe_unusual(known, factor * size) and describe_unusual(known, size)
 
 
-def usual_size(item: DrawnObject, box: UprightBox) -> Sides | None:
+def find_usual_size(item: DrawnObject, box: UprightBox) -> Sides | None:
     """Width, depth and height that a thing of this label usually has, metres, where the box's is not; None: all are."""
     known = sizes_of(item.label)
     if not len(known):

@@ -20,7 +20,7 @@ from stages.contracts.objects import Box, object_ids
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import apply, inverse, rounded, wrap_angle, yaw_of_matrix
+from stages.geometry.frames import apply, inverse, round_vector, wrap_angle, yaw_of_matrix
 from stages.geometry.planes import Plane
 from stages.geometry.room_planes import STRAY, make_floor_frame
 
@@ -29,7 +29,7 @@ SIDES = ("right", "rear", "left", "front")  # of a drawn box, counter-clockwise 
 
 @dataclass(frozen=True)
 class Written:
-    """The folder's objects by their ids of the project, and what the drawer should know, in lines."""
+    """The folder's objects by their ids in the project, and lines for the person who draws."""
 
     ids: dict[str, str]
     notes: list[str]
@@ -48,8 +48,8 @@ def floor_box(view: View, box: UprightBox) -> Box:
     width, depth, height = box.size
     if round((yaw - turned) / (np.pi / 2)) % 2:
         width, depth = depth, width
-    size = rounded([width, depth, height])
-    return Box(center=rounded(apply(floor_from_room, box.center)), size=size, yaw=round(turned, 6))
+    size = round_vector([width, depth, height])
+    return Box(center=round_vector(apply(floor_from_room, box.center)), size=size, yaw=round(turned, 6))
 
 
 def front_of(view: View, box: UprightBox, side: str) -> float:
@@ -85,7 +85,7 @@ def with_scale_of(depth: NDArray[np.float32], project: Project) -> Project:
 _UNTYPED = {"width": None, "depth": None, "height": None}
 
 
-def finished(project: Project, depth: NDArray[np.float32] | None) -> tuple[Project, Solved]:
+def finish_drawing(project: Project, depth: NDArray[np.float32] | None) -> tuple[Project, Solved]:
     """The drawing with its scale, solved."""
     if project.scale.kind == "depth":
         if depth is None:
@@ -128,7 +128,7 @@ def write_folder(
     Raises:
         InputError: nothing was drawn, or nothing of it can be seen.
     """
-    project, solved = finished(project, depth)
+    project, solved = finish_drawing(project, depth)
     placed = [item for item in project.objects if item.id in solved.boxes]
     if not placed:
         raise InputError(
@@ -185,8 +185,8 @@ def _used(seen: list[DrawnObject], project: Project, values: dict[str, int]) -> 
     return [values[name] for name in ["floor", *(item.id for item in seen), *(wall.id for wall in project.walls)]]
 
 
-def tinted(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: list[int]) -> NDArray[np.uint8]:
-    """The picture tinted by its masks, for people: what will be taken for what.
+def tint_picture(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: list[int]) -> NDArray[np.uint8]:
+    """The picture tinted by its masks, to show a person which pixels belong to which object.
 
     Args:
         objects: mask values of objects; what else has one is floor or wall, and tinted lightly.

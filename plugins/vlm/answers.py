@@ -45,7 +45,7 @@ def text_of(reply: dict[str, Any]) -> str:
     return content
 
 
-def parsed(text: str, answer: type[A]) -> A:
+def parse_answer(text: str, answer: type[A]) -> A:
     """The JSON object in a text (in a fence or after thoughts, as some models write), checked by its model.
 
     Raises:

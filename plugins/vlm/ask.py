@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from plugins.vlm.answers import LONGEST, UnusableError, parsed, response_format, text_of, usage_of
+from plugins.vlm.answers import LONGEST, UnusableError, parse_answer, response_format, text_of, usage_of
 from plugins.vlm.config import VlmConfig
 from plugins.vlm.endpoint import SHOWN, Endpoint, OversizedError, RefusedError, UnreachedError
 from plugins.vlm.ledger import AGAIN, Entry, Exchange, Ledger
@@ -63,14 +63,14 @@ class Asker:
                 raise InputError(self.ledger.folder, what, "vlm.mode: record asks it", code="E-VLM-REPLAY")
             self.known += 1
             return answer_of(known, answer)
-        with self.ledger.asking(key):
+        with self.ledger.lock_key(key):
             known = self.ledger.find(key)
             if known is not None and known.outcome in ("answered", "unusable"):
                 self.known += 1
                 return answer_of(known, answer)
             entry = Entry(
                 key=key, question=question, model=options.model, settings=settings, about=about, names=names or {},
-                asked=prompt.written(), exchanges=known.exchanges if known else [], outcome="open",
+                asked=prompt.as_record(), exchanges=known.exchanges if known else [], outcome="open",
                 cost=known.cost if known else 0,
             )  # fmt: skip
             self.asked += 1
@@ -83,7 +83,7 @@ class Asker:
 
     def summary(self) -> str:
         """What this process asked, and what the whole ledger has cost, in one line."""
-        spent = self.ledger.spent()
+        spent = self.ledger.sum_costs()
         return (
             f"{self.options.model}: {self.known} answers from the ledger, {self.asked} asked for; "
             f"the ledger has {spent.requests} requests for {spent.cost:.4f}"
@@ -118,17 +118,17 @@ class Asker:
         reply: dict[str, Any] = {}
         try:
             reply = self._reply(messages, answer, size)
-            text = self.endpoint.hidden(text_of(reply))
+            text = self.endpoint.hide_key(text_of(reply))
             if text == HIDDEN:
                 raise UnusableError("the answer holds the key")
-            value = parsed(text, answer)
+            value = parse_answer(text, answer)
         except (UnusableError, OversizedError) as error:
-            problem = self.endpoint.told(str(error))
+            problem = self.endpoint.quote_server(str(error))
         usage, served = usage_of(reply), reply.get("model")
         served = served if isinstance(served, str) else ""
         tokens_in, tokens_out = usage or (size, len(text) // 3)
         exchange = Exchange(
-            requests=self._sent, text=text[:LONGEST], problem=problem, served_by=self.endpoint.hidden(served)[:100],
+            requests=self._sent, text=text[:LONGEST], problem=problem, served_by=self.endpoint.hide_key(served)[:100],
             tokens_in=tokens_in, tokens_out=tokens_out, estimated=usage is None,
         )  # fmt: skip
         return exchange, value
@@ -154,7 +154,7 @@ class Asker:
 
     def _allow(self, size: int) -> None:
         """Count a request, if the budget has one left."""
-        options, spent = self.options, self.ledger.spent()
+        options, spent = self.options, self.ledger.sum_costs()
         if options.max_calls is not None and spent.requests + self._sent >= options.max_calls:
             what = f"{options.max_calls} requests are used up."
             raise InputError("vlm.max_calls", what, RAISE, code="E-VLM-BUDGET")

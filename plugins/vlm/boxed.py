@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def boxed(rgb: NDArray[np.uint8], box: Sequence[float]) -> NDArray[np.uint8]:
+def draw_box(rgb: NDArray[np.uint8], box: Sequence[float]) -> NDArray[np.uint8]:
     """The picture (H, W, 3) with a red box (x0, y0, x1, y1), as far as it lies in the picture."""
     shown = rgb.copy()
     height, width = rgb.shape[:2]

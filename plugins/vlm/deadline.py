@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 from urllib.error import HTTPError
 from urllib.request import HTTPRedirectHandler, Request, build_opener
 
-LARGEST = 1_000_000  # bytes of a reply; answers are short
+MAX_REPLY = 1_000_000  # bytes of a reply; answers are short
 
 
 class Response(NamedTuple):
-    """Headers and body of a response; of a body of more than `LARGEST` bytes one byte more than that."""
+    """Headers and body of a response; of a body of more than `MAX_REPLY` bytes one byte more than that."""
 
     headers: Message
     body: bytes
@@ -39,11 +39,11 @@ def response_to(request: Request, seconds: float) -> Response:
     def read() -> None:
         try:
             with build_opener(_NoRedirect).open(request, timeout=2 * seconds) as response:
-                found.put(Response(response.headers, response.read(LARGEST + 1)))
+                found.put(Response(response.headers, response.read(MAX_REPLY + 1)))
         except HTTPError as error:
             body = b""
             with suppress(OSError, HTTPException):
-                body = error.read(LARGEST)
+                body = error.read(MAX_REPLY)
             found.put(HTTPError(error.url, error.code, error.msg, error.headers, io.BytesIO(body)))
         except Exception as error:  # raised again by whoever waits
             found.put(error)

@@ -15,8 +15,8 @@ from urllib.request import Request
 
 from plugins.vlm.answers import LONGEST
 from plugins.vlm.config import VlmConfig
-from plugins.vlm.deadline import LARGEST, response_to
-from plugins.vlm.secret import hidden
+from plugins.vlm.deadline import MAX_REPLY, response_to
+from plugins.vlm.secret import hide_key
 from stages.contracts.errors import InputError, plain
 
 BUSY = {HTTPStatus.REQUEST_TIMEOUT, HTTPStatus.CONFLICT, HTTPStatus.TOO_EARLY, HTTPStatus.TOO_MANY_REQUESTS}
@@ -89,7 +89,7 @@ class Endpoint:
             except TimeoutError:
                 why = f"no reply within {self.options.timeout:g} s"
             except (OSError, HTTPException, ValueError) as error:
-                why = f"{type(error).__name__}: {self.told(str(getattr(error, 'reason', error)))}"[:SHOWN]
+                why = f"{type(error).__name__}: {self.quote_server(str(getattr(error, 'reason', error)))}"[:SHOWN]
         raise UnreachedError(why)
 
     def _once(self, body: dict[str, Any]) -> dict[str, Any]:
@@ -100,8 +100,8 @@ class Endpoint:
         data = json.dumps(body, ensure_ascii=False).encode()
         request = Request(f"{self.options.url}/chat/completions", data, headers, method="POST")
         received, content = response_to(request, self.options.timeout)
-        if len(content) > LARGEST:
-            raise OversizedError(f"a reply of more than {LARGEST} bytes")
+        if len(content) > MAX_REPLY:
+            raise OversizedError(f"a reply of more than {MAX_REPLY} bytes")
         if len(content) < int(received.get("Content-Length") or 0):
             raise HTTPException("the reply is cut off")
         try:
@@ -148,16 +148,16 @@ class Endpoint:
             text = str(found)
         except (ValueError, AttributeError, RecursionError):
             pass
-        return self.told(text)
+        return self.quote_server(text)
 
-    def told(self, text: str) -> str:
+    def quote_server(self, text: str) -> str:
         """What a server says, in one line that may be shown."""
-        return plain(self.hidden(" ".join(text.split())[:LONGEST])[:SHOWN])
+        return plain(self.hide_key(" ".join(text.split())[:LONGEST])[:SHOWN])
 
-    def hidden(self, text: str) -> str:
+    def hide_key(self, text: str) -> str:
         """Text without the key, should a server repeat it, and without halves of characters, which no file holds."""
         key = os.environ.get(self.options.key_env, "").strip() if self.options.key_env else ""
-        return hidden(text.encode("utf-8", "replace").decode("utf-8"), key)
+        return hide_key(text.encode("utf-8", "replace").decode("utf-8"), key)
 
 
 def _asked_for(headers: Message) -> float | None:

@@ -85,7 +85,7 @@ class Ledger:
         return entry
 
     @contextmanager
-    def asking(self, key: str) -> Iterator[None]:
+    def lock_key(self, key: str) -> Iterator[None]:
         """Held while a key is looked up and asked, so that no two jobs pay for the same call."""
         self.folder.mkdir(parents=True, exist_ok=True)
         with (self.folder / ".lock").open("wb") as file:
@@ -108,7 +108,7 @@ class Ledger:
         for path in self._paths():
             yield read_json(Entry, path, AGAIN)
 
-    def spent(self) -> Spent:
+    def sum_costs(self) -> Spent:
         """Sums over the whole ledger; files that did not change are not read again."""
         paths = self._paths()
         for path in paths:

@@ -21,13 +21,13 @@ class Prompt(NamedTuple):
     system: str
     parts: Sequence[str | Picture]
 
-    def written(self) -> list[str]:
+    def as_record(self) -> list[str]:
         """System text, texts and the pictures' hashes: what the ledger keeps."""
         return [self.system, *(part if isinstance(part, str) else picture_hash(part) for part in self.parts)]
 
     def digest(self) -> str:
         """Digest of what is asked; equal for two models that are asked the same."""
-        return digest(self.written())
+        return digest(self.as_record())
 
     def tokens(self) -> int:
         """About how many tokens it has."""

@@ -13,7 +13,7 @@ DEPTH = 2  # encodings within one another
 ESCAPE = re.compile(r"\\u\{?([0-9a-f]{2,6})\}?|\\x([0-9a-f]{2})|\\[bfnrtv]", re.IGNORECASE)
 
 
-def hidden(text: str, key: str) -> str:
+def hide_key(text: str, key: str) -> str:
     """A text without a key; nothing of the text if the key is in it in other case, backwards, spaced, or encoded."""
     if not key:
         return text

@@ -1,1 +1,1 @@
-"""The articulated model: URDF read and written, MJCF written, link frames, stretching, fronts. No simulator here."""
+"""The articulated model: URDF read and written, link frames, stretching, fronts. No simulator here."""

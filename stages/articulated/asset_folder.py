@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.articulated.forward_kinematics import closed_box
+from stages.articulated.forward_kinematics import measure_closed_box
 from stages.articulated.model import RobotModel
 from stages.articulated.roles import contract_joints, count_roles, with_roles_of
-from stages.articulated.stretching import stretched
+from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
 from stages.contracts.errors import InputError
@@ -37,7 +37,7 @@ class Description:
 
 def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
     """Write the asset folder `out` of a model (z up, front towards +x); an old one is replaced."""
-    low, high = closed_box(robot).round(6) + 0.0
+    low, high = measure_closed_box(robot).round(6) + 0.0
     joints = contract_joints(robot)
     with atomic_folder(out) as folder:
         write_urdf(robot, folder)
@@ -88,7 +88,7 @@ def stretch_asset(folder: Path, asset: Asset, size: Vector, out: Path) -> Asset:
     about = Description(
         asset.id, asset.category, asset.licence, asset.provenance, symmetry=asset.symmetry, placement=asset.placement
     )
-    return write_asset(stretched(read_model(folder), (x, y, z)), out, about)
+    return write_asset(stretch_model(read_model(folder), (x, y, z)), out, about)
 
 
 def read_asset(folder: Path) -> Asset:

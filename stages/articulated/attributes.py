@@ -23,7 +23,7 @@ def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix],
         frames: of the links, everything closed.
         low: lowest corner (3,) of the asset's box in the root frame.
     """
-    links = moved_by(joint, robot.joints)
+    links = list_moved_links(joint, robot.joints)
     boxes = (visual_bounds(robot.links[link].visuals, frames[link]) for link in links)
     corners = [box for box in boxes if box is not None]
     if not corners:
@@ -38,13 +38,13 @@ def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix],
     )
 
 
-def measured_handle(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> HandleKind | None:
+def measure_handle(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> HandleKind | None:
     """Kind of the handle on the links that a joint moves, from their shape; None: no handle, see `ungraspable`."""
     held = _held(robot, joint, frames)
     return None if isinstance(held, str) else _kind(*held)
 
 
-def ungraspable(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> str | None:
+def explain_ungraspable(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> str | None:
     """The reason why a gripper cannot grasp the links that a joint moves; None: it can."""
     held = _held(robot, joint, frames)
     return held if isinstance(held, str) else None
@@ -52,14 +52,14 @@ def ungraspable(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix])
 
 def _held(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> tuple[Handle, trimesh.Trimesh] | str:
     """The handle on the links that a joint moves, with their mesh; or the reason why a gripper cannot grasp it."""
-    moving = moved_by(joint, robot.joints)
-    mesh = seen_of(robot, moving, frames)
+    moving = list_moved_links(joint, robot.joints)
+    mesh = merge_visuals(robot, moving, frames)
     handle = None if mesh is None else find_handle(mesh)
     if handle is None or mesh is None:
         return f"nothing stands out of its front by {1000 * PROTRUSION:.0f} mm or more"
     if (width := exact_width(mesh, handle)) > WIDEST:
         return f"what stands out of its front is {100 * width:.3g} cm wide, and a gripper holds {100 * WIDEST:.0f}"
-    others = seen_of(robot, robot.links.keys() - set(moving), frames)
+    others = merge_visuals(robot, robot.links.keys() - set(moving), frames)
     ahead = np.array([1.0, 0.0, 0.0])
     if others is not None:
         met, _, _ = others.ray.intersects_location([handle.position + BEHIND * ahead], [ahead], multiple_hits=False)
@@ -68,13 +68,13 @@ def _held(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> tu
     return handle, mesh
 
 
-def seen_of(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> trimesh.Trimesh | None:
+def merge_visuals(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> trimesh.Trimesh | None:
     """Visual meshes of some links as one mesh in the root frame; None: they have none."""
     meshes = [_plain(visual, frames[link]) for link in links for visual in robot.links[link].visuals]
     return trimesh.util.concatenate(meshes) if meshes else None  # type: ignore[return-value]
 
 
-def moved_by(joint: JointModel, joints: Sequence[JointModel]) -> list[str]:
+def list_moved_links(joint: JointModel, joints: Sequence[JointModel]) -> list[str]:
     """The link that a joint moves and all that is fixed to it, such as its handle."""
     links = [joint.child]
     for other in joints:  # parents before children

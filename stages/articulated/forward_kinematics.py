@@ -22,10 +22,10 @@ def frames_of(root: str, joints: list[JointModel], opened: float = 0.0) -> dict[
     return frames
 
 
-def closed_links(robot: RobotModel) -> list[Link]:
+def read_closed_links(robot: RobotModel) -> list[Link]:
     """Links with their meshes in the root frame, every joint closed."""
     frames = link_frames(robot)
-    return [link.mapped(frames[link.name]) for link in robot.links.values()]
+    return [link.map_linearly(frames[link.name]) for link in robot.links.values()]
 
 
 def visual_bounds(visuals: list[Visual], frame: Matrix) -> Matrix | None:
@@ -36,7 +36,7 @@ def visual_bounds(visuals: list[Visual], frame: Matrix) -> Matrix | None:
     return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 
-def closed_box(robot: RobotModel) -> Matrix:
+def measure_closed_box(robot: RobotModel) -> Matrix:
     """Lowest and highest corner (2, 3), in the root frame, of all that is visible, every joint closed."""
     frames = link_frames(robot)
     boxes = (visual_bounds(link.visuals, frames[link.name]) for link in robot.links.values())
@@ -44,9 +44,9 @@ def closed_box(robot: RobotModel) -> Matrix:
     return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 
-def rebased(robot: RobotModel, new_from_root: Matrix) -> RobotModel:
+def change_root(robot: RobotModel, new_from_root: Matrix) -> RobotModel:
     """The same thing seen from another root frame (a rigid transform)."""
     root, rotation = robot.links[robot.root], new_from_root[:3, :3]
-    turned = replace(root.mapped(new_from_root), inertia=rotation @ root.inertia @ rotation.T)
+    turned = replace(root.map_linearly(new_from_root), inertia=rotation @ root.inertia @ rotation.T)
     joints = [replace(j, origin=new_from_root @ j.origin) if j.parent == root.name else j for j in robot.joints]
     return replace(robot, links=robot.links | {root.name: turned}, joints=joints)

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from stages.articulated.asset_folder import urdf_of
-from stages.articulated.attributes import moved_by
+from stages.articulated.attributes import list_moved_links
 from stages.articulated.forward_kinematics import frames_of
 from stages.articulated.model import Matrix
 from stages.articulated.urdf_reader import UrdfReader
@@ -28,7 +28,7 @@ def handle_extents(folder: Path, asset: Asset, joint: str) -> Matrix:
     reader = UrdfReader(urdf_of(folder, asset), folder)
     children = {model.child for model in reader.joints}
     frames = frames_of(next(link for link in reader.tree.links if link not in children), reader.joints)
-    moving = moved_by(next(model for model in reader.joints if model.name == joint), reader.joints)
+    moving = list_moved_links(next(model for model in reader.joints if model.name == joint), reader.joints)
     triangles = np.concatenate(
         [
             apply(frames[link], mesh.vertices)[mesh.faces]

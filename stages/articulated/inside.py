@@ -6,9 +6,8 @@ from collections.abc import Callable
 from itertools import product
 from pathlib import Path
 
+from stages.contracts.arrays import MAX_BYTES
 from stages.contracts.errors import InputError
-
-MOST_BYTES = 10**9  # of a file
 
 
 class OutsideError(Exception):
@@ -71,7 +70,7 @@ def is_inside(path: Path, folder: Path) -> bool:
     return True
 
 
-def read_inside(path: Path, folder: Path, most: int = MOST_BYTES) -> bytes:
+def read_inside(path: Path, folder: Path, most: int = MAX_BYTES) -> bytes:
     """The bytes of a file of the user's folder.
 
     Raises:
@@ -96,7 +95,7 @@ def _spelt_alike(base: Path, *parts: str) -> Path:
     return base
 
 
-def missing(who: Path, what: str, name: str, here: Path, folder: Path) -> InputError:
+def explain_missing(who: Path, what: str, name: str, here: Path, folder: Path) -> InputError:
     """The complaint of `who` that no such file is in the folder; a folder above that has the file is told.
 
     Args:

@@ -13,14 +13,13 @@ from trimesh import Trimesh
 
 from stages.articulated.mesh_files import MeshReader
 from stages.articulated.mesh_resolver import MeshResolver
-from stages.articulated.urdf_tree import LARGEST
+from stages.articulated.urdf_tree import FLAT, MAX_NUMBER
 from stages.contracts.errors import InputError
-from stages.plugins import available, load
+from stages.plugins import list_available, load
 
 NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 MOST_PIECES = 64
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
-FLAT = 1e-4  # metres: a piece thinner than this gets that thickness
 
 
 def find_reader(path: Path) -> MeshReader:
@@ -30,14 +29,14 @@ def find_reader(path: Path) -> MeshReader:
         InputError: no package that is here reads them.
     """
     if (reader := _reader(path.suffix.lower().lstrip("."))) is None:
-        what, kinds = f"'{path.suffix}' is not a mesh file that is read here.", sorted(available("mesh_files"))
+        what, kinds = f"'{path.suffix}' is not a mesh file that is read here.", sorted(list_available("mesh_files"))
         raise InputError(path, what, ", ".join(f".{kind}" for kind in kinds), code="E-MESH-KIND")
     return reader
 
 
 @cache
 def _reader(kind: str) -> MeshReader | None:
-    return load("mesh_files", kind) if kind in available("mesh_files") else None
+    return load("mesh_files", kind) if kind in list_available("mesh_files") else None
 
 
 def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
@@ -66,8 +65,8 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
         reason = (str(error).splitlines() or [error.__class__.__name__])[0][:200]
         raise InputError(path, f"cannot be read as a mesh: {reason}.", code="E-MESH-BROKEN") from None
     vertices = [np.asarray(mesh.vertices) for mesh in meshes]
-    if not all(np.isfinite(points).all() and np.abs(points).max() < LARGEST for points in vertices):
-        raise InputError(path, f"has coordinates that are no numbers or beyond {LARGEST:g}.", code="E-MESH-BROKEN")
+    if not all(np.isfinite(points).all() and np.abs(points).max() < MAX_NUMBER for points in vertices):
+        raise InputError(path, f"has coordinates that are no numbers or beyond {MAX_NUMBER:g}.", code="E-MESH-BROKEN")
     meshes = [mesh for mesh in meshes if mesh.area > 0]
     if not meshes:
         why = f": {lost[0]}" if lost else ""
@@ -127,7 +126,7 @@ def convex_pieces(mesh: Trimesh) -> list[Trimesh]:
     return [_hull(body) for body in bodies if len(body.vertices) >= 3]
 
 
-def thickened(mesh: Trimesh) -> Trimesh:
+def thicken_piece(mesh: Trimesh) -> Trimesh:
     """The convex piece, or the box around it if it is too thin to collide."""
     if mesh.extents.min() >= FLAT:
         return mesh
@@ -137,7 +136,7 @@ def thickened(mesh: Trimesh) -> Trimesh:
 
 def _hull(mesh: Trimesh) -> Trimesh:
     if mesh.extents.min() < FLAT:
-        return thickened(mesh)
+        return thicken_piece(mesh)
     try:
         return mesh.convex_hull
     except Exception:  # qhull: all points in a slanted plane

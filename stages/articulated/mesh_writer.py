@@ -45,7 +45,7 @@ class Surface(NamedTuple):
     uv: NDArray[np.float64] | None = None
 
 
-def shaded(visual: Visual) -> Surface:
+def split_sharp_edges(visual: Visual) -> Surface:
     """The mesh with vertices split where edges are to look sharp."""
     if not visual.flat:
         mesh = visual.mesh

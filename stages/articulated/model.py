@@ -39,11 +39,11 @@ class Visual:
     texture: Texture | None = None
     start: tuple[float, float] = (0.0, 0.0)
 
-    def moved(self, transform: Matrix) -> "Visual":
+    def transform(self, transform: Matrix) -> "Visual":
         """A transformed copy."""
-        return replace(self, mesh=moved(self.mesh, transform))
+        return replace(self, mesh=transform_mesh(self.mesh, transform))
 
-    def painted(self) -> Trimesh:
+    def paint(self) -> Trimesh:
         """The mesh with its colour as a material."""
         if self.colour is None:
             return self.mesh
@@ -67,12 +67,12 @@ class Link:
     inertia: Matrix
     weighed: bool = False  # the mass is told, not estimated from the volume
 
-    def mapped(self, transform: Matrix) -> "Link":
+    def map_linearly(self, transform: Matrix) -> "Link":
         """The link under a linear map of its frame, (4, 4); mass and inertia stay."""
         return replace(
             self,
-            visuals=[visual.moved(transform) for visual in self.visuals],
-            collisions=[moved(mesh, transform) for mesh in self.collisions],
+            visuals=[visual.transform(transform) for visual in self.visuals],
+            collisions=[transform_mesh(mesh, transform) for mesh in self.collisions],
             center=apply(transform, self.center),
         )
 
@@ -134,7 +134,7 @@ class RobotModel:
         return sum(link.mass for link in self.links.values())
 
 
-def moved(mesh: Trimesh, transform: Matrix) -> Trimesh:
+def transform_mesh(mesh: Trimesh, transform: Matrix) -> Trimesh:
     """A transformed copy, with its looks."""
     copy = mesh.copy()
     copy.apply_transform(transform)

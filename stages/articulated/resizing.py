@@ -11,7 +11,7 @@ import numpy as np
 
 from stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
 from stages.articulated.model import RobotModel
-from stages.articulated.stretching import stretched
+from stages.articulated.stretching import stretch_model
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset, Recipe, Vector
 from stages.contracts.types import LARGEST
@@ -64,7 +64,7 @@ def resize_model(folder: Path, asset: Asset, size: Sequence[float]) -> SizedMode
     if asset.recipe is not None:
         return load_maker().make_model(asset.recipe, (x, y, z), about)
     a, b, c = (np.array([x, y, z]) / np.maximum(asset.size, 1e-9)).tolist()
-    return SizedModel(stretched(read_model(folder), (a, b, c)), about)
+    return SizedModel(stretch_model(read_model(folder), (a, b, c)), about)
 
 
 def resize_asset(folder: Path, size: Sequence[float], out: Path) -> Path:

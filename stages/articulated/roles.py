@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from stages.articulated.attributes import front_panel, measured_handle
-from stages.articulated.forward_kinematics import closed_box, link_frames
+from stages.articulated.attributes import front_panel, measure_handle
+from stages.articulated.forward_kinematics import link_frames, measure_closed_box
 from stages.articulated.model import JointModel, RobotModel, Role
 from stages.contracts.library import Joint
 
@@ -34,24 +34,24 @@ def with_roles_of(robot: RobotModel, described: Iterable[Joint]) -> RobotModel:
     known = {joint.name: joint for joint in described}
 
     def with_role(joint: JointModel) -> JointModel:
-        told = known.get(joint.name)
-        if told is None:
+        stated = known.get(joint.name)
+        if stated is None:
             return joint
-        return replace(joint, role=told.role, handle_link=told.handle_link, handle=told.handle)
+        return replace(joint, role=stated.role, handle_link=stated.handle_link, handle=stated.handle)
 
     return replace(robot, joints=[with_role(joint) for joint in robot.joints])
 
 
 def contract_joints(robot: RobotModel) -> list[Joint]:
     """The joints with a role as the contract names them, with what can be measured of their fronts and handles."""
-    frames, low = link_frames(robot), closed_box(robot)[0]
+    frames, low = link_frames(robot), measure_closed_box(robot)[0]
     joints = []
     for joint in robot.joints:
         if joint.type == "fixed" or joint.role is None:
             continue
         handle = joint.handle
         if handle is None and joint.handle_link is not None:  # said to be there, but not of what kind
-            handle = measured_handle(robot, joint, frames)
+            handle = measure_handle(robot, joint, frames)
         joints.append(
             Joint(
                 name=joint.name,

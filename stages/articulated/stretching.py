@@ -9,7 +9,7 @@ from stages.articulated.model import Link, Matrix, RobotModel
 from stages.geometry.frames import rigid
 
 
-def stretched(robot: RobotModel, scale: tuple[float, float, float]) -> RobotModel:
+def stretch_model(robot: RobotModel, scale: tuple[float, float, float]) -> RobotModel:
     """The closed thing stretched along the root's axes: meshes, joint origins, sliding directions and ranges, and
     masses and inertias at constant density. Angles of hinges stay."""
     stretch = np.diag(np.asarray(scale, dtype=float))
@@ -36,4 +36,4 @@ def _stretched_link(link: Link, A: Matrix) -> Link:
     moments = 0.5 * np.trace(link.inertia) * np.eye(3) - link.inertia
     moments = volume * A @ moments @ A.T
     inertia = np.trace(moments) * np.eye(3) - moments
-    return replace(link.mapped(rigid(A, np.zeros(3))), mass=link.mass * volume, inertia=inertia)
+    return replace(link.map_linearly(rigid(A, np.zeros(3))), mass=link.mass * volume, inertia=inertia)

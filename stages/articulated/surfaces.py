@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from stages.articulated.mesh_reader import has_texture
-from stages.articulated.mesh_writer import shaded
+from stages.articulated.mesh_writer import split_sharp_edges
 from stages.articulated.model import RGBA, Link, Visual
 from stages.contracts.look import GAMMA
 
@@ -43,7 +43,7 @@ def surfaces(link: Link) -> list[ColouredMesh]:
             textured.append(_textured(visual))
             continue
         colour = visual.colour or _colour(visual.mesh.visual)
-        made = shaded(visual)
+        made = split_sharp_edges(visual)
         normals = made.normals if made.normals is not None else np.zeros_like(made.vertices)
         plain.setdefault(colour, []).append(ColouredMesh(made.vertices, made.faces, normals, colour))
     return [_merged(parts) for parts in plain.values()] + textured

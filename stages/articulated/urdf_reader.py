@@ -10,9 +10,9 @@ import numpy as np
 import trimesh
 from trimesh import Trimesh
 
-from stages.articulated.inside import OutsideError, find_inside, missing
+from stages.articulated.inside import OutsideError, explain_missing, find_inside
 from stages.articulated.mesh_reader import convex_pieces, find_reader, has_texture, load_meshes
-from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
+from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, transform_mesh
 from stages.articulated.urdf_tree import UrdfTree
 from stages.contracts.errors import InputError
 from stages.geometry.solids import MINIMUM_MASS, board_mass, box_around, box_inertia
@@ -36,7 +36,7 @@ def read_urdf(path: Path, folder: Path) -> RobotModel:
     return RobotModel(name, links, reader.joints, remarks=tuple(dict.fromkeys(reader.remarks)))
 
 
-def closed_at_lower(joint: JointModel) -> JointModel:
+def close_at_lower(joint: JointModel) -> JointModel:
     """The same joint, turned round if its upper limit is nearer to zero: closed is then the lower one."""
     if joint.type == "fixed" or abs(joint.upper) >= abs(joint.lower):
         return joint
@@ -54,14 +54,14 @@ class UrdfReader:
         self.tree = UrdfTree(self.path)
         self.remarks = self.tree.remarks
         self._broken: dict[str, InputError] = {}  # by link, the first of its shapes that cannot be used
-        self.joints = [closed_at_lower(joint) for joint in self.tree.joints]
+        self.joints = [close_at_lower(joint) for joint in self.tree.joints]
 
     def link(self, name: str) -> Link:
         """A link with what collides and its mass."""
         element, where = self.tree.links[name], f"link '{name}'"
         visuals, collisions = self._visuals(element, where), element.findall("collision")
         shapes = [self._usable(collision, where, looks=False) for collision in collisions]
-        visuals = visuals or [visual.moved(np.eye(4)) for shape in shapes for visual in shape]
+        visuals = visuals or [visual.transform(np.eye(4)) for shape in shapes for visual in shape]
         pieces = [
             piece
             for collision, shape in zip(collisions, shapes, strict=True)
@@ -120,7 +120,7 @@ class UrdfReader:
         pose = self.tree.origin(element, where)
         meshes = self._geometry(kind, where, looks)
         if (pose != np.eye(4)).any():
-            meshes = [moved(mesh, pose) for mesh in meshes]
+            meshes = [transform_mesh(mesh, pose) for mesh in meshes]
         colour = self._colour(element, where) if looks else None
         return [Visual(mesh, None if kind.tag == "mesh" and has_texture(mesh) else colour) for mesh in meshes]
 
@@ -139,7 +139,7 @@ class UrdfReader:
             self.remarks += lost if looks else []
             if (scale == 1).all():
                 return meshes
-            return [moved(mesh, np.diag([*scale, 1.0])) for mesh in meshes]
+            return [transform_mesh(mesh, np.diag([*scale, 1.0])) for mesh in meshes]
         if kind.tag == "box":
             return [trimesh.creation.box(self.tree.positive(kind, "size", 3, where))]
         if kind.tag == "sphere":
@@ -182,12 +182,12 @@ class UrdfReader:
         What it does not say, or says impossibly, is that of a solid box.
         """
         try:
-            return self._told_inertial(element, pieces, mass, where)
+            return self._stated_inertial(element, pieces, mass, where)
         except InputError as error:
             self._remark("weighed by its size", error)
-            return self._told_inertial(None, pieces, mass, where)
+            return self._stated_inertial(None, pieces, mass, where)
 
-    def _told_inertial(
+    def _stated_inertial(
         self, element: ET.Element | None, pieces: list[Trimesh], mass: float, where: str
     ) -> tuple[float, Matrix, Matrix, bool]:
         low, high = box_around(pieces)
@@ -218,7 +218,7 @@ class UrdfReader:
         except OutsideError:
             found = None
         if found is None:
-            raise missing(self.path, f"{where}: there is no mesh", plain, self.path.parent, self.folder)
+            raise explain_missing(self.path, f"{where}: there is no mesh", plain, self.path.parent, self.folder)
         return found
 
 

@@ -13,17 +13,17 @@ from scipy.spatial.transform import Rotation
 
 from stages.articulated.model import JointModel, Matrix
 from stages.contracts.errors import InputError
+from stages.contracts.types import RIGID_TOLERANCE
 from stages.geometry.frames import rigid
 
 MOST_LINKS = 1000
-MOST_SHAPES = 5000  # of all links together
+MOST_SHAPES = 10_000  # of all links together: MuJoCo takes 3 s for so many, and four times that for twice as many
 WORLD = "world"
 AROUND = " \t\r\n\0\x1a"  # the document, in files of other programs: XML allows nothing before it
-LARGEST = 1e6  # of any number: beyond it is a slip, in whatever unit
+MAX_NUMBER = 1e6  # of any number: beyond it is a slip, in whatever unit
 WIDEST_ANGLE = 4 * np.pi  # limits of a hinge; beyond them, up to a turn in degrees, they are degrees
+FLAT = 1e-4  # metres, or radians of a joint: a piece this thin is thickened, a joint that moves less is fixed
 LOOSE = ("continuous", "floating", "planar")  # types of joints that are fixed
-ALIKE = 1e-3  # by which the multiplier of a joint that follows may differ from 1
-FIXED_RANGE = 1e-4  # metres or radians: joints with a smaller range are fixed
 
 
 def _plain(text: str) -> str:
@@ -112,7 +112,7 @@ class UrdfTree:
         return {name: colour for name, colour in found if colour is not None}
 
     def numbers(
-        self, element: ET.Element | None, key: str, default: str, count: int, where: str, low: float = -LARGEST
+        self, element: ET.Element | None, key: str, default: str, count: int, where: str, low: float = -MAX_NUMBER
     ) -> Matrix:
         """The `count` numbers of an attribute, each from `low` to a million."""
         text = default if element is None else element.get(key, default)
@@ -125,9 +125,11 @@ class UrdfTree:
             values = values[:count]
         if len(values) != count or not np.isfinite(values).all():
             raise InputError(self.path, f'{where}: {key}="{text[:60]}" is not {count} number(s).', code="E-URDF-NUMBER")
-        if (values < low).any() or (values > LARGEST).any():
+        if (values < low).any() or (values > MAX_NUMBER).any():
             raise InputError(
-                self.path, f'{where}: {key}="{text[:60]}" is not within {low:g} and {LARGEST:g}.', code="E-URDF-NUMBER"
+                self.path,
+                f'{where}: {key}="{text[:60]}" is not within {low:g} and {MAX_NUMBER:g}.',
+                code="E-URDF-NUMBER",
             )
         return values
 
@@ -172,7 +174,11 @@ class UrdfTree:
         ratio, offset = (
             float(self.numbers(mimic, key, usual, 1, where)[0]) for key, usual in (("multiplier", "1"), ("offset", "0"))
         )
-        if leader is None or (leader.type, leader.parent) != (kind, joint.parent) or abs(abs(ratio) - 1) > ALIKE:
+        if (
+            leader is None
+            or (leader.type, leader.parent) != (kind, joint.parent)
+            or abs(abs(ratio) - 1) > RIGID_TOLERANCE
+        ):
             how = f"follows {ratio:g} times '{mimic.get('joint', '')}': only a pair on one body that moves alike can"
             self.remarks.append(f"fixed: '{joint.name}', which {how}")
             return joint
@@ -207,7 +213,7 @@ class UrdfTree:
                 )
             self.remarks.append(f"{where}: limits {lower:g} and {upper:g}, taken for degrees")
             lower, upper = np.deg2rad([lower, upper]).tolist()
-        if upper - lower < FIXED_RANGE:
+        if upper - lower < FLAT:
             raise InputError(self.path, f"{where}: has no range ({lower:g} to {upper:g}).", code="E-URDF-JOINT")
         revolute = kind == "revolute"
         return replace(fixed, type="revolute" if revolute else "prismatic", axis=axis, lower=lower, upper=upper)

@@ -15,12 +15,19 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
-from stages.articulated.mesh_writer import Surface, is_box, numbers, shaded, write_glb, write_obj, write_texture
-from stages.articulated.model import JointModel, Link, Matrix, RobotModel, moved
-from stages.geometry.frames import rigid
+from stages.articulated.mesh_writer import (
+    Surface,
+    is_box,
+    numbers,
+    split_sharp_edges,
+    write_glb,
+    write_obj,
+    write_texture,
+)
+from stages.articulated.model import JointModel, Link, Matrix, RobotModel, transform_mesh
+from stages.geometry.frames import ROUNDING, rigid
 
 DAMPING, FRICTION = 2.0, 0.1  # N m s or N s / m, and SAPIEN's friction coefficient
-NOISE = 1e-9  # of an inertia's trace: a product below it is rounding, which differs from processor to processor
 SURFACE_FRICTION = 0.6  # coefficient of what collides, which URDF cannot say
 PLAIN_NAME = re.compile(r"(?!link_)(?!.*hull)[a-z][a-z0-9_]{0,40}")
 
@@ -54,7 +61,7 @@ def _rounded(piece: Trimesh) -> Trimesh:
     if not is_box(piece):
         return Trimesh(piece.vertices.round(5), piece.faces, process=False)
     box = trimesh.creation.box(np.maximum(piece.extents, 1e-5).round(5))
-    return moved(box, rigid(np.eye(3), piece.bounds.mean(axis=0).round(5)))
+    return transform_mesh(box, rigid(np.eye(3), piece.bounds.mean(axis=0).round(5)))
 
 
 def write_srdf(robot: RobotModel, folder: Path) -> None:
@@ -79,7 +86,7 @@ def _add_link(root: ET.Element, folder: Path, link: Link, stem: str) -> None:
     ET.SubElement(inertial, "origin", xyz=numbers(link.center), rpy="0 0 0")
     ET.SubElement(inertial, "mass", value=f"{link.mass:.6g}")
     keys = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
-    inertia = np.where(abs(link.inertia) < NOISE * np.trace(link.inertia), 0.0, link.inertia)
+    inertia = np.where(abs(link.inertia) < ROUNDING * np.trace(link.inertia), 0.0, link.inertia)
     ET.SubElement(inertial, "inertia", {key: f"{inertia[index]:.6g}" for key, index in keys.items()})
     _add_visuals(element, folder, link, stem)
     for number, piece in enumerate(link.collisions):
@@ -97,7 +104,9 @@ def _add_visuals(element: ET.Element, folder: Path, link: Link, stem: str) -> No
     looks = dict.fromkeys((visual.colour, visual.texture) for visual in link.visuals if visual.colour is not None)
     for number, (colour, texture) in enumerate(looks):
         name = f"{stem}_{number}"
-        alike = [shaded(visual) for visual in link.visuals if (visual.colour, visual.texture) == (colour, texture)]
+        alike = [
+            split_sharp_edges(visual) for visual in link.visuals if (visual.colour, visual.texture) == (colour, texture)
+        ]
         write_obj(folder / f"meshes/{name}.obj", alike, texture)
         visual = ET.SubElement(element, "visual", name=name)
         _add_mesh(visual, f"meshes/{name}.obj")

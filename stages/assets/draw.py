@@ -8,9 +8,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts.arrays import readable
 from stages.contracts.files import atomic
+from stages.contracts.images import COLUMNS, LETTERS, TILE
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
-
-COLUMNS, TILE, LETTERS = 8, 160, 16  # pictures in a row; pixels of a side, and of a name
 
 
 def run(*, snapshots: tuple[Path, ...]) -> None:

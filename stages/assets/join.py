@@ -39,10 +39,10 @@ def run(*, own: tuple[Path, ...], out: Path, library: tuple[Path, ...] = ()) -> 
     names = [entry.id for entry in entries]
     if double := next((name for name in names if names.count(name) > 1), None):
         raise InputError("assets.folders", f"two models are called '{double}'.", "rename one", code="E-MODEL-NAME")
-    write_json(out, Library(assets=entries, left_out=left_out, categories=known_of(parts.values(), entries)))
+    write_json(out, Library(assets=entries, left_out=left_out, categories=merge_categories(parts.values(), entries)))
 
 
-def known_of(parts: Iterable[LibraryPart], entries: list[LibraryEntry]) -> list[Category]:
+def merge_categories(parts: Iterable[LibraryPart], entries: list[LibraryEntry]) -> list[Category]:
     """What is known of categories, in order of name: all that everybody knows or an index says, and others by the sizes
     of their models."""
     known = dict(known_categories())

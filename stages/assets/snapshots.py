@@ -15,9 +15,8 @@ from stages.contracts.library import Asset, SnapshotShard
 from stages.contracts.library_folder import AssetFolders
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
-THOUSANDTHS = 1000.0
 BOX_TOLERANCE = 0.02  # of the largest extent
-FARTHEST = 30.0  # metres: the camera measures in whole millimetres, 32 m at most
+DEPTH_RANGE = 30.0  # metres: the camera measures in whole millimetres, 32 m at most
 # As fast as lzf here, and smaller; and lzf's bytes depend on memory that HDF5 does not initialise.
 PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
@@ -66,7 +65,7 @@ class Turntable:
         self.intrinsics = intrinsics_from_fov(side, side, config.field_of_view)
         self.camera = RenderCamera(self.scene, self.intrinsics, side, side, pack="minimal")
         eye = np.array([config.camera_distance, 0.0, config.camera_height])
-        self.unit = FARTHEST / (float(np.linalg.norm(eye)) + 1.0)  # largest extent of an asset before the camera
+        self.unit = DEPTH_RANGE / (float(np.linalg.norm(eye)) + 1.0)  # largest extent of an asset before the camera
         self.pose = look_at(eye * self.unit, [0.0, 0.0, 0.0])
 
     def photograph(self, folder: Path, yaws: list[float]) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
@@ -85,7 +84,7 @@ class Turntable:
             move(body, root_pose(asset, (0.0, 0.0, 0.0), yaw, scale))
             picture = self.camera.render(self.pose)
             rgb[number] = picture.rgb
-            depth[number] = np.minimum(picture.depth * np.float32(THOUSANDTHS / self.unit), 65535).round()
+            depth[number] = np.minimum(picture.depth * np.float32(1000 / self.unit), 65535).round()
         remove(self.scene, body)
         return rgb, depth
 

@@ -12,8 +12,9 @@ from stages.config.assets import COUNTS
 from stages.config.evaluation import USUAL
 from stages.config.inputs import NAME
 from stages.config.mistakes import Mistake
-from stages.config.packages import present
+from stages.config.packages import packages_on
 from stages.config.pinned_assets import pinned_assets
+from stages.contracts.corrections import CORRECTIONS, corrections_of
 from stages.contracts.errors import InputError, nearest
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 
@@ -34,19 +35,20 @@ def contradictions(config: "Config") -> list[Mistake]:
 def _packages(config: "Config") -> Iterator[Mistake]:
     """What a config asks of packages that are off or not here, and what those that are on find."""
     rooms = [config.experiment.inputs[room] for room in config.experiment.rooms if room in config.experiment.inputs]
-    asked = {
-        "furniture": ("assets.counts", any(config.assets.counts.values())),
-        "importing": ("assets.folders", bool(config.assets.folders)),
-        "inputs": ("experiment.inputs", any(not room.folder for room in rooms)),
-    }
-    for name, (key, wanted) in asked.items():
+    asked = (
+        ("furniture", "assets.counts", any(config.assets.counts.values())),
+        ("importing", "assets.folders", bool(config.assets.folders)),
+        ("studies", "evaluation.conditions", bool(config.evaluation.conditions)),
+        ("inputs", "experiment.inputs", any(not room.folder for room in rooms)),
+        ("inputs", "image", bool(config.image)),
+    )
+    for name, key, wanted in asked:
         if wanted and not config.packages.get(name):
             yield Mistake(
                 key, f"is read by the package {name}, which is off or not here", f"packages: {{{name}: true}}"
             )
-    for name, package in present().items():
-        if config.packages[name]:
-            yield from package.mistakes(config)
+    for package in packages_on(config.packages):
+        yield from package.mistakes(config)
 
 
 def _names(config: "Config") -> Iterator[Mistake]:
@@ -118,6 +120,7 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
             yield Mistake(key, "is the name of a room", "give your scene another name")
         elif name in run and not config.image:
             yield from given.mistakes(key)
+    yield from _corrections(config)
     ours = [name for name in experiment.rooms if name in rooms]
     if config.assets.own_only and config.assets.folders and ours:
         what = f"{ours[0]} is furnished with procedural models"
@@ -138,6 +141,17 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
                 what = f"the rooms up to {room} need {needed}" if len(used) > 1 else f"{room} needs {needed}"
                 mend = f"raise it, or leave {room} out of experiment.rooms"
                 yield Mistake(f"assets.counts.{category}", what, mend)
+
+
+def _corrections(config: "Config") -> Iterator[Mistake]:
+    """Files of corrections beside the scenes' pictures that can be read."""
+    experiment = config.experiment
+    for scene in (*experiment.rooms, *experiment.protocol_scenes()):
+        path = Path(experiment.input_folder(scene), CORRECTIONS)
+        try:
+            corrections_of((path,) if path.is_file() else (), "extraction")
+        except InputError as error:
+            yield Mistake.of(error)
 
 
 def _library(config: "Config") -> Iterator[Mistake]:

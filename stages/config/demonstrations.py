@@ -63,5 +63,3 @@ class DemonstrationsConfig(MotionOptions):
         "al., Learning Dexterous In-Hand Manipulation, Table 1.",
     )
     max_attempts_factor: float = Field(3.0, ge=1, description="attempts allowed per wanted episode")
-    # Successes that are filmed
-    film_episodes: ClassVar[int] = 1

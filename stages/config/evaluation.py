@@ -92,9 +92,6 @@ class SkillOptions(SceneOptions):
 class RolloutOptions(ActingOptions, SkillOptions):
     """Rollouts that are counted."""
 
-    # Pictures of a filmed episode
-    film_frames: ClassVar[int] = 16
-
 
 class EvaluationConfig(TrialOptions, RolloutOptions):
     """How policies are rolled out."""

@@ -35,26 +35,18 @@ class Protocol(Section):
     variants: list[str] | None = Field(None, min_length=1, description="null: all of `variants`.")
 
     @property
-    def pictured(self) -> bool:
+    def own_pictures(self) -> bool:
         """Whether its rooms need pictures of their own."""
         return self.layout == "drawn" or self.finish == "other"
 
 
-class Meeting(NamedTuple):
-    """A room as one job meets it; `name` is '' and `seed` None where no protocol is followed."""
+class Scene(NamedTuple):
+    """What the name of a scene says; `protocol` is '' and `seed` None where none is followed."""
 
     room: str
-    name: str
+    protocol: str
     seed: int | None
-    protocol: Protocol
-
-
-def _as_written(schema: dict[str, Any]) -> None:
-    """What may stand under `inputs`, for editors."""
-    one = {"anyOf": [{"type": "string"}, schema.pop("additionalProperties")]}
-    text = {"type": "string"}
-    schema.pop("type")
-    schema["anyOf"] = [{"type": "object", "additionalProperties": one}, text, {"type": "array", "items": text}]
+    options: Protocol
 
 
 class ExperimentConfig(Section):
@@ -69,13 +61,7 @@ class ExperimentConfig(Section):
     room_files: list[str] = Field(
         [], description="Rooms of your own: YAML files as in stages/scenes/rooms (docs/scenes.md), named by their stem."
     )
-    inputs: dict[str, Input] = Field(
-        {},
-        json_schema_extra=_as_written,
-        description="Your own scenes: name -> input folder (docs/scenes.md), or what a row of a table says; or a table "
-        "(CSV), a folder of input folders, or a list of these (docs/your-data.md). They are reconstructed like the "
-        "rooms, but not scored: there is no truth.",
-    )
+    inputs: dict[str, Input] = Field({}, description="Your own scenes: name -> input folder (docs/scenes.md).")
     variants: dict[str, dict[str, Any]] = Field(
         {"b": {}},
         min_length=1,
@@ -156,20 +142,24 @@ class ExperimentConfig(Section):
         matched = [fnmatch.filter(self.inputs, room) or [room] for room in self.rooms if "*" in room]
         return [*plain, *(name for name in dict.fromkeys(chain(*matched)) if name not in plain)]
 
-    @property
-    def pictures(self) -> list[str]:
-        """Pictures of this run that networks look at."""
-        given = [self.inputs[room] for room in self.rooms if room in self.inputs]
-        return [one.image for one in given if one.alone]
+    def scene(self, name: str) -> Scene:
+        """A scene by its name: `<room>`, `<room>.<protocol>.<seed>`, or that of a picture of the user's."""
+        room, *followed = name.split(".")
+        if not followed:
+            return Scene(room, "", None, Protocol())
+        protocol, seed = followed
+        return Scene(room, protocol, int(seed), self.protocols[protocol])
 
-    def meeting(self, scene: str) -> Meeting:
-        """What a scene is: `<room>`, or `<room>.<protocol>.<seed>`."""
-        room, *met = scene.split(".")
-        if not met:
-            return Meeting(room, "", None, Protocol())
-        return Meeting(room, met[0], int(met[1]), self.protocols[met[0]])
+    def picture_of(self, scene: str) -> str:
+        """The scene in whose picture a scene is seen: only some protocols take their own."""
+        return scene if self.scene(scene).options.own_pictures else self.scene(scene).room
 
-    def met(self) -> dict[str, list[str]]:
+    def input_folder(self, scene: str) -> str:
+        """The folder of a scene's picture: the user's own, or where the room is rendered."""
+        own = self.inputs.get(scene)
+        return own.place(scene) if own else f"results/scenes/{self.picture_of(scene)}/input"
+
+    def protocol_scenes(self) -> dict[str, list[str]]:
         """The scenes of all protocols, each with its variants."""
         scored = [room for room in self.rooms if room not in self.inputs]
         return {

@@ -8,7 +8,7 @@ from stages.config import places
 from stages.config.mistakes import Mistake
 from stages.contracts.errors import InputError
 from stages.contracts.training_sets import DRAW, DRAWN, read_set
-from stages.plugins import find, short
+from stages.plugins import find, shorten_name
 
 if TYPE_CHECKING:
     from stages.config.model import Config
@@ -125,7 +125,8 @@ def simulators(config: "Config") -> Iterator[Mistake]:
             continue  # said above
         if not known:
             task = config.experiment.task(name)
-            what = f"{short(config.evaluation.simulator)} does not have the task {task} of experiment.targets.{name}"
+            simulator = shorten_name(config.evaluation.simulator)
+            what = f"{simulator} does not have the task {task} of experiment.targets.{name}"
             yield Mistake("evaluation.simulator", what, f"maniskill, or remove the target: `{name}: null`")
 
 

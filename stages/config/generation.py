@@ -5,6 +5,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from stages.contracts.section import Range, Section
+from stages.geometry.estimate import TRIM
 
 
 class GenerationConfig(Section):
@@ -37,7 +38,7 @@ class GenerationConfig(Section):
     )
 
     # Size
-    trim: float = Field(0.005, ge=0, lt=0.25, description="Share of the cloud left out at either end of an extent.")
+    trim: float = Field(TRIM, ge=0, lt=0.25, description="Share of the cloud left out at either end of an extent.")
     aspect_prior: Literal["native", "off"] = Field(
         "native",
         description="native: a face is where points are densest, not where the error of depth carries some; a depth "
@@ -52,8 +53,6 @@ class GenerationConfig(Section):
         description="Cousins whose size is farther from the library's than by this factor, or whose scales along the "
         "axes are farther apart, are passed over for others that the label means. null: none (paper).",
     )
-    # Smallest extent of a placed asset, metres.
-    min_extent: ClassVar[float] = 0.01
 
     # Support (A.3)
     # Overlap, as share of the smaller footprint, that makes one thing lie on another.

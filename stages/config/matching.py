@@ -3,15 +3,15 @@
 import json
 from collections.abc import Iterable
 from hashlib import sha256
-from typing import Any, ClassVar
+from typing import Any
 
 from pydantic import Field, model_validator
 
 from stages.config.packages import with_sections
 from stages.contracts.section import OWN, Section
-from stages.plugins import short
+from stages.plugins import list_available, shorten_name
 
-OURS = {"distance", "votes", "geometry", "rerender", "priors"}  # judges of the core
+JUDGE = "geometry" if "geometry" in list_available("judges") else "distance"  # the paper's where that package is not
 BLIND = {"priors"}  # judges that look at no picture
 
 
@@ -69,7 +69,7 @@ class EncoderOptions(Section):
         """The options that the rows of a feature store depend on: weights are laid on them later."""
         given = getattr(self, self.encoder, None)
         if not isinstance(given, Section):
-            name = short(self.encoder)
+            name = shorten_name(self.encoder)
             own: dict[str, Any] = {"own": {name: self.own[name]} if name in self.own else {}}
         else:
             own = {self.encoder: given.model_dump(mode="json", exclude=given.unread())}
@@ -78,7 +78,7 @@ class EncoderOptions(Section):
     def store(self) -> str:
         """Name of the feature store: two variants share one if it holds the same for both."""
         digest = sha256(json.dumps(self.stored(), sort_keys=True).encode()).hexdigest()
-        return f"{short(self.encoder)}-{digest[:8]}"
+        return f"{shorten_name(self.encoder)}-{digest[:8]}"
 
 
 class ComparisonOptions(EncoderOptions):
@@ -90,25 +90,6 @@ class ComparisonOptions(EncoderOptions):
     exclude_worst: float = Field(
         0.10, ge=0, lt=1, description="Share of the largest patch distances left out of the mean (paper: 0.10)."
     )
-
-
-class GeometryConfig(Section):
-    """Analysis by synthesis: what counts when a candidate, rendered in the object's place, is compared with it."""
-
-    nearest: int = Field(30, ge=1, description="So many models, the nearest by distance, are rendered and compared.")
-    # Cells along the longer side of the compared pictures.
-    resolution: ClassVar[int] = 96
-    outline: float = Field(1.0, ge=0, description="Weight of the overlap of the outlines, 0 to 1.")
-    depth: float = Field(0.5, ge=0, description="Weight of the agreement of depth, 0 to 1.")
-    lines: float = Field(0.5, ge=0, description="Weight of the agreement of lines: doors, drawers, handles; 0 to 1.")
-    colour: float = Field(0.0, ge=0, description="Weight of the agreement of colours, 0 to 1.")
-    # Taken off for stretching axes unlike: per unit of the logarithms' range.
-    proportions: ClassVar[float] = 0.3
-
-    @property
-    def perfect(self) -> float:
-        """The score where everything agrees."""
-        return self.outline + self.depth + self.lines + self.colour
 
 
 class MatchingSection(ComparisonOptions):
@@ -136,14 +117,14 @@ class MatchingSection(ComparisonOptions):
         2, ge=1, description="The mean over so many of its nearest views is a model's distance: most stand between two."
     )
     model_selection: str = Field(
-        "geometry",
+        JUDGE,
         json_schema_extra={"kind": "judges"},
         description="What ranks the models: distance (of embeddings; A.6, B.1), votes (A.6, official code), or, among "
         "the nearest, geometry (renderings in place) or vlm (a language model, B.1); priors: label, counts, box and "
         "mounting alone.",
     )
     orientation_selection: str = Field(
-        "geometry",
+        JUDGE,
         json_schema_extra={"kind": "judges"},
         description="What ranks the orientations: distance (of embeddings), votes (official code), rerender (distance "
         "to views rendered again, B.1), geometry (renderings in place), vlm (a language model, B.1), or priors (box "
@@ -189,9 +170,6 @@ class MatchingSection(ComparisonOptions):
         "the next nearest categories come in (paper: 1).",
     )
     clip: str = Field("", description="Folder with the weights of the text encoder `clip`.")
-    geometry: GeometryConfig = Field(
-        GeometryConfig(), description="The judge `geometry`: candidates rendered in place."
-    )
 
     def weights(self) -> dict[str, str]:
         """Folders of the pretrained networks that are used, by their keys."""
@@ -213,9 +191,9 @@ class MatchingConfig(MatchingSection):
         return set(cls.model_fields) - set(MatchingSection.model_fields)
 
     def unread(self) -> set[str]:
-        """The options of encoders and judges that are not used; judges of yours may read what packages' judges read."""
+        """The options of encoders and judges that are not used; judges of yours may read all."""
         judges = {self.model_selection, self.orientation_selection}
-        silent = {"geometry"} - judges | (self.beside() if judges <= OURS else set())
+        silent = self.beside() - judges if all(judge == shorten_name(judge) for judge in judges) else set()
         return super().unread() | {"clip"} - {self.text_encoder} | silent
 
     def deciding(self) -> "MatchingConfig":

@@ -24,6 +24,7 @@ GONE = {
     "encoder": "python -m plugins.patchnet trains the encoder, --help has its options",
     "film_every": "leave it out: the first success and the first failure are filmed",
     "finger_points": "leave it out: an eighth of `points`",
+    "geometry": "the section `geometry`, on the top level",
     "implementation": "source: folder",
     "learning": "image: a name with {family} and {tag} in it",
     "mirror": "leave it out",

@@ -16,11 +16,10 @@ from stages.config.experiment import ExperimentConfig
 from stages.config.extraction import ExtractionConfig
 from stages.config.files import read_file
 from stages.config.generation import GenerationConfig
-from stages.config.inputs import Input, scene_of, with_inputs
 from stages.config.matching import MatchingConfig, MatchingSection, matching_model
 from stages.config.mistakes import Mistake, mistakes_of, truths, validated, without_removed
 from stages.config.names import resolved
-from stages.config.packages import present, with_sections
+from stages.config.packages import Package, present, with_sections
 from stages.config.replaced import Replaced
 from stages.config.room_files import room_files
 from stages.config.scenes import ScenesConfig
@@ -122,6 +121,11 @@ class Config(Section):
         task = self.experiment.task(target)
         return simulator == "maniskill" or len(load_plugin("tasks", self.implementation("tasks", task)).skills) == 1
 
+    def targets_under(self, condition: str) -> list[str]:
+        """The targets whose task the simulator of a condition has."""
+        simulator = self.evaluation.under(condition).simulator
+        return [target for target in self.experiment.targets if self.simulated(target, simulator)]
+
 
 def merged(base: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
     """`base` with `changes`; mappings in mappings are merged, everything else is replaced."""
@@ -156,8 +160,13 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
     Raises:
         InputError: names all mistakes, a line each, with key and mend.
     """
-    config, unread = with_inputs(config)
-    model, config = _with_packages(config)
+    on = _packages_on(config)
+    model = with_sections(Config, on)
+    config = {key: value for key, value in config.items() if key in model.model_fields or not _is_silent(key)}
+    unread: list[Mistake] = []
+    for package in on.values():
+        config, found = package.expand(config)
+        unread += found
     valid, mistakes = validated(model, without_removed(config, model))
     mistakes += unread
     wrong = [mistake.key for mistake in mistakes] + (["experiment.rooms"] if unread else [])
@@ -165,8 +174,9 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
     valid = resolved(valid, valid.implementations, "", mistakes)
     mistakes += _overlays(valid)
     rooms = valid.experiment.model_copy(update={"rooms": valid.experiment.named()})
-    of_run = of_picture(valid) if valid.image and not mistakes else rooms
-    valid = valid.model_copy(update={"experiment": of_run})
+    valid = valid.model_copy(update={"experiment": rooms})
+    for package in on.values() if not mistakes else ():
+        valid = package.of_run(valid)
     mistakes += [each for each in contradictions(valid) if not any(_overlap(each.key, key) for key in wrong)]
     if not rooms_named:
         mistakes = [each for each in mistakes if each.key != "experiment.rooms"]
@@ -183,14 +193,16 @@ def complete() -> type[Config]:
     return with_sections(Config, present())
 
 
-def _with_packages(config: dict[str, Any]) -> tuple[type[Config], dict[str, Any]]:
-    """The model with the sections of the packages that are on, and the config without those of the others."""
-    here, given = present(), config.get("packages")
+def _packages_on(config: dict[str, Any]) -> dict[str, Package]:
+    """The packages that a config does not turn off, by name."""
+    given = config.get("packages")
     off = [name for name, on in given.items() if on is False] if isinstance(given, dict) else []
-    silent = {section for name in off if name in here for section in here[name].sections}
-    return with_sections(Config, [name for name in here if name not in off]), {
-        key: value for key, value in config.items() if key not in silent
-    }
+    return {name: package for name, package in present().items() if name not in off}
+
+
+def _is_silent(section: str) -> bool:
+    """Whether a section belongs to a package of this checkout."""
+    return any(section in package.sections for package in present().values())
 
 
 def _overlays(config: Config) -> Iterator[Mistake]:
@@ -215,15 +227,6 @@ def _overlays(config: Config) -> Iterator[Mistake]:
             except InputError as error:
                 yield Mistake.of(error)
             entries[name] = entry.model_copy(update={"options": {}}) if isinstance(entry, Target) else {}
-
-
-def of_picture(config: Config) -> ExperimentConfig:
-    """The experiment whose one scene is the picture of `image`, found by `inputs estimate`, without policies."""
-    name = scene_of(Path(config.image).with_suffix(""))
-    name = f"{name}-photo" if name in config.room_files() else name
-    only = {"rooms": [name], "inputs": {name: Input(image=config.image)}}
-    only |= {key: {} for key in ("targets", "policies", "pools", "protocols")}
-    return config.experiment.model_copy(update=only)
 
 
 def _packages(names: list[str], mistakes: list[Mistake]) -> list[str]:

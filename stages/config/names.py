@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 from stages.config.mistakes import Mistake
 from stages.contracts.errors import InputError
 from stages.contracts.section import Section
-from stages.plugins import available, find, qualified
+from stages.plugins import find, list_available, qualify_module
 
 S = TypeVar("S", bound=Section)
 
@@ -20,14 +20,17 @@ def kind_of(section: type[Section], field: str) -> str | None:
 def modules(section: Section, *fields: str) -> list[str]:
     """Modules of the implementations that some keys of a section name, for the digest of a job's code."""
     named = [(kind_of(type(section), field) or "", getattr(section, field)) for field in fields]
-    return [qualified(kind, name) for kind, value in named for name in ([value] if isinstance(value, str) else value)]
+    return [
+        qualify_module(kind, name) for kind, value in named for name in ([value] if isinstance(value, str) else value)
+    ]
 
 
 def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mistake] | None = None) -> S:
     """The section with the names of a user's implementations qualified, so that a stage can import them.
 
     Args:
-        mistakes: gets names that there is no implementation of; the default takes their place.
+        mistakes: gets names that there is no implementation of; the default takes their place, or
+            any, if it is not there.
 
     Raises:
         InputError: the same, if `mistakes` is not given; key and nearest name are named.
@@ -52,7 +55,8 @@ def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mist
             if mistakes is None:
                 raise
             mistakes.append(Mistake.of(error))
-            changes[field] = type(section).model_fields[field].default
+            default = type(section).model_fields[field].default
+            changes[field] = default if value != default else next(iter(list_available(kind or "", packages)))
     found = {field: value for field, value in changes.items() if value != getattr(section, field)}
     return section.model_copy(update=found)  # what nobody set stays so
 
@@ -60,7 +64,7 @@ def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mist
 def _check_own(section: type[Section], names: Iterable[str], packages: Sequence[str], key: str) -> None:
     """Options are given for implementations that there are, of a kind that the section names."""
     kinds = {kind for field in section.model_fields if (kind := kind_of(section, field))}
-    known = {name for kind in kinds for name in available(kind, packages)}
+    known = {name for kind in kinds for name in list_available(kind, packages)}
     for name in names:
         if name not in known:
             raise InputError(

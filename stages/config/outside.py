@@ -6,7 +6,7 @@ from pathlib import Path
 from stages import plugins
 from stages.config.matching import MatchingConfig
 from stages.config.model import Config
-from stages.config.packages import Package, present
+from stages.config.packages import packages_on
 
 MANY = 8  # files in one folder: containers see it whole then
 
@@ -22,7 +22,7 @@ def outside(config: Config) -> list[str]:
         *config.assets.folders,
         *(name for own in commands for name in own.code),
         *(path for options in matching for path in _weights(options)),
-        *(path for package in _packages(config) for path in package.outside(config)),
+        *(path for package in packages_on(config.packages) for path in package.outside(config)),
         *(str(plugins.folder(package)) for package in config.plugins),
     ]
     paths = {Path(name).resolve() for name in named if Path(name).exists()}
@@ -31,13 +31,24 @@ def outside(config: Config) -> list[str]:
 
 def online(config: Config) -> list[str] | None:
     """Environment variables that hold keys of the servers that are asked; None: nothing asks the network."""
-    keys = [found for package in _packages(config) if (found := package.keys(config)) is not None]
+    keys = [found for package in packages_on(config.packages) if (found := package.keys(config)) is not None]
     return sorted({name for found in keys for name in found} - {""}) if keys else None
 
 
-def _packages(config: Config) -> list[Package]:
-    """Those that are on."""
-    return [package for name, package in present().items() if config.packages[name]]
+def container_environment(config: Config, published: str) -> dict[str, str]:
+    """What containers/podman-shell asks for: images, folders to mount, keys if the network is used, a GPU.
+
+    Args:
+        published: folder of the tables of the paper's values.
+    """
+    keys = online(config)
+    return {
+        "ACDC_IMAGE": config.containers.template,
+        "ACDC_OUTSIDE": "\n".join([*outside(config), published]),
+        "ACDC_PAPER": published,
+        "ACDC_CODE": str(plugins.PACKAGES.parent),
+        "ACDC_GPU": config.device.replace("cpu", ""),
+    } | ({} if keys is None else {"ACDC_ONLINE": " ".join(keys)})
 
 
 def _of_inputs(config: Config) -> list[str]:

@@ -6,7 +6,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any, TypeVar
 
-from pydantic import create_model
+from pydantic import Field, create_model
 
 from stages import plugins
 from stages.contracts.section import Section
@@ -20,11 +20,16 @@ class Package:
 
     Attributes:
         last: whether its rules.smk looks at the rules of all others.
-        judges: whether judges of matching read its sections, so that variants may change them.
+        judges: whether judges of matching read its sections, each that of its name, so that variants may change them.
+        draws: modules with which the verbs `draw` show more, by stage: matching: `InPlace` shows cousins in an object's
+            place; generation: `estimate_look` finds a picture's light and colours.
         section: of config.yaml that its verbs read.
         shards: of the section `assets`, the shards of models that its rules add to the library, by name.
         verbs: its commands that rules call, and what each reads of the config (None: nothing).
         sections: of config.yaml that belong to it, by name, as pydantic fields.
+        widens: sections of the core to which it adds keys, by name.
+        expand: of what a config gives, the same with what files say that it names, and `Mistake`s in these.
+        of_run: of the whole config, that of the run which it asks for.
         outside: of the whole config, files that its jobs read and that may lie outside the working directory.
         mistakes: of the whole config, `Mistake`s that the package finds in it.
         check: what of this machine the package may want: its name, whether all is there, what is or is not.
@@ -34,9 +39,13 @@ class Package:
     last: bool = False
     section: str = ""
     judges: bool = False
+    draws: Mapping[str, str] = field(default_factory=dict)
     shards: Callable[[Any], Mapping[str, Any]] = lambda assets: {}
     verbs: Mapping[str, type[Section] | None] = field(default_factory=dict)
     sections: Mapping[str, tuple[type[Section], Any]] = field(default_factory=dict)
+    widens: Mapping[str, type[Section]] = field(default_factory=dict)
+    expand: Callable[[dict[str, Any]], tuple[dict[str, Any], list[Any]]] = lambda given: (given, [])
+    of_run: Callable[[Any], Any] = lambda config: config
     outside: Callable[[Any], list[str]] = lambda config: []
     keys: Callable[[Any], list[str] | None] = lambda config: None
     mistakes: Callable[[Any], Iterable[Any]] = lambda config: ()
@@ -45,7 +54,17 @@ class Package:
 
 def present() -> dict[str, Package]:
     """The packages of this checkout by name."""
-    return {module.rpartition(".")[2]: import_module(f"{module}.package").PACKAGE for module in plugins.shipped()}
+    return {module.rpartition(".")[2]: import_module(f"{module}.package").PACKAGE for module in plugins.list_shipped()}
+
+
+def packages_on(on: Mapping[str, bool]) -> list[Package]:
+    """The packages that are on."""
+    return [package for name, package in present().items() if on[name]]
+
+
+def drawn_by(on: Mapping[str, bool], stage: str) -> list[str]:
+    """Modules of packages that are on with which the verb `draw` of a stage shows more."""
+    return [package.draws[stage] for package in packages_on(on) if stage in package.draws]
 
 
 def rule_files(on: Mapping[str, bool], last: bool = False) -> list[str]:
@@ -67,12 +86,14 @@ def _with_sections(model: Any, names: tuple[str, ...], judges: bool) -> Any:
     fields: dict[str, Any] = {}
     for name in names:
         fields |= packages[name].sections if packages[name].judges or not judges else {}
+        for section, wider in packages[name].widens.items() if not judges else ():
+            fields[section] = wider, Field(wider(), description=model.model_fields[section].description)
     return create_model(model.__name__, __base__=model, __doc__=model.__doc__, **fields) if fields else model
 
 
 def shards_of(config: Any) -> dict[str, Any]:
     """The shards of models that packages which are on add to the library, by name."""
-    on = [package for name, package in present().items() if config.packages[name]]
+    on = packages_on(config.packages)
     return {name: shard for package in on for name, shard in package.shards(config.assets).items()}
 
 
@@ -84,4 +105,4 @@ def verb(stage: str, name: str) -> Callable[..., None]:
 
 def home_of(stage: str) -> str:
     """The Python package of a stage's verbs: `stages.<stage>`, or that of a package beside the core."""
-    return f"plugins.{stage}" if f"plugins.{stage}" in plugins.shipped() else f"stages.{stage}"
+    return f"plugins.{stage}" if f"plugins.{stage}" in plugins.list_shipped() else f"stages.{stage}"

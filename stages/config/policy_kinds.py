@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from stages.config.evaluation import SensingOptions
 from stages.config.tables import PolicyAbout, PolicyTables
 from stages.contracts.training_run import TrainingRun
-from stages.plugins import short
+from stages.plugins import shorten_name
 
 if TYPE_CHECKING:
     from stages.config.model import Config
@@ -16,7 +16,7 @@ PAPERS = TrainingRun().kind  # the paper's network on a cloud, whatever its size
 
 def kind_in_words(run: TrainingRun) -> str:
     """The kind of policy that a hyper-parameter set makes, for people: what tells it from the paper's."""
-    traits = [] if run.policy == "bc_rnn_gmm" else [short(run.policy)]
+    traits = [] if run.policy == "bc_rnn_gmm" else [shorten_name(run.policy)]
     traits += ["handle flagged"] if run.handle else []
     traits += [] if run.network.cloud else ["no cloud"]
     return ", ".join(traits) or f"{run.network.pointnet_width}-wide network of the paper's kind"
@@ -43,7 +43,7 @@ def policy_tables(config: "Config") -> PolicyTables:
         pools=experiment.pools,
         kinds={name: kind_in_words(run) for name, run in runs.items()},
         papers=[name for name, run in runs.items() if run.kind == PAPERS],
-        encoder=short(config.matching_of(experiment.policy_variant).encoder),
+        encoder=shorten_name(config.matching_of(experiment.policy_variant).encoder),
         met=SensingOptions.model_construct(**met),
         starts=sorted({(task.base_xy, task.base_z) for task in tasks}),
     )

@@ -13,11 +13,11 @@ from stages.config.names import kind_of
 from stages.config.packages import present
 from stages.config.policy_kinds import policy_tables
 from stages.config.scenes import ScenesConfig
-from stages.config.tables import MethodTables, PolicyTables, TablesConfig
+from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.section import Section
 from stages.contracts.training_run import TrainingRun
 from stages.contracts.training_sets import is_randomised
-from stages.plugins import short
+from stages.plugins import shorten_name
 
 CORE: dict[tuple[str, str], type[Section]] = {
     ("assets", "snapshots"): SnapshotOptions,
@@ -35,7 +35,6 @@ CORE: dict[tuple[str, str], type[Section]] = {
     ("evaluation", "skill"): SkillOptions,
     ("tables", "scenes"): TablesConfig,
     ("tables", "policies"): PolicyTables,
-    ("tables", "conditions"): MethodTables,
 }
 READS = CORE | {
     (name, verb): reads
@@ -43,6 +42,10 @@ READS = CORE | {
     for verb, reads in package.verbs.items()
     if reads is not None
 }
+
+
+# Wildcards of rules by which the options of a verb differ.
+WILDCARDS = ("scene", "variant", "store", "role", "run", "condition")
 
 
 def section_name(stage: str) -> str:
@@ -64,7 +67,7 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
     if section_name(stage) == "tables":
         return policy_tables(config)
     section: Section = getattr(config, section_name(stage))
-    if isinstance(section, ExtractionConfig) and not config.experiment.meeting(wildcards["scene"]).protocol.scale_error:
+    if isinstance(section, ExtractionConfig) and not config.experiment.scene(wildcards["scene"]).options.scale_error:
         return section.model_copy(update={"noise": section.noise.model_copy(update={"scale": 0.0})})
     return section
 
@@ -79,7 +82,7 @@ def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str])
     kept = section.model_dump(mode="json", include=set(reads.model_fields) - section.unread())
     if "own" in kept:
         kinds = [field for field in reads.model_fields if kind_of(reads, field)]
-        used = {short(name) for field in kinds for name in _names(getattr(section, field))}
+        used = {shorten_name(name) for field in kinds for name in _names(getattr(section, field))}
         kept["own"] = {name: options for name, options in kept["own"].items() if name in used}
     if not is_randomised(wildcards.get("role", "")):
         kept.pop("randomise", None)  # of such roles' demonstrations alone

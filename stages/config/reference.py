@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
 from stages.config.model import complete
-from stages.plugins import available
+from stages.plugins import list_available
 
 
 def _scalar(value: Any) -> str:
@@ -26,7 +26,7 @@ def _allowed(schema: dict[str, Any]) -> str:
         if "enum" in option:
             parts.append(" | ".join(str(choice) for choice in option["enum"]))
         if "kind" in option:
-            parts.append(" | ".join([*available(option["kind"]), "yours"]))
+            parts.append(" | ".join([*list_available(option["kind"]), "yours"]))
     for key, sign in (("minimum", ">="), ("exclusiveMinimum", ">"), ("maximum", "<="), ("exclusiveMaximum", "<")):
         parts.extend(f"{sign} {option[key]}" for option in options if key in option)
     return ", ".join(parts)

@@ -18,7 +18,7 @@ VERBS = {
     "demonstrations": ("collect", "scene"),
     "training": ("train",),
     "evaluation": ("trial", "choose", "rollout", "skill", "gather", "leave_out", "score"),
-    "tables": ("scenes", "trainings", "policies", "conditions"),
+    "tables": ("scenes", "trainings", "policies"),
 }
 
 

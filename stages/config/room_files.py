@@ -1,6 +1,7 @@
 """Find and read the rooms, a YAML file each: the eight of Table 2, and a user's."""
 
 from collections.abc import Iterable, Sequence
+from hashlib import sha256
 from pathlib import Path
 
 import yaml
@@ -10,7 +11,7 @@ from stages.config.room_recipe import Room
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error, read_text
 from stages.contracts.yaml_files import fault_of, line_of
-from stages.plugins import KINDS, available, data_file, folder
+from stages.plugins import KINDS, data_file, folder, list_available
 
 Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # five times as fast where it is there
 
@@ -27,7 +28,7 @@ def room_files(own: Iterable[str] = (), packages: Sequence[str] = ()) -> dict[st
         InputError: a file is not there, or a name is taken twice.
     """
     files = {path.stem: path for path in series()}
-    files |= {name: data_file("rooms", module) for name, module in available("rooms", packages).items()}
+    files |= {name: data_file("rooms", module) for name, module in list_available("rooms", packages).items()}
     for path in map(Path, own):
         if not path.is_file():
             raise InputError("scenes.rooms", f"there is no file {path}.", "correct the path", code="E-ROOM-MISSING")
@@ -40,6 +41,13 @@ def room_files(own: Iterable[str] = (), packages: Sequence[str] = ()) -> dict[st
             )
         files[path.stem] = path
     return files
+
+
+def recipe_digest(path: Path | None) -> str:
+    """Digest (12 hex digits) of what a room is made by: its own file and, of ours, those before it."""
+    ours = series()
+    used = ours[: ours.index(path) + 1] if path in ours else [path] if path else []
+    return sha256(b"\0".join(file.read_bytes() for file in used)).hexdigest()[:12]
 
 
 def read_room(path: Path) -> Room:

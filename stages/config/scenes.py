@@ -15,5 +15,3 @@ class ScenesConfig(Section):
     supersampling: int = Field(2, ge=1, le=4, description="Colours are rendered so many times larger and averaged.")
     # Whether the key light casts shadows.
     shadows: ClassVar[bool] = True
-    # Share of the picture left free at each border; extraction uses 90 %.
-    margin: ClassVar[float] = 0.06

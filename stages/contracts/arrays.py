@@ -13,7 +13,7 @@ from stages.contracts.errors import InputError
 if TYPE_CHECKING:
     import h5py
 
-MAX_BYTES = 2_000_000_000  # of the arrays of one npz file, unpacked
+MAX_BYTES = 2_000_000_000  # of a file of arrays or meshes, unpacked
 BLOCK = 4_000_000  # numbers looked at in one go
 
 

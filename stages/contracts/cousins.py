@@ -7,8 +7,8 @@ from pydantic import Field, model_validator
 
 from stages.contracts.doubt import Doubt
 from stages.contracts.files import Contract, Document
-from stages.contracts.made import Made
 from stages.contracts.objects import check_status
+from stages.contracts.provenance import Provenance
 from stages.contracts.types import Angle, Count, Finite, Id, NonNegative, Rank, Text, check_unique
 
 
@@ -108,7 +108,7 @@ class Cousins(Document):
     scene: Id
     encoder: Text
     objects: list[ObjectCousins]
-    made: Made | None = None
+    made: Provenance | None = None
 
     @model_validator(mode="after")
     def _once(self) -> "Cousins":

@@ -14,7 +14,6 @@ from stages.geometry.depth_marks import find_marks, remove_marks
 from stages.geometry.inverse_depth import is_inverse
 
 NEAREST = 0.1  # metres: the median depth of a picture of a room is between this and `LARGEST`
-BYTE = 255  # the largest value of a picture of depth with 8 bits
 SKY = 100.0  # metres: farther away is no room
 WRITE = "np.savez(path, depth=...) with an array (height, width) in metres"
 
@@ -87,7 +86,7 @@ def _metres_per_unit(path: Path, depth: NDArray[Any]) -> float:
     whole = depth.dtype.kind in "iu"
     if not whole and NEAREST <= median <= LARGEST:
         return 1.0
-    if whole and depth.max() <= BYTE:
+    if whole and depth.max() <= np.iinfo(np.uint8).max:
         what = f"depth: has no value above {depth.max():g}: bytes of a picture, not millimetres."
         raise InputError(path, what, WRITE, code="E-DEPTH-UNIT")
     if (100 if whole else 1000) <= median <= 1000 * LARGEST:

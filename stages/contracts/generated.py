@@ -7,8 +7,8 @@ from pydantic import Field, model_validator
 
 from stages.contracts.doubt import AnyDoubt
 from stages.contracts.files import Contract, Document
-from stages.contracts.made import Made
 from stages.contracts.objects import Mounting, Wall, check_mounting, check_room, check_status
+from stages.contracts.provenance import Provenance
 from stages.contracts.types import (
     LARGEST,
     Angle,
@@ -90,7 +90,7 @@ class GeneratedScene(Document):
     walls: list[Wall]
     objects: list[PlacedObject]
     plausibility: Plausibility | None = None
-    made: Made | None = None
+    made: Provenance | None = None
 
     @model_validator(mode="after")
     def _resolvable(self) -> "GeneratedScene":

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageOps
+from PIL import ExifTags, Image, ImageOps
 
 from stages.contracts.errors import InputError
 
@@ -17,8 +17,8 @@ LEAST, MAX_PIXELS = 16, 60_000_000  # pixels of a side, and in all
 SAVE = "save it again as PNG"
 FOLDER = "`python -m stages.inputs annotate PICTURE` makes an input folder, docs/scenes.md says what it holds"
 FLAT = 2.0  # standard deviation of the brightness below which nothing is to be seen
+COLUMNS, TILE, LETTERS = 6, 192, 16  # of a sheet of small pictures: in a row; pixels of a side, and of letters
 GOLDEN = 0.618034  # golden ratio: steps of hue that keep neighbours apart
-ORIENTATION = 0x0112  # in EXIF data: 1 upright, 3 and 6 and 8 turned, the others mirrored
 DEEP = ("I;16", "I;16B", "I;16L", "I;16N", "I")  # modes of one channel with more than 8 bits
 
 Colour = tuple[int, int, int]
@@ -86,12 +86,23 @@ def read_rgb(path: Path) -> NDArray[np.uint8]:
     return np.array(image.convert("RGB"))
 
 
+def read_narrow(path: Path, width: int) -> Image.Image:
+    """The picture upright as RGB (transparency on white), no wider than `width` pixels.
+
+    Raises:
+        InputError: the file is missing or no picture.
+    """
+    picture = Image.fromarray(read_rgb(path))
+    picture.thumbnail((width, max(width, picture.height)), Image.Resampling.LANCZOS)
+    return picture
+
+
 def orientation_of(path: Path) -> int:
     """How EXIF data turn a picture: 1 (not at all, as one of another format) to 8."""
     with warnings.catch_warnings(), suppress(OSError):
         warnings.simplefilter("ignore")
         with Image.open(path, formats=FORMATS) as image:
-            found = image.getexif().get(ORIENTATION, 1)
+            found = image.getexif().get(ExifTags.Base.Orientation, 1)
             return found if found in range(1, 9) else 1
     return 1
 

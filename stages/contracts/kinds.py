@@ -7,7 +7,6 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
-from stages.contracts.choice import Choice
 from stages.contracts.corrections import Corrections
 from stages.contracts.cousins import Cousins, Distances
 from stages.contracts.files import read_json, read_rows
@@ -57,7 +56,6 @@ KINDS: dict[str, FileKind] = {
     "distances": FileKind(_json(Distances)),
     "generated": FileKind(_json(GeneratedScene)),
     "task": FileKind(_json(TaskAssets)),
-    "choice": FileKind(_json(Choice)),
     "attempts": FileKind(_with_companions("ledgers:read_attempts")),
     "episodes": FileKind(_with_companions("episode_store:check_episodes")),
     "policy": FileKind(

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from stages.contracts.doubt import Doubt
 from stages.contracts.files import Contract, Document
 from stages.contracts.fronts import Panel, check_counts
-from stages.contracts.made import Made
+from stages.contracts.provenance import Provenance
 from stages.contracts.types import (
     RIGID_TOLERANCE,
     Angle,
@@ -140,7 +140,7 @@ class Objects(Document):
     )
     walls: list[Wall]
     objects: list[SceneObject]
-    made: Made | None = None
+    made: Provenance | None = None
 
     @model_validator(mode="after")
     def _resolvable(self) -> "Objects":

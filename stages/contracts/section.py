@@ -33,5 +33,6 @@ Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 Range = Annotated[tuple[Positive, Positive], AfterValidator(ordered)]  # the lower bound first
 Count = Annotated[int, Field(ge=0)]
-Seed = Annotated[int, Field(ge=0, lt=2**53)]  # what JSON and tables hold exactly
+SEEDS = 2**53  # JSON and tables hold no larger ones exactly
+Seed = Annotated[int, Field(ge=0, lt=SEEDS)]
 Rank = Annotated[int, Field(ge=1)]

@@ -12,9 +12,9 @@ from stages.tasks.api import TaskEnv
 
 
 class Recorder:
-    """Runs attempts on a task by the skills of its chain; the first `film` successes are filmed."""
+    """Runs attempts on a task by the skills of its chain; with `film` the first success is filmed."""
 
-    def __init__(self, task: TaskEnv, options: DemonstrationsConfig, film: int = 0) -> None:
+    def __init__(self, task: TaskEnv, options: DemonstrationsConfig, film: bool = False) -> None:
         self.task, self.options, self.film = task, options, film
         self.filmed: list[FilmedAttempt] = []
         self.chain = SkillChain(task, options)
@@ -24,7 +24,7 @@ class Recorder:
         task, moments = self.task, []
         episode = RecordedEpisode(seed, task.asset, task.joint, task.size)
         task.place(seed)
-        filming = len(self.filmed) < self.film
+        filming = self.film and not self.filmed
         rng = np.random.default_rng((seed, 1))
         disturbance = sample_disturbance(np.random.default_rng((seed, 2)), self.options.recovery)
         speed = draw_approach_speed(seed, self.options)

@@ -64,7 +64,7 @@ def run(
     folder, entry = chosen[0]
     randomise = settings.randomise if is_randomised(role) else None
     task = TaskEnv(plan.task, folder, entry.joint, entry.size, world, randomise=randomise)
-    recorder = Recorder(task, settings, film=settings.film_episodes)
+    recorder = Recorder(task, settings, film=True)
     seeds = list(attempt_seeds(seed, role, int(np.ceil(episodes * settings.max_attempts_factor))))
     kept, ledger = take_turns(recorder, chosen, seeds, episodes)
     name = chosen[0][1].asset if len(chosen) == 1 else role

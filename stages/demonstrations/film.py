@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.films import Film
-from stages.simulation.films import FRAMES, SIZE, make_film_strip, write_films, write_png
-from stages.simulation.studio import Image, Recording, Studio, evenly
+from stages.simulation.films import FRAMES, TILE, make_film_strip, write_films, write_png
+from stages.simulation.studio import Image, Recording, Studio, pick_evenly
 
 
 @dataclass(frozen=True)
@@ -24,9 +24,9 @@ class FilmedAttempt:
 
 
 def plot_cloud(cloud: NDArray[np.floating]) -> Image:
-    """A cloud (P, 4) in the base frame as (SIZE / 2, SIZE, 3): from the front (y, z) and from the side (x, z)."""
-    half = SIZE // 2
-    image = np.full((half, SIZE, 3), 255, np.uint8)
+    """A cloud (P, 4) in the base frame as (TILE / 2, TILE, 3): from the front (y, z) and from the side (x, z)."""
+    half = TILE // 2
+    image = np.full((half, TILE, 3), 255, np.uint8)
     scale = half / 1.2  # pixels per metre
     for left, across in ((0, half / 2 - cloud[:, 1] * scale), (half, cloud[:, 0] * scale)):
         u = np.round(across).astype(int)
@@ -38,7 +38,7 @@ def plot_cloud(cloud: NDArray[np.floating]) -> Image:
 
 def make_strip(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> Image:
     """One episode: pictures in a row, the clouds below them."""
-    below = [plot_cloud(cloud) for cloud in evenly(clouds, FRAMES)]
+    below = [plot_cloud(cloud) for cloud in pick_evenly(clouds, FRAMES)]
     return np.concatenate([make_film_strip(pictures), np.concatenate(below, axis=1)])
 
 

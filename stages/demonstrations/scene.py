@@ -116,7 +116,7 @@ def demonstrate_in_scene(
         return SceneDemonstration(**about, asset=asset, status="failed", reason=reason), None
     about |= {"asset": asset, "joint": target.joint}
     task = TaskEnv(setting.task, room.target.folder, target.joint, None, setting.world, vary_scale=False, room=room)
-    recorder, reasons, attempts = Recorder(task, setting.options, film=1), Counter[str](), 0
+    recorder, reasons, attempts = Recorder(task, setting.options, film=True), Counter[str](), 0
     seeds = attempt_seeds(setting.seed, f"rank_{generated.rank}", len(list_base_shifts()))
     for room.shift, seed in zip(list_base_shifts(), seeds, strict=True):
         task.place(seed)

@@ -21,7 +21,7 @@ from stages.contracts.policy_folder import read_config
 from stages.contracts.task_options import TaskConfig
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.states import Start
-from stages.plugins import short
+from stages.plugins import shorten_name
 from stages.policies import TrainablePolicy, make_actor
 from stages.policies.checkpoint import load_network
 from stages.simulation.studio import Studio
@@ -51,7 +51,7 @@ def park_object(options: TaskConfig, settings: SceneOptions) -> TaskConfig:
     return options.model_copy(update={"base_xy": metres, "base_yaw": float(np.deg2rad(degrees))})
 
 
-def sensing_of(settings: SensingOptions) -> Sensing:
+def make_sensing(settings: SensingOptions) -> Sensing:
     """How the test's cameras differ from perfect ones."""
     metres, degrees = settings.camera_error
     return Sensing(settings.depth_noise, (metres, float(np.deg2rad(degrees))))
@@ -135,7 +135,7 @@ class Arena:
             Rollout.model_validate(
                 acting._asdict()
                 | {
-                    "task": short(self.plan.task),
+                    "task": shorten_name(self.plan.task),
                     "cloud": self.options.cloud,
                     "test_asset": role,
                     "asset": episode.asset.asset,
@@ -166,7 +166,7 @@ class PolicyArena(Arena):
         self.policy, self.device = policy, device
         self.acting = settings
         self.trained = read_config(policy)
-        super().__init__(assets, library, self.trained.task_options, settings, sensing_of(settings))
+        super().__init__(assets, library, self.trained.task_options, settings, make_sensing(settings))
         if self.plan.task != self.trained.task:
             what = f"was trained on the task '{self.trained.task}', {assets} is for '{self.plan.task}'."
             raise InputError(policy, what, code="E-POLICY-TASK")

@@ -16,7 +16,7 @@ from stages.evaluation.episodes import RolloutEpisode
 from stages.evaluation.film import Filmed, add_caption, take
 from stages.evaluation.rows import write_rows
 from stages.evaluation.states import starts_of
-from stages.simulation.films import write_films, write_png
+from stages.simulation.films import FRAMES, write_films, write_png
 
 
 def run(
@@ -68,7 +68,7 @@ def run(
             same = tuple((asset.asset, state) for asset, state in starts)
             if same not in played:
                 played[same] = arena.episodes(network, starts, record=True)
-                films += take(arena.studio, played[same], role, settings.film_frames)
+                films += take(arena.studio, played[same], role, 2 * FRAMES)
             successes = sum(episode.success for episode in played[same])
             print(f"evaluation: {role} {successes}/{len(starts)} succeeded", file=sys.stderr)
             rows += arena.rows(acting, role, played[same])

@@ -55,7 +55,7 @@ def sample_surface(folder: Path) -> NDArray[np.float64]:
     """Points (DENSE, 3) all over the closed model, its box scaled to [0, 1]; the same ones every time."""
     robot = read_model(folder)
     frames = link_frames(robot)
-    meshes = [visual.mesh for link in robot.links.values() for visual in link.mapped(frames[link.name]).visuals]
+    meshes = [visual.mesh for link in robot.links.values() for visual in link.map_linearly(frames[link.name]).visuals]
     whole = trimesh.util.concatenate([trimesh.Trimesh(mesh.vertices, mesh.faces, process=False) for mesh in meshes])
     points = np.asarray(trimesh.sample.sample_surface(whole, DENSE, seed=0)[0])
     low, high = whole.bounds

@@ -48,12 +48,12 @@ def starts_of(
         if role != TRAINED:
             starts[role] = [(plan.asset_of(role, where), state) for state in states]
         elif trained:
-            starts[role] = taking_turns([asset for name in trained for asset in plan.assets_of(name, where)], states)
-    unseen = unseen_starts(plan, settings, seed)
+            starts[role] = share_states([asset for name in trained for asset in plan.assets_of(name, where)], states)
+    unseen = list_unseen_starts(plan, settings, seed)
     return starts | {settings.split: unseen} if unseen else starts
 
 
-def unseen_starts(plan: TaskAssets, settings: SkillOptions, seed: int) -> list[Start]:
+def list_unseen_starts(plan: TaskAssets, settings: SkillOptions, seed: int) -> list[Start]:
     """The episodes on the first assets of the split; if there are fewer than asked, a line on stderr says so."""
     found = plan.split(settings.split, settings.assets)
     if len(found) < settings.assets:
@@ -69,7 +69,7 @@ def unseen_starts(plan: TaskAssets, settings: SkillOptions, seed: int) -> list[S
     ]
 
 
-def taking_turns(assets: Sequence[TaskAsset], states: Sequence[int]) -> list[Start]:
+def share_states(assets: Sequence[TaskAsset], states: Sequence[int]) -> list[Start]:
     """The states shared evenly by the assets; of more assets than states some are left out, evenly over the list."""
     turns = min(len(assets), len(states))
     return [(assets[number % turns * len(assets) // turns], state) for number, state in enumerate(states)]

@@ -9,10 +9,10 @@ from PIL import Image, ImageDraw, ImageFont
 from stages.contracts import TaskAssets, read_json
 from stages.contracts.arrays import readable
 from stages.contracts.files import atomic
+from stages.contracts.images import COLUMNS, LETTERS, TILE
 from stages.contracts.policies import TaskAsset
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
 
-COLUMNS, TILE, LETTERS = 6, 192, 16  # pictures in a row; pixels of their side, and of letters
 INK, PAPER = "#282828", "white"
 
 

@@ -54,7 +54,7 @@ def with_lists(
         print(census(name, assets), file=sys.stderr)
     pool = [asset for asset in train if asset.family not in twins]
     first = by_chance(pool, rng)  # of the same generator and in its turn, as published assets were drawn
-    validation, test = balanced(splits.validation, rng), balanced(splits.test, rng)
+    validation, test = order_by_family(splits.validation, rng), order_by_family(splits.test, rng)
     own = np.random.default_rng((seed, *f"{plan.scene} {plan.object} {plan.task}".encode()))  # other draws per object
     by_draw = [first, *(by_chance(pool, own) for _ in range(draws - 1))]
     covering = [cover(pool, DRAW, own) for _ in range(draws)]
@@ -86,7 +86,7 @@ def deal(assets: Iterable[TaskAsset], rng: np.random.Generator) -> Splits:
     return splits
 
 
-def balanced(assets: Iterable[TaskAsset], rng: np.random.Generator) -> list[TaskAsset]:
+def order_by_family(assets: Iterable[TaskAsset], rng: np.random.Generator) -> list[TaskAsset]:
     """The assets in an order whose first n, for any n, are of as many families as can be, and like all of them in
     kinds, lengths and heights of handles."""
     turns = _turns(assets, rng)

@@ -28,10 +28,12 @@ def usable_assets(
         size: the box (x, y, z) in which all are loaded, metres; None: each at its own size.
     """
     fronts = {asset: kind.target_joint(folders[asset], like) for asset in distances if asset in folders}
-    return {asset: described(folders[asset], front, distances[asset], size) for asset, front in fronts.items() if front}
+    return {
+        asset: describe_asset(folders[asset], front, distances[asset], size) for asset, front in fronts.items() if front
+    }
 
 
-def described(folder: Path, front: Affordance, distance: float, size: Vector | None) -> TaskAsset:
+def describe_asset(folder: Path, front: Affordance, distance: float, size: Vector | None) -> TaskAsset:
     """One asset in the box `size`, opened at `front`."""
     asset = read_asset(folder)
     size = size or asset.size

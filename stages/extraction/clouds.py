@@ -10,15 +10,13 @@ from stages.extraction.observation import AnnotatedImage
 from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan, statistical_inliers
 from stages.geometry.frames import Array, apply
-from stages.geometry.masks import Mask, erode, remove_specks
+from stages.geometry.masks import MIN_PIXELS, Mask, erode, remove_specks
 
 MAX_POINTS = 8000  # of a cloud; chosen for time
-MAX_CUT = 0.4  # share of an object's pixels outside the crop, above which it fails; chosen
-MIN_PIXELS = 60  # of an object; with fewer it fails; chosen
+MAX_CUT = 0.4  # share of an object's pixels outside the crop (A.7), above which it fails; chosen
 NEIGHBOURS, MAX_DEVIATIONS = 16, 3.0  # of a point, and their distance in deviations of all distances: no outlier
 SPACING, SPARSE = 1.5, 0.95  # DBSCAN's radius in distances to a neighbour, at this quantile of the points; chosen
 SMALL = 0.01  # share of an object's points: smaller clusters are dropped; chosen
-FAR_BEHIND = 1.5  # metres behind the farthest point of the largest cluster, from which on another is background; chosen
 
 
 class ObjectError(Exception):
@@ -55,19 +53,19 @@ def make_object_cloud(
     cloud = apply(floor_from_camera, back_project(depth, image.intrinsics)[depth > 0])
     if len(cloud) < 3:
         raise ObjectError("no depth on its pixels")
-    cloud = clean_cloud(cloud, options, rng, floor_from_camera[:3, 3])
+    cloud = clean_cloud(cloud, options, rng)
     if len(cloud) < 3:
         raise ObjectError("its depth is too scattered: no cluster of points")
     return cloud
 
 
-def clean_cloud(points: Array, options: ExtractionConfig, rng: np.random.Generator, eye: Array) -> Array:
+def clean_cloud(points: Array, options: ExtractionConfig, rng: np.random.Generator) -> Array:
     """Points (M, 3), M <= 8000, without stray ones.
 
     Every DBSCAN cluster of some size is kept, not only the largest: a pole in front of an object
-    cuts its cloud in two. What lies well behind the largest is seen past the object, or through it.
+    cuts its cloud in two.
 
-    `rng` chooses which points of a large cloud are left out; `eye` (3,): where the camera is.
+    `rng` chooses which points of a large cloud are left out.
     """
     if len(points) > MAX_POINTS:
         points = points[np.sort(rng.choice(len(points), MAX_POINTS, replace=False))]
@@ -78,9 +76,4 @@ def clean_cloud(points: Array, options: ExtractionConfig, rng: np.random.Generat
     radius = max(options.dbscan_eps, SPACING * float(np.quantile(distances[:, -1], SPARSE)))
     labels = dbscan(points, radius, options.dbscan_min_points)
     clusters, counts = np.unique(labels[labels >= 0], return_counts=True)
-    kept = clusters[counts >= SMALL * len(points)]
-    if not len(kept):
-        return points[:0]
-    ranges = np.linalg.norm(points - eye, axis=1)
-    end = ranges[labels == clusters[np.argmax(counts)]].max() + FAR_BEHIND
-    return points[np.isin(labels, [cluster for cluster in kept if np.median(ranges[labels == cluster]) <= end])]
+    return points[np.isin(labels, clusters[counts >= SMALL * len(points)])]

@@ -6,16 +6,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
+from scipy.stats import norm
 
 from stages.contracts.objects import USUAL_ERROR, DepthError, Wall
+from stages.extraction.floor import ROUGH
 from stages.extraction.observation import AnnotatedImage
 from stages.geometry.masks import erode
 from stages.geometry.room_planes import GRAZING, PLANE_THRESHOLD
 
 PARTS = 8  # of a plane, by distance; chosen
 LEAST = 100  # points of a part: their median deviation errs by 12 %
-NO_PLANE = 0.05  # of the distance: what lies farther from a plane is none; chosen
-TO_DEVIATION = 1.4826  # standard deviations of a normal distribution to the median of its absolute deviations
 
 
 class Surface(NamedTuple):
@@ -65,8 +65,8 @@ def measure_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> Dept
         for part in np.array_split(np.argsort(ranges), PARTS):
             if len(part) >= LEAST:
                 distances.append(float(np.mean(ranges[part])))
-                deviations.append(TO_DEVIATION * float(np.median(off[part])))
-    if not distances or np.median(np.divide(deviations, distances)) > NO_PLANE:
+                deviations.append(float(np.median(off[part]) / norm.ppf(0.75)))
+    if not distances or np.median(np.divide(deviations, distances)) > ROUGH:
         return None
     (a, b), _ = nnls(np.column_stack([np.ones(len(distances)), np.square(distances)]), np.array(deviations))
     return DepthError(round(float(a), 6), round(float(b), 6))

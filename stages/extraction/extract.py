@@ -1,6 +1,7 @@
 """Verb `extract`: one input folder -> objects.json, masks.png, depth.npz, clouds.npz."""
 
 import zlib
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -10,11 +11,10 @@ from pydantic import ValidationError
 
 from stages.config.extraction import ExtractionConfig
 from stages.config.inputs import INPUT_FILES
-from stages.config.made import made
+from stages.config.provenance import record_provenance
 from stages.contracts import InputError, atomic, read_options, write_json
 from stages.contracts.corrections import corrections_of
 from stages.contracts.files import first_error, read_text
-from stages.extraction.corrections import correct_image, correct_scene
 from stages.extraction.reconstruct import reconstruct
 from stages.extraction.sources import Source
 from stages.plugins import load
@@ -48,8 +48,8 @@ def run(
     observe: Source = load("sources", config.source)
     image = observe(input, config, noise)
     stated = corrections_of(corrections, "extraction")
-    result = reconstruct(scene, correct_image(image, stated) if stated else image, config, steps)
-    result = correct_scene(result, stated) if stated else result
+    find = partial(reconstruct, scene, options=config, rng=steps)
+    result = load("correctors", "by_hand")(image, stated, find) if stated else find(image)
 
     folder = out.parent
     with atomic(folder / "masks.png") as path:
@@ -59,7 +59,7 @@ def run(
     with atomic(folder / "clouds.npz") as path:
         np.savez_compressed(path, **result.clouds)  # type: ignore[arg-type]
     inputs = [input / name for name in INPUT_FILES if (input / name).is_file()]
-    origin = made("stages.extraction.extract", config, [*inputs, *own, *corrections], seed)
+    origin = record_provenance("stages.extraction.extract", config, [*inputs, *own, *corrections], seed)
     write_json(out, result.objects.model_copy(update={"made": origin}))
     for item in result.objects.objects:
         kind = f"mounting {item.mounting.type}" if item.mounting else f"failed: {item.reason}"

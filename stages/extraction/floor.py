@@ -4,16 +4,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
-from stages.contracts.doubts import doubt_height
+from stages.extraction.camera_height import doubt_height
 from stages.extraction.observation import AnnotatedImage
 from stages.geometry.frames import Array
-from stages.geometry.gravity import cell_normals, estimate_up, find_floor
+from stages.geometry.gravity import cell_normals, estimate_up
+from stages.geometry.levels import find_floor
 from stages.geometry.masks import Mask
 from stages.geometry.planes import Plane
-from stages.geometry.room_planes import fit_floor, make_floor_frame
+from stages.geometry.room_planes import SAME_DIRECTION, fit_floor, make_floor_frame
 
 ROUGH = 0.05  # share of the distance by which neighbouring pixels differ in the median: no room is so rough; chosen
-MOST_TILTED, MOST_OFF = 10.0, 0.2  # degrees, share of the camera's height: a given frame errs by less; chosen
+MOST_OFF = 0.2  # share of the camera's height by which a given frame errs at most; chosen
 MOST_LEANING = 45.0  # degrees, likewise, where no mask shows the floor: surfaces may lean; chosen
 
 
@@ -72,9 +73,9 @@ def check_frame(frame: Array, image: AnnotatedImage, points: Array, usable: Mask
     tilt = float(np.degrees(np.arccos(np.clip(frame[2, :3] @ up, -1, 1))))
     height, seen = float(frame[2, 3]), -floor.offset if floor else 0.0
     what = "the floor that the mask shows" if floor else "the level surfaces"
-    if tilt > 180 - MOST_TILTED:
+    if tilt > 180 - SAME_DIRECTION:
         fault = f"is upside down: its z points into {what}."
-    elif tilt > (MOST_TILTED if floor else MOST_LEANING):
+    elif tilt > (SAME_DIRECTION if floor else MOST_LEANING):
         fault = f"is turned by {tilt:.0f} degrees against {what}."
     elif floor and abs(height / seen - 1) > MOST_OFF:
         fault = f"puts the camera {height:.2f} m above the floor, depth of the floor's pixels {seen:.2f} m."

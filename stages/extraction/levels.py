@@ -17,9 +17,9 @@ from stages.geometry.minimum_box import minimum_box
 from stages.geometry.room_planes import STRAY
 
 # Chosen; what levels they find under clutter is measured in docs/results/extraction.md.
-LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above
-PLAN_CELLS = 16  # of a ground plan along either side
-HIGHEST_POINTS = 3  # of a cell, the last of which is its height, as single ones are noise
+LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above; chosen
+PLAN_CELLS = 16  # of a ground plan along either side; chosen
+HIGHEST_POINTS = 3  # of a cell, the last of which is its height, as single ones are noise; chosen
 # Last words of labels of closed things with a level top, so that what is higher stands on it: no seat, shelf or bowl.
 TOPPED = """
 table desk counter countertop worktop workbench workstation island bar nightstand sideboard credenza buffet console
@@ -41,7 +41,7 @@ def fit_box_and_levels(
 ) -> tuple[UprightBox, tuple[float, ...]]:
     """The box of a cleaned cloud (N, 3), floor frame, and the heights at which it may carry others.
 
-    What ends in a level top by its label is as high as that. A thin top that erosion removed is put back.
+    An object whose label implies a level top (a table) ends at it. A thin top that erosion removed is restored.
 
     Args:
         cloud: of the eroded `mask` (H, W).
@@ -62,9 +62,9 @@ def fit_box_and_levels(
 def find_level(points: Array, box: UprightBox, distance: float) -> float | None:
     """The height of most of an object's upper surface, or where most of its front ends.
 
-    Clutter, a backrest or a tap are higher, but have fewer points. Of heights with at least half as many points as the
-    most it is the lowest, which carries the others. None: a front with nothing above it, or a base, part of what the
-    object stands on.
+    Clutter, a backrest or a tap reach higher, but have fewer points. Candidates are heights with at least half as
+    many points as the fullest one; the lowest carries the others and is taken. None: only a front is seen, or the
+    level belongs to what the object stands on.
 
     Args:
         points: (N, 3) of the object, `distance` metres from the camera; their box.

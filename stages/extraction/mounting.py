@@ -21,14 +21,14 @@ from stages.extraction.wall_contact import (
     resolve_stated_mounting,
 )
 from stages.geometry.boxes import THINNEST, UprightBox, with_bottom, with_top
-from stages.geometry.frames import rounded
+from stages.geometry.frames import round_vector
 
 MAX_STRETCH = 2.0  # of an object's seen height: by more its box is not extended down to what carries it; chosen
 
 
 @dataclass(frozen=True)
 class Placement:
-    """How an object is held, and by geometry alone; on what; its box down to that, and with hidden space filled."""
+    """Mounting (also by geometry alone), support, the box down to it, and that box with hidden space filled."""
 
     mounting: Mounting
     measured: Mounting
@@ -45,7 +45,7 @@ def mount_objects(
     fitted: dict[int, str],
     view: DepthView,
 ) -> list[MeasuredObject]:
-    """The objects with their mountings and supports, and boxes down to these; what carries comes before the carried.
+    """The objects with mountings, supports, and boxes that reach down to these; supports are placed first.
 
     `scene` is named in messages; `fitted`: the walls' ids by mask value.
     """
@@ -72,9 +72,9 @@ def mount_objects(
             done[name] = one.fail("its top is found below what carries it: the depth of one of the two is wrong")
             continue
         carriers[name] = placed.filled
-        size = rounded(np.maximum(placed.box.size, 0.001))  # metres, also where its cloud has no depth
+        size = round_vector(np.maximum(placed.box.size, 0.001))  # metres, also where its cloud has no depth
         update = {
-            "box": Box(center=rounded(placed.box.center), size=size, yaw=round(placed.box.yaw, 6)),
+            "box": Box(center=round_vector(placed.box.center), size=size, yaw=round(placed.box.yaw, 6)),
             "mounting": placed.mounting,
             "measured_support": placed.support,
             "measured_mounting": placed.measured if stated else None,
@@ -91,7 +91,7 @@ def end_near(carrier: UprightBox, heights: tuple[float, ...], bottom: float, rea
 
 
 def is_collapsed(seen: UprightBox, placed: Placement, tolerance: float) -> bool:
-    """Whether an object that is seen to be high would become a thin plate on its carrier: the depth of one is wrong."""
+    """Whether an object that looks high would become a thin plate on its carrier: then the depth of one is wrong."""
     height, left = seen.size[2], placed.box.size[2]
     return bool(left < 1.5 * THINNEST and height > tolerance)
 

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from stages.config.extraction import DepthNoiseConfig
 
 # A.7 names the errors and gives no numbers: these are chosen.
-EDGE = 0.03  # relative jump of depth that makes an outline
-QUIET = 0.8  # central part of the image without periphery error
-PERIPHERY = 0.03  # relative error at the image border
-DRIFT = 0.1  # of the image width, over which that error varies
-CORRELATION = 6.0  # pixels over which the range noise varies: estimated depth errs in patches
-BLEEDING = 1.0  # pixels over which near and far depth run into each other at outlines
+EDGE = 0.03  # relative jump of depth that makes an outline; chosen
+QUIET = 0.8  # central part of the image without periphery error; chosen
+PERIPHERY = 0.03  # relative error at the image border; chosen
+DRIFT = 0.1  # of the image width, over which that error varies; chosen
+CORRELATION = 6.0  # pixels over which the range noise varies: estimated depth errs in patches; chosen
+BLEEDING = 1.0  # pixels over which near and far depth run into each other at outlines; chosen
 
 
 def smooth_field(shape: tuple[int, int], sigma: float, rng: np.random.Generator) -> NDArray[np.float64]:

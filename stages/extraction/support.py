@@ -13,8 +13,8 @@ from stages.geometry.boxes import UprightBox, footprint
 from stages.geometry.frames import yaw_matrix
 from stages.geometry.masks import OUTLINE, Mask
 
-JUST_BELOW = 0.15  # metres; farther down furniture may stand before a picture that hangs
-SUNK = 0.04  # share of the distance by which an object reaches below the top of what it is in (a can in a bowl)
+JUST_BELOW = 0.15  # metres; farther down furniture may stand before a picture that hangs; chosen
+SUNK = 0.04  # share of the distance by which an object reaches below the top of what it is in (a can in a bowl); chosen
 
 
 def find_carrier(
@@ -26,9 +26,9 @@ def find_carrier(
         box: of the object.
         carriers: boxes by id.
         tolerance: gap in metres that counts as touching.
-        sunk: what reaches so many metres below a carrier's top, and half of its own height, is not on it, but in it,
-            and stands where its own box ends.
-        share: of the box's footprint; more than that lies over the carrier's, or as near as to touch it.
+        sunk: an object that reaches so many metres, and half of its height, below a carrier's top lies in the
+        carrier, not on it; its bottom is that of its own box.
+        share: least share of the box's footprint that lies over the carrier's, or within touching distance of it.
     """
     inside = max(sunk, float(box.size[2]) / 2)
     plan, touching = footprint(box), min(CONTACT, float(np.min(box.size[:2])) / 4)
@@ -43,9 +43,10 @@ def find_carrier(
 
 
 def is_hanging(box: UprightBox, beneath: float, view: DepthView, own: Mask) -> bool:
-    """Whether an object at a wall, with the pixels `own` (H, W), is seen to end above what is `beneath` it, a height.
+    """Whether an object at a wall is seen to end above the height `beneath` of the surface below; `own`: pixels (H,
+    W).
 
-    Depth errs along the view, so a low edge is as sharp as the picture, however far away.
+    Depth errs along the line of sight, so the lower edge is as sharp as the picture at any distance.
     """
     return (
         box.bottom - beneath > OUTLINE * view.pixel_size(view.distance(box.center))

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from stages.contracts.objects import Wall
 from stages.extraction.observation import AnnotatedImage
 from stages.geometry.masks import erode
-from stages.geometry.room_planes import PLANE_THRESHOLD, WallPlane, find_walls, fit_wall
+from stages.geometry.room_planes import PLANE_THRESHOLD, SAME_DIRECTION, WallPlane, find_walls, fit_wall
 
-SAME_DIRECTION, SAME_PLACE = 10.0, 0.15  # degrees and metres: walls nearer than that are one; chosen
+SAME_PLACE = 0.15  # metres: walls of one direction that are nearer than that are one; chosen
 
 
 def find_room_walls(

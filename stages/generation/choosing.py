@@ -1,4 +1,4 @@
-"""Which of its cousins stands for an object in the scene of a rank, and what a person says of that."""
+"""Choose the cousin that represents each object in the scene of a rank; a person's choice comes first."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
@@ -17,7 +17,7 @@ from stages.generation.placed import Placed
 from stages.generation.placing import place
 from stages.geometry.boxes import UprightBox
 
-SAME_MEANING = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15)
+SAME_MEANING = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15); chosen
 
 
 def choose_models(inputs: Inputs, rank: int, options: GenerationConfig) -> tuple[list[Placed], dict[str, str]]:
@@ -36,7 +36,8 @@ def choose_models(inputs: Inputs, rank: int, options: GenerationConfig) -> tuple
 def choose(
     one: MatchedObject, rank: int, models: Mapping[int, str], place: Callable[[Cousin], Placed], limit: float | None
 ) -> Placed:
-    """What stands for an object in the scene of a rank: what a person says, else the cousin of that rank that fits.
+    """The model for an object in the scene of a rank: the one that a person chose, else the cousin of that rank that
+    fits.
 
     Args:
         models: asset by mask value, of what stands in this scene already.
@@ -69,7 +70,7 @@ def take_stated(asset: str, one: MatchedObject, place: Callable[[Cousin], Placed
 
 
 def find_synonyms(distances: Mapping[str, float], category: str) -> set[str]:
-    """The categories that a label means as much as one of them, which it is among; `distances`: of the label."""
+    """The categories as near to a label as a given one, which is among them; `distances`: from the label to each."""
     return {
         category,
         *(name for name, far in distances.items() if far <= distances.get(category, -np.inf) + SAME_MEANING),
@@ -79,9 +80,10 @@ def find_synonyms(distances: Mapping[str, float], category: str) -> set[str]:
 def choose_by_rank(placed: Iterable[Placed], rank: int, limit: float | None, categories: Collection[str]) -> Placed:
     """The cousin that stands in the scene of a rank: of those that fit, best first, the one of that rank.
 
-    Those come first that are what the object is called and have the doors and drawers of the nearest: that was stated,
-    a size is but measured. Then those with others; what is called otherwise never stands for it. Where fewer fit, the
-    last of them stands again; where none of the first does, the one that is stretched least. Its steps say so.
+    Cousins of the object's category with the doors and drawers of the nearest cousin come first: label and counts are
+    stated, a size is only measured. Then come those with other doors and drawers. Other categories are never used. If
+    fewer fit, the last that fits is used again; if none of the first group fits, the one that is stretched least. Its
+    `steps` say so.
 
     Args:
         placed: the cousins at their places, best first.

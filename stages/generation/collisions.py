@@ -48,10 +48,10 @@ class _Scene:
 
 
 def separate(items: list[Placed], walls: list[Wall], options: GenerationConfig) -> Freed:
-    """Free all pairs of items from each other, as far as that goes.
+    """Move items apart until no pair overlaps, as far as possible.
 
     Each round frees one stack from everything around it, so that a push makes no new collision.
-    What touches a wall or hangs on it slides along it; what hangs does only if nothing else can give way.
+    Items at a wall slide along it; hanging ones move only if nothing else can.
     """
     scene = _Scene({item.id: item for item in items}, walls, options)
     for _ in range(options.push_rounds):
@@ -60,7 +60,7 @@ def separate(items: list[Placed], walls: list[Wall], options: GenerationConfig) 
             break
         scene = pushed
     ends = [(item, scene.items[item.id]) for item in items]
-    freed = [replace(item.changed("out of collisions", end.box), moved=end.moved) for item, end in ends]
+    freed = [replace(item.change_box("out of collisions", end.box), moved=end.moved) for item, end in ends]
     return Freed(freed, overlapping_pairs(scene))
 
 
@@ -171,7 +171,7 @@ def _push(name: str, push: NDArray[np.float64], scene: _Scene) -> _Scene:
     stack = find_stack(name, scene.supports)
     items = dict(scene.items)
     for member in stack:
-        item = items[member].shifted([*push, 0.0])
+        item = items[member].shift([*push, 0.0])
         items[member] = replace(item, moved=item.moved + float(np.linalg.norm(push)))
     return replace(scene, items=items)
 
@@ -187,5 +187,5 @@ def _nest(pair: Pair, scene: _Scene) -> _Scene | None:
     rise = find_landing(*([prism.vertices for prism in scene.shapes(name)] for name in (upper, lower)))
     items = dict(scene.items)
     for member in find_stack(upper, scene.supports):
-        items[member] = items[member].shifted([0, 0, rise or 0.0])
+        items[member] = items[member].shift([0, 0, rise or 0.0])
     return replace(scene, items=items, nested=scene.nested | {pair})

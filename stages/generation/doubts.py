@@ -1,4 +1,4 @@
-"""What of a placed object may be wrong: its size, its place, what holds it. The kinds of doubts: `contracts.doubt`."""
+"""Doubts about a placed object: its size, its place, its support. The kinds of doubts: `contracts.doubt`."""
 
 from collections.abc import Mapping
 from dataclasses import replace

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from stages.cli import progress
 from stages.config.generation import GenerationConfig
-from stages.config.made import made
+from stages.config.provenance import record_provenance
 from stages.contracts import InputError, read_options, write_json
 from stages.generation.choosing import choose_models
 from stages.generation.collisions import separate
@@ -50,6 +50,6 @@ def run(
         scenes.append(to_contract(doubted, failed, settled, inputs.objects, variant, rank))
         print(summarise(scenes[-1], freed.left))
     seed = inputs.objects.made.seed if inputs.objects.made else None
-    origin = made("stages.generation.generate", config, [cousins, objects, library, *corrections], seed)
+    origin = record_provenance("stages.generation.generate", config, [cousins, objects, library, *corrections], seed)
     for scene in scenes:
         write_json(out / f"scene_{scene.rank}.json", scene.model_copy(update={"made": origin}))

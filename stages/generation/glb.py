@@ -11,10 +11,9 @@ from trimesh.exchange.gltf import export_glb
 from stages.articulated.model import JointModel
 from stages.articulated.surfaces import ColouredMesh, surfaces
 from stages.contracts import GeneratedScene, atomic
-from stages.generation.scene_models import CAMERA, OPENGL, Body, Room, surface_of
-from stages.geometry.frames import rigid, yaw_matrix
-
-Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+from stages.generation.scene_models import CAMERA, Body, Room, surface_of
+from stages.geometry.cameras import OPENGL
+from stages.geometry.frames import Y_UP, rigid, yaw_matrix
 
 
 def write(room: Room, out: Path, largest: int | None = None) -> None:

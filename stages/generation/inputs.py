@@ -39,8 +39,8 @@ class MatchedObject:
 class Inputs:
     """What the scenes of all ranks share.
 
-    objects: as extraction wrote them. matched: what takes the model of another one comes after it. folders: of the
-    library's models, by asset id. categories: by name, as the library knows them.
+    objects: as extraction wrote them. matched: an object that takes the model of another one comes after that one.
+    folders: of the library's models, by asset id. categories: by name, as the library knows them.
     """
 
     objects: Objects

@@ -13,7 +13,7 @@ from shapely import MultiPoint, Polygon
 from trimesh import Trimesh
 
 from stages.articulated.asset_folder import read_model
-from stages.articulated.forward_kinematics import closed_box, closed_links
+from stages.articulated.forward_kinematics import measure_closed_box, read_closed_links
 from stages.articulated.model import Link
 from stages.articulated.resizing import has_size, resize_model
 from stages.articulated.urdf_writer import as_written
@@ -21,14 +21,14 @@ from stages.generation.placed import Placed, Prism
 
 
 def resize(item: Placed) -> Placed:
-    """With a model that fills its box, and what of that collides, to the digits of its files: what physics reads."""
+    """The item with a model of the size of its box and that model's collision prisms, rounded as in its files."""
     if has_size(item.asset, item.size.tolist()):
         return replace(item, prisms=to_prisms(read_collisions(item.folder)))
     sized = resize_model(item.folder, item.asset, item.size.tolist())
-    low, high = (closed_box(sized.robot).round(6) + 0.0).tolist()
+    low, high = (measure_closed_box(sized.robot).round(6) + 0.0).tolist()
     mass = round(sized.robot.mass, 4)
     asset = item.asset.model_copy(update={"box_min": tuple(low), "box_max": tuple(high), "mass": mass})
-    pieces = [mesh for link in closed_links(as_written(sized.robot)) for mesh in link.collisions]
+    pieces = [mesh for link in read_closed_links(as_written(sized.robot)) for mesh in link.collisions]
     return replace(item, asset=asset, sized=sized, prisms=to_prisms(pieces))
 
 
@@ -47,7 +47,7 @@ def to_prisms(pieces: Iterable[Trimesh]) -> tuple[Prism, ...]:
 @lru_cache(maxsize=64)
 def read_links(folder: Path) -> list[Link]:
     """Links of a model with their meshes in the asset frame."""
-    return closed_links(read_model(folder))
+    return read_closed_links(read_model(folder))
 
 
 def read_collisions(folder: Path) -> list[Trimesh]:
@@ -57,4 +57,4 @@ def read_collisions(folder: Path) -> list[Trimesh]:
 
 def read_visuals(folder: Path) -> list[Trimesh]:
     """What is seen, with its colours."""
-    return [visual.painted() for link in read_links(folder) for visual in link.visuals]
+    return [visual.paint() for link in read_links(folder) for visual in link.visuals]

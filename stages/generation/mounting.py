@@ -1,4 +1,4 @@
-"""Boxes and walls: what reaches to a wall ends there, and nothing stands in one (paper A.3)."""
+"""Fit boxes to walls: what touches a wall ends at it, and nothing reaches into one (paper A.3)."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,41 +11,42 @@ from stages.contracts.objects import Wall
 from stages.generation.placed import Placed
 from stages.generation.sizing import DEEP
 from stages.generation.turning import ALONG_SIDE
-from stages.geometry.boxes import UprightBox, corners, depth_behind, volume
+from stages.geometry.boxes import THINNEST, UprightBox, corners, depth_behind, volume
 from stages.geometry.estimate import Sight, correct_depth
 from stages.geometry.frames import yaw_matrix
 
-CONTACT = 0.05  # metres by which a place may be missed: of the floor, of a wall
+CONTACT = 0.05  # metres by which a place may be missed: of the floor, of a wall; chosen
 
 
 def mount(placed: Placed, sight: Sight, reached: Sequence[Wall], options: GenerationConfig) -> Placed:
     """A model with its rear at the walls that it reaches, and a believable depth."""
     for wall in reached:
-        placed = placed.changed(f"rear to {wall.id}", extend_to_wall(placed.box, wall, options.min_extent))
+        placed = placed.change_box(f"rear to {wall.id}", extend_to_wall(placed.box, wall))
     if reached and options.aspect_prior == "native":
         hangs = placed.wall_mounted
         deep = correct_depth_at_wall(placed.box, placed.asset.size, sight, options.aspect_range, reached[0], hangs)
-        placed = placed.changed(DEEP, deep)
+        placed = placed.change_box(DEEP, deep)
     return placed
 
 
-def fit_stated_box(box: UprightBox, yaw: float, walls: Sequence[Wall], min_extent: float) -> UprightBox:
+def fit_stated_box(box: UprightBox, yaw: float, walls: Sequence[Wall]) -> UprightBox:
     """A box that the input tells, with the axes of a model at `yaw`, which run along its own; it ends at the walls."""
     size = box.size.copy()
     if round((yaw - box.yaw) / (np.pi / 2)) % 2:
         size[:2] = size[1::-1]
-    box = UprightBox(box.center, np.maximum(size, min_extent), yaw)
+    box = UprightBox(box.center, np.maximum(size, THINNEST), yaw)
     for wall in walls:
-        box = min(box, extend_to_wall(box, wall, min_extent), key=volume)
+        box = min(box, extend_to_wall(box, wall), key=volume)
     return box
 
 
 def correct_depth_at_wall(
     box: UprightBox, native: ArrayLike, sight: Sight, believable: tuple[float, float], wall: Wall, hangs: bool
 ) -> UprightBox:
-    """The box of what was extended to a wall, with a believable depth, the model's own if the cloud tells none.
+    """The box of a model that was extended to a wall, with a plausible depth: the model's own if the cloud shows
+    none.
 
-    What stands and is far too deep does not reach the wall: its front was seen, its rear was not.
+    A standing object that came out far too deep does not reach the wall: only its front was seen.
     """
     normal = np.asarray(wall.normal)
     unknown = sight.is_one_face(normal)
@@ -55,10 +56,10 @@ def correct_depth_at_wall(
     return at_wall
 
 
-def extend_to_wall(box: UprightBox, wall: Wall, min_extent: float) -> UprightBox:
+def extend_to_wall(box: UprightBox, wall: Wall) -> UprightBox:
     """The box rescaled along its own axis so that its rear reaches the wall and its front stays where it is.
 
-    A wall that it is a little turned against (the second one in a corner) it touches with an edge.
+    If the box is turned a little against the wall (the second wall of a corner), its edge touches the wall.
     """
     normal = np.asarray(wall.normal, dtype=float)
     along = normal @ yaw_matrix(box.yaw)
@@ -68,7 +69,7 @@ def extend_to_wall(box: UprightBox, wall: Wall, min_extent: float) -> UprightBox
     size = box.size.copy()
     edges = size[1 - axis] * abs(along[1 - axis])  # how much farther than its middle the turned faces reach, both
     front = float((corners(box) @ normal).max())
-    size[axis] = max((front - wall.offset - edges) / abs(along[axis]), min_extent)
+    size[axis] = max((front - wall.offset - edges) / abs(along[axis]), THINNEST)
     middle = wall.offset + (size[axis] * abs(along[axis]) + edges) / 2
     shift = yaw_matrix(box.yaw)[:, axis] * (middle - box.center @ normal) / along[axis]
     return UprightBox(box.center + shift, size, box.yaw)

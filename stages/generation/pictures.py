@@ -8,7 +8,7 @@ from PIL import Image, ImageDraw, ImageFont
 from stages.contracts import GeneratedScene
 from stages.simulation.rendering import RenderCamera
 
-SMOOTHING = 2  # rendered so many times larger and averaged
+SMOOTHING = 2  # rendered so many times larger and averaged; chosen
 
 
 def draw_preview(scene: sapien.Scene, generated: GeneratedScene, width: int) -> NDArray[np.uint8]:

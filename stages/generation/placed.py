@@ -110,12 +110,12 @@ class Placed:
             for prism in self.prisms
         ]
 
-    def shifted(self, offset: ArrayLike) -> "Placed":
-        """Moved by `offset` (3,)."""
+    def shift(self, offset: ArrayLike) -> "Placed":
+        """The item moved by `offset` (3,), metres."""
         return replace(self, box=replace(self.box, center=self.center + np.asarray(offset, dtype=float)))
 
-    def changed(self, step: str, box: UprightBox) -> "Placed":
-        """In another box, after a step that says in words what it did, if it did anything."""
+    def change_box(self, step: str, box: UprightBox) -> "Placed":
+        """The item in another box. A change is noted in its `steps`, with the name of the step."""
         what = describe_difference(self.box, box)
         return replace(self, box=box, steps=(*self.steps, f"{step}: {what}") if what else self.steps)
 

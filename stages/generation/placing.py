@@ -14,7 +14,7 @@ from stages.generation.mounting import CONTACT, fit_stated_box, mount, move_out_
 from stages.generation.placed import FLOOR, Placed
 from stages.generation.sizing import size
 from stages.generation.turning import find_yaw
-from stages.geometry.boxes import UprightBox
+from stages.geometry.boxes import THINNEST, UprightBox
 from stages.geometry.estimate import Sight
 
 
@@ -45,16 +45,16 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
         placed = replace(placed, doubts=(DoubtKind.OPENINGS.of(what=cousin.differs),))
     yaw = find_yaw(cousin, box, one.cloud, camera, touched, asset.articulated, options)
     if item.whole:
-        placed = placed.changed("as the input tells it", fit_stated_box(box, yaw, reached, options.min_extent))
+        placed = placed.change_box("as the input tells it", fit_stated_box(box, yaw, reached))
     else:
         placed = size(placed, yaw, sight, one.bearings, reached, options)
         placed = mount(placed, sight, reached, options)
     if not reached:
-        placed = placed.changed("out of walls", move_out_of_walls(placed.box, scene.walls))
-    return placed.changed("least extent", replace(placed.box, size=np.maximum(placed.box.size, options.min_extent)))
+        placed = placed.change_box("out of walls", move_out_of_walls(placed.box, scene.walls))
+    return placed.change_box("least extent", replace(placed.box, size=np.maximum(placed.box.size, THINNEST)))
 
 
 def reaches_walls(mounting: Mounting, box: UprightBox, is_round: bool) -> bool:
-    """Whether a model is extended to the walls that the object touches: not what stands on furniture, nor what is as
-    deep as it is wide."""
+    """Whether a model is extended to the walls that the object touches. Not if it stands on furniture or is as deep
+    as it is wide."""
     return mounting.type != 3 or not (is_round or box.bottom > CONTACT)

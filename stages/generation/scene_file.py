@@ -1,4 +1,4 @@
-"""A generated scene as its file has it: written, told in one line, and read again."""
+"""A generated scene as a file: write it, sum it up in one line, read it again."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,7 +12,7 @@ from stages.contracts.objects import Mounting
 from stages.generation.placed import Placed
 from stages.generation.settling import Settled
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import rounded
+from stages.geometry.frames import round_vector
 
 
 def to_contract(
@@ -32,9 +32,9 @@ def to_contract(
                 label=item.label,
                 asset=item.asset.id,
                 category=item.asset.category,
-                position=rounded(item.center),
+                position=round_vector(item.center),
                 yaw=round(item.box.yaw, 6),
-                size=rounded(item.size),
+                size=round_vector(item.size),
                 support=item.support,
                 mounting=item.mounting,
                 cousin=item.cousin,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stages.articulated.asset_folder import read_model
 from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.mesh_writer import shaded
+from stages.articulated.mesh_writer import split_sharp_edges
 from stages.articulated.model import JointModel, RobotModel, Visual
 from stages.articulated.surfaces import ColouredMesh
 from stages.contracts import Asset, GeneratedScene
@@ -21,7 +21,6 @@ from stages.simulation.backdrop import Block, make_backdrop
 
 Matrix = NDArray[np.float64]
 CAMERA = "input_camera"
-OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # axes of a camera, from OpenCV's
 
 
 @dataclass(frozen=True)
@@ -81,6 +80,6 @@ def room_of(generated: GeneratedScene, items: list[Placed], look: Look | None) -
 
 def surface_of(block: Block) -> ColouredMesh:
     """A block of the backdrop, about its own centre."""
-    generated = shaded(Visual(trimesh.creation.box(block.size), flat=True))
+    generated = split_sharp_edges(Visual(trimesh.creation.box(block.size), flat=True))
     assert generated.normals is not None
     return ColouredMesh(generated.vertices, generated.faces, generated.normals, (*block.colour, 1.0))

@@ -111,7 +111,8 @@ def run_physics(
 
 
 def find_behind(items: Sequence[Placed], walls: Sequence[Wall]) -> list[str]:
-    """Ids of what stands in a wall; what is wholly behind its plane is seen past its end."""
+    """Ids of items that reach into a wall. An item wholly behind its plane is seen past the wall's end and does not
+    count."""
     return [
         item.id
         for item in items

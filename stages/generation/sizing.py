@@ -15,7 +15,7 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.estimate import BIN, Sight, correct_depth
 from stages.geometry.frames import wrap_angle, yaw_matrix
 
-FRONT_SHARE = 0.3  # least share of its outline that a front fills
+FRONT_SHARE = 0.3  # least share of its outline that a front fills; chosen
 MEASURED, DEEP = "measured along the model's axes", "as deep as it can be"  # names of steps
 
 
@@ -27,7 +27,7 @@ def size(
     reached: Sequence[Wall],
     options: GenerationConfig,
 ) -> Placed:
-    """A model at a yaw with the extents that are measured, its depth believable where no wall tells it.
+    """A model at a yaw with the measured extents; its depth is made plausible where no wall fixes it.
 
     Args:
         bearings: level directions between which the object is seen, radians, floor frame.
@@ -35,22 +35,22 @@ def size(
     """
     native, camera, box = options.aspect_prior == "native", sight.camera, placed.box
     if native and placed.asset.symmetry == "full" and not reached:
-        placed = placed.changed(MEASURED, sight.measured(box, sight_yaw(box, camera), options.trim, False))
+        placed = placed.change_box(MEASURED, sight.measure_box(box, sight_yaw(box, camera), options.trim, False))
         if bearings:
-            placed = placed.changed("as wide as its outline", widen_to_outline(placed.box, camera, bearings))
-        return placed.changed(DEEP, replace(make_round(placed.box, options.aspect_range), yaw=yaw))
+            placed = placed.change_box("as wide as its outline", widen_to_outline(placed.box, camera, bearings))
+        return placed.change_box(DEEP, replace(make_round(placed.box, options.aspect_range), yaw=yaw))
     beyond = measure_beyond_front(read_visuals(placed.folder)) if native else 0.0
-    placed = placed.changed(MEASURED, sight.measured(box, yaw, options.trim, native, beyond))
+    placed = placed.change_box(MEASURED, sight.measure_box(box, yaw, options.trim, native, beyond))
     if native and not reached:
         deep = correct_depth_in_room(placed.box, placed.asset.size, sight, options.aspect_range)
-        placed = placed.changed(DEEP, deep)
+        placed = placed.change_box(DEEP, deep)
     return placed
 
 
 def correct_depth_in_room(
     box: UprightBox, native: ArrayLike, sight: Sight, believable: tuple[float, float]
 ) -> UprightBox:
-    """The box of what reaches to no wall, with a believable depth unless its own is measured."""
+    """The box of an object that touches no wall, with a plausible depth unless its depth was measured."""
     return box if sight.sees_top(box) else correct_depth(box, native, sight.camera - box.center, believable)
 
 

@@ -44,11 +44,10 @@ def find_supports(items: list[Placed], overlap: float, tolerance: float | None) 
     Args:
         items: sorted from low to high.
         overlap: share of the smaller footprint that must be exceeded (paper: 0.7).
-        tolerance: metres by which the upper bottom may lie below the surface. Without it (None, as
-            in the paper) a chair that is tucked under a table ends up standing on it. With it, what is found
-            at the height of a top and over its edge, or so far beside it, stands on that, not on the floor: far
-            away, noise moves it there; and what is farther above all of it stands on something that nobody named
-            (a shelf).
+        tolerance: metres by which the upper bottom may lie below the surface. None, as in the paper: a chair tucked
+        under a table ends up standing on it. Otherwise an item at the height of a top, over its edge or at most so
+        far beside it, stands on that top: noise moves distant items there. An item farther above all that is beneath
+        it is 'unnamed' (on a shelf).
     """
     supports: dict[str, str] = {}
     for index, item in enumerate(items):
@@ -93,7 +92,7 @@ def apply_stated(
 ) -> tuple[list[Placed], dict[str, str]]:
     """Items and supports with those that a person says; what carries comes before what it carries.
 
-    What would carry itself by that stands on the floor, unless it was told as well.
+    An item that would carry itself by that stands on the floor, unless its own support was stated too.
     """
     if not stated:
         return ordered, supports
@@ -115,12 +114,12 @@ def apply_stated(
 def put_on_supports(items: list[Placed], supports: dict[str, str], steady: bool = True) -> list[Placed]:
     """Every item at its height, lower ones first, since a support must be in its place before what it carries.
 
-    What hangs is only lifted out of what is beneath it, everything else is put on top of it.
+    A hanging item is only lifted out of what is beneath it. Every other item is put on top of its support.
 
     Args:
         items: sorted from low to high, so that each comes after its support.
         supports: id -> 'floor', 'unnamed' (it stays at its height) or the id of the item beneath.
-        steady: what stands on another but over its edge is moved in, so that it does not fall.
+        steady: an item over the edge of its support is moved inwards, so that it does not fall.
     """
     done: dict[str, Placed] = {}
     for item in items:
@@ -133,11 +132,11 @@ def put_on_supports(items: list[Placed], supports: dict[str, str], steady: bool 
             beneath = surface.height
             if steady and not item.wall_mounted:
                 there, here = nearest_points(surface.steady_region(item), Point(item.center[:2]))
-                moved = item.shifted([there.x - here.x, there.y - here.y, 0.0])
+                moved = item.shift([there.x - here.x, there.y - here.y, 0.0])
         rise = beneath - item.bottom
-        moved = moved.shifted([0, 0, max(0.0, rise) if item.wall_mounted else rise])
+        moved = moved.shift([0, 0, max(0.0, rise) if item.wall_mounted else rise])
         done[item.id] = replace(
-            item.changed("on what carries it", moved.box), support=WALL if item.wall_mounted else support
+            item.change_box("on what carries it", moved.box), support=WALL if item.wall_mounted else support
         )
     return list(done.values())
 
@@ -148,8 +147,8 @@ def nudge(items: list[Placed], moves: Mapping[str, Sequence[float] | None]) -> l
     for item in items:
         if move := moves.get(item.id):
             for name in find_stack(item.id, supports):
-                after[name] = after[name].shifted(np.array([*move, 0.0]))
-    return [item.changed("moved by a person", after[item.id].box) for item in items]
+                after[name] = after[name].shift(np.array([*move, 0.0]))
+    return [item.change_box("moved by a person", after[item.id].box) for item in items]
 
 
 def find_stack(base: str, supports: Mapping[str, str]) -> set[str]:

@@ -7,14 +7,13 @@ import shapely
 from shapely import MultiPoint, MultiPolygon, Polygon, affinity
 from shapely.geometry.base import BaseGeometry
 
+from stages.config.generation import GenerationConfig
 from stages.generation.placed import Placed, Prism
-from stages.geometry.boxes import footprint
+from stages.geometry.boxes import THINNEST, footprint
 
-LEVEL = 0.01  # metres: tops that differ by less are one surface
-EVEN = 0.001  # metres below the highest of them, at which a piece still carries: a door's upper edge does not
-HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing
+HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing; chosen
 OVERLAY_GRID = 1e-6  # metres to which outlines are cut and joined: overlays of floating point numbers may fail
-STEADY = 0.1  # of the width of what stands near an edge: the least distance of its centre from that edge
+STEADY = 0.1  # of the width of what stands near an edge: the least distance of its centre from that edge; chosen
 
 
 class SupportSurface(NamedTuple):
@@ -43,10 +42,10 @@ def find_surface(item: Placed, lower: Placed) -> SupportSurface:
     left = sorted(pieces, key=lambda piece: piece.high)
     while left:
         height = left[-1].high
-        topmost = [piece for piece in left if piece.high > height - LEVEL]
+        topmost = [piece for piece in left if piece.high > height - THINNEST]
         left = left[: -len(topmost)]
         level = join([Polygon(piece.outline) for piece in topmost])
-        highest = join([Polygon(piece.outline) for piece in topmost if piece.high > height - EVEN])
+        highest = join([Polygon(piece.outline) for piece in topmost if piece.high > height - GenerationConfig.touch])
         surface, carries, taller = subtract(level, taller), subtract(highest, taller), join([taller, level])
         if not surface.buffer(-reach).is_empty:
             within = surface.intersection(carries.convex_hull, OVERLAY_GRID)
@@ -81,14 +80,15 @@ def keep_polygons(geometry: BaseGeometry) -> MultiPolygon:
 
 
 def keep_balanced(item: Placed, lower: Placed, pieces: list[Prism], surface: BaseGeometry) -> BaseGeometry:
-    """The part of a surface where an item does not tip over what carries it: both weigh over the lower one's feet.
+    """The part of a surface where an item does not tip its support over: their common centre of mass is above its
+    feet.
 
-    All of it if there is no such part, or the lower one is held.
+    All of it if there is no such part, or the support cannot fall.
     """
     if lower.held:
         return surface
     lowest = min(piece.low for piece in pieces)
-    feet = MultiPoint(np.concatenate([piece.outline for piece in pieces if piece.low < lowest + LEVEL])).convex_hull
+    feet = MultiPoint(np.concatenate([piece.outline for piece in pieces if piece.low < lowest + THINNEST])).convex_hull
     reach = 1 + lower.asset.mass / item.asset.mass
     inset = feet.buffer(-STEADY * measure_shorter_side(feet))
     steady = affinity.scale(inset, reach, reach, origin=tuple(lower.center[:2]))

@@ -14,7 +14,7 @@ from stages.geometry.estimate import SPREAD
 from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
 from stages.geometry.viewing import view_yaw
 
-ALONG_SIDE = np.deg2rad(15)  # what is turned less than this against a side runs along it
+ALONG_SIDE = np.deg2rad(15)  # what is turned less than this against a side runs along it; chosen
 QUARTER = SYMMETRY_PERIOD["quarter_turn"]
 
 

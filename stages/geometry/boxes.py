@@ -8,7 +8,7 @@ from shapely import Polygon
 
 from stages.geometry.frames import yaw_matrix
 
-THINNEST = 0.01  # metres: noise may put a plate's top below the table's; chosen
+THINNEST = 0.01  # metres: no thing is thinner, and heights that differ by less are one (noise of depth); chosen
 _SIGNS = np.array([(x, y, z) for z in (-0.5, 0.5) for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))])
 
 

@@ -5,6 +5,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from stages.geometry.frames import rigid
 
+OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # OpenGL's camera axes (x right, y up, z backward) from OpenCV's, and back
+# OpenCV's camera axes -> SAPIEN's (x forward, y left, z up)
+SAPIEN_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+MARGIN = 0.06  # share of a picture left free around what it frames; chosen
+
 
 def intrinsics_from_fov(width: int, height: int, fov_y: float) -> NDArray[np.float64]:
     """3x3 matrix K for a vertical field of view in radians; square pixels, pixel centres at integers."""

@@ -11,6 +11,7 @@ from scipy.ndimage import gaussian_filter1d
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 
+TRIM = 0.005  # share of an exact cloud's points left out at either end of an extent; half of A.7's; chosen
 BIN = 0.005  # metres: width of a bin of coordinates; chosen
 SPREAD = 0.015  # metres by which points of a face spread without noise (panels, handles); chosen
 REACH = 3.0  # standard deviations of noise: 99.7 % of the points of a face lie within
@@ -61,7 +62,7 @@ class Sight:
         """Standard deviation (2,), metres, of noise along the level axes turned by `yaw`."""
         return np.abs(self.ray[:2] @ yaw_matrix(yaw)[:2, :2]) * self.noise
 
-    def measured(
+    def measure_box(
         self, box: UprightBox, yaw: float, trim: float, has_faces: bool = True, beyond: float = 0.0
     ) -> UprightBox:
         """The object's box along axes turned by `yaw`, its heights those of `box`, which reaches down to the support.

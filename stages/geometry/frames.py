@@ -5,6 +5,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
+ROUNDING = 1e-9  # relative: a smaller number is an error of sums, and differs from processor to processor
+SAMPLED = 3000  # points or pixels that stand for all others where each costs time; chosen for time
+# z up -> y up (glTF); and the axes of a level camera that looks along y (x right, y down, z forward) -> z up.
+Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 
 # Smallest turn about z that maps an object onto itself, by `Asset.symmetry`.
 SYMMETRY_PERIOD = {
@@ -16,7 +20,7 @@ SYMMETRY_PERIOD = {
 }
 
 
-def rounded(vector: ArrayLike) -> tuple[float, float, float]:
+def round_vector(vector: ArrayLike) -> tuple[float, float, float]:
     """A 3-vector as it is written to files: micrometres."""
     x, y, z = (round(float(value), 6) for value in np.asarray(vector))
     return x, y, z

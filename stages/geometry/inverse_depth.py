@@ -3,7 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-SAMPLED, HYPOTHESES, PLANES = 3000, 300, 3  # points, three-point hypotheses a plane, planes; chosen for time
+from stages.geometry.frames import SAMPLED
+
+HYPOTHESES, PLANES = 300, 3  # three-point hypotheses a plane, planes; chosen for time
 TOLERANCE = 0.02  # share of its value by which a point may be off a plane, and of points more on planes; chosen
 
 

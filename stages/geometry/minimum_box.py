@@ -4,11 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import wrap_angle, yaw_matrix
+from stages.geometry.frames import SAMPLED, wrap_angle, yaw_matrix
 
 COARSE_STEP = np.deg2rad(1.0)
 FINE_STEP = np.deg2rad(0.1)
-SCAN_POINTS = 3000  # more points cost time and move the yaw by less than FINE_STEP
 AREA_TIE = 1.1  # times the smallest footprint, up to which points on the sides decide; chosen
 SIDE_CLIP = 0.05  # metres, beyond which a point says nothing about a side; chosen
 
@@ -49,7 +48,7 @@ def minimum_box(points: NDArray[np.floating], trim: float = 0.0) -> UprightBox:
         the box, with yaw in (-pi/4, pi/4]: its x axis is the side nearest to the frame's x axis.
     """
     cloud = np.asarray(points, dtype=np.float64)
-    plan = cloud[:: max(1, len(cloud) // SCAN_POINTS), :2]
+    plan = cloud[:: max(1, len(cloud) // SAMPLED), :2]
     yaw = _best_yaw(plan, np.arange(-np.pi / 4 + COARSE_STEP, np.pi / 4 + COARSE_STEP / 2, COARSE_STEP), trim)
     yaw = _best_yaw(plan, yaw + np.arange(-COARSE_STEP, COARSE_STEP + FINE_STEP / 2, FINE_STEP), trim)
     yaw = wrap_angle(yaw, np.pi / 2)

@@ -6,13 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.geometry.frames import rigid
+from stages.geometry.gravity import IMAGE_UP
 from stages.geometry.planes import Plane, fit_plane
 
-UP_IN_IMAGE = np.array([0.0, -1.0, 0.0])  # camera frame: y is down
 MAX_POINTS = 20_000  # of a fit; chosen for time
 MAX_PLANES = 4  # that are looked for; chosen
 STRAY = 0.02  # share of points that may be noise, or seen in a mirror or through a window; chosen
 PLANE_THRESHOLD = 0.03  # metres off a plane at 3 m: 1.8 times the usual error of depth there (contracts.objects)
+SAME_DIRECTION = 10.0  # degrees: planes turned less against each other have one direction; chosen
 GRAZING = 0.2  # sine of the angle between sight and a wall, 12 degrees: flatter, depth says little; chosen
 WALL_TILT = 0.25  # largest |z| of a wall's unit normal: 14 degrees from upright; chosen
 ITERATIONS = 1000  # of RANSAC: with 20 % inliers one misses the plane in 0.03 % of fits
@@ -53,9 +54,9 @@ def fit_floor(
         return None
     points, limit = sample_points(points, rng), np.cos(np.deg2rad(max_tilt))
     plane = fit_plane(
-        points, scale_threshold(points, threshold), ITERATIONS, rng, lambda ups: np.abs(ups @ UP_IN_IMAGE) > limit
+        points, scale_threshold(points, threshold), ITERATIONS, rng, lambda ups: np.abs(ups @ IMAGE_UP) > limit
     )
-    if plane is None or plane.normal @ UP_IN_IMAGE >= 0:
+    if plane is None or plane.normal @ IMAGE_UP >= 0:
         return plane
     return Plane(-plane.normal, -plane.offset, plane.inliers)
 
@@ -66,7 +67,7 @@ def make_floor_frame(floor: Plane) -> Array:
     forward = np.array([0.0, 0.0, 1.0])
     x = forward - (forward @ up) * up
     if np.linalg.norm(x) < 1e-3:  # the camera looks straight down: image-up is ahead
-        x = UP_IN_IMAGE - (UP_IN_IMAGE @ up) * up
+        x = IMAGE_UP - (IMAGE_UP @ up) * up
     x /= np.linalg.norm(x)
     rotation = np.stack([x, np.cross(up, x), up])
     return rigid(rotation, [0.0, 0.0, -floor.offset])

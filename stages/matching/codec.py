@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stages.contracts import InputError
 
 LEVELS = np.iinfo(np.int8).max
-HEADROOM = 1.1  # numbers beyond this times the largest one of the sample are cut off
+HEADROOM = 1.1  # numbers beyond this times the largest one of the sample are cut off; chosen
 
 
 class Codec(NamedTuple):

@@ -6,10 +6,9 @@ from numpy.typing import NDArray
 
 from stages.matching.crop import View, cut
 
-COLOUR_COLUMNS = 3  # L, a, b
-UNIT = 30  # a difference in Lab that counts as 1: a shade darker or another hue, well above noise
-LIGHTNESS = 0.5  # of the weight of a and b: light changes it first
-CELLS = 16  # the crop is averaged over so many cells a side
+UNIT = 30  # a difference in Lab that counts as 1: a shade darker or another hue, well above noise; chosen
+LIGHTNESS = 0.5  # of the weight of a and b: light changes it first; chosen
+CELLS = 16  # the crop is averaged over so many cells a side; chosen
 
 
 def patch_colours(view: View, positions: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -19,7 +18,7 @@ def patch_colours(view: View, positions: NDArray[np.float32]) -> NDArray[np.floa
     does not.
     """
     if not len(positions):
-        return np.empty((0, COLOUR_COLUMNS), np.float32)
+        return np.empty((0, 3), np.float32)
     view = cut(view)
     lab = cv2.cvtColor(view.rgb.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
     seen = view.mask.astype(np.float32)[..., None]

@@ -1,5 +1,6 @@
 """Verb `draw`: cousins.png, each object beside its cousins."""
 
+from importlib import import_module
 from pathlib import Path
 
 from stages.contracts import Cousins, read_json
@@ -8,7 +9,14 @@ from stages.matching.scene import Scene
 
 
 def run(
-    *, cousins: Path, objects: Path, image: Path, snapshots: list[Path], out: Path, library: Path | None = None
+    *,
+    cousins: Path,
+    objects: Path,
+    image: Path,
+    snapshots: list[Path],
+    out: Path,
+    library: Path | None = None,
+    in_place: tuple[str, ...] = (),
 ) -> None:
     """Draw what `match` wrote, ours or another's.
 
@@ -18,6 +26,9 @@ def run(
         image: the scene's picture.
         snapshots: shards of snapshots (.h5).
         out: the picture to write.
-        library: library.json, its archives beside it: cousins are shown in the object's place, too.
+        library: library.json, its archives beside it, for `in_place`.
+        in_place: the module of a package that shows cousins in the object's place, too.
     """
-    write_picture(out, read_json(Cousins, cousins), Scene(objects, image), snapshots, library)
+    scene = Scene(objects, image)
+    show = import_module(in_place[0]).InPlace(scene, library).show if in_place and library else None
+    write_picture(out, read_json(Cousins, cousins), scene, snapshots, show)

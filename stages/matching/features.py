@@ -21,7 +21,7 @@ from stages.matching.encoders import (
 from stages.matching.snapshots import SnapshotFile
 from stages.matching.store import write_store
 
-SAMPLE_ASSETS, SAMPLE_VIEWS = 60, 4  # that a codec is learned on
+SAMPLE_ASSETS, SAMPLE_VIEWS = 60, 4  # that a codec is learned on; chosen
 
 
 def run(*, snapshots: Path, out: Path, options: str = "{}") -> None:

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from stages.cli import progress
-from stages.config.made import made
 from stages.config.matching import MatchingConfig, matching_model
 from stages.config.packages import present
+from stages.config.provenance import record_provenance
 from stages.contracts import Cousins, InputError, LeftOut, Library, read_json, read_options, write_json
 from stages.contracts.cousins import ObjectCousins, Orientation
 from stages.contracts.doubt import MEND
@@ -76,7 +76,7 @@ def run(
     seen = [image, *looks] if settings.compares_pictures else []
     asked = settings.deciding()
     seed = scene.objects.made.seed if scene.objects.made else None
-    origin = made("stages.matching.match", asked, [objects, *seen, library, *without], seed)
+    origin = record_provenance("stages.matching.match", asked, [objects, *seen, library, *without], seed)
     result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin)
     write_json(out, result)
     for line in (*judges.summaries(), *describe_doubts(entries)):

@@ -1,6 +1,6 @@
 """`cousins.png`: each object's crop beside its cousins in the orientation chosen for them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import cv2
@@ -9,23 +9,25 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts import Cousins, InputError, atomic
+from stages.contracts.cousins import Cousin
+from stages.contracts.images import LETTERS, TILE
+from stages.contracts.objects import SceneObject
 from stages.matching.crop import View, darken_rest
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
-from stages.matching.synthesis.in_place import InPlace
 
-TILE, LINE, LETTERS = 160, 20, 16  # pixels across each picture, of a line of its caption, of letters
+LINE = 20  # pixels of a line of a caption
 Picture = NDArray[np.uint8]
+InPlace = Callable[[SceneObject, Cousin], tuple[Picture, str] | None]
 
 
 def write_picture(
-    path: Path, result: Cousins, scene: Scene, snapshots: Sequence[Path], library: Path | None = None
+    path: Path, result: Cousins, scene: Scene, snapshots: Sequence[Path], in_place: InPlace | None = None
 ) -> None:
     """Write one row per object: its crop, then its cousins with asset, distance and yaw.
 
-    With `library` (library.json, its archives beside it): below each cousin what it looks like in the object's place.
+    With `in_place`: below each cousin what it looks like in the object's place, with a caption; None: it tells nothing.
     """
-    in_place = InPlace(scene, library) if library is not None else None
     rows = max(1, len(result.objects))
     columns = 1 + max((len(entry.cousins) for entry in result.objects), default=0)
     margin = LINE // 2
@@ -53,7 +55,7 @@ def write_picture(
             page.paste(Image.fromarray(_fit(tile)), (x, y))
             yaw = f"{np.degrees(cousin.orientation.yaw):.0f}°"
             draw.text((x, y + TILE + 2), f"{cousin.asset}\n{cousin.distance:.3f}  {yaw}", "black", font)
-            placed = in_place.show(item, cousin) if in_place else None
+            placed = in_place(item, cousin) if in_place else None
             if placed:
                 page.paste(Image.fromarray(_fit(placed[0])), (x, y + below))
                 draw.text((x, y + below + TILE + 2), placed[1], "black", font)

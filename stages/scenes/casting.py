@@ -11,7 +11,7 @@ from stages.config.room_recipe import Room
 from stages.contracts import Asset, InputError
 from stages.scenes.layout import Layout, arrange
 
-ATTEMPTS = 400  # casts tried per room before the library is said not to fit
+ATTEMPTS = 600  # draws of a room before it is said not to fit; chosen for time
 SALT = 0x5CE7E  # keeps this draw apart from others with the same seed
 
 
@@ -25,7 +25,7 @@ class CastRoom:
 
 
 def founders(models: dict[str, Asset]) -> set[str]:
-    """Ids of the models that may furnish rooms: near relatives of others play no part."""
+    """Ids of the models that may furnish rooms; near relatives of another model are left out."""
     return {name for name, asset in models.items() if asset.recipe is None or asset.recipe.variation_of is None}
 
 
@@ -56,8 +56,8 @@ def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Pa
     """Models and layout of every room, by the room's name.
 
     A room's cast depends on the rooms before it, never on those after it: jobs for single rooms agree. Near relatives
-    of other models play no part: a larger library has the same rooms. A room that no models fit which are left (one
-    seed of twenty has such a room) has some of other rooms, and a line on stderr says so.
+    of other models play no part: a larger library has the same rooms. If no remaining models fit a room (one seed of
+    twenty has such a room), it takes some of other rooms, and a line on stderr says so.
 
     Raises:
         InputError: a category is short, or its models are too large for the room.
@@ -67,9 +67,9 @@ def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Pa
     free = set(able)
     result = {}
     for room in rooms:
-        found = fitting(room, models, free, rng, library)
+        found = cast_room(room, models, free, rng, library)
         if found is None:
-            found = fitting(room, models, able, rng, library)
+            found = cast_room(room, models, able, rng, library)
             print(f"{room.name}: no models that are left fit its layout: some are of other rooms", file=sys.stderr)
         if found is None:
             raise InputError(
@@ -83,7 +83,7 @@ def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Pa
     return result
 
 
-def fitting(
+def cast_room(
     room: Room, models: dict[str, Asset], able: set[str], rng: np.random.Generator, library: Path
 ) -> CastRoom | None:
     """The room with models of those `able` to play, by chance; None if no choice of many fits its layout."""

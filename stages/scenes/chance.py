@@ -12,11 +12,11 @@ from stages.config.room_recipe import Against, Beside, CameraStand, Colour, Floo
 from stages.config.scenes import ScenesConfig
 from stages.contracts import Asset, InputError
 from stages.geometry.boxes import UprightBox, corners, distances_along
-from stages.scenes.casting import CastRoom, choose_models, founders
+from stages.geometry.cameras import MARGIN
+from stages.scenes.casting import ATTEMPTS, CastRoom, choose_models, founders
 from stages.scenes.framing import frame
 from stages.scenes.layout import arrange
 
-ATTEMPTS = 600
 ALONG, ON_FLOOR, HEIGHT = 0.35, 0.4, 0.12  # metres by which things move at most
 TURN = 25.0  # degrees by which free furniture turns at most
 ON_TOP = 0.5  # of the free top
@@ -37,14 +37,14 @@ def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, op
     """
     rng = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(room.name.encode()))))
     for attempt in range(ATTEMPTS):
-        drawn = redrawn(room, rng, 1 - attempt / ATTEMPTS)
+        drawn = redraw_recipe(room, rng, 1 - attempt / ATTEMPTS)
         assets = choose_models(drawn, models, founders(models), rng, library)
         layout = arrange(drawn, {name: asset.size for name, asset in assets.items()})
         if layout is None:
             continue
         boxes = [standing.box for standing in layout.standing.values()]
         points = np.concatenate([corners(box) for box in boxes])
-        camera = frame(points, drawn.camera, options.width, options.height, options.margin)
+        camera = frame(points, drawn.camera, options.width, options.height, MARGIN)
         if all_seen(boxes, *camera, options.width, options.height):
             return CastRoom(drawn, layout, assets)
     raise InputError(
@@ -52,7 +52,7 @@ def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, op
     )
 
 
-def redrawn(room: Room, rng: Rng, reach: float = 1.0) -> Room:
+def redraw_recipe(room: Room, rng: Rng, reach: float = 1.0) -> Room:
     """The recipe, perhaps mirrored, with everything moved by up to `reach` of what is allowed."""
     mirror = bool(rng.random() < 0.5)
     items = tuple(_moved(_mirrored(item) if mirror else item, rng, reach) for item in room.items)

@@ -20,7 +20,7 @@ Size = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Standing:
+class PlacedItem:
     """One item in its place; `support` is 'floor', 'wall' or the name of the item beneath."""
 
     item: Item
@@ -32,7 +32,7 @@ class Standing:
 class Layout:
     """A furnished room. `half_width` is the stretched one."""
 
-    standing: dict[str, Standing]
+    standing: dict[str, PlacedItem]
     half_width: float
 
 
@@ -48,7 +48,7 @@ def _at_wall(wall: WallName, along: float, away: float, z: float, half_width: fl
     return np.array([along, away - half_width if wall == "left" else half_width - away, z])
 
 
-def _place(item: Item, size: Size, room: Room, done: Mapping[str, Standing], stretch: float) -> Standing:
+def _place(item: Item, size: Size, room: Room, done: Mapping[str, PlacedItem], stretch: float) -> PlacedItem:
     depth, _, height = size
     half_width = room.half_width * stretch
     place, support = item.place, "floor"
@@ -69,7 +69,7 @@ def _place(item: Item, size: Size, room: Room, done: Mapping[str, Standing], str
         offset = yaw_matrix(below.yaw) @ [place.forward * free[0], place.right * free[1], 0]
         center = np.array([*(below.center + offset)[:2], below.top + height / 2])
         yaw, support = below.yaw + np.deg2rad(place.yaw), place.on_top
-    return Standing(item, UprightBox(center, np.array(size), float(yaw)), support)
+    return PlacedItem(item, UprightBox(center, np.array(size), float(yaw)), support)
 
 
 def _turned_extent(size: Size, yaw: float) -> NDArray[np.float64]:
@@ -77,7 +77,7 @@ def _turned_extent(size: Size, yaw: float) -> NDArray[np.float64]:
     return np.array([c * size[0] + s * size[1], s * size[0] + c * size[1]])
 
 
-def _beside(place: Beside, size: Size, room: Room, done: Mapping[str, Standing], stretch: float) -> Against:
+def _beside(place: Beside, size: Size, room: Room, done: Mapping[str, PlacedItem], stretch: float) -> Against:
     """The same wall, next to the other item. Facing a side wall, `right` runs along -x (left wall) or +x."""
     other = done[place.beside]
     wall = next(name for name, yaw in WALL_YAW.items() if np.isclose(yaw, other.box.yaw))
@@ -90,7 +90,7 @@ def _beside(place: Beside, size: Size, room: Room, done: Mapping[str, Standing],
 
 def place_all(room: Room, sizes: Mapping[str, Size], stretch: float) -> Layout:
     """Every item at one stretch of the room; items come after those they refer to."""
-    done: dict[str, Standing] = {}
+    done: dict[str, PlacedItem] = {}
     for item in room.items:
         done[item.name] = _place(item, sizes[item.name], room, done, stretch)
     return Layout(done, room.half_width * stretch)
@@ -124,6 +124,6 @@ def fits(layout: Layout, room: Room) -> bool:
     return not any(_overlap(a, b, plans) for a, b in combinations(standing, 2))
 
 
-def _overlap(a: Standing, b: Standing, plans: Mapping[str, Polygon]) -> bool:
+def _overlap(a: PlacedItem, b: PlacedItem, plans: Mapping[str, Polygon]) -> bool:
     apart = a.box.top <= b.box.bottom + TOUCH or b.box.top <= a.box.bottom + TOUCH
     return not apart and plans[a.item.name].buffer(-TOUCH).intersects(plans[b.item.name])

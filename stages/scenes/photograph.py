@@ -14,13 +14,14 @@ from stages.config.room_recipe import Room
 from stages.config.scenes import ScenesConfig
 from stages.scenes.casting import CastRoom
 from stages.scenes.repaint import AS_IS, Look
+from stages.simulation.backdrop import THICKNESS
 from stages.simulation.loading import load_asset, root_pose
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
 
 PLANK = 0.24  # metres
 PLANK_TONE = 0.035  # standard deviation of the planks' brightness
-WALL_HEIGHT, WALL_THICKNESS = 4.5, 0.1
-BEYOND = 8.0  # metres by which floor and back wall go on beyond the furniture
+WALL_HEIGHT = 4.5  # metres: above the upper border of the pictures; chosen
+AROUND_FURNITURE = 8.0  # metres by which floor and back wall go on beyond the furniture
 
 
 @dataclass(frozen=True)
@@ -35,8 +36,8 @@ class Photograph:
 def _shell(scene: sapien.Scene, room: Room, half_width: float, length: float, seed: int) -> list[list[sapien.Entity]]:
     """Floor (of planks) and the room's walls, each a list of its blocks."""
     rng = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(room.name.encode()))))
-    left = -half_width if "left" in room.walls else -half_width - BEYOND
-    right = half_width if "right" in room.walls else half_width + BEYOND
+    left = -half_width if "left" in room.walls else -half_width - AROUND_FURNITURE
+    right = half_width if "right" in room.walls else half_width + AROUND_FURNITURE
     planks = []
     for k, y in enumerate(np.arange(left, right, PLANK)):
         tone = np.clip(np.array(room.floor_colour) * (1 + PLANK_TONE * rng.standard_normal()), 0, 1)
@@ -45,7 +46,7 @@ def _shell(scene: sapien.Scene, room: Room, half_width: float, length: float, se
     middle, width = (left + right) / 2, right - left
     under = add_block(scene, (length / 2, middle, -0.029), (length, width, 0.05), (0.2, 0.15, 0.1), "gaps")
     parts = [[*planks, under]]
-    z, t = WALL_HEIGHT / 2, WALL_THICKNESS
+    z, t = WALL_HEIGHT / 2, THICKNESS
     shapes = {
         "back": ((-t / 2, middle, z), (t, width + 2 * t, WALL_HEIGHT)),
         "left": ((length / 2, left - t / 2, z), (length, t, WALL_HEIGHT)),
@@ -68,7 +69,7 @@ def furnish(
 
     Args:
         folders: of the library's models, by id.
-        fixed: all of them are; else only what hangs on a wall.
+        fixed: no item can move; else only what hangs on a wall cannot.
         made: folders of models, by item, that stand in for the library's.
     """
     bodies = {}

@@ -12,12 +12,13 @@ from stages.contracts.library_folder import AssetFolders
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation, TrueObject
 from stages.geometry.boxes import corners
+from stages.geometry.cameras import MARGIN
 from stages.scenes.casting import CastRoom, cast
 from stages.scenes.chance import draw_room
 from stages.scenes.framing import frame
 from stages.scenes.layout import scale_of
 from stages.scenes.photograph import photograph
-from stages.scenes.repaint import AS_IS, repainted
+from stages.scenes.repaint import AS_IS, repaint_room
 
 
 def mask_values(cast_room: CastRoom) -> dict[str, int]:
@@ -110,9 +111,9 @@ def run(
     with TemporaryDirectory() as made:
         look = AS_IS
         if finish_seed is not None:
-            cast_room, look = repainted(cast_room, folders, Path(made), finish_seed)
+            cast_room, look = repaint_room(cast_room, folders, Path(made), finish_seed)
         points = np.concatenate([corners(standing.box) for standing in cast_room.layout.standing.values()])
-        intrinsics, world_from_camera = frame(points, cast_room.room.camera, config.width, config.height, config.margin)
+        intrinsics, world_from_camera = frame(points, cast_room.room.camera, config.width, config.height, MARGIN)
         picture = photograph(cast_room, folders, intrinsics, world_from_camera, config, seed, look)
 
     camera = Camera(width=config.width, height=config.height, intrinsics=intrinsics.tolist())

@@ -32,7 +32,7 @@ class Look:
 AS_IS = Look({})
 
 
-def repainted(cast_room: CastRoom, library: Mapping[str, Path], out: Path, seed: int) -> tuple[CastRoom, Look]:
+def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, seed: int) -> tuple[CastRoom, Look]:
     """The room with models made anew in `out`: other sizes, finishes, walls and light; ids and counts stay.
 
     `library`: folders of its models, by id. Models without a recipe (a user's) keep their finish.
@@ -52,7 +52,7 @@ def repainted(cast_room: CastRoom, library: Mapping[str, Path], out: Path, seed:
         )
     folders = {name: out / name for name in cast_room.assets}
     assets = {
-        name: _made(asset, library[asset.id], sizes[name], folders[name], rng)
+        name: _paint_model(asset, library[asset.id], sizes[name], folders[name], rng)
         for name, asset in cast_room.assets.items()
     }
     room = cast_room.room.model_copy(update=colours(rng))
@@ -66,7 +66,7 @@ def _stretched(size: Vector, rng: Rng) -> Vector:
     return x, y, z
 
 
-def _made(asset: Asset, home: Path, size: Vector, out: Path, rng: Rng) -> Asset:
+def _paint_model(asset: Asset, home: Path, size: Vector, out: Path, rng: Rng) -> Asset:
     if asset.recipe is not None:
         asset = asset.model_copy(update={"recipe": load_maker().refinish(asset.recipe, rng)})
     robot, about = resize_model(home, asset, size)

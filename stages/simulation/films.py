@@ -14,9 +14,10 @@ from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, write_json
 from stages.contracts.films import Film, Films
-from stages.simulation.studio import Image, evenly
+from stages.contracts.images import TILE
+from stages.simulation.studio import Image, pick_evenly
 
-FRAMES, SIZE = 8, 192  # pictures on a strip, and their width in pixels
+FRAMES = 8  # pictures on a strip; a film has twice as many
 LAST = 1200  # milliseconds that the last picture stays
 
 
@@ -74,9 +75,11 @@ def _write_mp4(path: Path, images: Sequence[Pillow.Image], frequency: float) -> 
 
 
 def make_film_strip(pictures: Sequence[Image]) -> Image:
-    """An episode in a row: (H, FRAMES * SIZE, 3)."""
-    height = SIZE * pictures[0].shape[0] // pictures[0].shape[1]
-    row = [cv2.resize(picture, (SIZE, height), interpolation=cv2.INTER_AREA) for picture in evenly(pictures, FRAMES)]
+    """An episode in a row: (H, FRAMES * TILE, 3)."""
+    height = TILE * pictures[0].shape[0] // pictures[0].shape[1]
+    row = [
+        cv2.resize(picture, (TILE, height), interpolation=cv2.INTER_AREA) for picture in pick_evenly(pictures, FRAMES)
+    ]
     return np.concatenate(row, axis=1).astype(np.uint8, copy=False)
 
 

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.geometry.cameras import MARGIN
 from stages.geometry.frames import rigid
 
 Array = NDArray[np.float64]
 
 FIELD_OF_VIEW = 0.7  # radians, across
-FRAME_MARGIN = 1.06  # room around what is shown
 
 
 def intrinsics_of(width: int, height: int) -> Array:
@@ -30,7 +30,7 @@ def frame_all(points: Array, direction: Array, aspect: float) -> Array:
     right = np.cross(forward, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
     down = np.cross(forward, right)
-    tangent = np.tan(FIELD_OF_VIEW / 2) / FRAME_MARGIN
+    tangent = np.tan(FIELD_OF_VIEW / 2) / (1 + MARGIN)
     place = np.zeros(3)
     needed = []
     depth = points @ forward

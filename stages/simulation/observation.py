@@ -6,6 +6,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from stages.geometry.cameras import OPENGL, SAPIEN_FROM_OPENCV
 from stages.geometry.clouds import farthest_points
 from stages.geometry.frames import quaternion_from_matrix
 from stages.simulation.kinematics import Array
@@ -14,7 +15,7 @@ Float = NDArray[np.float32]
 
 OVERSAMPLED = 5  # times the points asked for: pixels kept before farthest point sampling, whose time grows with them
 # Camera axes of SAPIEN's position image (x right, y up, z backward) in its camera pose (x forward, y left, z up).
-CAMERA_FROM_IMAGE = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+CAMERA_FROM_IMAGE = SAPIEN_FROM_OPENCV @ OPENGL[:3, :3]
 # (centre, extents) of the finger's collision boxes that lie furthest out, in its own frame; y towards the other finger
 FINGER_BOXES = (((0.0, 0.0076, 0.0453), (0.0175, 0.0152, 0.0185)), ((0.0, 0.0159, 0.0284), (0.0175, 0.007, 0.0235)))
 FINGER_OFFSET = 0.0584 - 0.1034  # finger frame along the approach axis, seen from the tool centre point

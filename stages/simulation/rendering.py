@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 from sapien.physx import PhysxArticulation, PhysxArticulationLinkComponent
 
 from stages.contracts.errors import InputError
+from stages.geometry.cameras import SAPIEN_FROM_OPENCV
 from stages.geometry.frames import quaternion_from_matrix
 from stages.simulation.shaders import Pack, use
 
-# OpenCV camera axes (x right, y down, z forward) -> SAPIEN's (x forward, y left, z up)
-SAPIEN_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 SHADED, LIGHTS_BEFORE = 8.0, 2.0  # metres: default radius of what casts shadows, and depth of the map beyond it
 _alive: list[sapien.Scene] = []  # the last scene made; while one lives, the next need not compile shaders again (0.1 s)
 
@@ -58,7 +57,7 @@ def make_scene(
         renderer = sapien.render.RenderSystem(*device)
     except RuntimeError as error:
         raise InputError(
-            "renderer", f"no Vulkan device ({error}).", "python -m stages.doctor", code="E-RENDERER-MISSING"
+            "renderer", f"no Vulkan device ({error}).", "python -m plugins.ops.doctor", code="E-RENDERER-MISSING"
         ) from None
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem(), renderer])
     scene.timestep = 0.01

@@ -51,14 +51,14 @@ def keep(folder: Path, files: dict[str, str]) -> Path:
 def use(pack: Pack) -> None:
     """The next cameras are made with a pack: `default` (colour and positions as floats), or `minimal`, thrice as fast
     (colour as bytes, positions and segmentation as 16 bit integers, millimetres)."""
-    sapien.render.set_camera_shader_dir(skyless(pack))
+    sapien.render.set_camera_shader_dir(make_skyless_pack(pack))
     colour, position = FORMATS[pack]
     for name, texture in (("Color", colour), ("ColorRaw", colour), ("PositionSegmentation", position)):
         sapien.render.set_picture_format(name, texture)
 
 
 @cache
-def skyless(pack: str) -> str:
+def make_skyless_pack(pack: str) -> str:
     """Folder of the shader pack without the table and the sky; the pack's own name if it is not as we know it."""
     shipped = Path(sapien.__file__).parent / "vulkan_shader"
     files = {

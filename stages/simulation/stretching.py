@@ -10,12 +10,12 @@ import numpy as np
 import sapien
 from numpy.typing import NDArray
 
+from stages.contracts.types import RIGID_TOLERANCE
 from stages.geometry.frames import quaternion_from_matrix
 
 Array = NDArray[np.float64]
 
 SCALED = ("box", "file", "convex_mesh", "nonconvex_mesh", "multiple_convex_meshes")
-ALIGNED = 1e-3  # how far a shape's axes may be off the asset's, radians
 
 
 def stretch_builder(builder: Any, scale: Array) -> Any | None:
@@ -83,7 +83,7 @@ def _record(record: Any, A: Array) -> Any | None:
     """A shape under the linear map `A` (3, 3) of its link's frame; None if that is more than scaling its axes."""
     axes = _rotation(record.pose)
     own = axes.T @ A @ axes
-    if record.type not in SCALED or np.abs(own - np.diag(np.diag(own))).max() > ALIGNED * np.abs(own).max():
+    if record.type not in SCALED or np.abs(own - np.diag(np.diag(own))).max() > RIGID_TOLERANCE * np.abs(own).max():
         return None
     other = copy(record)
     other.scale = tuple((np.asarray(record.scale, dtype=float) * np.diag(own)).tolist())
@@ -98,7 +98,7 @@ def _joint(link: Any, A: Array, parent: Array) -> Any | None:
     if other.joint_type == "prismatic":
         axis = _rotation(other.pose_in_child)[:, 0]
         ratio = float(axis @ A @ axis)
-        if np.abs(A @ axis - ratio * axis).max() > ALIGNED:
+        if np.abs(A @ axis - ratio * axis).max() > RIGID_TOLERANCE:
             return None
         other.limits = (np.asarray(other.limits, dtype=float) * ratio).tolist()
     return other

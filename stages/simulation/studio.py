@@ -99,7 +99,7 @@ class Studio:
     def film(self, recording: Recording, frames: int) -> list[Image]:
         """`frames` pictures (H, W, 3), evenly over the recording, from a camera that sees all of it; one per
         moment if there are fewer."""
-        moments = evenly(recording.moments, min(frames, len(recording.moments)))
+        moments = pick_evenly(recording.moments, min(frames, len(recording.moments)))
         shot = Shot(self, recording, moments)
         pictures = [shot.picture(moment) for moment in moments]
         shot.close()
@@ -131,7 +131,7 @@ class Shot:
             seen += [corners(_bounds([link])) for body in (self.asset, studio.robot) for link in _solid(body.links)]
         points = np.concatenate(seen)
         studio.key.entity.set_pose(sapien.Pose((points.min(axis=0) + points.max(axis=0)) / 2, studio.key.entity.pose.q))
-        self.world_from_camera = self._view(recording, points, evenly(moments, 3)[1:])
+        self.world_from_camera = self._view(recording, points, pick_evenly(moments, 3)[1:])
 
     def picture(self, moment: Moment) -> Image:
         """(H, W, 3) RGB of a moment."""
@@ -190,7 +190,7 @@ class Shot:
             body.set_qpos(np.array([joints[joint.name] for joint in body.active_joints], np.float32))
 
 
-def evenly(items: Sequence[T], count: int) -> list[T]:
+def pick_evenly(items: Sequence[T], count: int) -> list[T]:
     """`count` items evenly over an episode, the first and the last included; where there are fewer, some twice."""
     return [items[i] for i in np.linspace(0, len(items) - 1, count).round().astype(int)]
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.plugins import load, short
+from stages.plugins import load, shorten_name
 from stages.skills import Act, Outcome, SkillProtocol
 from stages.tasks.api import TaskEnv
 
@@ -22,5 +22,5 @@ class SkillChain:
             outcome = skill.run(act)
             if not outcome.success:
                 several = len(self.skills) > 1
-                return replace(outcome, cause=f"{short(name)}_{outcome.cause}") if several else outcome
+                return replace(outcome, cause=f"{shorten_name(name)}_{outcome.cause}") if several else outcome
         return outcome if self.task.success else Outcome(False, "not_successful")

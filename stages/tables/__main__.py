@@ -8,6 +8,5 @@ main(
         "scenes": "Table 2, its robustness variants and Figure 6, with the paper's values beside ours",
         "trainings": "how every training ended, and which failed",
         "policies": "success over unseen assets, Table 3, Figures 4 and 9, with the paper's values beside ours",
-        "conditions": "success in another simulator, under noise, ..., minus the usual",
     },
 )

@@ -20,9 +20,9 @@ from stages.tables.order import SKILL, SPLITS, set_key
 from stages.tables.statistics import Interval
 from stages.tables.table3 import BASELINE, RANDOMISED, TRAINED, UNSEEN
 
-MARGIN = 0.10  # as well as the twin on the twin: not worse by more than this
+NOT_WORSE = 0.10  # as well as the twin on the twin: not worse by more than this
 MIN_RUNS = 2  # seeds of a method, a side; one run shows nothing about training again
-MIN_SPREAD_RUNS = 3  # a side, to speak of how runs differ
+MIN_SPREAD_RUNS = 3  # runs, seeds or cells that tell how such differ
 COLLAPSED = 0.25  # a run is collapsed if it succeeds less often than this share of the best run of its task
 HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot be said"
 COLUMNS = [
@@ -64,7 +64,7 @@ class Claim(NamedTuple):
 
 
 CLAIMS = {
-    "equal": Claim(BASELINE, margin=MARGIN),
+    "equal": Claim(BASELINE, margin=NOT_WORSE),
     "unseen": Claim(UNSEEN),
     "flat": Claim(UNSEEN, BASELINE),
     "steady": Claim(runs=MIN_SPREAD_RUNS),

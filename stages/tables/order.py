@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from stages.contracts.training_sets import DRAW, DRAWN, SetName, is_randomised, is_set, plain, read_set
+from stages.contracts.training_sets import is_randomised, is_set, plain, read_set
 
 TASKS = {"door": "Door opening", "drawer": "Drawer opening", "put_away_bowl": "Putting away bowl"}
 SPLITS = ("test", "validation")  # test assets that are sets of unseen assets
@@ -66,12 +66,3 @@ def row_title(row: Mapping[str, Any]) -> str:
     """A row of a table for people: its target and its policy, which the paper's and the skill's do not have."""
     target, policy = target_title(row["target"], row["task"]), row["policy"]
     return target if policy in ("", SKILL) else f"{target}, {policy}"
-
-
-def role_title(role: str) -> str:
-    """A role for people; random_3 is one asset, as a training set it is three; random_19 is the third of draw 2."""
-    rule, number, randomised = read_set(role) if is_set(role) else SetName(role, 1, False)
-    if rule not in DRAWN:
-        return title(role)
-    draw, place = divmod(number - 1, DRAW)
-    return f"{rule} {place + 1}" + f" of draw {draw + 1}" * (draw > 0) + ", randomised" * randomised

@@ -1,7 +1,7 @@
 """What tables of policies say below: what is pooled, and what policies are given that a real robot would not have."""
 
 from stages.config.tables import PolicyTables
-from stages.plugins import short
+from stages.plugins import shorten_name
 from stages.tables.methods import kind, kinds_of
 
 SIMULATORS = {"mujoco": "MuJoCo"}  # as people write them
@@ -42,7 +42,7 @@ def _privileged(options: PolicyTables) -> str:
     if not camera:
         metres, degrees = met.camera_error
         text += f" The camera is {_cm(metres)} cm and {degrees:g} degrees elsewhere than they are told."
-    if (name := short(met.simulator)) == "maniskill":
+    if (name := shorten_name(met.simulator)) == "maniskill":
         return f"{text} Demonstrations and tests share the simulator."
     return f"{text} Demonstrations are made in ManiSkill, tests in {SIMULATORS.get(name, name)}."
 

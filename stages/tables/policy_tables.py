@@ -7,7 +7,7 @@ import pandas as pd
 
 from stages.config.tables import TablesConfig
 from stages.tables.cells import CELL
-from stages.tables.claims import COLLAPSED, MARGIN, MIN_RUNS, MIN_SPREAD_RUNS
+from stages.tables.claims import COLLAPSED, MIN_RUNS, MIN_SPREAD_RUNS, NOT_WORSE
 from stages.tables.markup import Table
 from stages.tables.methods import Kinds, kind
 from stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title, title_of
@@ -255,7 +255,7 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         notes=[
             f"A claim holds if the {100 * options.confidence:g} % interval of the difference lies on its side, and "
             "does not hold if it lies on the other side; if it contains zero, it cannot be said. To do as well "
-            f"is to be at most {100 * MARGIN:g} points worse. A claim needs {MIN_RUNS} runs a side, one about "
+            f"is to be at most {100 * NOT_WORSE:g} points worse. A claim needs {MIN_RUNS} runs a side, one about "
             f"differences from run to run {MIN_SPREAD_RUNS}; with one run a side the interval is about these policies "
             "only, not about training again. Runs are training seeds of one policy (of each of the "
             "hyper-parameter sets that trials chose).",

@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
+from stages.contracts.images import read_narrow
 from stages.tables.drawing import mark_not_run
 from stages.tables.order import natural, title
-from stages.tables.pictures import load
 
 
 def figure6(pictures: dict[tuple[str, str], Path], rooms: list[str], width: int) -> Figure:
@@ -24,7 +24,7 @@ def figure6(pictures: dict[tuple[str, str], Path], rooms: list[str], width: int)
     names = sorted({*rooms, *(room for room, _ in pictures)}, key=natural)
     variants = sorted({variant for _, variant in pictures}) or [""]
     images: dict[tuple[str, str], NDArray[np.uint8]] = {
-        key: np.asarray(load(path, width)) for key, path in pictures.items()
+        key: np.asarray(read_narrow(path, width)) for key, path in pictures.items()
     }
     ratio = max((image.shape[0] / image.shape[1] for image in images.values()), default=0.4)
     missing = [name for name in names if not any((name, variant) in images for variant in variants)]

@@ -9,8 +9,9 @@ import pandas as pd
 
 from stages.contracts import read_json, trained
 from stages.contracts.trained import TrainedPolicy
-from stages.plugins import short
+from stages.plugins import shorten_name
 from stages.tables.cells import in_order
+from stages.tables.claims import MIN_SPREAD_RUNS
 from stages.tables.markup import Table
 from stages.tables.order import row_title, title
 from stages.tables.rows import read_table, records
@@ -25,7 +26,6 @@ COLUMNS = [
 LEARNED, LATE, BEHIND, STUCK = "learned", "learned late", "stayed behind", "did not learn"
 FAILED = (LATE, BEHIND, STUCK)
 AGAIN = "train the policy again"
-FEWEST = 3  # seeds that tell by themselves how seeds differ
 FAR = 3.0  # robust standard deviations of the others
 PART = 0.25  # of the others' loss; which episodes a seed validates on moved it by up to 0.15 (of 83 trainings)
 
@@ -40,7 +40,13 @@ def collect(configs: Sequence[Path]) -> pd.DataFrame:
     for path in configs:
         config, (target, policy, name, run) = read_json(TrainedPolicy, path, AGAIN), path.absolute().parts[-6:-2]
         outcome = LATE if config.late else LEARNED if config.learned else STUCK
-        about = {"target": target, "task": short(config.task), "policy": policy, "run": run, "training_set": name}
+        about = {
+            "target": target,
+            "task": shorten_name(config.task),
+            "policy": policy,
+            "run": run,
+            "training_set": name,
+        }
         losses = {"validation_loss": config.best_loss, "validation_error": config.best_error}
         losses |= {"seed": config.seed, "best_step": config.best_step}
         constant = {"constant_error": config.constant_error, "plateau": config.plateau}
@@ -64,9 +70,9 @@ def is_behind(loss: float, of_set: pd.Series, of_row: pd.Series) -> bool:
 
     A lone seed is not held against other sets: their demonstrations may be easier.
     """
-    if not len(of_set) or len(of_row) < FEWEST:
+    if not len(of_set) or len(of_row) < MIN_SPREAD_RUNS:
         return False
-    return is_far(loss, of_set) and (len(of_set) >= FEWEST or is_far(loss, of_row))
+    return is_far(loss, of_set) and (len(of_set) >= MIN_SPREAD_RUNS or is_far(loss, of_row))
 
 
 def is_far(loss: float, others: pd.Series) -> bool:
@@ -138,8 +144,9 @@ def trainings_table(table: pd.DataFrame) -> Table:
             "training episodes is taken whatever is seen. A training did not learn if its error is no smaller; it "
             f"learned late if that was so for more than {100 * trained.LATE:g} % of its steps. It "
             f"stayed behind if its loss lies above the median of the other seeds that learned by more than "
-            f"{100 * PART:g} % and {FAR:g} robust standard deviations; with fewer than {FEWEST} such seeds, also above "
-            "that of all trainings of its row and hyper-parameters. Failed trainings count in all other tables."
+            f"{100 * PART:g} % and {FAR:g} robust standard deviations; with fewer than {MIN_SPREAD_RUNS} such seeds, "
+            "also above that of all trainings of its row and hyper-parameters. Failed trainings count in all other "
+            "tables."
         ],
     )
 

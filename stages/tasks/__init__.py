@@ -2,7 +2,7 @@
 
 import importlib
 
-from stages.plugins import available
+from stages.plugins import list_available
 
-for module in available("tasks").values():
+for module in list_available("tasks").values():
     importlib.import_module(module)

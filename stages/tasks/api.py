@@ -136,7 +136,7 @@ class TaskEnv:
         self.env.asset_folder, self.env.joint_name = folder, self.joint
         self.env.reset(seed=seed)
         self.steps, self.success, self.official_success = 0, False, False
-        self.opened = float(self.env.opened()[0])
+        self.opened = float(self.env.measure_opening()[0])
 
     def step(self, action: Float) -> StepResult:
         """Apply one action (7,) in [-1, 1]: translation, axis-angle (robot base axes), gripper (1 open, -1 closed)."""

@@ -26,7 +26,7 @@ def success_opening(target: Target, options: TaskConfig) -> float:
     return float(min(options.success_fraction, enough / (target.upper - target.lower)))
 
 
-def placed(
+def place_robot_and_asset(
     setup: InitialState,
     target: Target,
     nominal: Array,

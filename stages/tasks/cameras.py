@@ -75,7 +75,7 @@ def jitter(seed: int, number: int, options: TaskConfig) -> Array:
     return rigid(rotation.as_matrix(), rng.uniform(-1, 1, 3) * metres)
 
 
-def displaced(pose: Array, seed: int, number: int, error: tuple[float, float]) -> Array:
+def displace_pose(pose: Array, seed: int, number: int, error: tuple[float, float]) -> Array:
     """A pose (4, 4) shifted and turned by `error` (metres, radians), in directions that the episode draws."""
     shift, axis = np.random.default_rng((seed, 29, number)).standard_normal((2, 3))
     moved = pose.copy()

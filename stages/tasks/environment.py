@@ -17,6 +17,7 @@ from stages.config.demonstrations import RandomiseOptions
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 from stages.geometry.frames import apply, inverse
 from stages.planning.clearance import Surroundings
+from stages.plugins import refuse_old_names
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, soften
 from stages.simulation.poses import batch_poses
@@ -24,10 +25,10 @@ from stages.simulation.rendering import render_backend
 from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.room import Room
 from stages.simulation.target import Target, descends, read_target
-from stages.tasks.base_placement import AJAR, placed, success_opening
+from stages.tasks.base_placement import AJAR, place_robot_and_asset, success_opening
 from stages.tasks.cameras import Camera, shoulder
 from stages.tasks.filmed import FilmedEnv
-from stages.tasks.initial_state import nominal_root, sample_initial_state, sampled_scale
+from stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
 from stages.tasks.movable import Movable
 from stages.tasks.observation import CameraRig, Observation, Sensing
 from stages.tasks.randomised import randomise, sample_factors
@@ -41,8 +42,8 @@ class OpenTaskEnv(FilmedEnv):
 
     The robot stands in front of the handle, at a height relative to it. There is no floor: nothing falls.
     A task's own class names its `task` and overrides what differs: `cameras`, `seen_ids` (what the cloud shows),
-    `succeeded`, `_load_scene` (more objects), `_initialize_episode` (where they are, how far joints are open; the seed
-    is in `_episode_seed`), `evaluate` (beside success, the official code's).
+    `check_success`, `_load_scene` (more objects), `_initialize_episode` (where they are, how far joints are open; the
+    seed is in `_episode_seed`), `evaluate` (beside success, the official code's).
 
     Args:
         asset_folder: folder with asset.json. It and `joint_name` may be set anew; the next episode shows the change.
@@ -61,6 +62,10 @@ class OpenTaskEnv(FilmedEnv):
     simulation_frequency: ClassVar[int] = SIMULATION_FREQUENCY  # a task may have a multiple of it
     robot_shift: ClassVar[tuple[float, float, float]] = (0.0, 0.0, 0.0)  # metres: out from the front, y, up
     agent: AcdcPanda
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        refuse_old_names(cls, {"succeeded": "check_success", "opened": "measure_opening"})
 
     def __init__(
         self,
@@ -127,7 +132,7 @@ class OpenTaskEnv(FilmedEnv):
                 self.room.load(scene)
 
     def _drawn_scales(self, seeds: Sequence[int]) -> Array:
-        return np.array([sampled_scale(int(seed), self.options, self.scale_range) for seed in seeds])
+        return np.array([sample_scale(int(seed), self.options, self.scale_range) for seed in seeds])
 
     def _load_object(self, scales: Array) -> None:
         """Put the asset into every environment at its scale, (N, 3)."""
@@ -208,7 +213,7 @@ class OpenTaskEnv(FilmedEnv):
             setup, target = sample_initial_state(seed, self.options), self.targets[index]
             nominal = nominal_root(self.asset, self.scales[index])
             around = None if self.room else partial(self.around, index)
-            base, root = placed(setup, target, nominal, self.options, around, self.robot_shift)
+            base, root = place_robot_and_asset(setup, target, nominal, self.options, around, self.robot_shift)
             if self.room:
                 base, root = self.room.stand(base), self.room.world_from_nominal @ root
             bases.append(base)
@@ -228,7 +233,7 @@ class OpenTaskEnv(FilmedEnv):
             self._surroundings[index] = Surroundings(self.targets[index])
         return self._surroundings[index]
 
-    def opened(self) -> torch.Tensor:
+    def measure_opening(self) -> torch.Tensor:
         """(N,) fraction of the target joint's range, 0 closed, 1 fully open."""
         return self._fractions()[:, self.target.index]
 
@@ -242,15 +247,19 @@ class OpenTaskEnv(FilmedEnv):
         """The fraction of the range that counts as open."""
         return success_opening(self.targets[index], self.options)
 
-    def succeeded(self) -> torch.Tensor:
+    def check_success(self) -> torch.Tensor:
         """(N,) the one success criterion, for demonstrations and evaluation alike."""
         enough = [self.success_opening(index) for index in range(self.num_envs)]
-        return self.opened() >= torch.tensor(enough, device=self.device)
+        return self.measure_opening() >= torch.tensor(enough, device=self.device)
 
     def evaluate(self) -> dict[str, torch.Tensor]:
         """Success; beside it the official code's: any joint of the object was 10 % open at any time."""
         self._official |= (self._fractions() >= AJAR).any(dim=1)
-        return {"success": self.succeeded(), "official_success": self._official.clone(), "opened": self.opened()}
+        return {
+            "success": self.check_success(),
+            "official_success": self._official.clone(),
+            "opened": self.measure_opening(),
+        }
 
     def observe(self, render: bool = True) -> list[Observation]:
         """What a policy sees in each environment; without `render` the clouds are empty."""

@@ -38,7 +38,7 @@ def sample_initial_state(seed: int, options: TaskConfig) -> InitialState:
     )
 
 
-def sampled_scale(seed: int, options: TaskConfig, scale_range: tuple[float, float] | None) -> Array:
+def sample_scale(seed: int, options: TaskConfig, scale_range: tuple[float, float] | None) -> Array:
     """(3,) scale factors of the asset in episode `seed`; None: its nominal size."""
     if scale_range is None:
         return np.ones(3)

@@ -14,7 +14,7 @@ from stages.simulation.depth_shaders import PICTURE
 from stages.simulation.kinematics import Array
 from stages.simulation.observation import finger_points, object_points, proprioception, unify_cloud
 from stages.simulation.robot import REST, AcdcPanda, panda_chain
-from stages.tasks.cameras import Camera, displaced, jitter
+from stages.tasks.cameras import Camera, displace_pose, jitter
 
 Float = NDArray[np.float32]
 
@@ -84,7 +84,7 @@ class CameraRig:
             pose[:3, 3] += shift[:3, 3]
             pose[:3, :3] = shift[:3, :3] @ pose[:3, :3]
             self._poses[camera.name, index] = pose
-            self._told[camera.name, index] = displaced(pose, seed, number, self.sensing.camera_error)
+            self._told[camera.name, index] = displace_pose(pose, seed, number, self.sensing.camera_error)
             if camera.name in sensors:
                 sensors[camera.name].camera._render_cameras[index].set_local_pose(sapien.Pose(pose))
 

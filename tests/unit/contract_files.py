@@ -33,7 +33,6 @@ FILES = {  # kind of file: where it lies
     "distances": "matching/distances.json",
     "generated": "generation/scene_1.json",
     "task": "experiment/assets.json",
-    "choice": "experiment/choice.json",
     "library": "library/library.json",
     "library_part": "library/own_0.json",
     "asset": "library/models/cabinet_0/asset.json",
@@ -171,11 +170,6 @@ def _policies(root: Path) -> None:
     roles = [("twin", "cabinet_0", 0.0), ("cousin_1", "cabinet_1", 1.0), ("cousin_2", "cabinet_2", 2.0)]
     assets = [{"role": role, "asset": asset, "family": asset, "distance": far, **sizes} for role, asset, far in roles]
     _json(root / FILES["task"], task="door", scene="room", object="cabinet_1", encoder="hog", assets=assets)
-    front = {name: value for name, value in sizes.items() if name != "panel_height"}
-    models = [{"asset": asset, "family": asset, **front} for asset in ("cabinet_0", "cabinet_1")]
-    within = {"within_1": 0.75, "within_2": 1.0, "greedy_within_1": 0.8, "most_within_1": 0.85}
-    about = {"task": "door", "rule": "chance", "seed": 0, "like": None, "box": None, "usable": 20, "families": 12}
-    _json(root / FILES["choice"], **about, models=models, **within, forecast=0.7, alone=["cabinet_9"])
     folder = root / "demonstrations"
     folder.mkdir()
     lines = [

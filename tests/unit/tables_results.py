@@ -16,15 +16,15 @@ from stages.contracts.films import Film, Films
 from stages.contracts.generated import GeneratedScene, PlacedObject, Plausibility
 from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.contracts.library import Library, LibraryEntry, SnapshotShard
-from stages.contracts.made import Made
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, TaskAssets
+from stages.contracts.provenance import Provenance
 from tests.unit.demo_assets import FRONT
 
 VIEWER = Path(__file__).parents[2] / "plugins/report/page/three/three.min.js"
 CAMERA = [[200.0, 0.0, 120.0], [0.0, 200.0, 80.0], [0.0, 0.0, 1.0]]
 POSE = [[0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 1.4], [0.0, 0.0, 0.0, 1.0]]
-MADE = Made(seed=11, options="0a1b2c3d4e5f", inputs="111111111111", code="222222222222")
+MADE = Provenance(seed=11, options="0a1b2c3d4e5f", inputs="111111111111", code="222222222222")
 LABELS = {"room_1": ["cabinet", "bowl", "lamp"], "room_2": ["table", "chair"]}
 ABOUT = FRONT | {"digest": "0", "handle_length": 0.12, "handle_height": 0.5}
 ROLES = {"twin": 0.0, "cousin_1": 3.1, "cousin_2": 4.0, "cousin_6": 7.5, "dissimilar": 12.25}

@@ -19,14 +19,14 @@ from stages.articulated.asset_folder import (
     stretch_asset,
     write_asset,
 )
-from stages.articulated.attributes import seen_of
-from stages.articulated.forward_kinematics import closed_box, link_frames, rebased
+from stages.articulated.attributes import merge_visuals
+from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
 from stages.articulated.handle import find_handle
 from stages.articulated.handle_extents import handle_extents
 from stages.articulated.mesh_reader import texture_of
 from stages.articulated.model import Link, RobotModel, Visual
 from stages.articulated.roles import contract_joints, with_roles
-from stages.articulated.stretching import stretched
+from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_tree import UrdfTree
 from stages.articulated.urdf_writer import write_urdf
@@ -73,7 +73,7 @@ def test_inertia_of_a_turned_tensor_reaches_the_written_file(tmp_path: Path) -> 
     assert np.allclose(again.inertia, body.inertia, rtol=1e-4)
     assert (again.mass, again.center.tolist()) == (7.0, [0.1, 0.2, 0.3])
     quarter = Rotation.from_euler("z", np.pi / 2).as_matrix()
-    turned = rebased(robot, rigid(quarter, np.zeros(3))).links["body"]
+    turned = change_root(robot, rigid(quarter, np.zeros(3))).links["body"]
     assert np.allclose(turned.inertia, quarter @ body.inertia @ quarter.T)
     assert np.allclose(turned.center, [-0.2, 0.1, 0.3])
 
@@ -199,7 +199,7 @@ def test_colours_are_kept_exactly_and_looks_of_their_own_too(tmp_path: Path) -> 
     coloured, own = read_urdf(tmp_path / "model.urdf", tmp_path).links["Body 1"].visuals
     assert coloured.colour == (0.351, 0.2, 0.1, 1.0)
     assert own.colour is None
-    picture = texture_of(own.painted())
+    picture = texture_of(own.paint())
     assert picture is not None
     assert np.asarray(picture).tolist() == [[[10, 200, 30, 255]]], "what renderers show of colours of corners"
 
@@ -231,7 +231,7 @@ def test_shapes_are_centred_and_have_their_size(tmp_path: Path, geometry: str, s
     shape = f'<origin xyz="1 0 0"/><geometry>{geometry}</geometry>'
     link = f'<link name="a"><visual>{shape}</visual><collision>{shape}</collision></link>'
     robot = read(tmp_path, f'<robot name="r">{link}</robot>')
-    low, high = closed_box(robot)
+    low, high = measure_closed_box(robot)
     assert np.allclose((low + high) / 2, [1, 0, 0], atol=1e-6)
     assert np.allclose(high - low, size, atol=2e-3)
     (piece,) = robot.links["a"].collisions
@@ -261,7 +261,7 @@ def test_joints_in_any_order(tmp_path: Path) -> None:
     )
     (tmp_path / "b.urdf").write_text(text)
     assert [joint.name for joint in UrdfTree(tmp_path / "b.urdf").joints] == ["hinge", "slide", "knob"]
-    boxes = [closed_box(read(tmp_path, t)) for t in (text, CABINET)]
+    boxes = [measure_closed_box(read(tmp_path, t)) for t in (text, CABINET)]
     assert np.allclose(*boxes)
 
 
@@ -309,7 +309,7 @@ def test_a_mirrored_mesh_keeps_its_outside_out(tmp_path: Path) -> None:
         tmp_path, f'<robot name="r"><link name="a"><visual><geometry>{geometry}</geometry></visual></link></robot>'
     )
     assert robot.links["a"].visuals[0].mesh.volume > 0
-    assert stretched(robot, (1, 1, 0.5)).links["a"].mass == pytest.approx(robot.mass / 2)
+    assert stretch_model(robot, (1, 1, 0.5)).links["a"].mass == pytest.approx(robot.mass / 2)
 
 
 @pytest.mark.parametrize("room", NO_SIMULATOR)
@@ -354,7 +354,7 @@ def test_the_walk_over_imports_would_find_a_simulator() -> None:
 def test_extents_of_a_handle_are_those_that_rays_find(tmp_path: Path, kind: str) -> None:
     asset = cabinet(tmp_path / "cab", handle=kind, panel="raised")
     robot, joint = read_model(tmp_path / "cab"), asset.joints[0]
-    mesh = seen_of(robot, [joint.link], link_frames(robot))
+    mesh = merge_visuals(robot, [joint.link], link_frames(robot))
     assert mesh is not None
     found, (low, high) = find_handle(mesh), handle_extents(tmp_path / "cab", asset, joint.name)
     assert found is not None and (low + high)[1:] / 2 == pytest.approx(found.position[1:], abs=0.005)

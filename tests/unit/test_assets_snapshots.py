@@ -22,7 +22,7 @@ from stages.geometry.frames import apply
 from stages.simulation import shaders
 from stages.simulation.loading import load_asset, root_pose
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
-from stages.simulation.shaders import skyless
+from stages.simulation.shaders import make_skyless_pack
 
 OPTIONS = json.dumps({"n_snap": 4, "image_size": 96})
 
@@ -108,13 +108,13 @@ def test_snapshots_repeat_byte_for_byte(shard: Path) -> None:
 
 def test_shaders_without_a_sky_make_the_same_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Our shaders leave out a table that takes seconds to fill; on a new version of SAPIEN it may be another one."""
-    folder = Path(skyless("default"))
+    folder = Path(make_skyless_pack("default"))
     assert folder.is_dir()
     assert not any("BRDFLUT" in path.read_text() for path in folder.parent.rglob("*") if path.is_file())
     asset = make("microwave", 0, 0, tmp_path)
     k = intrinsics_from_fov(96, 96, 0.8)
     pictures = []
-    for folder_of in (skyless, str):
+    for folder_of in (make_skyless_pack, str):
         monkeypatch.setattr(shaders, "skyless", folder_of)
         scene = make_scene(shadows=False)
         load_asset(scene, tmp_path / asset.id, root_pose(asset, (0.0, 0.0, 0.0), 0.5), True, asset.id)

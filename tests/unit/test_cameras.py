@@ -17,7 +17,7 @@ from stages.geometry.frames import apply, inverse
 from stages.simulation.depth_shaders import PICTURE, depth_shaders
 from stages.simulation.loading import load_asset
 from stages.simulation.rendering import make_scene
-from stages.simulation.shaders import skyless
+from stages.simulation.shaders import make_skyless_pack
 from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
 from stages.tasks.door.environment import OpenDoorEnv
 from tests.unit.demo_assets import cabinet
@@ -44,7 +44,7 @@ def test_our_shaders_see_what_sapiens_see(folder: Path) -> None:
     scene = make_scene()
     load_asset(scene, folder, sapien.Pose(), True, "two")
     config, pictures = depth_shaders(), []
-    for pack in (config.shader_pack, skyless("minimal")):
+    for pack in (config.shader_pack, make_skyless_pack("minimal")):
         sapien.render.set_camera_shader_dir(pack)
         camera = sapien.render.RenderCameraComponent(64, 64)
         camera.set_fovy(1.0)
@@ -55,7 +55,7 @@ def test_our_shaders_see_what_sapiens_see(folder: Path) -> None:
         scene.update_render()
         camera.take_picture()
         pictures.append(camera.get_picture(PICTURE))
-    sapien.render.set_camera_shader_dir(skyless("default"))
+    sapien.render.set_camera_shader_dir(make_skyless_pack("default"))
     ours, theirs = pictures
     assert ours.dtype == np.int16 and len(np.unique(ours[..., 3])) >= 3 and np.ptp(ours[..., 2]) > 500
     assert np.array_equal(ours, theirs)

@@ -78,5 +78,5 @@ def test_a_rollout_needs_the_code_of_its_own_simulator() -> None:
     for verb in ("trial", "rollout", "skill"):
         assert not [name for name in code.closure(f"stages.evaluation.{verb}") if "mujoco" in name or "mjcf" in name]
     needed = code.closure("plugins.mujoco.environment")
-    assert "stages.articulated.mjcf_writer" in needed
+    assert "plugins.mujoco.mjcf_writer" in needed
     assert not [name for name in needed if name.startswith("stages.generation")]

@@ -8,9 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from stages.config.evaluation import EvaluationConfig, SceneOptions, SensingOptions, SkillOptions
 from stages.contracts.task_options import TaskConfig
-from stages.evaluation.arena import park_object, sensing_of
+from stages.evaluation.arena import make_sensing, park_object
 from stages.tasks.api import TaskEnv
-from stages.tasks.cameras import displaced
+from stages.tasks.cameras import displace_pose
 from stages.tasks.observation import Sensing, with_noise
 from tests.unit.demo_assets import cabinet
 
@@ -29,7 +29,7 @@ def test_noise_moves_points_along_their_rays_by_what_a_depth_camera_errs() -> No
 
 def test_a_displaced_camera_is_as_far_off_as_asked_elsewhere_in_every_episode() -> None:
     pose = np.eye(4)
-    moved = [displaced(pose, seed, 0, (0.01, np.deg2rad(2))) for seed in (1, 1, 2)]
+    moved = [displace_pose(pose, seed, 0, (0.01, np.deg2rad(2))) for seed in (1, 1, 2)]
     np.testing.assert_array_equal(moved[0], moved[1])
     assert not np.allclose(moved[0], moved[2])
     for one in moved:
@@ -48,7 +48,7 @@ def test_parking_is_of_the_robot_alone() -> None:
 def test_what_a_policy_sees_is_off_and_the_world_is_not(tmp_path: Path) -> None:
     cabinet(tmp_path / "cabinet_0")
     seen, joints = [], []
-    for sensing in (None, sensing_of(SensingOptions(camera_error=(0.05, 0.0))), Sensing(depth_noise=True)):
+    for sensing in (None, make_sensing(SensingOptions(camera_error=(0.05, 0.0))), Sensing(depth_noise=True)):
         where = tmp_path / "cabinet_0"
         env = TaskEnv("door", where, "door_0_joint", None, TaskConfig(), vary_scale=False, sensing=sensing)
         seen.append(env.reset(SEED)["point_cloud"])

@@ -11,6 +11,7 @@ from stages.cli import main
 from stages.config.__main__ import show
 from stages.config.files import check, given, read_file
 from stages.config.model import read_files
+from tests.packages import needs
 from tests.refusals import refused
 from tests.workflow.workspace import ROOT, dry_run, make
 
@@ -91,6 +92,7 @@ def test_the_config_of_the_working_directory_is_told_of_as_well(here: Path, caps
     assert "there/config/config.yaml:2: is no YAML" in capsys.readouterr().err
 
 
+@needs("ops")  # which shortens what Snakemake prints
 @pytest.mark.parametrize(
     ("words", "says"),
     [

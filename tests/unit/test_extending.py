@@ -28,7 +28,7 @@ from stages.contracts.training_run import TrainingRun
 from stages.demonstrations.attempt import Recorder
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
-from stages.plugins import KINDS, available, find
+from stages.plugins import KINDS, find, list_available
 from stages.plugins import load as implementation
 from stages.policies.checkpoint import load_network
 from stages.scenes.layout import arrange
@@ -44,7 +44,7 @@ from tests.unit.synthetic_room import write_room
 from tests.workflow.workspace import ROOT, make, snakemake
 
 DEFAULT = with_defaults({})
-YOURS = [kind for kind in KINDS if kind != "mesh_files"]  # those are found among ours alone
+YOURS = [kind for kind in KINDS if kind not in {"mesh_files", "correctors"}]  # those are found among ours alone
 BLOCK = re.compile(r"```(?:python|yaml)\n# (my_package/\S+)\n(.*?)```", re.DOTALL)
 
 
@@ -67,7 +67,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 def test_the_page_has_one_of_every_kind(package: Path) -> None:
-    yours = {kind: set(available(kind, ["my_package"])) - set(available(kind)) for kind in YOURS}
+    yours = {kind: set(list_available(kind, ["my_package"])) - set(list_available(kind)) for kind in YOURS}
     assert yours.pop("tasks") == {"touch", "shut"}
     assert all(len(names) == 1 for names in yours.values()), yours
     assert "my_package" not in sys.modules  # found without being imported
@@ -104,7 +104,7 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
         }
     )
     assert config.matching.encoder == "my_package.encoders.colours" and config.matching.search == "torch"
-    assert config.assets.importers == ["plugins.importing.importers.urdf", "my_package.importers.off"]
+    assert config.assets.importers == ["urdf", "my_package.importers.off"]
     assert config.matching_of("b").model_selection == "my_package.judges.by_name"
     assert config.training.runs["mine"].policy == "my_package.policies.mean_action"
     for wrong, kind, named in (
@@ -378,3 +378,11 @@ def test_a_run_with_plugins_has_a_dag(tmp_path: Path) -> None:
         "results/demonstrations/touch/twin/episodes.h5",
     ):
         assert text in done.stdout, text
+
+
+def test_a_task_of_yours_that_overrides_what_is_called_otherwise_now_is_refused() -> None:
+    from stages.tasks.environment import OpenTaskEnv
+
+    with refused("E-PLUGIN-OLD", "check_success"):
+        type("Mine", (OpenTaskEnv,), {"succeeded": lambda self: None})
+    assert type("Mine", (OpenTaskEnv,), {"check_success": lambda self: None})

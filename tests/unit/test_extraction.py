@@ -15,7 +15,6 @@ from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError, Objects, read_json
 from stages.contracts.__main__ import main as check_contract
 from stages.contracts.objects import Mounting
-from stages.extraction import clouds
 from stages.extraction.draw import run as draw
 from stages.extraction.extract import merge_own_options, run
 from stages.extraction.observation import read_folder
@@ -138,17 +137,6 @@ def test_noise_is_that_of_the_seed(furnished: tuple[Path, Objects], tmp_path: Pa
         depth.append(np.load(tmp_path / f"{number}/depth.npz")["depth"])
     np.testing.assert_array_equal(depth[0], depth[2])
     assert np.mean(depth[0] != depth[1]) > 0.5
-
-
-def test_what_is_behind_is_told_from_where_the_camera_is(
-    furnished: tuple[Path, Objects], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    eyes: list[np.ndarray] = []
-    cleaned = clouds.clean_cloud
-    monkeypatch.setattr(clouds, "clean_cloud", lambda *given: eyes.append(given[3]) or cleaned(*given))
-    found = _extract(furnished[0] / "input", tmp_path)
-    assert len(eyes) == len(BOXES)
-    assert eyes[0] == pytest.approx(np.array(found.floor_from_camera)[:3, 3]) and eyes[0][2] > 0.5
 
 
 def test_measured_depth_is_not_disturbed(furnished: tuple[Path, Objects], tmp_path: Path) -> None:

@@ -5,8 +5,8 @@ import pytest
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Annotations
-from stages.contracts.doubts import doubt_height
 from stages.contracts.scenes import Annotation
+from stages.extraction.camera_height import doubt_height
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
 from stages.geometry.boxes import UprightBox

@@ -107,9 +107,9 @@ def test_noise_does_not_make_a_table_longer():
     top = np.array([8.0, 0, 0.7]) + rng.uniform([-0.5, -0.5, 0], [0.5, 0.5, 0], (8000, 3))
     noisy = top + rng.normal(0, 0.1, (8000, 1)) * (top - camera) / np.linalg.norm(top - camera, axis=1, keepdims=True)
     seen = UprightBox((8.0, 0, 0.35), (1.0, 1.0, 0.7), 0.0)
-    as_in_the_paper = Sight(noisy, camera, EXACT.at).measured(seen, 0.0, 0.005, has_faces=False)
+    as_in_the_paper = Sight(noisy, camera, EXACT.at).measure_box(seen, 0.0, 0.005, has_faces=False)
     assert as_in_the_paper.size[0] > 1.2
-    box = Sight(noisy, camera, DepthError(0.004, 0.0015).at).measured(seen, 0.0, 0.005)
+    box = Sight(noisy, camera, DepthError(0.004, 0.0015).at).measure_box(seen, 0.0, 0.005)
     assert box.size[0] == pytest.approx(1.1, abs=0.1)
 
 
@@ -144,7 +144,7 @@ def test_measured_box_in_the_assets_own_axes(quarter):
     size, center, camera = np.array([0.6, 1.2, 0.8]), np.array([3.0, 0.5, 0.4]), np.array([0, 0, 1.6])
     cloud = _faces(size, 0.4, center, camera)
     seen = UprightBox(center, size, 0.4)
-    box = Sight(cloud, camera, USUAL_ERROR.at).measured(seen, 0.4 + quarter * np.pi / 2, 0.001)
+    box = Sight(cloud, camera, USUAL_ERROR.at).measure_box(seen, 0.4 + quarter * np.pi / 2, 0.001)
     expected = size[[1, 0, 2]] if quarter % 2 else size
     assert box.size == pytest.approx(expected, abs=0.02)
     assert box.center == pytest.approx(center, abs=0.02)
@@ -155,7 +155,7 @@ def test_a_handle_stands_before_the_face_that_is_measured(quarter, nearer):
     size, center, camera = np.array([0.6, 1.2, 0.8]), np.array([3.0, 0.0, 0.4]), np.array([0, 0, 1.6])
     cloud, seen = _faces(size, 0.0, center, camera), UprightBox(center, size, 0.0)
     plain, handled = (
-        Sight(cloud, camera, USUAL_ERROR.at).measured(seen, quarter * np.pi / 2, 0.001, beyond=beyond)
+        Sight(cloud, camera, USUAL_ERROR.at).measure_box(seen, quarter * np.pi / 2, 0.001, beyond=beyond)
         for beyond in (0, 0.04)
     )
     assert handled.size[0] - plain.size[0] == pytest.approx(nearer)
@@ -171,7 +171,7 @@ def test_what_is_round_has_no_face():
     near[:, 0], step[:, 0] = rng.uniform(2.8, 2.81, 200), 2.81
     far = np.array([[3.2, 0, 0.5]] * 200)
     cloud = np.concatenate([near, step, far])
-    ends = [Sight(cloud, camera, EXACT.at).measured(seen, 0.0, 0.001, has_faces) for has_faces in (True, False)]
+    ends = [Sight(cloud, camera, EXACT.at).measure_box(seen, 0.0, 0.001, has_faces) for has_faces in (True, False)]
     starts = [box.center[0] - box.size[0] / 2 for box in ends]
     assert starts == pytest.approx([2.81, 2.80], abs=0.004)
 
@@ -216,7 +216,7 @@ def test_how_far_a_model_reaches_beyond_its_front():
 
 def test_heights_are_those_of_extraction():
     cloud = _faces((0.4, 0.4, 0.4), 0.0, np.array([2, 0, 0.8]), np.array([0, 0, 1.6]))
-    box = Sight(cloud, np.array([0, 0, 1.6]), EXACT.at).measured(
+    box = Sight(cloud, np.array([0, 0, 1.6]), EXACT.at).measure_box(
         UprightBox((2, 0, 0.5), (0.4, 0.4, 1.0), 0.0), 0.2, 0.0
     )
     assert box.size[2] == 1.0

@@ -244,7 +244,7 @@ def test_what_floats_falls_unless_it_hangs_on_a_wall(scene: dict[str, Path], tmp
     options = GenerationConfig()
     built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)
     raised = {"cabinet_1": 0.1, "mug_1": 0.3}  # the cabinet falls 10 cm and the mug, that stood 20 cm above it, 30 cm
-    floating = [item.shifted([0, 0, raised[item.id]]) for item in built.items]
+    floating = [item.shift([0, 0, raised[item.id]]) for item in built.items]
     hung = [replace(item, mounting=Mounting(type=1)) if item.id == "cabinet_1" else item for item in floating]
     for items, fallen in ((floating, {"cabinet_1": 0.1, "mug_1": 0.3}), (hung, {"mug_1": 0.2})):
         physics = physics_scene()
@@ -327,7 +327,7 @@ def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path]
     options = GenerationConfig().model_copy(update={"fallen_distance": 9.0})  # only the tilt can tell
     built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)
     edge = built.items[0].center[0] - built.items[0].size[0] / 2 - 0.01  # its centre 1 cm beyond
-    items = [item.shifted([edge - item.center[0], 0, 0]) if item.id == "mug_1" else item for item in built.items]
+    items = [item.shift([edge - item.center[0], 0, 0]) if item.id == "mug_1" else item for item in built.items]
     physics = physics_scene()
     add_ground(physics)
     settled = run_physics(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
@@ -337,7 +337,7 @@ def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path]
 def test_an_overlap_is_seen_in_the_contacts(scene: dict[str, Path], tmp_path: Path) -> None:
     options = GenerationConfig(settle_seconds=1.0)  # by then physics has pushed them apart
     built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)
-    items = [item.shifted([0, 0, -0.02]) if item.id == "mug_1" else item for item in built.items]
+    items = [item.shift([0, 0, -0.02]) if item.id == "mug_1" else item for item in built.items]
     physics = physics_scene()
     settled = run_physics(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
     assert settled.plausibility.max_penetration == pytest.approx(0.02, abs=0.01)

@@ -13,7 +13,7 @@ from stages.generation.mounting import extend_to_wall
 from stages.generation.placed import Placed
 from stages.generation.stacking import find_stack, find_supports, put_on_supports, sort_by_height
 from stages.generation.surfaces import find_surface
-from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.boxes import THINNEST, UprightBox, corners
 from stages.geometry.frames import yaw_matrix
 from tests.unit.askew_desk import ASKEW_DESK
 from tests.unit.generation_scenes import BACK, solid, thing, upright
@@ -95,7 +95,7 @@ def test_type_1_is_only_lifted():
 def test_rear_to_the_wall_front_stays(rear, yaw, axis):
     front, size = 3.4, [0.9, 0.9, 1.0]
     size[axis] = rear - front
-    box = extend_to_wall(UprightBox(((front + rear) / 2, 0.3, 0.5), size, yaw), BACK, 0.01)
+    box = extend_to_wall(UprightBox(((front + rear) / 2, 0.3, 0.5), size, yaw), BACK)
     assert box.size[axis] == pytest.approx(0.6)
     assert box.size[1 - axis] == 0.9
     assert corners(box)[:, 0].max() == pytest.approx(4.0)
@@ -106,7 +106,7 @@ def test_rear_to_the_wall_front_stays(rear, yaw, axis):
 def test_a_box_turned_against_the_wall_reaches_it_but_not_into_it():
     """The second wall of a corner that was found 10 degrees askew: the box keeps its distance from the first."""
     turn = np.deg2rad(10)
-    box = extend_to_wall(UprightBox((3.5, 0.3, 0.5), (0.6, 0.9, 1.0), turn), BACK, 0.01)
+    box = extend_to_wall(UprightBox((3.5, 0.3, 0.5), (0.6, 0.9, 1.0), turn), BACK)
     first = np.array([-np.sin(turn), np.cos(turn), 0])  # normal of the other wall
     before, after = corners(UprightBox((3.5, 0.3, 0.5), (0.6, 0.9, 1.0), turn)), corners(box)
     assert after[:, 0].max() == pytest.approx(4.0)
@@ -117,15 +117,15 @@ def test_a_box_turned_against_the_wall_reaches_it_but_not_into_it():
 
 
 def test_a_front_behind_the_wall_leaves_a_thin_box():
-    box = extend_to_wall(UprightBox((4.1, 0, 1), (0.1, 1, 1), np.pi), BACK, 0.02)
-    assert box.size[0] == 0.02
-    assert box.center[0] == pytest.approx(3.99)
+    box = extend_to_wall(UprightBox((4.1, 0, 1), (0.1, 1, 1), np.pi), BACK)
+    assert box.size[0] == THINNEST
+    assert box.center[0] == pytest.approx(4 - THINNEST / 2)
 
 
 def test_a_wall_at_an_odd_angle_is_left_alone():
     slanted = Wall(id="w", normal=(-np.sqrt(0.5), np.sqrt(0.5), 0), offset=-3, points=9)
     box = UprightBox((2, 0, 1), (0.1, 1, 1), 0.0)
-    assert extend_to_wall(box, slanted, 0.01) is box
+    assert extend_to_wall(box, slanted) is box
 
 
 def test_what_noise_moved_over_the_edge_of_a_cabinet_still_stands_on_it():

@@ -16,8 +16,11 @@ from trimesh.exchange.gltf import extensions
 
 from stages.articulated.mesh_reader import has_texture, load_meshes, texture_of
 from stages.articulated.mesh_writer import write_glb
+from tests.packages import needs
 from tests.refusals import refused
 from tests.unit.gltf_files import BOX, Gltf
+
+pytestmark = needs("importing")
 
 SIZE = (0.2, 0.4, 0.6)
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1.0]])

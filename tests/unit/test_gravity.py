@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
-from stages.geometry.gravity import cell_normals, estimate_up, find_floor, find_levels
+from stages.geometry.gravity import cell_normals, estimate_up
+from stages.geometry.levels import find_floor, find_levels
 from tests.unit.synthetic_room import HEIGHT, INTRINSICS, OBJECT, WIDTH, WORLD_FROM_CAMERA, trace
 
 UP = WORLD_FROM_CAMERA[2, :3]

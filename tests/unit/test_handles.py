@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from plugins.importing.tests.test_fronts import box, joint
-from stages.articulated.attributes import measured_handle, ungraspable
+from stages.articulated.attributes import explain_ungraspable, measure_handle
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.handle import exact_width, find_handle
 from stages.articulated.model import RobotModel
@@ -35,7 +35,7 @@ def front(folder: Path, *parts: str, ahead: str = "") -> RobotModel:
 
 def told(robot: RobotModel) -> tuple[str | None, str | None]:
     frames = link_frames(robot)
-    return measured_handle(robot, robot.joints[0], frames), ungraspable(robot, robot.joints[0], frames)
+    return measure_handle(robot, robot.joints[0], frames), explain_ungraspable(robot, robot.joints[0], frames)
 
 
 def test_identical_knobs_are_equally_wide_wherever_they_sit() -> None:

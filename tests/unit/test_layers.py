@@ -5,18 +5,21 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 ORDER = (
-    *("geometry", "contracts", "plugins", "articulated", "config", "cli", "pretrained"),
+    *("geometry", "contracts", "plugins", "articulated", "config", "cli"),
     *("simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction"),
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
-    *("tables", "doctor", "api"),
+    *("tables", "api"),
 )
 
 ON_OTHERS = {  # few, each for a reason
     ("patchnet", "furniture"),  # its training draws furniture
     ("segmenter", "furniture"),  # its training furnishes rooms
     ("inputs", "segmenter"),  # masks that nobody gave
+    ("exports", "mujoco"),  # MJCF is MuJoCo's format
+    ("inputs", "pretrained"),  # the same way to read weights
     ("inputs", "vlm"),  # captions may come from a language model
     ("studies", "report"),  # the times of a run
+    ("studio", "report"),  # doubts and pictures of models, as pages show them
     ("studio", "inputs"),  # a photograph's camera, and what an input folder is
 }
 

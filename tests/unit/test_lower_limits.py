@@ -64,7 +64,7 @@ def test_an_episode_begins_closed(both: tuple[TaskEnv, TaskEnv]) -> None:
         env = task.env.unwrapped
         env.object.set_qpos(env.object.get_qlimits()[..., 1])
         task.place(3)
-        assert float(env.opened()[0]) == pytest.approx(0, abs=1e-4)
+        assert float(env.measure_opening()[0]) == pytest.approx(0, abs=1e-4)
         assert task.env.unwrapped.target.reference == pytest.approx(both[0].env.unwrapped.target.reference, abs=1e-3)
 
 
@@ -77,8 +77,8 @@ def test_success_and_openings_are_the_same(both: tuple[TaskEnv, TaskEnv]) -> Non
         thresholds.append(env.success_opening())
         for opened in (0.2, 0.6, 1.0):
             env.object.set_qpos(torch.tensor([[target.lower + opened * (target.upper - target.lower)]]))
-            assert float(env.opened()[0]) == pytest.approx(opened, abs=1e-3)
-            assert bool(env.succeeded()[0]) == (opened >= thresholds[0])
+            assert float(env.measure_opening()[0]) == pytest.approx(opened, abs=1e-3)
+            assert bool(env.check_success()[0]) == (opened >= thresholds[0])
     assert thresholds[0] == pytest.approx(thresholds[1], abs=1e-4) and thresholds[0] < 0.9
 
 

@@ -37,7 +37,7 @@ def put(content: Any, where: str, value: object) -> None:
 
 
 DOCUMENTS = ["camera", "annotations", "truth", "objects", "cousins", "distances", "generated", "task", "library",
-             "asset", "snapshots", "features", "policy", "chosen", "choice", "in_scene"]  # fmt: skip
+             "asset", "snapshots", "features", "policy", "chosen", "in_scene"]  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", DOCUMENTS)
@@ -148,11 +148,6 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
         ("assets.1.asset", "cabinet_0"), ("assets.1.distance", 5.0, "distance"), ("assets.0.distance", NAN),
         ("assets.0.size.0", -0.5, "size"), ("assets.0.size", [1.0, 1.0]), ("assets.0.joint", ""), ("task", "../door"),
         ("assets.2.role", "friend", "roles"),
-    ],
-    "choice": [
-        ("models", []), ("models.1.family", "cabinet_0", "families"), ("models.0.panel_size.0", 0.0), ("seed", -1),
-        ("models.0.size", [1.0, 1.0]), ("within_1", 0.9, "most_within_1"), ("within_2", 0.7, "within_2"),
-        ("within_2", 1.1), ("forecast", NAN), ("forecast", 70.0), ("alone", ["a", "a"]), ("box", [0.0, 1.0, 1.0]),
     ],
     "chosen": [
         ("runs", []), ("runs", ["narrow"], "narrow was not tried"), ("runs", ["lite", "lite"]),

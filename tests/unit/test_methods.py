@@ -13,12 +13,12 @@ import yaml
 from matplotlib.figure import Figure
 
 from plugins.report import report
-from plugins.studies import results
+from plugins.studies import conditions, results
 from stages.config.model import Config, load, with_defaults
 from stages.config.policy_kinds import policy_tables
 from stages.config.tables import PolicyAbout, PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout
-from stages.tables import claims, conditions, policies
+from stages.tables import claims, policies
 from stages.tables.methods import beside_ours, check_methods, kinds_of
 from stages.tables.order import target_title
 from stages.tables.policy_notes import policy_notes

@@ -5,13 +5,13 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from plugins.report.roles import lists_table, roles_table
+from plugins.report.roles import lists_table, role_title, roles_table
 from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.tables import asset_panels, assets, table3
 from stages.tables.markup import Table, markdown
 from stages.tables.methods import beside_ours, kind
-from stages.tables.order import role_title, row_title, set_key, target_title, title
+from stages.tables.order import row_title, set_key, target_title, title
 from stages.tables.policy_figures import figure4
 from stages.tables.policy_tables import assets_table, by_handle_table
 from stages.tables.rows import published_policies

@@ -9,8 +9,11 @@ from stages.config.model import load
 from stages.config.packages import home_of, present
 from stages.config.reads import READS, options_of, stores
 from stages.contracts.errors import InputError
-from stages.plugins import available
+from stages.plugins import list_available
+from tests.packages import needs
 from tests.refusals import refused
+
+pytestmark = needs("exports", "importing", "inputs", "mujoco", "vlm")  # what the tests turn on and off
 
 
 def test_all_that_are_here_are_on_unless_one_says_otherwise() -> None:
@@ -29,18 +32,21 @@ def test_a_package_that_is_not_here_is_told() -> None:
         load({"packages": {"mujocco": True}})
 
 
+LEFT = {"matching": {"model_selection": "distance", "orientation_selection": "distance"}}  # the core's judge
+
+
 @pytest.mark.parametrize("name", [name for name, package in present().items() if package.sections])
 def test_a_section_belongs_to_its_package(name: str) -> None:
     """It is left out, also where a file gives it, if its package is off."""
     sections = present()[name].sections
     given = {section: {} for section in sections}
-    on, off = load(given), load(given | {"packages": {name: False}})
+    on, off = load(given), load(given | LEFT | {"packages": {name: False}})
     assert all(hasattr(on, section) and not hasattr(off, section) for section in sections)
 
 
 def test_verbs_are_found_in_their_homes() -> None:
     assert home_of("matching") == "stages.matching" and home_of("exports") == "plugins.exports"
-    assert available("simulators")["mujoco"] == "plugins.mujoco.simulators.mujoco"
+    assert list_available("simulators")["mujoco"] == "plugins.mujoco.simulators.mujoco"
 
 
 @pytest.mark.parametrize("name", present())
@@ -51,7 +57,11 @@ def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -
         ):
             load({"packages": {name: False}})
         return
-    config = load({"packages": {name: False}})
+    if name == "render_and_compare":
+        mend = "packages: {render_and_compare: true}, or one of distance, priors, votes"
+        with refused("E-CONFIG", "matching.model_selection: there is no 'geometry'", mend):
+            load({"packages": {name: False}})
+    config = load(LEFT | {"packages": {name: False}})
     wildcards = {"variant": "b", "run": "lite", "scene": "", "store": next(iter(stores(config)))}
     for stage, verb in READS:
         if stage != name and stage != "inputs":
@@ -65,6 +75,9 @@ def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -
     [
         ("importing", {"assets": {"folders": ["mine"]}}, "assets.folders"),
         ("inputs", {"experiment": {"inputs": {"a": {"image": "a.png"}}, "rooms": ["a"]}}, "experiment.inputs"),
+        ("inputs", {"image": "a.png"}, "image: is read by the package inputs"),
+        ("inputs", {"experiment": {"inputs": "many", "rooms": ["*"]}}, "experiment.inputs"),
+        ("studies", {"evaluation": {"conditions": {"far": {"parking": [0.1, 5]}}}}, "evaluation.conditions"),
         ("vlm", {"photo": {"captions": "vlm"}, "image": "a.png"}, "photo.captions"),
         ("vlm", {"matching": {"model_selection": "vlm"}}, "matching.model_selection"),
     ],

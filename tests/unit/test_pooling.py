@@ -5,13 +5,14 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from plugins.studies import conditions
 from plugins.studies.progress import policy_file, progress_table
 from stages.config.model import Config, load
 from stages.config.policy_kinds import policy_tables
 from stages.config.tables import PolicyTables
 from stages.config.targets import Cell
 from stages.contracts.policies import Rollout
-from stages.tables import assets, conditions
+from stages.tables import assets
 from stages.tables.methods import kinds_of
 from stages.tables.policies import target_tables
 from stages.tables.pooling import pooled

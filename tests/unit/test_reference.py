@@ -9,6 +9,9 @@ import pytest
 
 from reference import doubts, errors, pages, rooms
 from stages.contracts.doubt import DoubtKind
+from tests.packages import needs
+
+pytestmark = needs("exports", "importing", "inputs", "report", "studio")  # pages are written from all packages
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -24,7 +24,7 @@ from stages.evaluation import trial as try_out
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.film import add_caption, one_of_each, take
 from stages.evaluation.simulators import maniskill
-from stages.evaluation.states import Purpose, Start, initial_states, starts_of, taking_turns
+from stages.evaluation.states import Purpose, Start, initial_states, share_states, starts_of
 from stages.policies.checkpoint import save_weights
 from stages.tasks.api import Observation, StepResult
 from stages.tasks.observation import Sensing
@@ -264,9 +264,9 @@ def test_too_short_a_split_is_said(folder: Path, tmp_path: Path, capsys: pytest.
 
 def test_of_more_assets_than_states_some_are_left_out_evenly() -> None:
     many = [an_asset("a", float(number)) for number in range(7)]
-    turns = taking_turns(many, [1, 2, 3])
+    turns = share_states(many, [1, 2, 3])
     assert [(asset.distance, state) for asset, state in turns] == [(0.0, 1), (2.0, 2), (4.0, 3)]
-    assert [asset.distance for asset, _ in taking_turns(many[:2], [1, 2, 3])] == [0.0, 1.0, 0.0]
+    assert [asset.distance for asset, _ in share_states(many[:2], [1, 2, 3])] == [0.0, 1.0, 0.0]
 
 
 @pytest.mark.parametrize("seed", [0, 7, 214_749, 20_261_122, 2**40])

@@ -16,7 +16,7 @@ from stages.geometry.boxes import UprightBox, corners, footprint
 from stages.geometry.cameras import look_at, project
 from stages.geometry.frames import apply, inverse
 from stages.scenes.casting import CastRoom, cast
-from stages.scenes.chance import EYE, all_seen, draw_room, redrawn
+from stages.scenes.chance import EYE, all_seen, draw_room, redraw_recipe
 from stages.scenes.framing import frame
 from stages.scenes.layout import arrange, scale_of
 from tests.refusals import refused
@@ -64,7 +64,7 @@ def test_a_room_that_is_not_moved_is_itself_or_its_mirror_image() -> None:
     for room, stands in arranged:
         seen, heights = set(), set()
         for seed in range(8):
-            drawn = redrawn(room, np.random.default_rng(seed), 0.0)
+            drawn = redraw_recipe(room, np.random.default_rng(seed), 0.0)
             side = np.sign(drawn.camera.azimuth * room.camera.azimuth)
             placed = arrange(drawn, sizes)
             assert placed is not None

@@ -9,7 +9,7 @@ import pytest
 from stages.contracts import TaskAssets
 from stages.contracts.policies import TaskAsset
 from stages.contracts.training_sets import DRAW
-from stages.experiment.splits import balanced, by_chance, census, cover, deal, with_lists
+from stages.experiment.splits import by_chance, census, cover, deal, order_by_family, with_lists
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset
 
@@ -59,7 +59,7 @@ def test_the_deal_follows_the_seed_and_not_the_order_of_the_library() -> None:
 
 def test_every_beginning_of_a_list_is_balanced() -> None:
     assets = library()
-    ordered = balanced(assets, np.random.default_rng(0))
+    ordered = order_by_family(assets, np.random.default_rng(0))
     assert sorted(asset.asset for asset in ordered) == sorted(asset.asset for asset in assets)
     for count in range(1, len(assets) + 1):
         found = Counter(asset.family for asset in ordered[:count])
@@ -201,5 +201,5 @@ def test_the_census_counts_kinds() -> None:
 def test_the_only_one_of_its_kind_stands_in_the_middle() -> None:
     """One knob among eight bars: neither the first test asset nor the last."""
     assets = [an_asset(f"bar{number}_0") for number in range(8)] + [an_asset("knob0_0", handle="knob")]
-    ordered = balanced(assets, np.random.default_rng(0))
+    ordered = order_by_family(assets, np.random.default_rng(0))
     assert [asset.handle for asset in ordered].index("knob") == 4

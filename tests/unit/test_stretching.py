@@ -108,7 +108,7 @@ def test_every_episode_has_the_scale_of_its_seed_and_the_scene_stays(tmp_path: P
         body = task.env.object._objs[0]
         bounds = np.array([link.compute_global_aabb_tight() for link in body.links])
         assert np.ptp(bounds[..., 2]) == pytest.approx(0.7 * scale[2], abs=1e-3)
-        assert task.env.opened().item() == 0.0
+        assert task.env.measure_opening().item() == 0.0
         seen.append(scale.tolist())
         handles.append(target.reference.tolist())
     assert seen[0] == seen[2] != seen[1] and handles[0] == handles[2] != handles[1]
@@ -126,7 +126,7 @@ def test_a_scene_is_built_again_before_its_ids_run_out(tmp_path: Path, monkeypat
     scene = task.env.scene
     monkeypatch.setattr("stages.tasks.environment.LARGEST_ID", 1)
     task.place(1)
-    assert task.env.scene is not scene and task.env.opened().item() == 0.0
+    assert task.env.scene is not scene and task.env.measure_opening().item() == 0.0
     task.close()
 
 

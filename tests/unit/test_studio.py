@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from stages.contracts.task_options import TaskConfig
-from stages.simulation.framing import FIELD_OF_VIEW, FRAME_MARGIN, frame_all
-from stages.simulation.studio import HAND_SHARE, Shot, Studio, directions, evenly
+from stages.simulation.framing import FIELD_OF_VIEW, MARGIN, frame_all
+from stages.simulation.studio import HAND_SHARE, Shot, Studio, directions, pick_evenly
 from stages.tasks.api import TaskEnv
 from tests.unit.demo_assets import cabinet
 
@@ -22,14 +22,14 @@ def test_everything_is_in_the_frame_and_something_touches_its_edge(side: float) 
     assert (depth > 0).all() and camera_from_world[1, 2] < 0  # y points down
     limit = np.tan(FIELD_OF_VIEW / 2)
     reach = np.abs(x / depth) / limit, np.abs(y / depth) / (limit * 0.8)
-    assert max(values.max() for values in reach) == pytest.approx(1 / FRAME_MARGIN)
+    assert max(values.max() for values in reach) == pytest.approx(1 / (1 + MARGIN))
     assert direction @ camera_from_world[2, :3] == pytest.approx(-1) and direction[2] > 0
     assert np.sign(direction[1]) == (side or 1.0)
 
 
 def test_moments_are_spread_evenly_with_both_ends() -> None:
-    assert evenly(range(101), 5) == [0, 25, 50, 75, 100]
-    assert evenly([7, 8], 4) == [7, 7, 8, 8]
+    assert pick_evenly(range(101), 5) == [0, 25, 50, 75, 100]
+    assert pick_evenly([7, 8], 4) == [7, 7, 8, 8]
 
 
 def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

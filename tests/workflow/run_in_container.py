@@ -14,7 +14,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from stages.config.containers import ContainersConfig
-from stages.config.made import content
+from stages.config.provenance import content
 
 ROOT = Path(__file__).resolve().parents[2]
 SNAKEMAKE = [str(Path(sys.executable).parent / "snakemake"), "--cores", "2", "--quiet", "all"]

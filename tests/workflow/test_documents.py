@@ -145,7 +145,7 @@ def check_snakemake(folder: Path, words: list[str]) -> None:
 
 
 def test_the_workflow_passes_flags_that_the_verbs_have() -> None:
-    for name, words in reference.passed(ROOT).items():
+    for name, words in reference.list_passed_flags(ROOT).items():
         stage, verb = name.split()
         known, needed = flags(ROOT / home_of(stage).replace(".", "/"), verb)
         assert needed <= words <= known, name
@@ -161,6 +161,19 @@ def test_readme_fits_on_a_screen_and_guides_into_an_hour() -> None:
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 60
     words = {path.name: len(path.read_text(encoding="utf-8").split()) for path in GUIDES if path.name not in REFERENCE}
     assert sum(words.values()) <= 15_000, words
+
+
+def test_the_glossary_is_short_and_prose_can_be_read() -> None:
+    rows = [line for line in (ROOT / "docs/glossary.md").read_text(encoding="utf-8").splitlines() if line[:2] == "| "]
+    assert len(rows) - 1 <= 25
+    pages = [path for path in GUIDES if path.name not in REFERENCE] + sorted((ROOT / "docs/results").glob("*.md"))
+    assert sum(map(prose, pages)) <= 25_000
+
+
+def prose(page: Path) -> int:
+    """Words of a page outside of tables and code."""
+    lines = FENCE.sub("", page.read_text(encoding="utf-8")).splitlines()
+    return sum(len(line.split()) for line in lines if not line.lstrip().startswith("|"))
 
 
 def test_lines_of_prose_are_short() -> None:

@@ -9,8 +9,8 @@ import torch
 import trimesh
 
 from plugins.bowl.skills.pick.grasps import TURNS, measure_turn, sample_grasps, sample_object_cloud, sort_by_turn
-from plugins.bowl.skills.place.predicates import DROP, inside, on_top, sample_placements
-from plugins.bowl.tasks.put_away_bowl.bowl import default_bowl, seen_mesh
+from plugins.bowl.skills.place.predicates import DROP, find_places_inside, on_top, sample_placements
+from plugins.bowl.tasks.put_away_bowl.bowl import default_bowl, load_visual_mesh
 from plugins.bowl.tasks.put_away_bowl.environment import with_stand_in_view
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
@@ -93,7 +93,7 @@ def test_of_grasps_that_turn_alike_the_nearest_to_the_hand_comes_first() -> None
     """A bowl is gripped at the same rim whichever contacts were drawn: with two in the data a policy closes between."""
     rest = rigid(DOWN[:3, :3], [0.4, 0.0, 0.4])
     pose = rigid(np.eye(3), [0.45, 0.4, 0.2])
-    cloud = sample_object_cloud(seen_mesh(default_bowl()))
+    cloud = sample_object_cloud(load_visual_mesh(default_bowl()))
     sides = []
     for seed in range(6):
         grasps = sample_grasps(cloud, pose, 0.2, 0.04, seed)
@@ -105,9 +105,9 @@ def test_of_grasps_that_turn_alike_the_nearest_to_the_hand_comes_first() -> None
 
 
 def test_placements_are_upright_inside_the_walls_and_turn_and_fall_least_first() -> None:
-    region, bowl = find_level_region(tray()), seen_mesh(default_bowl())
+    region, bowl = find_level_region(tray()), load_visual_mesh(default_bowl())
     assert region is not None
-    places = inside(region, bowl)
+    places = find_places_inside(region, bowl)
     radius = bowl.extents[0] / 2
     assert np.abs(places[:, 1]).max() + radius < 0.19
     hand = rigid(yaw_matrix(0.3), [0.1, 0.2, 0.5]) @ DOWN
@@ -182,7 +182,7 @@ def test_films_show_bowl_and_stand(task: TaskEnv) -> None:
     recording = task.recording([moment])
     assert [prop.folder.name.partition("-")[0] for prop in recording.props] == ["bowl", "stand"]
     assert recording.props[0].scale == pytest.approx(
-        task.env.bowl_meshes[0].extents / seen_mesh(default_bowl()).extents
+        task.env.bowl_meshes[0].extents / load_visual_mesh(default_bowl()).extents
     )
     bowl, stand = moment.props
     assert 0 < bowl[2, 3] - stand[2, 3] < 0.01 and np.abs(bowl[:2, 3] - stand[:2, 3]).max() < 0.05

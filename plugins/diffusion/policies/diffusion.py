@@ -86,7 +86,7 @@ class Policy(SeeingPolicy):
         training = torch.is_grad_enabled()
         random = torch.Generator().manual_seed(int(self.updates) if training else 0)
         self.updates += training
-        seen = self.seen(self.encode(clouds[:, :1], proprio[:, :1]))
+        seen = self.flatten_observations(self.encode(clouds[:, :1], proprio[:, :1]))
         level = torch.randint(1, self.options.levels + 1, (len(actions),), generator=random).to(actions.device)
         noise = torch.randn(actions.shape, generator=random).to(actions.device)
         signal = self.signal[level][:, None, None]
@@ -97,7 +97,7 @@ class Policy(SeeingPolicy):
         loss = ((denoised - actions).square().mean(-1) * weights).sum() / total
         return loss, ((error * weights).sum() / total).sqrt()
 
-    def seen(self, encoded: Tensor) -> Tensor:
+    def flatten_observations(self, encoded: Tensor) -> Tensor:
         """Observations (B, F) from encoded sequences of one step (B, 1, F)."""
         return self.add_handle_offset(encoded).squeeze(1)
 
@@ -134,7 +134,7 @@ class Actor:
         """Actions (n, 7) in [-1, 1] of the environments in `slots`, from clouds (P, 4) and proprioception (9,)."""
         looking = [(i, slot) for i, slot in enumerate(slots) if not self.plans[slot]]
         if looking:
-            found = self.planned(
+            found = self.plan_actions(
                 [s for _, s in looking], [clouds[i] for i, _ in looking], [proprio[i] for i, _ in looking]
             )
             for (_, slot), plan in zip(looking, found, strict=True):
@@ -142,11 +142,11 @@ class Actor:
         return np.stack([self.plans[slot].pop(0) for slot in slots])
 
     @torch.inference_mode()
-    def planned(self, slots: list[int], clouds: list[Float], proprio: list[Float]) -> Float:
+    def plan_actions(self, slots: list[int], clouds: list[Float], proprio: list[Float]) -> Float:
         """The next actions (n, T, 7) of some environments."""
         policy = self.policy
         kept = [policy.thin_cloud(cloud, self.random[slot]) for slot, cloud in zip(slots, clouds, strict=True)]
-        seen = policy.seen(policy.encode_observations(kept, proprio)[:, None])
+        seen = policy.flatten_observations(policy.encode_observations(kept, proprio)[:, None])
         shape = (policy.run.rnn_horizon, ACTION)
         noise = np.stack([self.random[slot].standard_normal(shape, np.float32) for slot in slots])
         plans: Float = (

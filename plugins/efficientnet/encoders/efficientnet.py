@@ -1,4 +1,4 @@
-"""Patch encoder `efficientnet`: features of an ImageNet network in place of the paper's DINOv2 (A.6), on its 14 x 14 patches."""
+"""Patch encoder `efficientnet`: features of an ImageNet network, in place of the paper's DINOv2 (A.6)."""
 
 import hashlib
 from typing import Any, Literal
@@ -25,7 +25,8 @@ class Options(Section):
     """`matching: {own: {efficientnet: ...}}`.
 
     Attributes:
-        stride: pixels of the 224 x 224 crop per feature. 32 adds the network's last blocks, whose weights are not shipped.
+        stride: 16 pixels of the crop per feature; 32 adds the features of the last blocks, whose weights are not
+            shipped.
         position: weight of a patch's place in the crop against its features.
     """
 

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.articulated.mjcf_writer import TOUCHED, ModelWriter, document, text
+from plugins.mujoco.mjcf_writer import TOUCHED, ModelWriter, document, text
 from stages.contracts.look import GAMMA
-from stages.generation.scene_models import CAMERA, OPENGL, Room
+from stages.generation.scene_models import CAMERA, Room
+from stages.geometry.cameras import OPENGL
 from stages.geometry.frames import quaternion_from_matrix, yaw_quaternion
 
 

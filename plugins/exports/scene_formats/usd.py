@@ -11,7 +11,8 @@ from stages.articulated.surfaces import ColouredMesh, surfaces
 from stages.articulated.urdf_writer import DAMPING, SURFACE_FRICTION
 from stages.contracts import InputError
 from stages.contracts.system import sync
-from stages.generation.scene_models import CAMERA, OPENGL, Body, Room, surface_of
+from stages.generation.scene_models import CAMERA, Body, Room, surface_of
+from stages.geometry.cameras import OPENGL
 from stages.geometry.frames import quaternion_from_matrix, rigid, yaw_matrix
 
 try:

@@ -174,10 +174,10 @@ def rotation(quaternion: Any) -> np.ndarray:
 
 
 def test_a_body_stretched_along_an_axis_keeps_its_closed_places(room: Room) -> None:
-    from stages.articulated.stretching import stretched
+    from stages.articulated.stretching import stretch_model
 
     model, scale = room.bodies[0].model, (1.5, 0.8, 1.2)
-    made = stretched(model, scale)
+    made = stretch_model(model, scale)
     for name, frame in link_frames(model).items():
         assert link_frames(made)[name][:3, 3] == pytest.approx(np.array(scale) * frame[:3, 3], abs=1e-6)
     runner, longer = by_name(room, "runner"), next(joint for joint in made.joints if joint.name == "runner")

@@ -8,7 +8,7 @@ import numpy as np
 from plugins.furniture.category import category
 from plugins.furniture.colours import FABRICS, METALS, WOODS, pick
 from plugins.furniture.model import FOAM, Model, Part, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, of, rounded
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, of, round_size
 from plugins.furniture.shapes import beam, box, cushion, hull, rod
 
 UPHOLSTERY = 100.0  # kg / m^3
@@ -99,9 +99,9 @@ def sample_armchair(rng: Rng, index: int) -> Sampled:
     """Cushions in a wooden frame, with wings, or a tub."""
     style = ["open", "wing", "tub", "open"][index % 4]
     tall = {"open": (0.74, 0.88), "wing": (0.95, 1.12), "tub": (0.68, 0.8)}[style]
-    size = rounded(rng.uniform(0.68, 0.82), rng.uniform(0.62, 0.8), rng.uniform(*tall))
+    size = round_size(rng.uniform(0.68, 0.82), rng.uniform(0.62, 0.8), rng.uniform(*tall))
     colour = pick(rng, FABRICS)
-    recipe = Armchair.sampled(
+    recipe = Armchair.sample_parameters(
         rng,
         index,
         style=style,

@@ -8,7 +8,7 @@ from plugins.furniture.colours import PAINTS, STONES, TILES, WOODS, Palette, pic
 from plugins.furniture.finishes import shade
 from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
 from plugins.furniture.model import Size
-from plugins.furniture.recipe import Rng, Sampled, rounded, uniform
+from plugins.furniture.recipe import Rng, Sampled, round_size, uniform
 
 Layout = list[list[str]]  # of kinds of cells; the recipe checks them
 D, P, O = ["door"], ["drawer"], ["open"]  # noqa: E741
@@ -16,7 +16,7 @@ D, P, O = ["door"], ["drawer"], ["open"]  # noqa: E741
 
 def box_of(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Size:
     """Extents sampled within ranges, metres."""
-    return rounded(rng.uniform(*x), rng.uniform(*y), rng.uniform(*z))
+    return round_size(rng.uniform(*x), rng.uniform(*y), rng.uniform(*z))
 
 
 def cabinet_of(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) -> Cabinet:
@@ -24,7 +24,7 @@ def cabinet_of(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) 
     front = pick(rng, PAINTS, WOODS)
     body = shade(front, 0.82) if rng.random() < 0.6 else pick(rng, PAINTS, WOODS)
     handle = str(rng.choice(HANDLES, p=HANDLE_SHARES))
-    recipe = Cabinet.sampled(
+    recipe = Cabinet.sample_parameters(
         rng,
         0,
         layout=layout,
@@ -34,8 +34,8 @@ def cabinet_of(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) 
         field_colour=lambda: shade(front, rng.choice([0.72, 0.85, 1.2])),
         top_colour=lambda: pick(rng, tops),
         protrusion=0.0,
-    ).changed(**changes)
-    return recipe.changed(protrusion=STYLES[recipe.handle].protrusion)
+    ).change_parameters(**changes)
+    return recipe.change_parameters(protrusion=STYLES[recipe.handle].protrusion)
 
 
 @category(

@@ -66,7 +66,7 @@ def sample_fridge(rng: Rng, index: int) -> Sampled:
         drawer_weight=0.5, board=0.04, density=130.0,
     )  # fmt: skip
     if index % 4 == 1:  # the freezer's door is the smaller one
-        p = p.changed(layout=[["door"], ["door"]], major="rows", handle_at=0.0, handle_length=0.35)
+        p = p.change_parameters(layout=[["door"], ["door"]], major="rows", handle_at=0.0, handle_length=0.35)
     return Sampled(size, p)
 
 

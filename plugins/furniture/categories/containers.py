@@ -9,7 +9,7 @@ from plugins.furniture.categories.vessels import hollow
 from plugins.furniture.category import category
 from plugins.furniture.colours import APPLIANCE, FABRICS, METALS, PAINTS, WICKER
 from plugins.furniture.model import FILLED, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, rounded
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size
 from plugins.furniture.shapes import box, cushion, lathe, rod
 
 LIGHT = 300.0  # kg / m^3: a shell with little or machinery in it
@@ -64,8 +64,8 @@ def sample_trash_can(rng: Rng, index: int) -> Sampled:
     wide = rng.uniform(0.22, 0.32)
     deep = wide if style != "square" else wide * rng.uniform(0.8, 1.3)
     tall = {"open": (0.26, 0.4), "dome": (0.4, 0.7), "square": (0.45, 0.68)}[style]
-    recipe = TrashCan.sampled(rng, index)
-    return Sampled(rounded(wide, deep, rng.uniform(*tall)), recipe)
+    recipe = TrashCan.sample_parameters(rng, index)
+    return Sampled(round_size(wide, deep, rng.uniform(*tall)), recipe)
 
 
 class Basket(Generator):
@@ -118,4 +118,4 @@ def sample_basket(rng: Rng, index: int) -> Sampled:
     wide = rng.uniform(0.24, 0.4)
     long = wide if style == "round" else wide * rng.uniform(1.1, 1.5)
     tall = rng.uniform(0.16, 0.3) * (1.5 if handle == "arch" else 1.0)
-    return Sampled(rounded(wide, long, tall), Basket.sampled(rng, index, style=style, handle=handle))
+    return Sampled(round_size(wide, long, tall), Basket.sample_parameters(rng, index, style=style, handle=handle))

@@ -4,7 +4,7 @@ from typing import Literal
 
 from plugins.furniture.category import category
 from plugins.furniture.colours import GLAZES, METALS, PAINTS, WOODS, pick
-from plugins.furniture.finishes import made_of
+from plugins.furniture.finishes import change_material
 from plugins.furniture.model import STEEL, Model, Parts, Size
 from plugins.furniture.recipe import (
     Coating,
@@ -15,7 +15,7 @@ from plugins.furniture.recipe import (
     fixed,
     in_turn,
     of,
-    rounded,
+    round_size,
     sampled_by,
     zero_or,
 )
@@ -59,8 +59,8 @@ def sample_television(rng: Rng, index: int) -> Sampled:
     """Small to large, wide or old-fashioned 4:3."""
     wide = rng.uniform(0.7, 1.25)
     shape = 0.72 if index % 4 == 3 else rng.uniform(0.58, 0.64)
-    recipe = Television.sampled(rng, index)
-    return Sampled(rounded(rng.uniform(0.18, 0.26), wide, wide * shape), recipe)
+    recipe = Television.sample_parameters(rng, index)
+    return Sampled(round_size(rng.uniform(0.18, 0.26), wide, wide * shape), recipe)
 
 
 class Picture(Generator):
@@ -70,9 +70,9 @@ class Picture(Generator):
     mat: float = zero_or(0.03, 0.08)
     motif: Literal["bands", "circle", "grid", "diagonal"] = in_turn("bands", "circle", "grid", "diagonal")
     frame_colour: Coating = of(WOODS, METALS)
-    colour_1: Coating = sampled_by(lambda rng, _: made_of("card", pick(rng, PAINTS)))
-    colour_2: Coating = sampled_by(lambda rng, _: made_of("card", pick(rng, GLAZES)))
-    colour_3: Coating = sampled_by(lambda rng, _: made_of("card", pick(rng, GLAZES)))
+    colour_1: Coating = sampled_by(lambda rng, _: change_material("card", pick(rng, PAINTS)))
+    colour_2: Coating = sampled_by(lambda rng, _: change_material("card", pick(rng, GLAZES)))
+    colour_3: Coating = sampled_by(lambda rng, _: change_material("card", pick(rng, GLAZES)))
 
     def build(self, size: Size) -> Model:
         x, y, z = size[0] / 2, size[1] / 2, size[2]
@@ -109,4 +109,4 @@ def sample_picture(rng: Rng, index: int) -> Sampled:
     """Portrait and landscape."""
     wide, tall = sorted(rng.uniform([0.3, 0.5], [0.5, 0.8]))
     y, z = (wide, tall) if index % 2 else (tall, wide)
-    return Sampled(rounded(0.035, y, z), Picture.sampled(rng, index))
+    return Sampled(round_size(0.035, y, z), Picture.sample_parameters(rng, index))

@@ -12,7 +12,7 @@ from plugins.furniture.category import category
 from plugins.furniture.colours import FABRICS, METALS, PAINTS, WOODS, pick
 from plugins.furniture.finishes import shade
 from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES, Style
-from plugins.furniture.model import FOAM, METAL, Model, Moving, Parts, Size, moved
+from plugins.furniture.model import FOAM, METAL, Model, Moving, Parts, Size, move_model
 from plugins.furniture.recipe import (
     Coating,
     Generator,
@@ -23,14 +23,14 @@ from plugins.furniture.recipe import (
     in_turn,
     of,
     one_of,
-    rounded,
+    round_size,
     sampled_by,
     uniform,
     whole,
 )
 from plugins.furniture.shapes import beam, box, cushion
 
-MARGIN = 0.012  # between the top's rim and a pedestal's handles
+RIM = 0.012  # between the top's rim and a pedestal's handles
 
 
 class Desk(Generator):
@@ -67,8 +67,8 @@ class Desk(Generator):
         wide = min(self.pedestal_width, 0.3 * size[1])
         for side in (-1, 1):
             if self.pedestals in ("both", "left" if side < 0 else "right"):
-                unit = _pedestal(self).build((size[0] - 2 * MARGIN, wide, under))
-                unit = moved(unit, (0.0, side * (y - wide / 2 - MARGIN), 0.0), f"_{'l' if side < 0 else 'r'}")
+                unit = _pedestal(self).build((size[0] - 2 * RIM, wide, under))
+                unit = move_model(unit, (0.0, side * (y - wide / 2 - RIM), 0.0), f"_{'l' if side < 0 else 'r'}")
                 parts += unit.base
                 moving += unit.moving
             elif self.legs == "panels":
@@ -79,9 +79,9 @@ class Desk(Generator):
                 for a in (-x + leg, x - leg):
                     parts.add(beam((a, b, 0), (a, b, under), 0.7 * leg, leg), self.leg_colour)
         if self.modesty:
-            rim = y - wide - 2 * MARGIN if self.pedestals == "both" else y - 1.2 * leg
-            left = -(y - wide - 2 * MARGIN) if self.pedestals in ("left", "both") else -rim
-            right = y - wide - 2 * MARGIN if self.pedestals in ("right", "both") else rim
+            rim = y - wide - 2 * RIM if self.pedestals == "both" else y - 1.2 * leg
+            left = -(y - wide - 2 * RIM) if self.pedestals in ("left", "both") else -rim
+            right = y - wide - 2 * RIM if self.pedestals in ("right", "both") else rim
             parts.add(box((-x + 0.03, -x + 0.045), (left, right), (0.45 * under, under)), self.leg_colour)
         if z < high:
             parts.add(box((-x, -x + 0.45 * x), (-y, y), (high - 0.02, high)), self.top_colour)
@@ -94,7 +94,7 @@ class Desk(Generator):
 def sample_desk(rng: Rng, index: int) -> Sampled:
     """With one pedestal, with two, without, with a shelf on top."""
     top, front = pick(rng, WOODS, PAINTS[:2]), pick(rng, WOODS, PAINTS)
-    recipe = Desk.sampled(
+    recipe = Desk.sample_parameters(
         rng,
         index,
         top_colour=top,
@@ -104,7 +104,7 @@ def sample_desk(rng: Rng, index: int) -> Sampled:
     )
     wide = rng.uniform(1.35, 1.7) if recipe.pedestals == "both" else rng.uniform(1.0, 1.5)
     high = rng.uniform(0.72, 0.77) + recipe.raised
-    return Sampled(rounded(rng.uniform(0.55, 0.75), wide, high), recipe)
+    return Sampled(round_size(rng.uniform(0.55, 0.75), wide, high), recipe)
 
 
 def _pedestal(desk: Desk) -> Cabinet:
@@ -184,10 +184,10 @@ def sample_bench(rng: Rng, index: int) -> Sampled:
     """A board, slats, padded; some with a back."""
     back = index % 4 == 3
     tall = (0.78, 0.9) if back else (0.42, 0.48)
-    size = rounded(rng.uniform(0.32, 0.45), rng.uniform(0.9, 1.5), rng.uniform(*tall))
-    recipe = Bench.sampled(rng, index, back=round(0.45 / size[2], 3) if back else 1.0)
+    size = round_size(rng.uniform(0.32, 0.45), rng.uniform(0.9, 1.5), rng.uniform(*tall))
+    recipe = Bench.sample_parameters(rng, index, back=round(0.45 / size[2], 3) if back else 1.0)
     if recipe.seat == "padded":
-        recipe = recipe.changed(thickness=uniform(rng, 0.07, 0.1))
+        recipe = recipe.change_parameters(thickness=uniform(rng, 0.07, 0.1))
     return Sampled(size, recipe)
 
 
@@ -239,5 +239,5 @@ def sample_wall_shelf(rng: Rng, index: int) -> Sampled:
     """One board on brackets to a box of three."""
     style, boards = [("brackets", 1), ("box", 1), ("ladder", 3), ("brackets", 2), ("box", 2)][index % 5]
     tall = {"brackets": 0.22 + 0.28 * (boards - 1), "box": 0.3 * boards, "ladder": 0.85}[style]
-    size = rounded(rng.uniform(0.18, 0.28), rng.uniform(0.5, 1.1), tall * rng.uniform(0.85, 1.15))
-    return Sampled(size, WallShelf.sampled(rng, index, style=style, boards=boards))
+    size = round_size(rng.uniform(0.18, 0.28), rng.uniform(0.5, 1.1), tall * rng.uniform(0.85, 1.15))
+    return Sampled(size, WallShelf.sample_parameters(rng, index, style=style, boards=boards))

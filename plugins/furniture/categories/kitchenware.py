@@ -9,8 +9,8 @@ from plugins.furniture.categories.containers import DARK, LIGHT
 from plugins.furniture.categories.vessels import ear, hollow
 from plugins.furniture.category import category
 from plugins.furniture.colours import APPLIANCE, GLAZES, METALS, PAINTS, WOODS
-from plugins.furniture.model import FILLED, METAL, PLASTIC, Model, Part, Parts, Size, moved
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, rounded, uniform
+from plugins.furniture.model import FILLED, METAL, PLASTIC, Model, Part, Parts, Size, move_model
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, uniform
 from plugins.furniture.shapes import box, cushion, lathe, rod
 
 
@@ -45,7 +45,9 @@ class Kettle(Generator):
         else:
             grip = ear(0.0, 0.75 * radius, 2 * 0.9 * radius, 0.0, self.grip_colour, False)
         parts += (
-            moved(Model(grip), (0.0, 0.0, 0.0), turn=np.pi / 2).base if self.style == "jug" else _bail(grip, z, body)
+            move_model(Model(grip), (0.0, 0.0, 0.0), turn=np.pi / 2).base
+            if self.style == "jug"
+            else _bail(grip, z, body)
         )
         return Model(parts, placement="object")
 
@@ -69,8 +71,8 @@ def _bail(grip: list[Part], z: float, body: float) -> Parts:
 def sample_kettle(rng: Rng, index: int) -> Sampled:
     """Electric jugs, and kettles for the stove."""
     deep = rng.uniform(0.2, 0.25)
-    size = rounded(deep, deep * [0.68, 0.76][index % 2], rng.uniform(0.19, 0.26))
-    return Sampled(size, Kettle.sampled(rng, index))
+    size = round_size(deep, deep * [0.68, 0.76][index % 2], rng.uniform(0.19, 0.26))
+    return Sampled(size, Kettle.sample_parameters(rng, index))
 
 
 class Toaster(Generator):
@@ -104,8 +106,8 @@ class Toaster(Generator):
 def sample_toaster(rng: Rng, index: int) -> Sampled:
     """For two or four slices."""
     wider = [0.1, 0.0, 0.0][index % 3]
-    size = rounded(rng.uniform(0.27, 0.36), rng.uniform(0.16, 0.2) + wider, rng.uniform(0.17, 0.21))
-    return Sampled(size, Toaster.sampled(rng, index))
+    size = round_size(rng.uniform(0.27, 0.36), rng.uniform(0.16, 0.2) + wider, rng.uniform(0.17, 0.21))
+    return Sampled(size, Toaster.sample_parameters(rng, index))
 
 
 class Pan(Generator):
@@ -133,7 +135,7 @@ class Pan(Generator):
             lid = lathe([(0, body), (radius, body), (0.5 * radius, 0.85 * z), (0, 0.87 * z)])
             parts.add(lid, self.lid_colour, METAL, smooth=True)
             parts.add(rod((0, 0, 0.82 * z), (0, 0, z), 0.012, 0.02), self.grip_colour, PLASTIC, smooth=True)
-        return Model(moved(Model(parts), (0.0, -reach / 2, 0.0)).base, placement="object")
+        return Model(move_model(Model(parts), (0.0, -reach / 2, 0.0)).base, placement="object")
 
 
 @category("pan", founders=3, names="frying pan, frypan, skillet", like="saucepan", kin="dish")
@@ -141,8 +143,8 @@ def sample_pan(rng: Rng, index: int) -> Sampled:
     """Flat frying pans to sauce pans with a lid."""
     diameter, lid = rng.uniform(0.2, 0.3), index % 3 == 2
     tall = (0.11, 0.17) if lid else (0.05, 0.08)
-    size = rounded(diameter, diameter + rng.uniform(0.15, 0.2), rng.uniform(*tall), digits=4)
-    return Sampled(size, Pan.sampled(rng, index, lid=lid))
+    size = round_size(diameter, diameter + rng.uniform(0.15, 0.2), rng.uniform(*tall), digits=4)
+    return Sampled(size, Pan.sample_parameters(rng, index, lid=lid))
 
 
 class Jar(Generator):
@@ -178,5 +180,5 @@ class Jar(Generator):
 def sample_jar(rng: Rng, index: int) -> Sampled:
     """Preserving jars, storage jars with a knob."""
     diameter = uniform(rng, 0.075, 0.13, 4)
-    recipe = Jar.sampled(rng, index)
-    return Sampled(rounded(diameter, diameter, diameter * rng.uniform(1.1, 1.9), digits=4), recipe)
+    recipe = Jar.sample_parameters(rng, index)
+    return Sampled(round_size(diameter, diameter, diameter * rng.uniform(1.1, 1.9), digits=4), recipe)

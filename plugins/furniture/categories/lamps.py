@@ -4,7 +4,7 @@ from typing import Literal
 
 import numpy as np
 
-from plugins.furniture.categories.turned import turned
+from plugins.furniture.categories.turned import revolve_outline
 from plugins.furniture.category import category
 from plugins.furniture.colours import GLAZES, METALS, SHADES
 from plugins.furniture.model import CERAMIC, METAL, STEEL, WOOD, Model, Parts, Size
@@ -45,7 +45,7 @@ class Lamp(Generator):
             shape = np.interp(levels, knots, np.array(self.radii, dtype=float))
             shape = shape / shape.max()
             outline = [(max(foot * float(r), stem), 0.9 * start * float(a)) for r, a in zip(shape, levels, strict=True)]
-            parts.append(turned(outline, 3, self.foot_colour, CERAMIC))
+            parts.append(revolve_outline(outline, 3, self.foot_colour, CERAMIC))
             stem_low = 0.88 * start
         else:
             disc = lathe([(0, 0), (foot, 0), (foot, 0.015), (0.3 * foot, 0.03), (0, 0.03)])
@@ -67,7 +67,7 @@ class Lamp(Generator):
 def _sampled(rng: Rng, index: int, share: float, feet: list[str], placement: Placement) -> Lamp:
     radii = [1.0, *rng.uniform(0.3, 1.0, 5).round(3).tolist()[1:-1], 0.2]
     foot = feet[index % len(feet)]
-    return Lamp.sampled(rng, index, foot=foot, shade_height=share, radii=radii, placement=placement)
+    return Lamp.sample_parameters(rng, index, foot=foot, shade_height=share, radii=radii, placement=placement)
 
 
 @category("floor_lamp", founders=3, count=10, names="standing lamp", kin="lamp")

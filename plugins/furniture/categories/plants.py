@@ -7,7 +7,7 @@ import numpy as np
 from plugins.furniture.category import category
 from plugins.furniture.colours import CARDBOARD, GLAZES, GREENS
 from plugins.furniture.model import FILLED, WOOD, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, rounded, whole
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, whole
 from plugins.furniture.shapes import ball, hull, lathe, rod
 
 LEAF = 20.0  # kg / m^3: foliage is mostly air
@@ -72,5 +72,5 @@ class PlantPot(Generator):
 def sample_plant_pot(rng: Rng, index: int) -> Sampled:
     """From a desk plant to a small tree."""
     wide = rng.uniform(0.25, 0.5)
-    recipe = PlantPot.sampled(rng, index)
-    return Sampled(rounded(wide, wide, wide * rng.uniform(1.4, 2.3)), recipe)
+    recipe = PlantPot.sample_parameters(rng, index)
+    return Sampled(round_size(wide, wide, wide * rng.uniform(1.4, 2.3)), recipe)

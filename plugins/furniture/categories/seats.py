@@ -18,7 +18,7 @@ from plugins.furniture.recipe import (
     in_turn,
     of,
     one_of,
-    rounded,
+    round_size,
     uniform,
     zero_or,
 )
@@ -124,9 +124,9 @@ def _slat(
 def sample_chair(rng: Rng, index: int) -> Sampled:
     """Dining chairs, some with arms, some padded."""
     arms = index % 4 == 3
-    size = rounded(rng.uniform(0.44, 0.56), rng.uniform(0.42, 0.5) + 0.08 * arms, rng.uniform(0.78, 1.05))
+    size = round_size(rng.uniform(0.44, 0.56), rng.uniform(0.42, 0.5) + 0.08 * arms, rng.uniform(0.78, 1.05))
     frame = pick(rng, WOODS, PAINTS, METALS)
-    recipe = Chair.sampled(
+    recipe = Chair.sample_parameters(
         rng,
         index,
         seat=round(0.45 / size[2], 3),
@@ -184,5 +184,5 @@ class Stool(Generator):
 def sample_stool(rng: Rng, index: int) -> Sampled:
     """Low stools and bar stools."""
     wide = uniform(rng, 0.32, 0.42)
-    recipe = Stool.sampled(rng, index)
+    recipe = Stool.sample_parameters(rng, index)
     return Sampled((wide, wide, uniform(rng, 0.42, 0.75)), recipe)

@@ -8,9 +8,9 @@ import numpy as np
 from plugins.furniture.category import category
 from plugins.furniture.colours import METALS, PAINTS, WOODS
 from plugins.furniture.finishes import DARK, shade
-from plugins.furniture.model import CERAMIC, FILLED, METAL, PLASTIC, Model, Parts, Size, moved, part
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, rounded, uniform
-from plugins.furniture.shapes import box, cushion, hull, lathe, rim, rod, rotated
+from plugins.furniture.model import CERAMIC, FILLED, METAL, PLASTIC, Model, Parts, Size, move_model, part
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size, uniform
+from plugins.furniture.shapes import box, cushion, hull, lathe, rim, rod, rotate
 
 SILVER = (0.62, 0.68, 0.72)
 
@@ -45,22 +45,22 @@ class Clock(Generator):
             """A mark or hand before the face, turned clockwise from noon as seen from the front; shares of it."""
             front = x + level * thin
             bar = box((front, front + thin), (-half * inner, half * inner), (start * inner, end * inner))
-            parts.add(rotated(bar, turn, [1, 0, 0]), self.hand_colour, solid=False)
+            parts.add(rotate(bar, turn, [1, 0, 0]), self.hand_colour, solid=False)
 
         for k in range(count):
             hand(0, 2 * np.pi * k / count, 0.88 - (0.12 if k % (count // 4) == 0 else 0.07), 0.9, 0.022)
         hand(1, 2 * np.pi * self.hour, -0.1, 0.5, 0.035)
         hand(2, 2 * np.pi * self.minute, -0.1, 0.78, 0.022)
-        return Model(moved(Model(parts), (0, 0, z / 2)).base, placement="wall")
+        return Model(move_model(Model(parts), (0, 0, z / 2)).base, placement="wall")
 
 
 @category("clock", founders=4, kin="flat")
 def sample_clock(rng: Rng, index: int) -> Sampled:
     """Round and square."""
     wide = uniform(rng, 0.22, 0.42)
-    recipe = Clock.sampled(rng, index)
+    recipe = Clock.sample_parameters(rng, index)
     if "paint 0.1" in str(recipe.face_colour):
-        recipe = recipe.changed(hand_colour=[0.8, 0.8, 0.78])
+        recipe = recipe.change_parameters(hand_colour=[0.8, 0.8, 0.78])
     return Sampled((uniform(rng, 0.03, 0.05), wide, wide), recipe)
 
 
@@ -100,8 +100,8 @@ class Mirror(Generator):
 def sample_mirror(rng: Rng, index: int) -> Sampled:
     """Rectangular, oval, arched."""
     wide, tall = rng.uniform(0.35, 0.65), rng.uniform(0.75, 1.3)
-    recipe = Mirror.sampled(rng, index)
-    return Sampled(rounded(rng.uniform(0.025, 0.045), wide, tall), recipe)
+    recipe = Mirror.sample_parameters(rng, index)
+    return Sampled(round_size(rng.uniform(0.025, 0.045), wide, tall), recipe)
 
 
 class Laptop(Generator):
@@ -142,8 +142,8 @@ class Laptop(Generator):
 def sample_laptop(rng: Rng, index: int) -> Sampled:
     """Small to large, more or less open."""
     wide, lean = rng.uniform(0.29, 0.38), rng.uniform(0.12, 0.3)
-    size = rounded(wide * 0.68 / (1 - lean), wide, wide * rng.uniform(0.58, 0.66))
-    return Sampled(size, Laptop.sampled(rng, index, lean=round(lean, 3)))
+    size = round_size(wide * 0.68 / (1 - lean), wide, wide * rng.uniform(0.58, 0.66))
+    return Sampled(size, Laptop.sample_parameters(rng, index, lean=round(lean, 3)))
 
 
 class Candlestick(Generator):
@@ -176,4 +176,4 @@ def sample_candlestick(rng: Rng, index: int) -> Sampled:
     """Turned holders, low and tall."""
     wide, tall = rng.uniform(0.07, 0.12), rng.uniform(0.14, 0.34)
     radii = [1.0, *rng.uniform(0.14, 0.42, 3).round(3).tolist(), uniform(rng, 0.28, 0.42)]
-    return Sampled(rounded(wide, wide, tall), Candlestick.sampled(rng, index, radii=radii))
+    return Sampled(round_size(wide, wide, tall), Candlestick.sample_parameters(rng, index, radii=radii))

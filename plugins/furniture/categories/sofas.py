@@ -7,7 +7,7 @@ from pydantic import Field
 from plugins.furniture.category import category
 from plugins.furniture.colours import FABRICS, METALS, WOODS, pick
 from plugins.furniture.model import FOAM, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, of, rounded
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, of, round_size
 from plugins.furniture.shapes import box, cushion, rod
 
 
@@ -60,9 +60,9 @@ class Sofa(Generator):
 def sample_sofa(rng: Rng, index: int) -> Sampled:
     """Armchair to three-seater."""
     seats = [2, 3, 1, 3][index % 4]
-    size = rounded(rng.uniform(0.8, 0.98), 0.45 + 0.55 * seats + rng.uniform(-0.05, 0.15), rng.uniform(0.7, 0.9))
+    size = round_size(rng.uniform(0.8, 0.98), 0.45 + 0.55 * seats + rng.uniform(-0.05, 0.15), rng.uniform(0.7, 0.9))
     colour = pick(rng, FABRICS)
-    recipe = Sofa.sampled(
+    recipe = Sofa.sample_parameters(
         rng,
         index,
         seats=seats,

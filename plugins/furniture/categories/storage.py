@@ -8,7 +8,7 @@ from pydantic import Field
 
 from plugins.furniture.category import category
 from plugins.furniture.colours import CARDBOARD, FABRICS, GLAZES, METALS, PAINTS, WOODS, pick
-from plugins.furniture.finishes import made_of, shade
+from plugins.furniture.finishes import change_material, shade
 from plugins.furniture.model import PAPER, Model, Part, Parts, Size
 from plugins.furniture.recipe import (
     Coating,
@@ -20,7 +20,7 @@ from plugins.furniture.recipe import (
     in_turn,
     of,
     one_of,
-    rounded,
+    round_size,
     whole,
 )
 from plugins.furniture.shapes import box
@@ -82,7 +82,7 @@ def _row(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: float, hei
             return parts
         tall, deep = height * float(rng.uniform(0.6, 0.9)), (x[1] - x[0]) * float(rng.uniform(0.6, 0.85))
         book = box((x[0], x[0] + deep), (at, at + wide - 0.001), (z, z + tall))
-        parts.add(book, made_of("paint", pick(rng, FABRICS, GLAZES)), PAPER)
+        parts.add(book, change_material("paint", pick(rng, FABRICS, GLAZES)), PAPER)
         at += wide
 
 
@@ -91,10 +91,10 @@ def sample_bookshelf(rng: Rng, index: int) -> Sampled:
     """Narrow or wide, low or tall, with or without books."""
     columns = 1 + index % 2
     wider = [1.0, 1.5][index % 2]
-    size = rounded(rng.uniform(0.26, 0.36), rng.uniform(0.55, 0.75) * wider, rng.uniform(0.9, 2.0))
+    size = round_size(rng.uniform(0.26, 0.36), rng.uniform(0.55, 0.75) * wider, rng.uniform(0.9, 2.0))
     colour = pick(rng, WOODS, PAINTS)
     shelves = max(2, round(size[2] / rng.uniform(0.3, 0.42)))
-    return Sampled(size, Bookshelf.sampled(rng, index, shelves=shelves, columns=columns, colour=colour))
+    return Sampled(size, Bookshelf.sample_parameters(rng, index, shelves=shelves, columns=columns, colour=colour))
 
 
 class Carton(Generator):
@@ -141,10 +141,12 @@ def sample_box(rng: Rng, index: int) -> Sampled:
     style = ["closed", "open", "lid", "crate"][index % 4]
     wooden = style == "crate"
     colour = pick(rng, WOODS) if wooden else pick(rng, CARDBOARD, PAINTS)
-    size = rounded(*rng.uniform([0.18, 0.22, 0.12], [0.34, 0.45, 0.32]))
+    size = round_size(*rng.uniform([0.18, 0.22, 0.12], [0.34, 0.45, 0.32]))
     second = shade(colour, 0.75) if wooden else pick(rng, CARDBOARD, PAINTS)
     wall = 0.012 if wooden else 0.006
-    return Sampled(size, Carton.sampled(rng, index, style=style, wall=wall, colour=colour, second_colour=second))
+    return Sampled(
+        size, Carton.sample_parameters(rng, index, style=style, wall=wall, colour=colour, second_colour=second)
+    )
 
 
 class Book(Generator):
@@ -181,7 +183,7 @@ class Book(Generator):
 def sample_book(rng: Rng, index: int) -> Sampled:
     """One to four books."""
     count = 1 + index % 4
-    colours = [made_of("card", pick(rng, GLAZES, FABRICS)) for _ in range(count)]
+    colours = [change_material("card", pick(rng, GLAZES, FABRICS)) for _ in range(count)]
     thick = count * rng.uniform(0.025, 0.045)
-    size = rounded(rng.uniform(0.15, 0.22), rng.uniform(0.21, 0.3), thick)
-    return Sampled(size, Book.sampled(rng, index, books=count, colours=colours))
+    size = round_size(rng.uniform(0.15, 0.22), rng.uniform(0.21, 0.3), thick)
+    return Sampled(size, Book.sample_parameters(rng, index, books=count, colours=colours))

@@ -9,7 +9,7 @@ from plugins.furniture.category import category
 from plugins.furniture.colours import FABRICS, METALS, PAINTS, STONES, TILES, WOODS, pick
 from plugins.furniture.finishes import Surface, finish_of
 from plugins.furniture.model import FOAM, METAL, Model, Part, Parts, Size, part
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, rounded, zero_or
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size, zero_or
 from plugins.furniture.shapes import beam, box, cushion, lathe, rod
 
 SLATTED = 180.0  # kg / m^3: a bed frame is not solid
@@ -102,7 +102,9 @@ def _sampled(rng: Rng, index: int, legs: str, top: str, shelf: float) -> Table:
         same = rng.random() < 0.5 and finish_of(colour).material in ("wood", "paint")
         return colour if same else pick(rng, WOODS, METALS)
 
-    return Table.sampled(rng, index, top=top, legs=legs, shelf=shelf, top_colour=colour, leg_colour=leg_colour)
+    return Table.sample_parameters(
+        rng, index, top=top, legs=legs, shelf=shelf, top_colour=colour, leg_colour=leg_colour
+    )
 
 
 @category("table", founders=5, count=10, kin="table")
@@ -112,7 +114,7 @@ def sample_table(rng: Rng, index: int) -> Sampled:
     is_round = legs == "pedestal"
     x = rng.uniform(0.75, 0.95)
     y = x if is_round else rng.uniform(1.0, 1.8)
-    size = rounded(x, y, rng.uniform(0.70, 0.78))
+    size = round_size(x, y, rng.uniform(0.70, 0.78))
     return Sampled(size, _sampled(rng, index, legs, "round" if is_round else "rectangle", 0.0))
 
 
@@ -123,7 +125,7 @@ def sample_coffee_table(rng: Rng, index: int) -> Sampled:
     is_round = index % 4 == 1
     x = rng.uniform(0.5, 0.7)
     y = x if is_round else rng.uniform(0.8, 1.2)
-    size = rounded(x, y, rng.uniform(0.35, 0.5))
+    size = round_size(x, y, rng.uniform(0.35, 0.5))
     shelf = [0.25, 0.0, 0.0, 0.25][index % 4]
     return Sampled(size, _sampled(rng, index, legs, "round" if is_round else "rectangle", shelf))
 
@@ -176,5 +178,5 @@ class Bed(Generator):
 def sample_bed(rng: Rng, index: int) -> Sampled:
     """Single and double."""
     wide = [(0.9, 1.1), (1.4, 1.7)][index % 2]
-    size = rounded(rng.uniform(1.95, 2.1), rng.uniform(*wide), rng.uniform(0.75, 1.1))
-    return Sampled(size, Bed.sampled(rng, index))
+    size = round_size(rng.uniform(1.95, 2.1), rng.uniform(*wide), rng.uniform(0.75, 1.1))
+    return Sampled(size, Bed.sample_parameters(rng, index))

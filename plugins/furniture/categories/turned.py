@@ -9,11 +9,11 @@ from plugins.furniture.category import category
 from plugins.furniture.colours import GLAZES, pick
 from plugins.furniture.finishes import Surface, finish_of, shade
 from plugins.furniture.model import FILLED, Model, Part, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, rounded, uniform
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
 from plugins.furniture.shapes import hull, lathe
 
 
-def turned(outline: Profile, step: int, colour: Surface, density: float) -> Part:
+def revolve_outline(outline: Profile, step: int, colour: Surface, density: float) -> Part:
     """A solid of revolution by its outline, bottom first; to PhysX frusta of so many of its bands each."""
     mesh = lathe([(0, outline[0][1]), *outline, (0, outline[-1][1])])
     pieces = tuple(
@@ -47,7 +47,7 @@ class TurnedVessel(Generator):
         for low, high, colour in zip(cuts, cuts[1:], colours, strict=False):
             levels = np.unique(np.concatenate([[low, high], fine[(fine > low) & (fine < high)]]))
             outline = [(radius * float(np.interp(a, fine, shares)), height * float(a)) for a in levels]
-            parts.append(turned(outline, 4, colour, self.density))
+            parts.append(revolve_outline(outline, 4, colour, self.density))
         return Model(parts, symmetry="full", placement="object")
 
 
@@ -64,7 +64,7 @@ def sample_bottle(rng: Rng, index: int) -> Sampled:
         band_colour=pick(rng, GLAZES),
         density=FILLED,
     )
-    return Sampled(rounded(diameter, diameter, diameter * rng.uniform(2.6, 4.0), digits=4), recipe)
+    return Sampled(round_size(diameter, diameter, diameter * rng.uniform(2.6, 4.0), digits=4), recipe)
 
 
 @category("vase", founders=4, count=10, kin="dish, plant")
@@ -82,4 +82,4 @@ def sample_vase(rng: Rng, index: int) -> Sampled:
         band_colour=shade(colour, 0.6),
         density=700.0,
     )
-    return Sampled(rounded(diameter, diameter, diameter * rng.uniform(1.2, 2.4), digits=4), recipe)
+    return Sampled(round_size(diameter, diameter, diameter * rng.uniform(1.2, 2.4), digits=4), recipe)

@@ -7,7 +7,7 @@ import numpy as np
 from plugins.furniture.category import category
 from plugins.furniture.colours import GLAZES, METALS, pick
 from plugins.furniture.finishes import Surface, finish_of
-from plugins.furniture.model import CERAMIC, METAL, PLASTIC, Model, Part, Parts, Size, moved, part
+from plugins.furniture.model import CERAMIC, METAL, PLASTIC, Model, Part, Parts, Size, move_model, part
 from plugins.furniture.recipe import (
     Coating,
     Generator,
@@ -17,7 +17,7 @@ from plugins.furniture.recipe import (
     fixed,
     in_turn,
     of,
-    rounded,
+    round_size,
     uniform,
     zero_or,
 )
@@ -65,11 +65,11 @@ class Bowl(Generator):
 def sample_bowl(rng: Rng, index: int) -> Sampled:
     """Shallow and wide to deep and steep."""
     radius = rng.uniform(0.06, 0.11)
-    size = rounded(2 * radius, 2 * radius, radius * rng.uniform(0.55, 1.15), digits=4)
+    size = round_size(2 * radius, 2 * radius, radius * rng.uniform(0.55, 1.15), digits=4)
     colour = pick(rng, GLAZES)
     inside = colour if rng.random() < 0.5 else pick(rng, GLAZES)
     bulge = uniform(rng, 0.3, 0.95)
-    return Sampled(size, Bowl.sampled(rng, index, bulge=bulge, colour=colour, inside=inside))
+    return Sampled(size, Bowl.sample_parameters(rng, index, bulge=bulge, colour=colour, inside=inside))
 
 
 class Mug(Generator):
@@ -93,7 +93,7 @@ class Mug(Generator):
         wall = min(self.wall, 0.2 * min(radius, height))
         parts = hollow(outer, wall, self.colour, self.inside, CERAMIC)
         parts += ear(radius, reach, self.handle * height, 0.52 * height, self.colour, self.angular)
-        return Model(moved(Model(parts), (0.0, -reach / 2, 0.0)).base, placement="object")
+        return Model(move_model(Model(parts), (0.0, -reach / 2, 0.0)).base, placement="object")
 
 
 def ear(radius: float, reach: float, height: float, z: float, colour: Surface, angular: bool) -> list[Part]:
@@ -119,13 +119,13 @@ def ear(radius: float, reach: float, height: float, z: float, colour: Surface, a
 def sample_mug(rng: Rng, index: int) -> Sampled:
     """Straight, tapered or bellied, round or angular handle."""
     radius, height = rng.uniform(0.035, 0.05), rng.uniform(0.07, 0.13)
-    size = rounded(2 * radius, 2 * radius + rng.uniform(0.025, 0.04), height, digits=4)
+    size = round_size(2 * radius, 2 * radius + rng.uniform(0.025, 0.04), height, digits=4)
     colour = pick(rng, GLAZES)
 
     def inside() -> str:
         return pick(rng, GLAZES[:1]) if rng.random() < 0.6 else colour
 
-    return Sampled(size, Mug.sampled(rng, index, colour=colour, inside=inside))
+    return Sampled(size, Mug.sample_parameters(rng, index, colour=colour, inside=inside))
 
 
 class Plate(Generator):
@@ -148,7 +148,7 @@ def sample_plate(rng: Rng, index: int) -> Sampled:
     """Small to large, flat to deep."""
     diameter = uniform(rng, 0.18, 0.28, 4)
     colour = pick(rng, GLAZES)
-    recipe = Plate.sampled(rng, index, colour=colour)
+    recipe = Plate.sample_parameters(rng, index, colour=colour)
     return Sampled((diameter, diameter, uniform(rng, 0.018, 0.045, 4)), recipe)
 
 
@@ -192,5 +192,5 @@ def sample_cooking_pot(rng: Rng, index: int) -> Sampled:
     def lid_colour() -> str:
         return colour if index % 3 else pick(rng, METALS)
 
-    recipe = CookingPot.sampled(rng, index, lid=lid, colour=colour, lid_colour=lid_colour)
-    return Sampled(rounded(diameter, diameter + 0.07, height, digits=4), recipe)
+    recipe = CookingPot.sample_parameters(rng, index, lid=lid, colour=colour, lid_colour=lid_colour)
+    return Sampled(round_size(diameter, diameter + 0.07, height, digits=4), recipe)

@@ -19,7 +19,7 @@ from plugins.furniture.real_sizes import REAL_SIZES
 from plugins.furniture.robot import mass_properties
 from plugins.furniture.shapes import bounds_of, cushion, rod, shell_pieces, slab
 from stages.articulated.asset_folder import checksum
-from stages.articulated.forward_kinematics import closed_box, link_frames
+from stages.articulated.forward_kinematics import link_frames, measure_closed_box
 from stages.articulated.urdf_reader import read_urdf
 from stages.config import categories as counts
 from stages.config.assets import COUNTS
@@ -62,7 +62,7 @@ def test_what_is_too_thin_for_its_boards_is_scaled(category: str, axis: int, tmp
 def test_written_files_fill_the_promised_box(tmp_path: Path) -> None:
     asset = build(sample("bottom_cabinet", 3, 0), (0.6, 1.1, 0.8), tmp_path / "cab", "cab", "bottom_cabinet")
     robot = read_urdf(tmp_path / "cab" / "model.urdf", tmp_path / "cab")
-    assert np.allclose(closed_box(robot), [asset.box_min, asset.box_max], atol=2e-5)
+    assert np.allclose(measure_closed_box(robot), [asset.box_min, asset.box_max], atol=2e-5)
     assert asset.size == pytest.approx((0.6, 1.1, 0.8), abs=1e-6)
     assert sum(link.mass for link in robot.links.values()) == pytest.approx(asset.mass, rel=1e-4)
     assert asset.checksum == checksum(tmp_path / "cab")
@@ -308,7 +308,7 @@ def test_cabinets_record_what_they_were_given() -> None:
     given = {key: value for key, value in recipe.parameters.items() if key != "size"}
     assert Cabinet.model_validate(given).parameters() == given
     assert "density" not in given and "column_weights" in given
-    assert Cabinet.model_validate(given).changed(shelves=2).shelves == 2
+    assert Cabinet.model_validate(given).change_parameters(shelves=2).shelves == 2
 
 
 def test_opened_frames_follow_the_contract(tmp_path: Path) -> None:
@@ -323,14 +323,14 @@ def test_opened_frames_follow_the_contract(tmp_path: Path) -> None:
 def test_thick_doors_swing_clear_of_each_other_and_a_top_leaves_room_above_edges() -> None:
     recipe = Cabinet.model_validate({name: value for name, value in PARAMETERS.items() if name != "size"})
     thick, scale = 0.05, np.array([1.25, 0.75])  # the worst scale of an episode, in depth and width
-    doors = recipe.changed(layout=[["door"], ["door"]], front_thickness=thick).build((0.7, 0.75, 1.7)).moving
+    doors = recipe.change_parameters(layout=[["door"], ["door"]], front_thickness=thick).build((0.7, 0.75, 1.7)).moving
     low, high = sorted(
         [bounds_of([piece.mesh for piece in door.parts[:1]])[:, 1] * scale[1] for door in doors], key=min
     )
     width = high[1] - high[0]
     farthest = np.hypot(width, thick * scale[0])  # of the rear free corner from the hinge at the front
     assert high[0] - low[1] > farthest - width
-    flush, bare = (recipe.changed(handle="edge", top=top).build((0.5, 0.75, 0.8)) for top in (0.03, 0.0))
+    flush, bare = (recipe.change_parameters(handle="edge", top=top).build((0.5, 0.75, 0.8)) for top in (0.03, 0.0))
     assert len(flush.base) == len(bare.base)
 
 

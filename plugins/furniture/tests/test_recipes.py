@@ -16,7 +16,7 @@ from plugins.furniture.recipe import (
     in_turn,
     of,
     one_of,
-    rounded,
+    round_size,
     uniform,
     whole,
     zero_or,
@@ -41,11 +41,11 @@ class Thing(Generator):
 
 
 def thing(index: int = 0, **given: object) -> Thing:
-    return Thing.sampled(np.random.default_rng(5), index, **({"inside": [0.1, 0.2, 0.3]} | given))
+    return Thing.sample_parameters(np.random.default_rng(5), index, **({"inside": [0.1, 0.2, 0.3]} | given))
 
 
 def test_fields_are_sampled_within_their_ranges() -> None:
-    things = [Thing.sampled(np.random.default_rng(k), k, inside="paint 0 0 0 0") for k in range(40)]
+    things = [Thing.sample_parameters(np.random.default_rng(k), k, inside="paint 0 0 0 0") for k in range(40)]
     assert all(0.2 <= one.wide <= 0.4 and round(one.wide, 3) == one.wide for one in things)
     assert {one.rim == 0 for one in things} == {one.lid for one in things} == {True, False}
     assert {one.legs for one in things} == {3, 4} and {one.style for one in things} == {"flat", "round"}
@@ -68,8 +68,8 @@ def test_what_is_given_takes_no_random_numbers_and_a_function_is_called_in_its_t
 def test_wrong_parameters_are_refused() -> None:
     for changes in ({"legs": "many"}, {"colour": "wood 2 0 0 0"}, {"wide": float("nan")}, {"lids": 2}):
         with pytest.raises(ValidationError):
-            thing().changed(**changes)
-    assert rounded(0.12345, 1, 2) == (0.123, 1.0, 2.0)
+            thing().change_parameters(**changes)
+    assert round_size(0.12345, 1, 2) == (0.123, 1.0, 2.0)
 
 
 def test_every_recipe_names_a_generator_and_every_category_is_found() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from plugins.furniture import build, generate
 from plugins.furniture.catalogue import sample
-from plugins.furniture.finishes import MATERIALS, Finish, finish_of, made_of, shade
+from plugins.furniture.finishes import MATERIALS, Finish, change_material, finish_of, shade
 from plugins.furniture.robot import robot_of
 from plugins.furniture.textures import SIDE, pattern_of, texture_of
 from stages.articulated.model import Texture
@@ -38,7 +38,7 @@ def test_a_texture_is_the_same_in_every_process() -> None:
     finish = Finish("wood", (0.55, 0.36, 0.2), 1)
     again = texture_of.__wrapped__(finish)
     assert again == texture_of(finish)
-    other = texture_of(finish.tinted((0.5, 0.36, 0.2)))
+    other = texture_of(finish.change_colour((0.5, 0.36, 0.2)))
     assert isinstance(again, Texture) and isinstance(other, Texture) and again.name != other.name
 
 
@@ -47,7 +47,7 @@ def test_finishes_are_read_as_they_are_written() -> None:
     assert finish_of([0.1, 0.2, 0.3]) == Finish("paint", (0.1, 0.2, 0.3))
     assert str(finish_of("wood 0.5 0.25 0.125 3")) == "wood 0.5 0.25 0.125 3"
     assert finish_of(shade("wood 0.5 0.25 0.125 3", 2.0)).colour == (1.0, 0.5, 0.25)
-    assert finish_of(made_of("card", "glaze 0.5 0.25 0.125 3")).material == "card"
+    assert finish_of(change_material("card", "glaze 0.5 0.25 0.125 3")).material == "card"
     for wrong in ("velvet 0.1 0.1 0.1 0", "wood 0.1 0.1 0.1 9", "wood 0.1 0.1 2 0", "wood 0.1 0.1 0", [0.1, 0.2]):
         with pytest.raises(ValueError, match=r"."):
             finish_of(wrong)

@@ -13,11 +13,11 @@ from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
 from plugins.importing.importers import Importer
-from plugins.importing.mjcf_file import compiled
+from plugins.importing.mjcf_file import compile_model
 from stages.articulated.mesh_reader import convex_pieces
-from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
-from stages.articulated.urdf_reader import closed_at_lower
-from stages.articulated.urdf_tree import FIXED_RANGE, MOST_LINKS, MOST_SHAPES
+from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, transform_mesh
+from stages.articulated.urdf_reader import close_at_lower
+from stages.articulated.urdf_tree import FLAT, MOST_LINKS, MOST_SHAPES
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
 from stages.geometry.solids import MINIMUM_MASS, board_mass, box_around, box_inertia
@@ -29,7 +29,7 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
     Raises:
         InputError: names the file and what is wrong with it.
     """
-    spec, model = compiled(path, folder)
+    spec, model = compile_model(path, folder)
     if model.nbody > MOST_LINKS:
         raise InputError(path, f"has {model.nbody} bodies.", f"at most {MOST_LINKS}", code="E-MODEL-PARTS")
     if model.ngeom > MOST_SHAPES:
@@ -58,7 +58,7 @@ class _Reader:
     def __init__(self, spec: Any, model: Any) -> None:
         self.model = model
         self.pairs = self._pairs()
-        self.told = {body.id: mass for body in spec.bodies if (mass := _told_mass(body)) is not None}
+        self.masses = {body.id: mass for body in spec.bodies if (mass := _stated_mass(body)) is not None}
         collides = (model.geom_contype | model.geom_conaffinity) != 0
         own = (model.geom_rgba != USUAL_RGBA).any(axis=1) | (model.geom_matid < 0)  # its colour beats its material's
         self.rgba = np.where(own[:, None], model.geom_rgba, model.mat_rgba[model.geom_matid] if model.nmat else 0.0)
@@ -118,7 +118,7 @@ class _Reader:
     def _moves(self, joint: int) -> bool:
         model = self.model
         ends = np.abs(model.jnt_range[joint])  # a door's or drawer's, closed at one, may not hold in the simulation
-        limited = bool(np.ptp(model.jnt_range[joint]) > FIXED_RANGE) and (model.jnt_limited[joint] or ends.min() == 0)
+        limited = bool(np.ptp(model.jnt_range[joint]) > FLAT) and (model.jnt_limited[joint] or ends.min() == 0)
         return mjtJoint(model.jnt_type[joint]) in (mjtJoint.mjJNT_SLIDE, mjtJoint.mjJNT_HINGE) and limited
 
     def _joint(self, joint: int, parent: str, child: str, origin: Matrix) -> JointModel:
@@ -137,15 +137,15 @@ class _Reader:
             high,
             follows=self.pairs.get(joint),
         )
-        return closed_at_lower(made)
+        return close_at_lower(made)
 
     def _pairs(self) -> dict[int, str]:
         """The joints that an equality makes stand like another of the same body and type, and the names of those."""
         model, pairs = self.model, dict[int, str]()
         for number in np.flatnonzero((model.eq_type == mjtEq.mjEQ_JOINT) & model.eq_active0.astype(bool)):
-            one, other, told = model.eq_obj1id[number], model.eq_obj2id[number], model.eq_data[number]
-            sign = float(np.sign(told[1]))
-            if other < 0 or not np.allclose(told[:5], (0, sign, 0, 0, 0), atol=1e-3):
+            one, other, data = model.eq_obj1id[number], model.eq_obj2id[number], model.eq_data[number]
+            sign = float(np.sign(data[1]))
+            if other < 0 or not np.allclose(data[:5], (0, sign, 0, 0, 0), atol=1e-3):
                 continue
             parents = model.body_parentid[model.jnt_bodyid[[one, other]]]
             alike = model.jnt_type[one] == model.jnt_type[other] and parents[0] == parents[1]
@@ -165,11 +165,13 @@ class _Reader:
         seen = [geom for geom in geoms if self.shown[geom]]
         if self.looks:
             seen = [geom for geom in seen if not self.collides[geom]] or seen
-        visuals = [visual.moved(frames[geom]) for geom in seen for visual in self._visuals(geom)]
-        solid = [moved(mesh, frames[geom]) for geom in geoms if self.collides[geom] for mesh in self._meshes(geom)]
+        visuals = [visual.transform(frames[geom]) for geom in seen for visual in self._visuals(geom)]
+        solid = [
+            transform_mesh(mesh, frames[geom]) for geom in geoms if self.collides[geom] for mesh in self._meshes(geom)
+        ]
         solid = solid or [visual.mesh for visual in visuals]
         pieces = [piece for mesh in solid for piece in convex_pieces(mesh)]
-        mass = min(float(model.body_mass[body]), self.told.get(body, 0.0))
+        mass = min(float(model.body_mass[body]), self.masses.get(body, 0.0))
         if mass > MINIMUM_MASS:  # what nothing weighs has that of `compiled`
             turn = _pose(model.body_ipos[body], model.body_iquat[body])[:3, :3]
             inertia = turn @ np.diag(model.body_inertia[body]) @ turn.T * (mass / model.body_mass[body])
@@ -187,7 +189,7 @@ class _Reader:
             yield trimesh.creation.icosphere(2, size[0])
         elif kind == mjtGeom.mjGEOM_ELLIPSOID:
             ball = trimesh.creation.icosphere(2)
-            yield moved(ball, np.diag([*size, 1.0]))
+            yield transform_mesh(ball, np.diag([*size, 1.0]))
         elif kind == mjtGeom.mjGEOM_CYLINDER:
             yield trimesh.creation.cylinder(size[0], 2 * size[1])
         elif kind == mjtGeom.mjGEOM_CAPSULE:
@@ -250,7 +252,7 @@ class _Reader:
         return Image.fromarray(np.ascontiguousarray(np.broadcast_to(data[..., :3], (height, width, 3))))
 
 
-def _told_mass(body: Any) -> float | None:
+def _stated_mass(body: Any) -> float | None:
     """The most that a body weighs, if it or its geoms say so: MuJoCo takes geoms that do not, looks too, for water."""
     water = mujoco.MjSpec().default.geom.density
     if body.explicitinertial or any(geom.density != water for geom in body.geoms):

@@ -12,7 +12,7 @@ from stages.articulated.mesh_resolver import MeshResolver
 
 Header = dict[str, Any]
 Numbers = NDArray[np.float64]
-MAGIC, JSON_CHUNK, BINARY_CHUNK = b"glTF", 0x4E4F534A, 0x004E4942
+MAGIC = b"glTF"
 TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 COLUMNS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 LARGEST = {"i1": 127, "u1": 255, "i2": 32767, "u2": 65535}  # what is 1 in a normalized accessor
@@ -102,12 +102,12 @@ class Accessors:
         self.header["accessors"].append(accessor | {"count": len(values), "normalized": normalized})
         return len(self.header["accessors"]) - 1
 
-    def packed(self) -> bytes:
+    def pack_glb(self) -> bytes:
         """The whole as a .glb file."""
         self.header["buffers"] = [{"byteLength": len(self._chunk)}]
         text = json.dumps(self.header).encode()
         text += b" " * (-len(text) % 4)
-        chunks = (struct.pack("<II", len(text), JSON_CHUNK), text, struct.pack("<II", len(self._chunk), BINARY_CHUNK))
+        chunks = (struct.pack("<I4s", len(text), b"JSON"), text, struct.pack("<I4s", len(self._chunk), b"BIN"))
         body = b"".join([*chunks, bytes(self._chunk)])
         return MAGIC + struct.pack("<II", 2, 12 + len(body)) + body
 

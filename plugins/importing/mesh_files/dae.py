@@ -11,6 +11,7 @@ from trimesh import Scene
 from stages.articulated.mesh_files import MeshReader
 from stages.articulated.mesh_files.polygons import Corners, Triangles, split
 from stages.articulated.mesh_resolver import MeshResolver
+from stages.articulated.urdf_tree import MAX_NUMBER
 
 SPACE = "http://www.collada.org/2005/11/COLLADASchema"
 UNREAD = {
@@ -19,7 +20,6 @@ UNREAD = {
     "lines": "lines",
     "linestrips": "lines",
 }  # by their tags
-LARGEST = 1e6  # metres that a unit may be
 DEEPEST = 8  # controllers that hold one another
 
 
@@ -81,7 +81,7 @@ def _unit(root: ET.Element) -> float:
     """Metres per unit of the file."""
     unit = root.find("asset/unit")
     metres = float("1" if unit is None else unit.get("meter", "1").replace(",", "."))
-    if not 0 < metres < LARGEST:
+    if not 0 < metres < MAX_NUMBER:
         raise ValueError(f"its unit is {metres:g} metres")
     return metres
 
@@ -91,9 +91,9 @@ def _triangles(polygons: ET.Element, named: dict[str, ET.Element]) -> ET.Element
     inputs = polygons.findall("input")
     width = 1 + max(int(one.get("offset", "0")) for one in inputs)
     vertex = next(one for one in inputs if one.get("semantic") == "VERTEX")
-    told = [_integers(text) for text in polygons.findall("p") + polygons.findall("ph/p")]
-    rows = np.concatenate([np.zeros((0, width), dtype=np.int64), *(part.reshape(-1, width) for part in told)])
-    counts = [len(part) // width for part in told]
+    parts = [_integers(text) for text in polygons.findall("p") + polygons.findall("ph/p")]
+    rows = np.concatenate([np.zeros((0, width), dtype=np.int64), *(part.reshape(-1, width) for part in parts)])
+    counts = [len(part) // width for part in parts]
     if polygons.tag == "polylist":
         counts = _integers(polygons.find("vcount")).tolist()
     ends = np.cumsum(counts, dtype=np.int64)

@@ -10,7 +10,7 @@ from PIL import features
 from trimesh import Scene
 
 from plugins.importing.mesh_files.accessors import Accessors, Header, header_of
-from plugins.importing.mesh_files.gltf_nodes import INSTANCES, VISIBILITY, placed
+from plugins.importing.mesh_files.gltf_nodes import INSTANCES, VISIBILITY, place_meshes
 from plugins.importing.mesh_files.gltf_parts import DRACO, GLOSSY, MOVED, Parts
 from stages.articulated.mesh_resolver import PICTURES, MeshResolver, fault_of
 from stages.articulated.urdf_tree import MOST_SHAPES
@@ -39,18 +39,18 @@ def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     lost = [f"is shown {line}" for line in _lost_pictures(header, accessors, files)]
     parts, placings, meshes = Parts(header, accessors), list[Header](), list[Header]()
     made = dict[tuple[int, tuple[float, ...]], int]()
-    for one in placed(header, accessors):
+    for one in place_meshes(header, accessors):
         key = (one.mesh, one.weights)
         if one.joints is not None or key not in made:
             made[key] = len(meshes)
-            meshes.append({"primitives": parts.plain(one)})
+            meshes.append({"primitives": parts.read_triangles(one)})
         placings.append({"mesh": made[key], "matrix": one.transform.T.ravel().tolist()})
     left_out = _left_out(header, parts)
     header.update(meshes=meshes, nodes=placings, materials=parts.materials, scene=0)
     header["scenes"] = [{"nodes": list(range(len(placings)))}]
     plain = {key: value for key, value in header.items() if key not in UNUSED}
     accessors.header = plain
-    scene = trimesh.load_scene(io.BytesIO(accessors.packed()), file_type="glb", resolver=files)
+    scene = trimesh.load_scene(io.BytesIO(accessors.pack_glb()), file_type="glb", resolver=files)
     lost += [f"is shown {line}" for line in dict.fromkeys(parts.lost)]
     return scene, [f"{path.name} {line}" for line in [*lost, *left_out]]
 
@@ -80,13 +80,13 @@ def _check_extensions(path: Path, header: Header) -> None:
 def _left_out(header: Header, parts: Parts) -> list[str]:
     """What of the file is not read, in a line."""
     scenes = len(header.get("scenes", []))
-    told = {
+    present = {
         f"{scenes - 1} of its {scenes} scenes": scenes > 1,
         "animations": bool(header.get("animations")),
         "cameras": bool(header.get("cameras")),
         "points or lines": parts.others > 0,
     }
-    names = [what for what, is_there in told.items() if is_there]
+    names = [what for what, is_there in present.items() if is_there]
     names += sorted(set(header.get("extensionsUsed", [])) - READ)
     return [f"has what is not read: {', '.join(names)[:300]}"] if names else []
 
@@ -95,14 +95,14 @@ def _lost_pictures(header: Header, accessors: Accessors, files: MeshResolver) ->
     """A line for every picture that cannot be shown; textures are left with the one picture that can."""
     lost, images, used = list[str](), header.get("images", []), list[int]()
     for texture in header.get("textures", []):
-        told = texture.pop("extensions", {})
-        usable = [name for name in (AVIF, WEBP) if name in told and features.check(name.rpartition("_")[2])]
+        extensions = texture.pop("extensions", {})
+        usable = [name for name in (AVIF, WEBP) if name in extensions and features.check(name.rpartition("_")[2])]
         if usable:
-            texture["source"] = told[usable[0]]["source"]
+            texture["source"] = extensions[usable[0]]["source"]
         if "source" in texture:
             used.append(texture["source"])
-        elif told:
-            used += [one["source"] for one in told.values() if "source" in one]
+        elif extensions:
+            used += [one["source"] for one in extensions.values() if "source" in one]
     for number in sorted(set(used)):
         if why := _fault(images[number], accessors, files):
             lost.append(f"without its picture {number}, which {why}")

@@ -7,9 +7,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from plugins.importing.mesh_files.accessors import Accessors, Header, Numbers
+from stages.articulated.urdf_tree import MOST_SHAPES
 
 INSTANCES, VISIBILITY = "EXT_mesh_gpu_instancing", "KHR_node_visibility"
-MOST = 10_000  # meshes that are shown: each is a copy
 
 
 class Placed(NamedTuple):
@@ -22,7 +22,7 @@ class Placed(NamedTuple):
     joints: Numbers | None
 
 
-def placed(header: Header, accessors: Accessors) -> list[Placed]:
+def place_meshes(header: Header, accessors: Accessors) -> list[Placed]:
     """All meshes of the file's scene, as its nodes stand.
 
     Raises:
@@ -43,8 +43,8 @@ def placed(header: Header, accessors: Accessors) -> list[Placed]:
             found.append(Placed(node["mesh"], np.eye(4), weights, joints))
         else:
             found += [Placed(node["mesh"], frame @ one, weights, None) for one in _instances(node, accessors)]
-        if len(found) > MOST:
-            raise ValueError(f"it shows more than {MOST} meshes")
+        if len(found) > MOST_SHAPES:
+            raise ValueError(f"it shows more than {MOST_SHAPES} meshes")
     return found
 
 
@@ -82,8 +82,10 @@ def _matrices(places: Numbers, turns: Numbers, scales: Numbers) -> Numbers:
 
 def _instances(node: Header, accessors: Accessors) -> Numbers:
     """(N, 4, 4) of the copies of a node's mesh, in its frame: itself, unless it is repeated."""
-    told = node.get("extensions", {}).get(INSTANCES, {}).get("attributes", {})
-    columns = {name: accessors.read(told[name]) for name in ("TRANSLATION", "ROTATION", "SCALE") if name in told}
+    attributes = node.get("extensions", {}).get(INSTANCES, {}).get("attributes", {})
+    columns = {
+        name: accessors.read(attributes[name]) for name in ("TRANSLATION", "ROTATION", "SCALE") if name in attributes
+    }
     if not columns:
         return np.eye(4)[None]
     count = len(next(iter(columns.values())))

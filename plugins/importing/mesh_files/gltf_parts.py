@@ -16,7 +16,7 @@ DRACO, MOVED, GLOSSY = "KHR_draco_mesh_compression", "KHR_texture_transform", "K
 TRIANGLES, STRIP, FAN = 4, 5, 6
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
 METAL = "pbrMetallicRoughness"
-REPEAT, BEYOND = 10497, 0.02  # glTF's usual way of going on beyond a picture's edge; how far is no slip
+REPEAT, OUTSIDE_PICTURE = 10497, 0.02  # glTF's usual way of going on beyond a picture's edge; how far is no slip
 SAME = 1.5 / 255  # by which colours differ that are one
 
 
@@ -34,7 +34,7 @@ class Parts:
         self.lost, self.others, self.materials = list[str](), 0, list[Header]()
         self._made = dict[str, int]()
 
-    def plain(self, placed: Placed) -> list[Header]:
+    def read_triangles(self, placed: Placed) -> list[Header]:
         """The triangles of a mesh that is shown; what they index is in the file."""
         return [
             part
@@ -112,11 +112,11 @@ class Parts:
 
     def _place_pictures(self, material: Header, attributes: Header, kept: Header) -> None:
         """Put the coordinates of the material's first picture among what is kept; others must lie as that does."""
-        told = _pictures(material)
-        if not told:
+        pictures = _pictures(material)
+        if not pictures:
             return
-        name, moves = _where(told[0][0][told[0][1]])
-        for holder, key in told:
+        name, moves = _where(pictures[0][0][pictures[0][1]])
+        for holder, key in pictures:
             if _where(holder[key]) != (name, moves):
                 self.lost.append(f"without its {key}, which lies otherwise than its first picture")
                 del holder[key]
@@ -129,9 +129,9 @@ class Parts:
             return
         uv = _moved(self.accessors.read(attributes[name])[:, :2], moves)
         kept["TEXCOORD_0"] = self.accessors.add(uv, "VEC2")
-        texture = self.header["textures"][told[0][0][told[0][1]]["index"]]
+        texture = self.header["textures"][pictures[0][0][pictures[0][1]]["index"]]
         sampler = self.header["samplers"][texture["sampler"]] if "sampler" in texture else {}
-        beyond = [min(uv[:, axis].min(), 1 - uv[:, axis].max()) < -BEYOND for axis in (0, 1)]
+        beyond = [min(uv[:, axis].min(), 1 - uv[:, axis].max()) < -OUTSIDE_PICTURE for axis in (0, 1)]
         if any(
             out and sampler.get(wrap, REPEAT) != REPEAT for out, wrap in zip(beyond, ("wrapS", "wrapT"), strict=True)
         ):
@@ -180,8 +180,8 @@ def _pictures(material: Header) -> list[tuple[Header, str]]:
 def _where(picture: Header) -> tuple[str, Any]:
     """The coordinates that a picture lies by, and how they are moved."""
     moves = picture.get("extensions", {}).get(MOVED, {})
-    told = (moves.get("offset", [0, 0]), moves.get("rotation", 0), moves.get("scale", [1, 1]))
-    return f"TEXCOORD_{moves.get('texCoord', picture.get('texCoord', 0))}", told
+    transform = (moves.get("offset", [0, 0]), moves.get("rotation", 0), moves.get("scale", [1, 1]))
+    return f"TEXCOORD_{moves.get('texCoord', picture.get('texCoord', 0))}", transform
 
 
 def _moved(uv: Numbers, moves: Any) -> Numbers:

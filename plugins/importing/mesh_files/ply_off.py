@@ -42,13 +42,13 @@ def read_off(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     start = 1 if rest else 2
     corners, faces = (int(word) for word in (rest or lines[1])[:2])
     vertices = np.array(lines[start : start + corners], dtype=float)
-    told = lines[start + corners : start + corners + faces]
-    polygons = [np.array(line[1 : 1 + int(line[0])], dtype=np.int64) for line in told]
-    if len(told) < faces or any(len(one) and not 0 <= one.min() <= one.max() < len(vertices) for one in polygons):
+    face_lines = lines[start + corners : start + corners + faces]
+    polygons = [np.array(line[1 : 1 + int(line[0])], dtype=np.int64) for line in face_lines]
+    if len(face_lines) < faces or any(len(one) and not 0 <= one.min() <= one.max() < len(vertices) for one in polygons):
         raise ValueError(f"a face names corners that are not among the {len(vertices)} of the file")
     skipped = 6 if "N" in kind.removesuffix("OFF") else 3
     own = vertices[:, skipped : skipped + 4] if "C" in kind.removesuffix("OFF") else None
-    painted = [line[1 + int(line[0]) :][:4] for line in told]
+    painted = [line[1 + int(line[0]) :][:4] for line in face_lines]
     of_faces = None
     if own is None and len({len(colour) for colour in painted}) == 1 and len(painted[0]) >= 3:
         of_faces = np.array(painted, dtype=float)

@@ -10,11 +10,11 @@ from plugins.importing import imports
 from plugins.importing.discover import discover
 from plugins.importing.imports import snake_case
 from plugins.importing.tests.own_models import import_folder, import_model
-from stages.articulated.forward_kinematics import closed_box, link_frames
+from stages.articulated.forward_kinematics import link_frames, measure_closed_box
 from stages.articulated.mesh_reader import convex_pieces
 from stages.articulated.model import RobotModel
 from stages.articulated.resizing import resize_asset
-from stages.articulated.stretching import stretched
+from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
@@ -42,7 +42,7 @@ def test_urdf_is_imported_with_doors_drawers_and_handles(folder: Path, tmp_path:
     assert asset.provenance == "imported: bottom_cabinet/Oak 1/cab.urdf"
     assert read_json(Asset, tmp_path / "models" / asset.id / "asset.json") == asset
     again = read_urdf(tmp_path / "models" / asset.id / "model.urdf", tmp_path / "models")
-    assert np.allclose(closed_box(again), [asset.box_min, asset.box_max], atol=2e-5)
+    assert np.allclose(measure_closed_box(again), [asset.box_min, asset.box_max], atol=2e-5)
     assert again.links["body"].mass == 12
 
 
@@ -66,9 +66,9 @@ def test_resized_import_has_exactly_the_size(folder: Path, tmp_path: Path) -> No
 
 def test_stretching_a_turned_link_scales_along_the_assets_axes(folder: Path) -> None:
     robot = read_urdf(folder / "bottom_cabinet" / "Oak 1" / "cab.urdf", folder)
-    before, after = closed_box(robot), closed_box(stretched(robot, (2.0, 3.0, 0.5)))
+    before, after = measure_closed_box(robot), measure_closed_box(stretch_model(robot, (2.0, 3.0, 0.5)))
     assert np.allclose(after, before * [2.0, 3.0, 0.5], atol=1e-9)
-    slid = [link_frames(r, 1.0)["tray"][:3, 3] for r in (robot, stretched(robot, (2.0, 3.0, 0.5)))]
+    slid = [link_frames(r, 1.0)["tray"][:3, 3] for r in (robot, stretch_model(robot, (2.0, 3.0, 0.5)))]
     assert np.allclose(slid[1], slid[0] * [2.0, 3.0, 0.5], atol=1e-9)
 
 
@@ -77,7 +77,7 @@ def test_stretched_inertia_is_that_of_the_stretched_box() -> None:
 
     box = trimesh.creation.box([0.2, 0.3, 0.4])
     link = Link("a", [Visual(box)], [box], 2.0, np.zeros(3), 2 / 12 * np.diag([0.25, 0.20, 0.13]))
-    long = stretched(RobotModel("r", {"a": link}), (2.0, 1.0, 1.0)).links["a"]
+    long = stretch_model(RobotModel("r", {"a": link}), (2.0, 1.0, 1.0)).links["a"]
     assert long.mass == pytest.approx(4.0)
     assert np.allclose(long.inertia, 4 / 12 * np.diag([0.25, 0.32, 0.25]))
 

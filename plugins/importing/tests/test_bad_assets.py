@@ -14,7 +14,7 @@ import plugins.importing.sandbox as limits
 from plugins.importing.examine import read
 from plugins.importing.import_ import run
 from plugins.importing.imports import IMPORTERS, by_suffix, import_models, named_models
-from plugins.importing.sandbox import apart
+from plugins.importing.sandbox import run_in_fork
 from stages.contracts.errors import InputError
 from tests.refusals import refused
 
@@ -80,7 +80,7 @@ def test_mjcf_that_floods_stops_no_other(tmp_path: Path, kind: str, monkeypatch:
 def test_what_takes_too_long_or_too_much_or_crashes_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     def told(work: Callable[..., object]) -> str:
         with pytest.raises(InputError) as error:
-            apart(Path("a.obj"), work)  # type: ignore[arg-type]
+            run_in_fork(Path("a.obj"), work)  # type: ignore[arg-type]
         return error.value.what
 
     def hang() -> str:
@@ -92,7 +92,7 @@ def test_what_takes_too_long_or_too_much_or_crashes_is_told(monkeypatch: pytest.
 
     monkeypatch.setattr(limits, "SECONDS", 1)
     monkeypatch.setattr(limits, "MEGABYTES", 200)
-    assert apart(Path("a.obj"), lambda: "ä" * 200_000) == "ä" * 200_000
+    assert run_in_fork(Path("a.obj"), lambda: "ä" * 200_000) == "ä" * 200_000
     assert told(hang) == "takes more than 1 s to read."
     assert told(lambda: str(len(bytearray(300 * 2**20)))) == "takes more than 200 MB of memory to read."
     assert "SIGKILL" in told(lambda: str(os.kill(os.getpid(), signal.SIGKILL)))
@@ -235,7 +235,7 @@ def test_what_would_hold_an_import_is_named_in_seconds(tmp_path: Path, write: Ca
 def test_what_waits_for_ever_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(limits, "WAIT", 0.5)
     with refused("E-MODEL-TIME", "a.obj: takes more than 0.5 s to read"):
-        apart(Path("a.obj"), lambda: str(time.sleep(60)))
+        run_in_fork(Path("a.obj"), lambda: str(time.sleep(60)))
 
 
 def test_names_of_files_steer_no_terminal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

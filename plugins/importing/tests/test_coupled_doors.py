@@ -10,9 +10,9 @@ import sapien
 from sapien.physx import PhysxArticulation
 
 from plugins.importing.importers.mjcf import read_mjcf
+from plugins.mujoco.mjcf_writer import document
 from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.mjcf_writer import document
 from stages.articulated.model import RobotModel
 from stages.articulated.roles import with_roles
 from stages.articulated.urdf_reader import read_urdf

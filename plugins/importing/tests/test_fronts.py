@@ -9,7 +9,7 @@ import pytest
 import sapien
 import trimesh
 
-from plugins.importing.discover import discover, numbered_names
+from plugins.importing.discover import discover, number_names
 from plugins.importing.fronts import doors_and_drawers, front_direction
 from plugins.importing.pushing import stuck_joints
 from plugins.importing.solid_handle import with_solid_handles
@@ -267,7 +267,7 @@ def test_names(tmp_path: Path) -> None:
         (tmp_path / path).write_text("")
     found = [(one.category, one.name) for one in discover(tmp_path, [".urdf"])]
     assert found == [("chair", "a"), ("chair", "b"), ("chair", "plain"), ("chair", "red"), ("table_lamp", "7")]
-    assert numbered_names(["a", "a", "b", "a_2", "a"], ["b"]) == ["a", "a_2", "b_2", "a_2_2", "a_3"]
+    assert number_names(["a", "a", "b", "a_2", "a"], ["b"]) == ["a", "a_2", "b_2", "a_2_2", "a_3"]
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 
 from plugins.furniture.library import make
 from plugins.importing import reach
-from plugins.importing.reach import out_of_reach, undisturbed
+from plugins.importing.reach import find_middle_state, out_of_reach
 from plugins.importing.tests.own_models import import_model
 from plugins.importing.tests.test_fronts import box, joint
 from stages.config.demonstrations import DemonstrationsConfig
@@ -21,7 +21,7 @@ from stages.skills import FAR
 from stages.skills.open import OpenSkill
 from stages.tasks.api import TaskEnv
 from stages.tasks.base_placement import MOTION, NEARBY, can_follow, reachable_base
-from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state, sampled_scale
+from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state, sample_scale
 
 OPTIONS = TaskConfig()
 
@@ -105,7 +105,7 @@ def test_a_door_is_tried_from_several_starts_of_the_skill(tmp_path: Path, monkey
 
     monkeypatch.setattr(reach, "_followed", followed)
     assert out_of_reach(folder) == []
-    usual_scales = [tuple(sampled_scale(seed, OPTIONS, OPTIONS.scale_range)) for seed in range(2)]
+    usual_scales = [tuple(sample_scale(seed, OPTIONS, OPTIONS.scale_range)) for seed in range(2)]
     assert tried == [(1, 1, 1), *usual_scales], "first at its own size, then as in episodes 0 and 1"
 
 
@@ -127,7 +127,7 @@ def test_a_door_that_is_followed_from_nowhere_is_told(tmp_path: Path, monkeypatc
     env = world(folder, "hinge")
     env.reset(0)
     target = env.env.target
-    base = base_pose(target.reference, target.side, undisturbed(), OPTIONS)
+    base = base_pose(target.reference, target.side, find_middle_state(), OPTIONS)
     assert reachable_base(base, np.eye(4), REST, Surroundings(target), 0.5) is None
     stands = env.env.agent.robot.pose.sp.to_transformation_matrix()
     assert np.abs(stands - usual(env, 0)).max() < 1e-5, "then it stands where it always does"

@@ -12,11 +12,11 @@ import trimesh
 from PIL import Image
 
 from plugins.importing import pushing
-from plugins.importing.discover import bare, discover
+from plugins.importing.discover import discover, strip_name
 from plugins.importing.fronts import doors_and_drawers
 from plugins.importing.import_ import run
 from plugins.importing.importers.mjcf import read_mjcf
-from plugins.importing.inertia_repair import weighed_sanely
+from plugins.importing.inertia_repair import repair_inertias
 from plugins.importing.portrait import Portraits
 from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.mesh_reader import load_meshes
@@ -167,7 +167,7 @@ def test_folders_whose_names_say_nothing(tmp_path: Path) -> None:
         ("chair", "chair"),
         ("crate", "big"),
     }
-    assert [bare(name) for name in ("011_banana", "banana_model_obj", "mesh")] == ["banana", "banana", "mesh"]
+    assert [strip_name(name) for name in ("011_banana", "banana_model_obj", "mesh")] == ["banana", "banana", "mesh"]
 
 
 def test_what_a_collection_holds_is_called_as_it_is(tmp_path: Path) -> None:
@@ -243,7 +243,7 @@ def test_doors_and_drawers_are_no_solid_blocks(tmp_path: Path) -> None:
         links = f'<link name="body">{inertial.format(20)}{body}</link>'
         links += f'<link name="d">{inertial.format(kilograms)}{drawer}</link>'
         text = links + joint("slide", "prismatic", "d", "1 0 0", 0.3, "0.01 0 0.3")
-        robot, lines = weighed_sanely(read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path))
+        robot, lines = repair_inertias(read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path))
         assert robot.links["body"].mass == 20
         return robot.links["d"].mass, lines
 
@@ -291,7 +291,7 @@ def test_a_drawer_behind_a_door_has_no_handle_to_hold(tmp_path: Path) -> None:
 )
 def test_masses_and_sizes_that_no_thing_has_are_doubted(tmp_path: Path, size: str, mass: float, says: str) -> None:
     text = f'<link name="a">{box(size)}<inertial><mass value="{mass}"/></inertial></link>'
-    lines = weighed_sanely(read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path))[1]
+    lines = repair_inertias(read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path))[1]
     assert [line.startswith(says) for line in lines] == [True] * bool(says)
 
 
@@ -299,5 +299,5 @@ def test_a_frame_that_weighs_less_than_anything_is_doubted(tmp_path: Path) -> No
     bars = "".join(
         box("1 0.01 0.01", f"0 {y} {z}") + box("0.01 0.01 1", f"0.5 {y} 0.5") for y in (0, 1) for z in (0, 1)
     )
-    lines = weighed_sanely(read_urdf(urdf(tmp_path / "a.urdf", f'<link name="a">{bars}</link>'), tmp_path))[1]
+    lines = repair_inertias(read_urdf(urdf(tmp_path / "a.urdf", f'<link name="a">{bars}</link>'), tmp_path))[1]
     assert [line.partition(",")[2] for line in lines] == [" less than anything of its size (asset.json: mass)"]

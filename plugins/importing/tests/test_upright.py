@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plugins.importing.evidence import Told, evidence, shared
+from plugins.importing.evidence import Stated, collect_evidence, find_shared_facts
 from plugins.importing.fronts import doors_and_drawers
 from plugins.importing.import_ import run
 from plugins.importing.importers import Axis
 from plugins.importing.importers.urdf import IMPORTER
 from plugins.importing.imports import axis_vector
 from plugins.importing.tests.test_fronts import box, joint
-from stages.articulated.forward_kinematics import closed_box, rebased
+from stages.articulated.forward_kinematics import change_root, measure_closed_box
 from stages.articulated.model import RobotModel
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.categories import known_categories
@@ -83,9 +83,9 @@ def turned(robot: RobotModel, up: Axis, front: Axis, grounded: bool) -> RobotMod
     """The model in a file whose `up` is up, standing at its origin's height or about its origin."""
     x, z = axis_vector(front), axis_vector(up)
     rotation = np.array([x, np.cross(z, x), z]).T
-    low, high = closed_box(robot)
+    low, high = measure_closed_box(robot)
     foot = np.array([*(low + high)[:2] / 2, low[2] if grounded else (low + high)[2] / 2])
-    return rebased(robot, rigid(rotation, -rotation @ foot))
+    return change_root(robot, rigid(rotation, -rotation @ foot))
 
 
 @pytest.mark.parametrize("name", STANDS)
@@ -94,7 +94,7 @@ def test_no_joint_lays_down_what_stands(tmp_path: Path, name: str) -> None:
     for front in ("+x", "-x", "+y", "-y"):
         for grounded in (True, False):
             for category in (name.rpartition(" ")[2], "thing"):
-                told = evidence(turned(robot, "+z", front, grounded)).up(category, "+z", True)
+                told = collect_evidence(turned(robot, "+z", front, grounded)).up(category, "+z", True)
                 assert (told.axis, told.doubt) == ("+z", ""), (front, grounded, category)
 
 
@@ -114,18 +114,20 @@ def test_no_joint_lays_down_what_stands(tmp_path: Path, name: str) -> None:
 def test_hinges_and_slides_tell_up(
     tmp_path: Path, text: str, category: str, up: Axis, front: Axis, grounded: bool, because: str
 ) -> None:
-    told = evidence(turned(model(tmp_path, text), up, front, grounded)).up(category, "+z", True)
+    told = collect_evidence(turned(model(tmp_path, text), up, front, grounded)).up(category, "+z", True)
     assert (told.axis, told.because) == (up, because)
 
 
 def test_what_is_not_enough_against_the_format_is_a_doubt(tmp_path: Path) -> None:
-    told = evidence(turned(model(tmp_path, STANDS["toilet"]), "+y", "+z", True)).up("toilet", "+z", True)
+    told = collect_evidence(turned(model(tmp_path, STANDS["toilet"]), "+y", "+z", True)).up("toilet", "+z", True)
     assert told.axis == "+z" and told.doubt == "its foot would have +y"
 
 
 def test_three_fridges_with_y_up_tell_it_of_all(tmp_path: Path) -> None:
-    files = [Told(".urdf", "fridge", evidence(turned(model(tmp_path, FRIDGE), "+y", "+x", True))) for _ in range(3)]
-    common, words = shared(files, {".urdf": IMPORTER})
+    files = [
+        Stated(".urdf", "fridge", collect_evidence(turned(model(tmp_path, FRIDGE), "+y", "+x", True))) for _ in range(3)
+    ]
+    common, words = find_shared_facts(files, {".urdf": IMPORTER})
     assert common[".urdf"].up == "+y"
     assert words[".urdf"].startswith("3 models; up: 3 +y;")
 
@@ -175,12 +177,14 @@ def test_what_turns_about_its_own_middle_tells_nothing_of_what_is_up(tmp_path: P
         (plate, "1 0 0", "0 0 0.83", 0),
         (box("0.02 0.5 0.4", "0 0.25 0"), UPRIGHT, "0.26 -0.25 0.4", 1),
     ):
-        told = evidence(model(tmp_path, turning(box("0.5 0.5 0.8", "0 0 0.4"), "part", panel, axis, at)))
+        told = collect_evidence(model(tmp_path, turning(box("0.5 0.5 0.8", "0 0 0.4"), "part", panel, axis, at)))
         assert len(told.hinges) == count
 
 
 def test_a_drawer_that_is_cut_stays_where_it_is_closed(tmp_path: Path) -> None:
     robot = model(tmp_path, DRAWERS.replace('lower="0" upper="0.25"', 'lower="0.1" upper="2"'))
     ((slide,), lines) = doors_and_drawers(robot)[0].joints, doors_and_drawers(robot)[1]
-    assert slide.lower == 0.1 and slide.upper - slide.lower == pytest.approx(np.ptp(closed_box(robot), axis=0)[0])
+    assert slide.lower == 0.1 and slide.upper - slide.lower == pytest.approx(
+        np.ptp(measure_closed_box(robot), axis=0)[0]
+    )
     assert len(lines) == 1 and "slides 190 cm in its file, cut to" in lines[0]

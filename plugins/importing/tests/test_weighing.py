@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plugins.importing.inertia_repair import weighed_sanely
+from plugins.importing.inertia_repair import repair_inertias
 from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.model import Link
 from stages.articulated.urdf_reader import read_urdf
@@ -19,7 +19,7 @@ def _drawer(folder: Path, kilograms: float) -> Link:
     text = f'<robot name="r"><link name="body">{box("0.4 0.5 0.6", "-0.21 0 0.3")}</link><link name="d">{inertial}'
     text += f"{parts}</link>{joint('slide', 'prismatic', 'd', '1 0 0', 0.3, '0.01 0 0.3')}</robot>"
     (folder / "a.urdf").write_text(text)
-    return weighed_sanely(read_urdf(folder / "a.urdf", folder))[0].links["d"]
+    return repair_inertias(read_urdf(folder / "a.urdf", folder))[0].links["d"]
 
 
 def test_what_is_taken_for_boards_turns_as_if_it_were_of_boards(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
 from plugins.inputs.numbered import draw_numbers
 from plugins.vlm.ask import Asker, NoAnswerError
-from plugins.vlm.boxed import boxed
+from plugins.vlm.boxed import draw_box
 from plugins.vlm.prompt import Prompt
 from stages.contracts.errors import plain
 
@@ -95,7 +95,7 @@ def ask_object(
     choice: Any = Literal[(*labels, NONE)]
     answer = create_model("Look", __base__=ObjectAnswer, label=(choice, ...))
     found = asker.ask(
-        Prompt(SYSTEM_PROMPT, [boxed(rgb, box), OBJECT_PROMPT.format(labels=", ".join(labels))]), answer, about
+        Prompt(SYSTEM_PROMPT, [draw_box(rgb, box), OBJECT_PROMPT.format(labels=", ".join(labels))]), answer, about
     )
     panels = found.doors + found.drawers > 0
     return found.model_copy(update={"articulated": found.articulated or panels})
@@ -117,5 +117,5 @@ def ask_mounting(
     number: Any = list[Literal[tuple(range(1, len(walls) + 1))]]  # type: ignore[misc]
     answer = create_model("Held", __base__=MountingAnswer, walls=(number, ...))
     text = MOUNTING_PROMPT.format(label=label, count=len(walls))
-    found = asker.ask(Prompt(SYSTEM_PROMPT, [boxed(rgb, box), draw_numbers(rgb, walls), text]), answer, about)
+    found = asker.ask(Prompt(SYSTEM_PROMPT, [draw_box(rgb, box), draw_numbers(rgb, walls), text]), answer, about)
     return 1 + MOUNTINGS.index(found.held), [wall - 1 for wall in dict.fromkeys(found.walls)]

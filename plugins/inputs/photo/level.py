@@ -10,7 +10,7 @@ from plugins.inputs.rgbd.frame import Frame
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.depth import NEAREST
 from stages.geometry.cameras import back_project
-from stages.geometry.gravity import find_floor
+from stages.geometry.levels import find_floor
 from stages.geometry.planes import Plane
 from stages.geometry.room_planes import STRAY, fit_floor, make_floor_frame
 

@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import rigid, yaw_matrix
+from stages.geometry.frames import Y_UP, rigid, yaw_matrix
 
 Points = NDArray[np.float64]
-FARTHEST = 60.0  # heights of the camera: a floor point farther away lies at the horizon and says nothing
+HORIZON = 60.0  # heights of the camera: a floor point farther away lies at the horizon and says nothing
 CLICK = 3.0  # pixels by which a point that was marked may be off
-THINNEST = 0.002  # metres: less is an error of drawing
-LEVEL_VIEW = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # room from camera of a level camera that looks along y
+DRAWING_ERROR = 0.002  # metres: less is an error of drawing
 
 
 class MetrologyError(Exception):
@@ -28,7 +27,7 @@ def rotation_of(yaw: float, pitch: float, roll: float) -> Points:
     c, s = np.cos([pitch, roll]), np.sin([pitch, roll])
     tilt = np.array([[1, 0, 0], [0, c[0], -s[0]], [0, s[0], c[0]]])
     turn = np.array([[c[1], -s[1], 0], [s[1], c[1], 0], [0, 0, 1]])
-    return yaw_matrix(yaw) @ LEVEL_VIEW @ tilt @ turn
+    return yaw_matrix(yaw) @ Y_UP[:3, :3] @ tilt @ turn
 
 
 class RearCornerError(MetrologyError):
@@ -77,7 +76,7 @@ class View:
         """
         ray = self.rays(pixel)
         reach = (z - self.above) / ray[2] if ray[2] else np.inf
-        if not 0 < reach < FARTHEST * self.above:
+        if not 0 < reach < HORIZON * self.above:
             where = "above" if z < self.above else "below"
             raise MetrologyError(f"a point of it lies {where} the horizon, where its ground cannot be seen")
         return np.asarray(ray * reach + [0, 0, self.above])
@@ -87,7 +86,7 @@ class View:
         ray = self.rays(pixel)
         towards = ray @ np.asarray(normal)
         reach = offset / towards if abs(towards) > 1e-9 else np.inf
-        if not 0 < reach < FARTHEST * self.above:
+        if not 0 < reach < HORIZON * self.above:
             raise MetrologyError("a point of it does not lie on that wall")
         return np.asarray(ray * reach + [0, 0, self.above])
 
@@ -112,10 +111,10 @@ class WallPlane:
             reach = np.where(towards < 0, self.offset / towards, np.inf)
             at = reach * sideways
         low, high = self.ends
-        return np.where((at >= low - THINNEST) & (at <= high + THINNEST), reach, np.inf)
+        return np.where((at >= low - DRAWING_ERROR) & (at <= high + DRAWING_ERROR), reach, np.inf)
 
 
-def snapped(direction: Points, free: bool) -> Points:
+def snap_direction(direction: Points, free: bool) -> Points:
     """The horizontal direction (3,) as a unit vector, laid along the nearest axis of the room unless it is `free`."""
     flat = np.array([direction[0], direction[1], 0.0])
     length = float(np.linalg.norm(flat))
@@ -132,7 +131,7 @@ def snapped(direction: Points, free: bool) -> Points:
 def wall_plane(view: View, a: ArrayLike, b: ArrayLike, free: bool) -> WallPlane:
     """The wall over a line on the floor, given by two pixels."""
     start, end = view.on_level(a), view.on_level(b)
-    along = snapped(end - start, free)
+    along = snap_direction(end - start, free)
     normal = np.array([-along[1], along[0], 0.0])
     offset = float((start + end) @ normal / 2)
     if offset > 0:
@@ -192,7 +191,7 @@ def standing_box(
         free: its front need not run along a wall.
     """
     left, right = view.on_level(pixels[0], ground), view.on_level(pixels[1], ground)
-    along = snapped(right - left, free)
+    along = snap_direction(right - left, free)
     middle = (left + right) / 2
     inward = np.array([-along[1], along[0], 0.0])
     if inward @ middle < 0:

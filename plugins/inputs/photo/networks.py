@@ -22,10 +22,10 @@ from transformers import (
 )
 
 from plugins.inputs.config import PhotoConfig
-from stages.config.cameras import FIELD_OF_VIEW
+from plugins.inputs.known_cameras import FIELD_OF_VIEW
+from plugins.pretrained.weights import load_pretrained
 from stages.contracts import InputError
 from stages.contracts.depth import NEAREST, SKY
-from stages.pretrained import load_pretrained
 
 Picture = NDArray[np.uint8]
 IMAGENET = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)

@@ -18,7 +18,7 @@ AXES = "xyz"
 WEAK = np.deg2rad(2.0)  # between a line and the direction that it should run in
 
 
-def misses(view: View, axes: NDArray[np.integer], ends: Points) -> Points:
+def measure_misses(view: View, axes: NDArray[np.integer], ends: Points) -> Points:
     """Pixels (N,) by which each line's end misses the line from its middle to the vanishing point of its axis.
 
     Args:
@@ -35,10 +35,10 @@ def misses(view: View, axes: NDArray[np.integer], ends: Points) -> Points:
     return np.asarray((np.einsum("ni,ni->n", line[:, :2], a) + line[:, 2]) / length)
 
 
-def weak(view: View, guides: list[Guide]) -> list[bool]:
+def find_weak_lines(view: View, guides: list[Guide]) -> list[bool]:
     """Which lines do not run as the camera says: they say little of it, or are wrong."""
     ends = np.array([(line.a, line.b) for line in guides], dtype=float).reshape(-1, 2, 2)
-    off = np.abs(misses(view, np.array([AXES.index(line.axis) for line in guides], dtype=int), ends))
+    off = np.abs(measure_misses(view, np.array([AXES.index(line.axis) for line in guides], dtype=int), ends))
     half = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / 2
     return [bool(one) for one in off > WEAK * half]
 
@@ -84,7 +84,7 @@ def _fit(width: int, height: int, text: str, start: tuple[float, float, float] |
 
     def residuals(state: Points) -> Points:
         view = view_of(state)
-        parts = [robust(misses(view, axes, ends))]
+        parts = [weigh_residuals(measure_misses(view, axes, ends))]
         parts += [_pinned(view, axis, pixel) / PIN for axis, pixel in pins]
         if given.horizon is not None:
             (u0, v0), (u1, v1) = given.horizon
@@ -99,7 +99,7 @@ def _fit(width: int, height: int, text: str, start: tuple[float, float, float] |
     return view_of(min(fits, key=lambda fit: float(fit.cost)).x)
 
 
-def robust(values: Points) -> Points:
+def weigh_residuals(values: Points) -> Points:
     """Residuals under Cauchy's loss: a line of a table that is turned a little does not bend the whole room."""
     return np.asarray(np.sign(values) * np.sqrt(np.log1p(values**2)))
 

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from plugins.inputs.photo.guides import Guide, Perspective
 from plugins.inputs.photo.metrology import View
-from plugins.inputs.photo.perspective import AXES, WEAK, fit_view, misses
+from plugins.inputs.photo.perspective import AXES, WEAK, fit_view, measure_misses
 from stages.geometry.frames import wrap_angle
 
 Points = NDArray[np.float64]
@@ -95,7 +95,7 @@ def _angles(rotation: Points) -> tuple[float, float, float]:
 def _assigned(view: View, ends: Points) -> tuple[NDArray[np.integer], Points]:
     """Axis (N,) of each segment and how well it agrees with it."""
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    every = [misses(view, np.full(len(ends), axis), ends) for axis in range(3)]
+    every = [measure_misses(view, np.full(len(ends), axis), ends) for axis in range(3)]
     agreements = np.stack([_agreement(off, lengths / 2) for off in every])
     return np.argmax(agreements, axis=0), agreements.max(axis=0)
 

@@ -53,7 +53,7 @@ def contents(path: Path, picture: str = "") -> list[float] | dict[str, Any]:
         if isinstance(chosen, dict):
             if {"cam0", "cam1"} <= set(chosen):
                 print(f"{path}: of its cameras cam0 is taken")
-            return flat(chosen)
+            return flatten_values(chosen)
     raise InputError(path, "holds no intrinsics.", KNOWS, code="E-CAMERA-INTRINSICS")
 
 
@@ -81,17 +81,17 @@ def load(path: Path) -> Any:
     return yaml.safe_load(re.sub(r"^%YAML.*|!!opencv-matrix|^---$", "", text, flags=re.MULTILINE))
 
 
-def plain(name: str) -> str:
+def simplify_name(name: str) -> str:
     """A name in small letters and digits alone, without what is before a dot or C++ and settings put before."""
     return re.sub(r"[^a-z0-9]", "", name.lower().removeprefix("m_").removeprefix("param-").split(".")[-1])
 
 
-def flat(data: dict[str, Any]) -> dict[str, Any]:
+def flatten_values(data: dict[str, Any]) -> dict[str, Any]:
     """Values by plain names; those nested under the colour camera replace those above."""
-    known = {plain(str(key)): value for key, value in data.items()}
+    known = {simplify_name(str(key)): value for key, value in data.items()}
     for key in DEEPER:
         if isinstance(known.get(key), dict):
-            inner = flat(known[key])
+            inner = flatten_values(known[key])
             known = known | inner if has_camera(inner) else inner | known
     return known
 
@@ -101,7 +101,7 @@ def has_camera(known: dict[str, Any]) -> bool:
     return any(name in known for name in (*FOCAL, *ANGLE, *MATRICES))
 
 
-def first(known: dict[str, Any], *names: str) -> Any:
+def find_first(known: dict[str, Any], *names: str) -> Any:
     """The value of the first of the names that has one."""
     return next((known[name] for name in names if known.get(name) is not None), None)
 
@@ -124,13 +124,15 @@ def _of_picture(path: Path, data: Any, picture: str) -> Any:
     """The entry of the camera that took a picture, by its name, or any if all are the same."""
     if not isinstance(data, (dict, list)):
         return data
-    known = {plain(str(key)): value for key, value in data.items()} if isinstance(data, dict) else {}
+    known = {simplify_name(str(key)): value for key, value in data.items()} if isinstance(data, dict) else {}
     above: dict[str, Any] = {}
     if isinstance(data, list):
         entries: list[tuple[Any, Any]] = list(enumerate(data))
     elif all(isinstance(one, dict) for one in data.values()) and all(str(key).isdecimal() for key in data):
         entries = list(data.items())  # BOP's scene_camera.json
-    elif not has_camera(flat(data)) and isinstance(several := known.get("cameras", known.get("frames")), (list, dict)):
+    elif not has_camera(flatten_values(data)) and isinstance(
+        several := known.get("cameras", known.get("frames")), (list, dict)
+    ):
         above = data
         entries = list(several.items() if isinstance(several, dict) else enumerate(several))
     else:
@@ -146,7 +148,7 @@ def _of_picture(path: Path, data: Any, picture: str) -> Any:
 
 def _is_of(key: str, entry: dict[str, Any], stem: str) -> bool:
     """Whether an entry is a picture's: by its key (a number, a name), or by the file that it names."""
-    named = str(first(entry, "file_path", "img_name", "file_name", "image_name", "name") or key).replace("\\", "/")
+    named = str(find_first(entry, "file_path", "img_name", "file_name", "image_name", "name") or key).replace("\\", "/")
     return stem in (Path(named).stem, Path(named).name) or (
         stem.isdecimal() and key.isdecimal() and int(stem) == int(key)
     )
@@ -171,7 +173,7 @@ def _camera_of(entry: dict[str, Any]) -> dict[str, Any]:
         "k1",
         "coeffs",
     }
-    return {name: value for name, value in flat(entry).items() if name in names}
+    return {name: value for name, value in flatten_values(entry).items() if name in names}
 
 
 def matrix_of(numbers: NDArray[np.float64]) -> tuple[NDArray[np.float64], tuple[float, float] | None]:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.inputs.rgbd.camera_files import ANGLE, CORNER, FOCAL, KNOWS, MATRICES, contents, first, matrix_of
+from plugins.inputs.known_cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
+from plugins.inputs.rgbd.camera_files import ANGLE, CORNER, FOCAL, KNOWS, MATRICES, contents, find_first, matrix_of
 from plugins.inputs.rgbd.upright import Turn, is_stretched
-from stages.config.cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from stages.contracts import InputError
 from stages.contracts.types import check_view
 from stages.geometry.cameras import make_intrinsics, scale_intrinsics
@@ -158,7 +158,7 @@ def read_names(path: Path, known: dict[str, Any], width: int, height: int) -> tu
         InputError: it holds none, one that is no pinhole camera's, or one of a part of the picture.
         ValueError, TypeError, KeyError: its values are no numbers.
     """
-    model = str(first(known, "cameramodel", "cameratype", "projection") or "").lower()
+    model = str(find_first(known, "cameramodel", "cameratype", "projection") or "").lower()
     if set(model.replace("_", " ").replace("-", " ").split()) & NO_PINHOLE:
         model = str(known.get("distortionmodel") or model) if model == "unread" else model
         raise InputError(path, f"has the camera model '{model}', which is not read.", KNOWS, code="E-LENS-MODEL")
@@ -167,15 +167,15 @@ def read_names(path: Path, known: dict[str, Any], width: int, height: int) -> tu
         raise InputError(
             path, "is of a part of the picture (roi).", "give K of this very picture", code="E-CAMERA-SIZE"
         )
-    if float(first(known, "skew", "s") or 0):
-        raise ValueError(f"a skew of {first(known, 'skew', 's')}, which is not read")
+    if float(find_first(known, "skew", "s") or 0):
+        raise ValueError(f"a skew of {find_first(known, 'skew', 's')}, which is not read")
     size = _read_size(known)
-    if (focal := first(known, *FOCAL)) is not None and "flx" not in known:
-        cx, cy = (first(known, f"c{axis}", f"pp{axis}", f"{axis}offset", f"m{axis}color") for axis in "xy")
+    if (focal := find_first(known, *FOCAL)) is not None and "flx" not in known:
+        cx, cy = (find_first(known, f"c{axis}", f"pp{axis}", f"{axis}offset", f"m{axis}color") for axis in "xy")
         if cx is None or cy is None:
             raise InputError(path, "says fx, but not cx and cy.", KNOWS, code="E-CAMERA-INTRINSICS")
-        return make_intrinsics(float(focal), float(first(known, *DOWN)), float(cx), float(cy)), size
-    if focal is not None or first(known, *ANGLE) is not None:
+        return make_intrinsics(float(focal), float(find_first(known, *DOWN)), float(cx), float(cy)), size
+    if focal is not None or find_first(known, *ANGLE) is not None:
         return _read_nerf(known, *(size or (width, height))), size
     for name in MATRICES:
         value = known.get(name)
@@ -189,7 +189,7 @@ def read_names(path: Path, known: dict[str, Any], width: int, height: int) -> tu
 
 def _read_nerf(known: dict[str, Any], width: float, height: float) -> Matrix:
     """K of a transforms.json, whose focal length may be an angle, with the axis in the middle if none is stated."""
-    radians = known["cameraanglex"] if "cameraanglex" in known else np.deg2rad(float(first(known, *ANGLE) or 0))
+    radians = known["cameraanglex"] if "cameraanglex" in known else np.deg2rad(float(find_first(known, *ANGLE) or 0))
     across = float(known["flx"]) if "flx" in known else width / 2 / np.tan(float(radians) / 2)
     cx, cy = float(known.get("cx", width / 2)), float(known.get("cy", height / 2))
     return make_intrinsics(across, float(known.get("fly", across)), cx - CORNER, cy - CORNER)
@@ -198,8 +198,8 @@ def _read_nerf(known: dict[str, Any], width: float, height: float) -> Matrix:
 def _read_size(known: dict[str, Any]) -> tuple[float, float] | None:
     """Width and height of the picture in plain names."""
     names = (("{}", "image{}", "img{}", "color{}", "rgb{}", "sensor{}"), ("width", "height"))
-    width, height = (first(known, *(name.format(side) for name in names[0]), side[0]) for side in names[1])
+    width, height = (find_first(known, *(name.format(side) for name in names[0]), side[0]) for side in names[1])
     if width is None or height is None:
-        both = first(known, *SIZES)
+        both = find_first(known, *SIZES)
         width, height = both if isinstance(both, (list, tuple)) and len(both) == 2 else (None, None)
     return (float(width), float(height)) if width and height else None

@@ -13,7 +13,7 @@ from stages.contracts.types import WALL
 from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan
 from stages.geometry.frames import apply
-from stages.geometry.gravity import OFF_LEVEL, TABLE_WITHIN, find_ground
+from stages.geometry.levels import OFF_LEVEL, TABLE_WITHIN, find_ground
 from stages.geometry.planes import Plane
 from stages.geometry.room_planes import find_walls, make_floor_frame, sample_points
 

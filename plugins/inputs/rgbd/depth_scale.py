@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from plugins.inputs.rgbd.camera_files import load, plain
+from plugins.inputs.rgbd.camera_files import load, simplify_name
 from stages.contracts import InputError
-from stages.contracts.depth import BYTE, NEAREST
+from stages.contracts.depth import NEAREST
 from stages.contracts.types import LARGEST
 
 PER_METRE, METRES, MILLIMETRES, MICROMETRES = "units to a metre", "metres a unit", "mm a unit", "micrometres a unit"
@@ -120,7 +120,7 @@ def _read_file(file: Path) -> list[Stated]:
     try:
         if file.suffix.lower() == ".npz":
             with np.load(file, allow_pickle=False) as arrays:
-                small = [name for name in arrays.files if plain(name) in UNIT_NAMES]
+                small = [name for name in arrays.files if simplify_name(name) in UNIT_NAMES]
                 data: Any = {name: arrays[name].item() for name in small if arrays[name].size == 1}
         elif file.suffix.lower() in (".png", ".tif", ".tiff"):
             with Image.open(file, formats=("PNG", "TIFF")) as image:
@@ -140,9 +140,9 @@ def _read_units(data: Any, parent: str = "", deep: int = 4) -> Iterator[tuple[st
         data = dict(enumerate(data[:MAX_FILES]))
     if not isinstance(data, dict) or not deep:
         return
-    keys = {plain(str(key)) for key in data}
+    keys = {simplify_name(str(key)) for key in data}
     for key, value in data.items():
-        name = plain(str(key))
+        name = simplify_name(str(key))
         if isinstance(value, (dict, list)):
             yield from _read_units(value, name, deep - 1)
             continue
@@ -175,7 +175,7 @@ def _judge_by_median(path: Path, known: NDArray[Any], median: float) -> float:
     if not whole and NEAREST <= median <= LARGEST:
         return UNITS["m"]
     fix = "say the unit with --unit: m, mm, or the number that stands for one metre"
-    if LARGEST < known.max() <= BYTE:
+    if LARGEST < known.max() <= np.iinfo(np.uint8).max:
         raise InputError(path, f"has no value above {known.max():g}: bytes, not millimetres.", fix, code="E-DEPTH-UNIT")
     if 1000 * NEAREST <= median <= 1000 * USUAL_MEDIAN:
         return UNITS["mm"]

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.inputs.rgbd.camera_files import contents, first, has_camera, plain
+from plugins.inputs.rgbd.camera_files import contents, find_first, has_camera, simplify_name
 from plugins.inputs.rgbd.cameras import Matrix, read_intrinsics
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from stages.contracts import InputError
@@ -71,7 +71,7 @@ def find_distortion(
         return None
     model = known.get("distortionmodel") or (known.get("model") if "coeffs" in known else "")
     model = re.sub(r"\W+", "_", str(model or "").lower()).removeprefix("rs2_").removeprefix("distortion_")
-    camera = f"{model} {first(known, 'cameramodel', 'cameratype')}".lower()
+    camera = f"{model} {find_first(known, 'cameramodel', 'cameratype')}".lower()
     if any(word in camera for word in FISHEYE) or known.get("isfisheye"):
         return _read_fisheye(path, known)
     if model == "none" or all(known.get(name) in (None, []) for name in ("k1", *LISTS)):
@@ -91,7 +91,7 @@ def find_distortion(
 
 def _is_of_lens(name: str, value: Any) -> bool:
     """Whether the value under a name is of the lens: by the name, or as a list of its coefficients."""
-    inner = {plain(str(key)) for key in value} if isinstance(value, dict) else set()
+    inner = {simplify_name(str(key)) for key in value} if isinstance(value, dict) else set()
     is_list = bool(inner & {*COEFFICIENTS, *LISTS}) and not has_camera(dict.fromkeys(inner))
     return (is_list or any(word in name for word in OF_LENS)) and _says_number(value)
 

@@ -16,8 +16,7 @@ from plugins.inputs.rgbd.mask_shapes import (
 )
 from stages.contracts import InputError
 from stages.contracts.arrays import readable
-
-OUTSIDE = 3  # pixels by which a mask may leave its box; chosen
+from stages.geometry.masks import OUTLINE
 
 
 def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> list[Shape]:
@@ -87,9 +86,9 @@ def _read_mask(item: dict[str, Any], size: tuple[int, int]) -> tuple[Mask | None
 def _holds(box: Any, mask: Mask) -> bool:
     """Whether a box of x, y, width, height (or x, y, right, bottom, as some write it) has most of a mask (H, W)."""
     rows, columns = np.nonzero(mask)
-    left, top = box[0] - OUTSIDE, box[1] - OUTSIDE
+    left, top = box[0] - OUTLINE, box[1] - OUTLINE
     for right, bottom in ((box[0] + box[2], box[1] + box[3]), (box[2], box[3])):
-        inside = (columns >= left) & (columns <= right + OUTSIDE) & (rows >= top) & (rows <= bottom + OUTSIDE)
+        inside = (columns >= left) & (columns <= right + OUTLINE) & (rows >= top) & (rows <= bottom + OUTLINE)
         if inside.sum() >= len(rows) / 2:
             return True
     return False

@@ -12,9 +12,9 @@ from plugins.inputs.rgbd.frame import Frame, Labelled, fit_frame, is_nothing
 from stages.contracts import Annotations, Camera, InputError
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
+from stages.geometry.estimate import TRIM
 
 LONGEST_LABEL = 200  # characters
-TRIM = 0.005  # of an object's points left out at either end: half the default, which is for estimated depth; chosen
 FLOORS, WALLS = {"floor", "ground", "carpet"}, {"wall", "walls"}
 OPENS = {
     "cabinet", "cabinets", "chest", "closet", "cupboard", "dishwasher", "drawer", "drawers", "dresser", "fridge",

@@ -18,7 +18,7 @@ from plugins.inputs.photo.networks import Detection, depth_of, detect, segment
 from plugins.inputs.photo.picture import Photo
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from plugins.vlm.ask import Asker, NoAnswerError
-from plugins.vlm.boxed import boxed
+from plugins.vlm.boxed import draw_box
 from plugins.vlm.config import VlmConfig
 from plugins.vlm.tests.chat_server import KEY, ChatServer, says, serving
 from stages.contracts import InputError, Objects, read_json
@@ -253,7 +253,7 @@ def test_walls_are_numbered_where_they_are_wide() -> None:
 
 
 def test_boxes_leave_what_is_in_them_and_end_with_the_picture() -> None:
-    shown = boxed(np.zeros((120, 160, 3), np.uint8), (-9.0, 30.4, 80.0, 500.0))
+    shown = draw_box(np.zeros((120, 160, 3), np.uint8), (-9.0, 30.4, 80.0, 500.0))
     red = shown[..., 0] == 255
     assert red[30, :80].all() and red[119, :80].all() and red[30:, 0].all() and red[30:, 80].all()
     assert not red[34:115, 4:76].any() and not red[:28].any() and not red[:, 83:].any()

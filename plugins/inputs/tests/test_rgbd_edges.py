@@ -15,7 +15,7 @@ from plugins.inputs.rgbd.frame import Frame, Labelled
 from plugins.inputs.rgbd.write import write_frame
 from plugins.inputs.tests.test_rgbd import BOX, CAN, TABLE, boxes_of
 from stages.geometry.boxes import UprightBox
-from stages.geometry.gravity import find_ground
+from stages.geometry.levels import find_ground
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
 
 

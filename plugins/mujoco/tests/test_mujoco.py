@@ -20,7 +20,7 @@ from stages.simulation.studio import Studio
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
 from stages.tasks.api import TaskEnv
-from stages.tasks.initial_state import sampled_scale
+from stages.tasks.initial_state import sample_scale
 from stages.tasks.observation import sensor_noise
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
@@ -119,7 +119,7 @@ def test_it_turns_to_another_cabinet_at_a_scale_and_is_filmed(folder: Path, tmp_
     task = MujocoTaskEnv("door", folder, "door_0_joint", None, TaskConfig(cloud="object"))
     task.reset(SEED)
     task.turn_to(tmp_path / "low", "door_0_joint", None)
-    scale = sampled_scale(SEED, task.options, task.options.scale_range)
+    scale = sample_scale(SEED, task.options, task.options.scale_range)
     seen = task.reset(SEED)["point_cloud"]
     task.act(STILL)
     shown = task.recording([task.moment()])

@@ -13,6 +13,4 @@ def test_a_simulator_is_named_by_its_environments() -> None:
 
 def test_a_condition_that_names_no_simulator_has_that_of_the_section() -> None:
     config = load({"evaluation": {"simulator": "mujoco", "conditions": {"noise": {"depth_noise": True}}}})
-    assert (
-        config.evaluation.under("noise").simulator == config.evaluation.simulator == "plugins.mujoco.simulators.mujoco"
-    )
+    assert config.evaluation.under("noise").simulator == config.evaluation.simulator == "mujoco"

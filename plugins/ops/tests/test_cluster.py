@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from plugins.ops import cluster as checked
-from stages import doctor
+from plugins.ops import doctor
 
 CLUSTER = """\
 AccountingStorageType   = accounting_storage/none

@@ -14,7 +14,7 @@ from plugins.patchnet.training import train as module
 from plugins.patchnet.training.batches import Pairs, draw, mirror
 from plugins.patchnet.training.loss import losses, same_looks
 from plugins.patchnet.training.options import TrainingOptions
-from plugins.patchnet.training.pairs import NONE, foreground_of, hidden, matches
+from plugins.patchnet.training.pairs import NONE, foreground_of, hide_part, matches
 from stages.geometry.cameras import back_project, look_at
 from stages.geometry.frames import inverse, rigid, yaw_matrix
 from tests.refusals import refused
@@ -44,7 +44,7 @@ def test_a_patch_matches_the_patch_that_shows_the_same_point() -> None:
 
 def test_at_least_half_of_a_model_stays_to_be_seen() -> None:
     view, rng = view_of_box(0.3), np.random.default_rng(0)
-    shares = [hidden(view, rng).mask.sum() / view.mask.sum() for _ in range(40)]
+    shares = [hide_part(view, rng).mask.sum() / view.mask.sum() for _ in range(40)]
     assert min(shares) >= 0.5 and np.mean(np.array(shares) < 0.99) > 0.6
 
 

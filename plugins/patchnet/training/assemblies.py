@@ -3,7 +3,7 @@
 import numpy as np
 
 from plugins.furniture.model import Model, Part, part
-from plugins.furniture.shapes import cushion, lathe, rod, rotated, slab, translated
+from plugins.furniture.shapes import cushion, lathe, rod, rotate, slab, translate
 
 PALETTE_VALUE = (0.05, 0.9)
 
@@ -18,7 +18,7 @@ def assembly(rng: np.random.Generator) -> Model:
         centre = rng.uniform(-0.5, 0.5, 3) * extent + [0, 0, 0.5 * extent[2]]
         mesh = _solid(rng, extent)
         offsets = _places(rng, centre)
-        parts += [part(translated(mesh, offset), colour) for offset in offsets]
+        parts += [part(translate(mesh, offset), colour) for offset in offsets]
     return Model(parts)
 
 
@@ -38,7 +38,7 @@ def _solid(rng: np.random.Generator, extent: np.ndarray):  # type: ignore[no-unt
         low, high, height = *rng.uniform(0.05, 0.35, 2), rng.uniform(0.1, 0.8) * extent[2]
         mesh = lathe([(0, -height / 2), (low, -height / 2), (high, height / 2), (0, height / 2)])
     axis = np.eye(3)[int(rng.integers(3))]
-    return rotated(mesh, float(rng.uniform(-0.6, 0.6)), axis) if rng.random() < 0.25 else mesh
+    return rotate(mesh, float(rng.uniform(-0.6, 0.6)), axis) if rng.random() < 0.25 else mesh
 
 
 def _places(rng: np.random.Generator, centre: np.ndarray) -> list[list[float]]:  # type: ignore[type-arg]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn import functional
 
-from plugins.patchnet.network import GRID, SIZE, normalised
+from plugins.patchnet.network import GRID, SIZE, normalise_crops
 from plugins.patchnet.training.options import TrainingOptions
 from stages.contracts.errors import InputError
 
@@ -63,7 +63,7 @@ def draw(pairs: Pairs, step: int, seed: int, options: TrainingOptions) -> Batch:
     crops[:, mirrored] = crops[:, mirrored].flip(-1)
     matches[mirrored] = mirror(matches[mirrored])
     share = functional.adaptive_avg_pool2d(crops[:, :, 3], GRID).flatten(2)
-    crops = torch.stack([recoloured(side, rng) for side in crops])
+    crops = torch.stack([recolour_crops(side, rng) for side in crops])
     return Batch(crops, matches, share >= LIGHTNESS, of_model, both["yaws"], both["periods"])
 
 
@@ -75,7 +75,7 @@ def mirror(matches: Tensor) -> Tensor:
     return torch.where(seen, flipped[matches.clamp(min=0)], matches)[:, flipped]
 
 
-def recoloured(crops: Tensor, rng: np.random.Generator) -> Tensor:
+def recolour_crops(crops: Tensor, rng: np.random.Generator) -> Tensor:
     """Crops (B, 4, H, W) as the network takes them: channels mixed, some inverted, some textured, grey outside."""
     count = len(crops)
     mix = np.eye(3) * rng.uniform(0.4, 1.0, (count, 1, 1)) + rng.uniform(-0.4, 0.4, (count, 3, 3))
@@ -88,7 +88,7 @@ def recoloured(crops: Tensor, rng: np.random.Generator) -> Tensor:
         colours[number] += texture(rng)
     coverage = crops[:, 3:]
     colours = colours.clamp(-LIGHTNESS, LIGHTNESS) * (coverage / 255)
-    return normalised(torch.cat([colours + LIGHTNESS, coverage], dim=1))
+    return normalise_crops(torch.cat([colours + LIGHTNESS, coverage], dim=1))
 
 
 def texture(rng: np.random.Generator) -> Tensor:

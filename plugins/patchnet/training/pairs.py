@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from plugins.patchnet.network import GRID, SIZE
 from stages.geometry.frames import apply
-from stages.geometry.masks import pixel_bounds
+from stages.geometry.masks import MIN_PIXELS, pixel_bounds
 from stages.matching.crop import View, cut, foreground, masked_square
 
 Array = NDArray[np.float64]
@@ -17,7 +17,6 @@ Rng = np.random.Generator
 NEAR = 0.025  # largest distance between the two surfaces, in the model's largest extents
 NONE = -1
 LEAST_SEEN = 0.5  # share of a model that something may leave
-FEWEST = 60  # pixels of a picture worth looking at
 
 
 def crop(view: View) -> NDArray[np.uint8]:
@@ -62,7 +61,7 @@ def foreground_of(view: View) -> NDArray[np.bool_]:
     return foreground(masked_square(cut(view), SIZE, SIZE)[1], GRID, GRID).ravel()
 
 
-def hidden(view: View, rng: Rng) -> View:
+def hide_part(view: View, rng: Rng) -> View:
     """The view behind something: a side cut off, or a box or an ellipse before it; at least half stays to be seen."""
     x0, y0, x1, y1 = pixel_bounds(view.mask)
     height, width = view.mask.shape
@@ -78,12 +77,12 @@ def hidden(view: View, rng: Rng) -> View:
             half = rng.uniform(0.08, 0.35, 2) * [x1 - x0, y1 - y0]
             gap = np.abs(np.stack([(u - centre[0]) / half[0], (v - centre[1]) / half[1]]))
             mask = view.mask & ((gap.max(0) if kind == 1 else (gap**2).sum(0)) > 1)
-        if mask.sum() >= max(LEAST_SEEN * view.mask.sum(), FEWEST):
+        if mask.sum() >= max(LEAST_SEEN * view.mask.sum(), MIN_PIXELS):
             return replace(view, mask=mask)
     return view
 
 
-def blemished(rgb: NDArray[np.uint8], rng: Rng) -> NDArray[np.uint8]:
+def blemish_picture(rgb: NDArray[np.uint8], rng: Rng) -> NDArray[np.uint8]:
     """The picture with another exposure and gamma, a little blur now and then, and noise."""
     image: NDArray[np.floating] = rgb.astype(np.float32) / 255
     image = np.clip(image * rng.uniform(0.75, 1.25), 0, 1) ** rng.uniform(0.7, 1.4)

@@ -17,7 +17,7 @@ from plugins.furniture.robot import robot_of
 from plugins.patchnet.network import GRID, SIZE
 from plugins.patchnet.training.assemblies import assembly
 from plugins.patchnet.training.options import PairOptions
-from plugins.patchnet.training.pairs import blemished, crop, hidden, matches
+from plugins.patchnet.training.pairs import blemish_picture, crop, hide_part, matches
 from plugins.patchnet.training.studio import ChanceStudio, camera_from_object
 from stages.articulated.asset_folder import Description, write_asset
 from stages.assets.snapshots import Turntable
@@ -111,9 +111,9 @@ class Photographer:
         shots = self.studio.photograph(again, turned.tolist(), rng, PAINTED)
         for rgb, depth, yaw, shot in zip(rgbs, depths, yaws, shots, strict=True):
             snapshot = View(rgb, depth > 0, depth.astype(np.float32) / 1000, self.turntable.intrinsics, self.up)
-            view = hidden(shot.view, rng) if rng.random() < 0.6 else shot.view
+            view = hide_part(shot.view, rng) if rng.random() < 0.6 else shot.view
             found = matches(view, shot.object_from_camera, snapshot, camera_from_object(self.camera, float(yaw)))
-            picture = View(blemished(view.rgb, rng), view.mask)
+            picture = View(blemish_picture(view.rgb, rng), view.mask)
             yield Pair(crop(picture), crop(snapshot), found, float(yaw))
 
 

@@ -49,7 +49,7 @@ def train(pairs: Path, out: Path, config: TrainingOptions, seed: int) -> None:
     data = Pairs(pairs)
     out.mkdir(parents=True, exist_ok=True)
     about = asdict(replace(config, steps=0, save_every=0))  # a run may be made longer
-    training = started(json.dumps([about, seed, data.about]), config, seed)
+    training = start_run(json.dumps([about, seed, data.about]), config, seed)
     resume(training, out / STATE)
     for step in progress(range(training.step, config.steps), "steps", config.steps - training.step):
         pick = torch.Generator().manual_seed((seed * 1_000_003 + step) % 2**63)
@@ -62,7 +62,7 @@ def train(pairs: Path, out: Path, config: TrainingOptions, seed: int) -> None:
         temporary.write_text("".join(json.dumps(line) + "\n" for line in training.lines), encoding="utf-8")
 
 
-def started(about: str, config: TrainingOptions, seed: int) -> Run:
+def start_run(about: str, config: TrainingOptions, seed: int) -> Run:
     """A run before its first step."""
     torch.manual_seed(seed)
     network = PatchNet().to(memory_format=torch.channels_last)  # type: ignore[call-overload]

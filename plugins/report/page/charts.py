@@ -18,7 +18,7 @@ Points = list[tuple[float, float]]
 SERIES = ("all", "cousins_8", "cousins_4", "twin")  # colours of lines that are not training sets
 
 
-def embedded(svg: bytes, alt: str) -> Markup:
+def embed_svg(svg: bytes, alt: str) -> Markup:
     """An SVG file as a picture of the page."""
     source = base64.b64encode(svg).decode("ascii")
     return Markup('<img class="chart" src="data:image/svg+xml;base64,{}" alt="{}">').format(source, alt)
@@ -28,7 +28,7 @@ def _drawn(figure: Figure, alt: str) -> Markup:
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     plt.close(figure)
-    return embedded(buffer.getvalue(), alt)
+    return embed_svg(buffer.getvalue(), alt)
 
 
 def line_chart(series: dict[str, Points], x_label: str, alt: str) -> Markup:

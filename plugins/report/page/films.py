@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from plugins.report.album import Album, Animation
 from stages.contracts.archives import unpack
 from stages.contracts.films import Film
 from stages.contracts.films import read_films as read_list
 from stages.tables.order import title
-from stages.tables.pictures import Album, Animation
 from stages.tables.text import percent
 
 

@@ -3,10 +3,10 @@
 from collections import Counter
 from dataclasses import dataclass
 
+from plugins.report.album import Album, Picture
 from plugins.report.page.files import RunFiles
 from stages.contracts.files import read_json
 from stages.contracts.library import Library
-from stages.tables.pictures import Album, Picture
 
 
 @dataclass(frozen=True)

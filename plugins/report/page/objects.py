@@ -7,15 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from plugins.report.album import THUMBNAIL, Album, Picture
+from plugins.report.doubts import collect_doubts, collect_notes, describe_mounting, mountings_agree
+from plugins.report.snapshots import Snapshots
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins
 from stages.contracts.doubt import Doubt
-from stages.contracts.doubts import collect_doubts, collect_notes, describe_mounting, mountings_agree
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Objects, SceneObject
-from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
-from stages.tables.pictures import THUMBNAIL, Album, Picture
 from stages.tables.text import NOTHING, count
 
 LISTED = 5  # cousins, models compared and categories of an object that are listed
@@ -80,8 +80,8 @@ def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Al
     """An object that has cousins."""
     placed, listed = evidence.placed.get(entry.id), entry.cousins[:LISTED]
     views = evidence.views.get(entry.id, {})
-    measure, numbers = ordered_by(entry.decided_by, listed)
-    seen = Image.fromarray(cropped(evidence.rgb, item)) if evidence.rgb is not None else None
+    measure, numbers = explain_order(entry.decided_by, listed)
+    seen = Image.fromarray(crop_object(evidence.rgb, item)) if evidence.rgb is not None else None
 
     def relative(cousin: Cousin, number: str) -> Relative:
         view = snapshots.picture(cousin.asset, views.get(cousin.asset, cousin.orientation.yaw))
@@ -102,7 +102,7 @@ def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Al
     )
 
 
-def ordered_by(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str]]:
+def explain_order(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str]]:
     """What put cousins in their order, in words, and the number of each."""
     if cousins and not cousins[0].fits:
         return "no model fits what is seen: ordered by name, doors and drawers, size and place", [""] * len(cousins)
@@ -130,7 +130,7 @@ def _about(item: SceneObject) -> Iterator[str]:
 
 def _pictures(item: SceneObject, evidence: Evidence, album: Album) -> Iterator[tuple[Picture, str]]:
     if evidence.rgb is not None and evidence.masks is not None:
-        picture = Image.fromarray(cropped(masked(evidence.rgb, evidence.masks == item.mask), item))
+        picture = Image.fromarray(crop_object(fade_background(evidence.rgb, evidence.masks == item.mask), item))
         yield album.thumbnail(picture, f"Mask of {item.id}"), "mask"  # type: ignore[misc]
     cloud = evidence.clouds.get(item.id)
     if cloud is not None and item.box is not None:
@@ -139,7 +139,7 @@ def _pictures(item: SceneObject, evidence: Evidence, album: Album) -> Iterator[t
             yield album.put(picture, f"Cloud of {item.id} {name}"), f"cloud {name}"
 
 
-def cropped(rgb: Pixels, item: SceneObject) -> Pixels:
+def crop_object(rgb: Pixels, item: SceneObject) -> Pixels:
     """The object's part of the picture, with a margin; the whole picture if its place is unknown."""
     if item.pixels is None:
         return rgb
@@ -148,7 +148,7 @@ def cropped(rgb: Pixels, item: SceneObject) -> Pixels:
     return rgb[max(0, y0 - margin) : y1 + margin, max(0, x0 - margin) : x1 + margin]
 
 
-def masked(rgb: Pixels, mask: NDArray[np.bool_]) -> Pixels:
+def fade_background(rgb: Pixels, mask: NDArray[np.bool_]) -> Pixels:
     """The picture, half-way to white outside of the mask."""
     return np.where(mask[..., None], rgb, (rgb.astype(np.uint16) + 255) // 2).astype(np.uint8)
 

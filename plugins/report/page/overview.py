@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from plugins.report.doubts import Group, group_doubts
 from plugins.report.page.findings import Findings
-from stages.contracts.doubts import Group, group_doubts
 from stages.tables.order import natural
 from stages.tables.text import NOT_RUN
 
@@ -122,7 +122,7 @@ def _embedded(picture: Path | None) -> str:
     return f"data:image/webp;base64,{base64.b64encode(picture.read_bytes()).decode('ascii')}" if picture else ""
 
 
-def common(rows: Iterable[SceneRow]) -> list[tuple[str, int]]:
+def count_failures(rows: Iterable[SceneRow]) -> list[tuple[str, int]]:
     """The most frequent failures with their counts; reasons that differ by numbers only are one."""
     failures = (failure for one in rows for failure in one.failures if failure.reason != NOT_RUN)
     return Counter(f"{each.stage}: {NUMBER.sub('…', each.reason)}" for each in failures).most_common(8)

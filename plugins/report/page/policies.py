@@ -7,18 +7,18 @@ from typing import Any
 
 from markupsafe import Markup
 
+from plugins.report.album import Album, Picture
 from plugins.report.page.charts import Points, line_chart
 from plugins.report.page.files import RunFiles
 from plugins.report.page.films import FilmedAsset, read_films
-from plugins.report.roles import lists_table, roles_table, used_roles
+from plugins.report.roles import lists_table, role_title, roles_table, used_roles
+from plugins.report.snapshots import Snapshots
 from stages.contracts.files import read_json
 from stages.contracts.in_scene import SceneDemonstrations
 from stages.contracts.ledgers import read_attempts, read_metrics
 from stages.contracts.policies import TaskAssets
-from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables.markup import Table
-from stages.tables.order import natural, role_title, set_key, target_title, title
-from stages.tables.pictures import Album, Picture
+from stages.tables.order import natural, set_key, target_title, title
 from stages.tables.statistics import wilson
 from stages.tables.text import NOTHING, cell, percent, span
 

@@ -8,21 +8,21 @@ from pathlib import Path
 
 import pandas as pd
 
+from plugins.report.album import Album, Picture
 from plugins.report.page.files import RunFiles
 from plugins.report.page.findings import Findings
 from plugins.report.page.objects import Evidence, Match, match
+from plugins.report.snapshots import Snapshots
 from stages.contracts.cousins import Cousins
 from stages.contracts.doubt import Doubt
 from stages.contracts.extracted import read_clouds, read_object_masks
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene, views_of
 from stages.contracts.images import read_rgb
-from stages.contracts.made import Made
 from stages.contracts.objects import Objects
-from stages.contracts.snapshot_pictures import Snapshots
-from stages.plugins import short
+from stages.contracts.provenance import Provenance
+from stages.plugins import shorten_name
 from stages.tables.order import natural, title
-from stages.tables.pictures import Album, Picture
 from stages.tables.table2 import judge
 
 
@@ -95,7 +95,7 @@ class RoomPart:
     objects: int
     failures: dict[str, tuple[str, str]]
     reconstructions: list[Reconstruction]
-    origins: dict[str, Made]
+    origins: dict[str, Provenance]
     camera_doubt: Doubt | None
 
 
@@ -151,7 +151,7 @@ def _correct(image: Path | None, scene: str, variant: str) -> str:
     return f"python -m plugins.studio {shlex.join(arguments)} "
 
 
-def origins(files: RunFiles, name: str) -> dict[str, Made]:
+def origins(files: RunFiles, name: str) -> dict[str, Provenance]:
     """What objects, cousins and the scenes of rank 1 were made of, as far as the files hold it, by file."""
     kinds: list[tuple[type[Objects | Cousins | GeneratedScene], str]] = [
         (Objects, f"extraction/{name}/objects.json"),
@@ -181,7 +181,7 @@ def _reconstruction(
     alt, view = f"Reconstruction of {title(name)} from cousins of rank", files.one(f"{folder}/view.glb")
     return Reconstruction(
         variant=variant,
-        encoder=short(cousins.encoder) if cousins else "",
+        encoder=shorten_name(cousins.encoder) if cousins else "",
         judge=_judge(cousins) if cousins else "",
         scenes=[
             _scene(scene, found, album.maybe(files.one(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}"))

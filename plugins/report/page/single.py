@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from plugins.report.album import Album, Picture
+from plugins.report.doubts import group_doubts
 from plugins.report.page.files import RunFiles
 from plugins.report.page.rooms import Reconstruction, RoomPart
 from stages.contracts.doubt import Doubt, DoubtKind
-from stages.contracts.doubts import group_doubts
 from stages.contracts.extracted import read_metres
 from stages.contracts.files import read_json
 from stages.contracts.objects import Objects
 from stages.contracts.scenes import Camera
-from stages.tables.pictures import Album, Picture
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def input_facts(files: RunFiles, name: str, camera: Path, album: Album) -> Input
     if depth is None or not (depth > 0).any():
         return InputFacts(facts, None, "")
     near, far = (float(np.quantile(depth[depth > 0], share)) for share in (0.01, 0.99))
-    picture = album.put(Image.fromarray(coloured(depth, near, far)), "Distance of what the picture shows")
+    picture = album.put(Image.fromarray(colour_depth(depth, near, far)), "Distance of what the picture shows")
     return InputFacts(facts, picture, f"Distance: dark {near:.1f} m, bright {far:.1f} m, black unknown")
 
 
@@ -68,7 +68,7 @@ def camera_facts(objects: Objects) -> list[tuple[str, str]]:
     ]
 
 
-def coloured(depth: NDArray[np.float32], near: float, far: float) -> NDArray[np.uint8]:
+def colour_depth(depth: NDArray[np.float32], near: float, far: float) -> NDArray[np.uint8]:
     """Depth (H, W) as colours, black where it is unknown."""
     share = np.clip((depth - near) / max(far - near, 1e-6), 0, 1)
     colours = cv2.applyColorMap((255 * share).astype(np.uint8), cv2.COLORMAP_VIRIDIS)[..., ::-1]

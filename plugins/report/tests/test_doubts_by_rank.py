@@ -2,10 +2,10 @@
 
 from typing import Any
 
+from plugins.report.doubts import collect_doubts
 from plugins.report.page.findings import Findings
 from stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
 from stages.contracts.doubt import Doubt
-from stages.contracts.doubts import collect_doubts
 from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 

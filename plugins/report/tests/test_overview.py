@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from plugins.report import overview
-from plugins.report.page.overview import Layout, common, row
+from plugins.report.page.overview import Layout, count_failures, row
 from plugins.report.tests.test_report_browser import WIDE, browser  # noqa: F401
 from plugins.report.tests.test_tables_report import Checker
 from stages.contracts.files import read_json
@@ -87,7 +87,7 @@ def test_what_later_stages_left_of_an_earlier_run_does_not_count(layout: Layout,
 def test_reasons_that_differ_by_numbers_are_one(layout: Layout) -> None:
     for name, pixels in (("a", 12), ("b", 4.5)):
         log(layout, f"extraction/{name}", f"error: only {pixels} pixels\n")
-    assert common(row(name, layout) for name in ("a", "b", "c")) == [("extraction: only … pixels", 2)]
+    assert count_failures(row(name, layout) for name in ("a", "b", "c")) == [("extraction: only … pixels", 2)]
 
 
 def test_the_page_needs_nothing_else(results: Path, layout: Layout, tmp_path: Path) -> None:

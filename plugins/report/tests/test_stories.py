@@ -5,15 +5,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.report.page.objects import Evidence, Match, cloud_picture, masked, match
+from plugins.report.album import THUMBNAIL, Album
+from plugins.report.doubts import group_doubts
+from plugins.report.page.objects import Evidence, Match, cloud_picture, fade_background, match
+from plugins.report.snapshots import Snapshots
 from stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
 from stages.contracts.doubt import MEND, Doubt
-from stages.contracts.doubts import group_doubts
 from stages.contracts.generated import GeneratedScene, PlacedObject, views_of
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
-from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import intrinsics_from_fov, look_at
-from stages.tables.pictures import THUMBNAIL, Album
 
 WIDTH, HEIGHT = 120, 90
 VIEW = Orientation(yaw=0.5, distance=1.0)
@@ -222,7 +222,7 @@ def test_what_the_mask_leaves_out_is_dimmed() -> None:
     rgb = np.full((HEIGHT, WIDTH, 3), 100, dtype=np.uint8)
     mask = np.zeros((HEIGHT, WIDTH), dtype=bool)
     mask[30:50, 40:70] = True
-    paler = masked(rgb, mask)
+    paler = fade_background(rgb, mask)
     assert (paler == 100).all(axis=2).sum() == mask.sum() and paler.max() > 170
 
 

@@ -15,18 +15,19 @@ import yaml
 from PIL import Image
 
 from plugins.report import report
+from plugins.report.album import Album
 from plugins.report.page import charts
 from plugins.report.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
 from plugins.report.page.charts import line_chart
 from plugins.report.page.files import RunFiles
 from plugins.report.page.films import read_films
 from plugins.report.page.policies import losses
+from plugins.report.snapshots import Snapshots
 from stages.config.model import Config
 from stages.contracts.archives import pack
+from stages.contracts.images import read_narrow
 from stages.contracts.ledgers import read_attempts
-from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables import policies, scenes
-from stages.tables.pictures import Album, load
 from tests.refusals import refused
 from tests.unit.tables_results import MADE, VIEWER, declared, films, picture, write_run
 
@@ -314,10 +315,13 @@ def test_snapshots_are_cut_out_at_the_nearest_yaw(made: Path) -> None:
 
 def test_pictures_are_made_smaller(tmp_path: Path) -> None:
     picture(tmp_path / "a.png", 400, 200)
-    assert load(tmp_path / "a.png", 100).size == (100, 50) and load(tmp_path / "a.png", 900).size == (400, 200)
+    assert read_narrow(tmp_path / "a.png", 100).size == (100, 50) and read_narrow(tmp_path / "a.png", 900).size == (
+        400,
+        200,
+    )
     clear = Image.new("RGBA", (16, 16), (0, 0, 0, 0))
     clear.save(tmp_path / "clear.png")
-    assert load(tmp_path / "clear.png", 16).getpixel((0, 0)) == (255, 255, 255)
+    assert read_narrow(tmp_path / "clear.png", 16).getpixel((0, 0)) == (255, 255, 255)
     added = Album(100, 80).add(tmp_path / "a.png", "a box")
     assert added.source.startswith("data:image/webp;base64,") and (added.width, added.height) == (100, 50)
 

@@ -6,11 +6,11 @@ from typing import Any
 import pytest
 from PIL import Image
 
+from plugins.studies.choice import Choice
 from plugins.studies.choice_report import report
 from plugins.studies.choose import by_rule, choice_of
 from plugins.studies.choose import run as choose
 from stages.contracts import read_json, write_json
-from stages.contracts.choice import Choice
 from stages.contracts.cousins import Distances
 from stages.contracts.library_folder import write_part
 from tests.refusals import refused

@@ -8,11 +8,11 @@ import pytest
 
 from plugins.studies.coverage import (
     CURVES,
-    alone,
-    covered,
     distances,
+    find_isolated,
     forecast,
     forecast_mean,
+    measure_coverage,
     most_covered,
     nearest,
 )
@@ -55,11 +55,11 @@ def line(*widths: float) -> list[TaskAsset]:
 
 def test_covered_is_the_share_within_reach_and_alone_what_only_its_family_shows() -> None:
     assets = line(0, 0.5, 0.9, 2.1, 5)
-    assert covered(assets, assets[:1], 1) == 0.6 and covered(assets, assets[1:2], 2) == 0.8
-    assert [asset.asset for asset in alone(assets, 1)] == ["w3", "w4"]
+    assert measure_coverage(assets, assets[:1], 1) == 0.6 and measure_coverage(assets, assets[1:2], 2) == 0.8
+    assert [asset.asset for asset in find_isolated(assets, 1)] == ["w3", "w4"]
     kin = [an_asset("w3_2", panel_size=assets[3].panel_size), *assets]  # of another family by its name's beginning
     assert kin[0].family == "w3" == kin[4].family
-    assert [asset.asset for asset in alone(kin, 1)] == ["w3_2", "w3", "w4"]
+    assert [asset.asset for asset in find_isolated(kin, 1)] == ["w3_2", "w3", "w4"]
 
 
 def test_no_set_covers_more_than_the_bound_and_a_greedy_one_no_less_than_it_says() -> None:
@@ -68,7 +68,7 @@ def test_no_set_covers_more_than_the_bound_and_a_greedy_one_no_less_than_it_says
         for _ in range(20):
             assets = line(*rng.uniform(0, 8, 9))
             greedy, bound = most_covered(assets, count, 1)
-            best = max(covered(assets, some, 1) for some in combinations(assets, count))
+            best = max(measure_coverage(assets, some, 1) for some in combinations(assets, count))
             assert greedy <= best <= bound <= 1
             if count == 1:
                 assert greedy == best == bound

@@ -8,7 +8,7 @@ import pytest
 
 from plugins.studies import sets
 from plugins.studies.forecasts import agreement
-from plugins.studies.objects import ROLLOUT, estimate, paired, standard_error
+from plugins.studies.objects import ROLLOUT, estimate, pair_cells, standard_error
 from stages.config.tables import TablesConfig
 from stages.contracts.policies import Rollout
 from tests.unit.tables_results import write_rows
@@ -61,7 +61,7 @@ def test_only_the_same_asset_object_and_seed_are_paired() -> None:
     ours = pd.DataFrame([("o", "f", "a", 0, True), ("o", "f", "a", 1, True), ("o", "g", "b", 0, False)])
     theirs = pd.DataFrame([("o", "f", "a", 0, False), ("p", "f", "a", 1, False), ("o", "g", "b", 0, False)])
     names = [*ROLLOUT, "success"]
-    found = paired(ours.set_axis(names, axis=1), theirs.set_axis(names, axis=1))
+    found = pair_cells(ours.set_axis(names, axis=1), theirs.set_axis(names, axis=1))
     assert found[["asset", "success"]].to_numpy().tolist() == [["a", 1.0], ["b", 0.0]]
 
 

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
 from plugins.inputs.photo.guides import Guide, Perspective
-from plugins.inputs.photo.perspective import fit_view, weak
+from plugins.inputs.photo.perspective import find_weak_lines, fit_view
 from plugins.inputs.photo.picture import LONGEST_SIDE, read_photo
 from plugins.studio import annotate
 from plugins.studio.paint import paint
 from plugins.studio.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
 from plugins.studio.server import PageServer
-from plugins.studio.session import Session, described
+from plugins.studio.session import Session, describe_room
 from plugins.studio.solve import solve
 from plugins.studio.support import support_at
 from plugins.studio.tests.annotate_page import serve
@@ -310,8 +310,8 @@ def test_lines_that_do_not_run_as_the_camera_says_are_told() -> None:
     along = [_pixels([[x, 2, 0], [x, 4, 0]]) for x in (-1.0, -0.5, 0.5, 1.0)]
     guides = [Guide(axis="y", a=a, b=b) for a, b in [*along, _pixels([[1, 2, 0], [2, 4, 0]])]]
     drawing = _drawing().model_copy(update={"perspective": PERSPECTIVE.model_copy(update={"guides": guides})})
-    assert weak(VIEW, guides) == [False] * 4 + [True] and weak(VIEW, []) == []
-    assert described(drawing, solve(drawing))["weak"] == [False] * 4 + [True]
+    assert find_weak_lines(VIEW, guides) == [False] * 4 + [True] and find_weak_lines(VIEW, []) == []
+    assert describe_room(drawing, solve(drawing))["weak"] == [False] * 4 + [True]
 
 
 def test_what_was_drawn_keeps_its_size_wherever_it_stands(tmp_path: Path) -> None:
@@ -631,7 +631,7 @@ def test_a_saved_drawing_is_opened_again_or_refused(tmp_path: Path) -> None:
     Image.fromarray(_noise()).save(tmp_path / "a.png")
     session = Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "a")
     session.save(_drawing().model_dump(mode="json"))
-    assert Session(session.photo, "a.png", tmp_path / "a").opened() == _drawing()
+    assert Session(session.photo, "a.png", tmp_path / "a").open_drawing() == _drawing()
     Image.fromarray(_noise(200, 160)).save(tmp_path / "a.png")
     for spoil in ("size", "text"):
         if spoil == "text":

@@ -14,17 +14,17 @@ from pydantic import ValidationError
 
 from plugins.studio import annotate
 from plugins.studio.correcting import Correcting, Drawing, Thing
+from plugins.studio.correctors.by_hand import correct_image, correct_scene
+from plugins.studio.masks import Cutter
 from plugins.studio.tests.annotate_page import watched
 from plugins.studio.tests.test_annotate_browser import browser  # noqa: F401
 from stages.contracts import InputError, Objects, read_json, write_json, write_text
-from stages.contracts.corrected_masks import Cutter
 from stages.contracts.corrections import CORRECTIONS, Correction, Corrections, corrections_of
 from stages.contracts.extracted import check_extracted
 from stages.contracts.fronts import Panel
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall, distance_between
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.scenes import Held
-from stages.extraction.corrections import correct_image, correct_scene
 from stages.extraction.extract import run as extract
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import ExtractedScene
@@ -72,7 +72,7 @@ def _objects(folder: Path, *told: Correction) -> Objects:
 
 
 def test_what_is_right_leaves_no_file(session: Correcting) -> None:
-    drawing = session.opened()
+    drawing = session.open_drawing()
     assert [item.id for item in drawing.objects] == ["cabinet_1", "box_1", "floor_1", "wall_1"]
     assert _told(session, _changed(drawing, cabinet_1={"doors": 1})) != []
     assert _told(session, drawing) == [] and not (session.folder / CORRECTIONS).exists()
@@ -80,7 +80,7 @@ def test_what_is_right_leaves_no_file(session: Correcting) -> None:
 
 def test_only_what_differs_is_kept_and_read_by_whom_it_concerns(session: Correcting) -> None:
     told = {"label": "dresser", "doors": 0, "drawers": 3, "mounting": None, "model": "cabinet_7", "nudge": (0.1, 0.0)}
-    kept = _told(session, _changed(session.opened(), box_1=None, cabinet_1=told))
+    kept = _told(session, _changed(session.open_drawing(), box_1=None, cabinet_1=told))
     assert kept == [
         {"mask": BOX, "gone": True},
         {"mask": CABINET, **told, "mounting": "measured", "nudge": [0.1, 0.0]},
@@ -89,7 +89,7 @@ def test_only_what_differs_is_kept_and_read_by_whom_it_concerns(session: Correct
     assert set(corrections_of((path,), "extraction")) == {CABINET, BOX}
     (placed,) = corrections_of((path,), "generation").values()
     assert (placed.model, placed.nudge, placed.label, placed.doors) == ("cabinet_7", (0.1, 0.0), None, None)
-    (again,) = [item for item in session.opened().objects if item.id == "cabinet_1"]
+    (again,) = [item for item in session.open_drawing().objects if item.id == "cabinet_1"]
     assert (again.label, again.doors, again.drawers, again.mounting) == ("dresser", 0, 3, None)
 
 
@@ -115,14 +115,14 @@ def test_names_deletions_and_boxes_count(session: Correcting, source: Path) -> N
 
 
 def test_a_wall_that_is_gone_holds_nothing(session: Correcting, source: Path) -> None:
-    answer = session.write(_changed(session.opened(), wall_1={"label": "shelf"}).model_dump(mode="json"))
+    answer = session.write(_changed(session.open_drawing(), wall_1={"label": "shelf"}).model_dump(mode="json"))
     assert answer["notes"] == ["cabinet: its wall is gone, mounting by geometry"]
     assert answer["ids"] == ["shelf_1", "cabinet_1", "box_1"]  # in the order of their values, as extraction has them
 
 
 def test_an_outline_says_which_pixels_and_two_floors_are_one(session: Correcting, source: Path) -> None:
     square = [(10.0, 300.0), (60.0, 300.0), (60.0, 340.0), (10.0, 340.0)]
-    drawing = session.opened()
+    drawing = session.open_drawing()
     drawing.objects.append(Thing(id="a", mask=91, label="floor", outline=[(0.0, 0.0), (40.0, 0.0), (40.0, 20.0)]))
     drawing.objects.append(Thing(id="b", mask=92, label="mug", outline=square))
     drawing.objects.append(Thing(id="c", mask=93, label="lost", outline=[(900.0, 900.0)] * 3))
@@ -165,7 +165,7 @@ def test_drawers_that_were_drawn_are_found_and_counts_undo_them(source: Path) ->
 
 
 def test_a_front_is_shown_straight_on_before_and_after_a_run(session: Correcting, source: Path) -> None:
-    drawing = {**session.opened().model_dump(mode="json"), "mask": CABINET}
+    drawing = {**session.open_drawing().model_dump(mode="json"), "mask": CABINET}
     before = session.front(drawing)
     assert before["picture"] and before["height"] > before["width"] / 2  # no box is known: what shows it
     results = source.parent / "results"
@@ -275,7 +275,7 @@ def test_a_thing_is_cut_out_of_what_surrounds_it() -> None:
 
 def test_what_does_not_fit_is_refused(session: Correcting, source: Path, tmp_path: Path) -> None:
     with refused("E-SCENE-EMPTY"):
-        session.write(_changed(session.opened(), cabinet_1=None, box_1=None).model_dump(mode="json"))
+        session.write(_changed(session.open_drawing(), cabinet_1=None, box_1=None).model_dump(mode="json"))
     with refused("E-SCENE-EMPTY"):
         _objects(source, Correction(mask=CABINET, gone=True), Correction(mask=BOX, gone=True))
     with pytest.raises(ValidationError, match="carried by itself"):
@@ -284,7 +284,7 @@ def test_what_does_not_fit_is_refused(session: Correcting, source: Path, tmp_pat
         Correction(mask=1, model="a", banned=["a"])
     (source / CORRECTIONS).write_text('{"version": 1, "objects": [{"mask": 1, "hight": 2}]}')
     with pytest.raises(InputError, match=r"corrections\.json.*hight"):
-        session.opened()
+        session.open_drawing()
     (source / CORRECTIONS).unlink()
     with refused("E-OPTION-CONFLICT"):
         annotate.run(source, out=tmp_path / "other", browser=False)
@@ -307,7 +307,7 @@ def test_a_person_corrects_in_the_browser(opened: Any, session: Correcting, sour
 
     def saved() -> Drawing:
         page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
-        return session.opened()
+        return session.open_drawing()
 
     def drag(*pixels: tuple[float, float]) -> None:
         for k, (u, v) in enumerate(pixels):

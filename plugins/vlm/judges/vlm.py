@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, create_model
 
 from plugins.vlm.ask import Asker, NoAnswerError
-from plugins.vlm.boxed import boxed
+from plugins.vlm.boxed import draw_box
 from plugins.vlm.config import VlmConfig
 from plugins.vlm.prompt import Prompt
 from stages.config.matching import MatchingConfig
@@ -98,7 +98,7 @@ class Judge:
         numbers = [str(number) for number in range(1, len(pictures) + 1)]
         label, (x0, y0, x1, y1) = question.label.replace("'", ""), pixel_bounds(question.view.mask)
         around = (x0 - FRAME_GAP, y0 - FRAME_GAP, x1 + FRAME_GAP - 1, y1 + FRAME_GAP - 1)
-        parts: list[str | NDArray[np.uint8]] = [OBJECT.format(label=label), boxed(question.view.rgb, around)]
+        parts: list[str | NDArray[np.uint8]] = [OBJECT.format(label=label), draw_box(question.view.rgb, around)]
         parts += [ALONE, darken_rest(question.view)]
         for number, picture in zip(numbers, pictures, strict=True):
             parts += [f"Candidate {number}:", picture]

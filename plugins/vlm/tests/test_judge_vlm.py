@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from plugins.vlm import ask, endpoint
-from plugins.vlm.secret import hidden
+from plugins.vlm.secret import hide_key
 from plugins.vlm.tests.chat_server import KEY, Handler, chooses, pictures, says, serving
 from plugins.vlm.tests.test_vlm_key import WAYS, places
 from stages.config.model import read_files
 from stages.contracts import InputError
 from stages.contracts.cousins import ObjectCousins
-from stages.plugins import short
+from stages.plugins import shorten_name
 from tests.refusals import refused
 from tests.unit.matching_data import SIZE, World
 from tests.workflow.workspace import ROOT
@@ -149,7 +149,7 @@ def test_neither_cousins_nor_ledger_hold_a_key_that_the_server_says(
         said = "".join(path.read_text() for path in folder.rglob("*") if path.is_file())
         assert '"cousins"' in said and '"exchanges"' in said
         for text in (said, *capfd.readouterr()):
-            assert hidden(text.replace(server.url, ""), KEY) == text.replace(server.url, ""), way
+            assert hide_key(text.replace(server.url, ""), KEY) == text.replace(server.url, ""), way
 
 
 def test_nothing_of_ours_counts_in_the_rows_of_the_paper() -> None:
@@ -167,7 +167,7 @@ def test_the_overlay_of_the_paper_has_its_variants() -> None:
     loaded = read_files([ROOT / "config/paper" / name for name in ("scenes.yaml", "judged.yaml")])
     variants = {name: loaded.matching_of(name) for name in "abcd"}
     judges = {
-        name: (short(options.model_selection), short(options.orientation_selection))
+        name: (shorten_name(options.model_selection), shorten_name(options.orientation_selection))
         for name, options in variants.items()
     }
     near, again, model = "distance", "rerender", "vlm"

@@ -253,7 +253,7 @@ def test_a_server_that_stays_silent_gives_no_answer_and_is_asked_again_another_t
         server.steps = [chooses("2")]
         assert ask(one) == "2"
         assert sum(entry["outcome"] == "answered" for entry in entries(tmp_path)) == 1
-        assert one.ledger.spent().requests == 16
+        assert one.ledger.sum_costs().requests == 16
 
 
 @pytest.mark.parametrize(
@@ -322,7 +322,7 @@ def test_the_budget_holds_for_the_whole_ledger(tmp_path: Path) -> None:
         with refused("E-VLM-REPLAY"):  # it was stopped: no abstention
             ask(asker(tmp_path, server.url, mode="replay"), prompts[3])
         assert ask(asker(tmp_path, server.url), prompts[3]) == "2"
-        assert Ledger(tmp_path / "ledger").spent() == (4, pytest.approx(4 * 0.0027))
+        assert Ledger(tmp_path / "ledger").sum_costs() == (4, pytest.approx(4 * 0.0027))
 
 
 def test_tokens_that_are_not_counted_are_estimated(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

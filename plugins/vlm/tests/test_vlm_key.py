@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from plugins.vlm.ask import NoAnswerError
-from plugins.vlm.secret import HIDDEN, hidden
+from plugins.vlm.secret import HIDDEN, hide_key
 from plugins.vlm.tests.chat_server import KEY, Handler, Step, chooses, fails, reply, says, sends, serving
 from plugins.vlm.tests.test_vlm import PROMPT, ask, asker
 from stages.contracts import InputError
@@ -92,14 +92,14 @@ def test_the_key_is_written_nowhere(
         said = said.replace(server.url, "")
         found = [name for name, write in WAYS.items() if write(KEY) in said or json.dumps(write(KEY))[1:-1] in said]
         assert not found, (place, found)
-        assert hidden(said, KEY) == said, place
+        assert hide_key(said, KEY) == said, place
 
 
 def test_what_only_looks_like_a_key_stays() -> None:
     said = "The test of 7 drawers: sk, 3 of 9 are alike; see c2stdGVz and 736b."
-    assert hidden(said, KEY) == said
-    assert hidden("none of them", "none") == f"{HIDDEN} of them"
-    assert hidden("a noné", "") == "a noné"
+    assert hide_key(said, KEY) == said
+    assert hide_key("none of them", "none") == f"{HIDDEN} of them"
+    assert hide_key("a noné", "") == "a noné"
 
 
 def test_a_server_that_puts_off_for_days_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -32,7 +32,7 @@ class Material:
         return "\n".join(lines) + "\n"
 
 
-def decoded(data: bytes) -> str:
+def decode_text(data: bytes) -> str:
     """The text of a file, which older programs wrote in their own alphabet."""
     try:
         return data.decode("utf-8-sig")

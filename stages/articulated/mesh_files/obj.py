@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from trimesh import Scene
 
 from stages.articulated.mesh_files import MeshReader
-from stages.articulated.mesh_files.mtl import Material, decoded, materials_in
+from stages.articulated.mesh_files.mtl import Material, decode_text, materials_in
 from stages.articulated.mesh_files.polygons import triangles_of
 from stages.articulated.mesh_resolver import MeshResolver, With
 
@@ -29,7 +29,7 @@ OTHER = re.compile(rf"^[ \t]*({'|'.join(OTHERS)})[ \t]", re.MULTILINE)
 
 def read_obj(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     """The meshes of a file, one per material, and what was not read of it, a line each."""
-    text = decoded(path.read_bytes()).replace("\t", " ").replace("\\\r\n", " ").replace("\\\n", " ")
+    text = decode_text(path.read_bytes()).replace("\t", " ").replace("\\\r\n", " ").replace("\\\n", " ")
     materials, lines = _materials(text, path, files)
     coloured = COLOURED.search(text) is not None and not any(one.picture for one in materials.values())
     if coloured:
@@ -56,7 +56,7 @@ def _materials(text: str, path: Path, files: MeshResolver) -> tuple[dict[str, Ma
         whole = named.strip()
         for name in [whole] if files.find(whole) or ".mtl " not in whole.lower() else whole.split():
             try:
-                more, said = materials_in(decoded(files.get(name)), Path(name).name)
+                more, said = materials_in(decode_text(files.get(name)), Path(name).name)
             except FileNotFoundError:
                 missing = True
                 continue

@@ -5,6 +5,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.geometry.frames import ROUNDING
+
 Corners = NDArray[np.float64]
 Triangles = NDArray[np.int64]
 NEARLY = 1e-9  # of the squared extent: what is smaller faces no side
@@ -18,7 +20,7 @@ def triangles_of(corners: Corners) -> Triangles:
         return fan
     centred = corners - corners.mean(axis=0)
     normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)  # Newell's: twice the area
-    least = NEARLY * float(np.ptp(corners, axis=0).max()) ** 2
+    least = ROUNDING * float(np.ptp(corners, axis=0).max()) ** 2
     if np.linalg.norm(normal) <= least or (_facing(corners, fan, normal) >= -least).all():
         return fan
     import mapbox_earcut  # not where models are read that were imported before: they are of triangles

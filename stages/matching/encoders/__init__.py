@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.matching import EncoderOptions
-from stages.matching.colours import COLOUR_COLUMNS, colour_weights, patch_colours
+from stages.matching.colours import colour_weights, patch_colours
 from stages.matching.crop import View
 from stages.plugins import load
 
 STORED_COLUMNS = ["features", "position", "colour"]  # of a stored row
-EXTRA_COLUMNS = 2 + COLOUR_COLUMNS  # columns after the features
+EXTRA_COLUMNS = 5  # columns after the features: position (2), colour (3)
 
 
 class Patches(NamedTuple):

@@ -18,8 +18,8 @@ from stages.matching.normals import NORMAL_COLUMNS, neighbourhood, patch_normals
 
 GRADIENT_BINS = 9  # over half a turn (Dalal and Triggs 2005)
 CELL_STEPS = (1, 2, 4)  # distance in patches between the 3 x 3 cells of a descriptor
-GRADIENT_COLUMNS = len(CELL_STEPS) * 9 * GRADIENT_BINS
-WEAKEST_GRADIENT = 0.02  # gradients weaker than this share of full contrast per pixel do not count as structure
+GRADIENT_COLUMNS = len(CELL_STEPS) * 9 * GRADIENT_BINS  # of a descriptor of 3 x 3 cells
+WEAKEST_GRADIENT = 0.02  # gradients weaker than this share of full contrast per pixel do not count as structure; chosen
 LARGEST_SHARE = 0.2  # of a descriptor's length, that one number has (L2-Hys; Dalal and Triggs 2005)
 
 

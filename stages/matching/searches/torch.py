@@ -8,7 +8,7 @@ from torch import Tensor
 from stages.matching.search import Backward, Rows
 
 ONEDNN = torch.backends.mkldnn.is_available() and hasattr(torch.ops.mkldnn, "_linear_pointwise")
-BLOCK = 512  # query patches per product, which then stays in the cache until its minima are taken
+BLOCK = 512  # query patches per product, which then stays in the cache until its minima are taken; chosen
 
 
 def search(queries: NDArray[np.float32], rows: Rows, count: int, both: bool) -> tuple[NDArray[np.float32], Backward]:

@@ -53,9 +53,9 @@ for row in known_categories().values():
             CANONICAL.setdefault(word.replace(" ", ""), head)
         for kind in row.kin:
             GROUPS.setdefault(kind, set()).add(head)
-LEAST_SIMILARITY = 0.03  # similarity below this is a few letters by chance
+LEAST_SIMILARITY = 0.03  # similarity below this is a few letters by chance; chosen
 KNOWN = set(CANONICAL).union(*GROUPS.values())
-LIKE_SPELLING = 0.85  # likeness of spelling from which on a word may be a known one with a letter wrong
+LIKE_SPELLING = 0.85  # likeness of spelling from which on a word may be a known one with a letter wrong; chosen
 FILLERS = {"set", "top", "unit", "piece", "furniture"}  # after the word that says what a thing is
 ASIDE = re.compile(r"[,(]| (?:with|on|in|under|and) ")  # what follows says more of a thing, not what it is
 SHARES = {

@@ -14,7 +14,7 @@ from stages.simulation.region import CELL, Region
 DROP = (0.012, 0.16)  # metres above the surface at which it is let go: a deep drawer has no room for the hand; chosen
 
 
-def inside(region: Region, mesh: trimesh.Trimesh) -> Array:
+def find_places_inside(region: Region, mesh: trimesh.Trimesh) -> Array:
     """(N, 3) places for an upright object's axis on the region, where no part of it reaches past the region's walls."""
     return region.places(_radius(mesh.vertices) + CLEARANCE)
 
@@ -25,7 +25,7 @@ def on_top(region: Region, mesh: trimesh.Trimesh) -> Array:
     return region.places(_radius(vertices[vertices[:, 2] < mesh.bounds[0, 2] + CELL]))
 
 
-PREDICATES: dict[str, Callable[[Region, trimesh.Trimesh], Array]] = {"inside": inside, "on_top": on_top}
+PREDICATES: dict[str, Callable[[Region, trimesh.Trimesh], Array]] = {"inside": find_places_inside, "on_top": on_top}
 
 
 def sample_placements(

@@ -71,7 +71,7 @@ def _write(name: str, solids: list[trimesh.Trimesh], pieces: list[trimesh.Trimes
 
 
 @cache
-def seen_mesh(folder: Path) -> trimesh.Trimesh:
+def load_visual_mesh(folder: Path) -> trimesh.Trimesh:
     """What is seen of an asset of one body, in its own frame at its own size; what collides may have faces inside."""
     visuals = [visual.mesh for link in read_model(folder).links.values() for visual in link.visuals]
     mesh = trimesh.util.concatenate(visuals)
@@ -79,7 +79,7 @@ def seen_mesh(folder: Path) -> trimesh.Trimesh:
     return mesh
 
 
-def sampled_scale(extents: Array) -> float:
+def sample_scale(extents: Array) -> float:
     """The scale of a bowl beside an object with these extents (3,): the same object, the same bowl."""
     entropy = [round(1e4 * extent) for extent in extents]
     return float(np.random.default_rng((*entropy, 47)).uniform(*SCALE))

@@ -17,8 +17,8 @@ from plugins.bowl.tasks.put_away_bowl.bowl import (
     default_bowl,
     drawer_floor,
     fitting_scale,
-    sampled_scale,
-    seen_mesh,
+    load_visual_mesh,
+    sample_scale,
 )
 from plugins.bowl.tasks.put_away_bowl.bowl import stand as stand_folder
 from stages.contracts.errors import InputError
@@ -87,13 +87,13 @@ class PutAwayBowlEnv(OpenTaskEnv):
         builder = self._parse("stand", stand_folder(), fixed=True).builder()
         builder.initial_pose = sapien.Pose([0, -5, 0])
         self.stand: Actor = builder.build_kinematic("stand")
-        self._stand_points = surface_points(seen_mesh(stand_folder()))
+        self._stand_points = surface_points(load_visual_mesh(stand_folder()))
 
     def _load_object(self, scales: Array) -> None:
         """The asset, and a bowl that its drawer can hold, in every environment."""
         super()._load_object(scales)
         self._parsed_bowl = self._parsed_bowl or self._parse("bowl", self.bowl_folder, fixed=False)
-        mesh = seen_mesh(self.bowl_folder)
+        mesh = load_visual_mesh(self.bowl_folder)
         self.floors: list[Region] = []
         self.bowl_meshes: list[trimesh.Trimesh] = []
         self.bowl_scales: list[float] = []
@@ -103,7 +103,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
             if floor is None:
                 what = f"'{self.joint_name}' is no drawer with a level floor."
                 raise InputError(self.asset_folder, what, code="E-DRAWER-FLOOR")
-            drawn = sampled_scale(np.array(self.asset.size) * scale)
+            drawn = sample_scale(np.array(self.asset.size) * scale)
             factor = round(min(drawn, fitting_scale(mesh.extents, floor, target)), 3)
             self.floors.append(floor)
             self.bowl_scales.append(factor)
@@ -157,13 +157,15 @@ class PutAwayBowlEnv(OpenTaskEnv):
             lows.append(np.add(floor.low, (0, 0, FOOT[0] - foot)))
             highs.append(np.add(floor.high, (0, 0, FOOT[1] - foot)))
             axes.append(target.axis * (target.upper - target.lower))
-        travel = self.opened()[:, None] * torch.as_tensor(np.array(axes), dtype=local.dtype, device=local.device)
+        travel = self.measure_opening()[:, None] * torch.as_tensor(
+            np.array(axes), dtype=local.dtype, device=local.device
+        )
         low, high = (torch.as_tensor(np.array(ends), dtype=local.dtype, device=local.device) for ends in (lows, highs))
         return ((local - travel > low) & (local - travel < high)).all(dim=1)
 
-    def succeeded(self) -> torch.Tensor:
+    def check_success(self) -> torch.Tensor:
         """(N,) in, shut, and let go of."""
-        there = self.inside() & (self.opened() <= AJAR)
+        there = self.inside() & (self.measure_opening() <= AJAR)
         return there & ~self.agent.is_grasping(self.bowl) if bool(there.any()) else there
 
     def evaluate(self) -> dict[str, torch.Tensor]:
@@ -174,7 +176,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
     def movable(self) -> Movable:
         """The bowl, which belongs inside the drawer."""
         target = self.target
-        value = target.lower + float(self.opened()[0]) * (target.upper - target.lower)
+        value = target.lower + float(self.measure_opening()[0]) * (target.upper - target.lower)
         return Movable(
             self.bowl_meshes[0],
             self._in_base(self.bowl),

@@ -1,0 +1,144 @@
+"""The network, its shipped weights, and the encoder."""
+
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from safetensors.torch import save_file
+from torch import nn
+from torch.nn import functional
+
+from plugins.efficientnet import network
+from plugins.efficientnet.encoders.efficientnet import Encoder
+from stages.config.matching import MatchingConfig
+from stages.config.model import load, with_defaults
+from stages.matching.encoders import make_encoder, settings_digest
+from tests.refusals import refused
+from tests.unit.matching_data import view_of_box
+
+OPTIONS = MatchingConfig(encoder="plugins.efficientnet.encoders.efficientnet")
+DIGEST = "5b72a2d8530a7d900e5cc8d64b7028d0d19b39605236f968371d47d78b0bef72"
+
+
+@pytest.fixture(scope="module")
+def encoder() -> Encoder:
+    made = make_encoder(OPTIONS)
+    assert isinstance(made, Encoder)
+    return made
+
+
+def published(stride: int = 32) -> dict[str, torch.Tensor]:
+    """Random weights by the published names, for the network up to a stride."""
+    chance = torch.Generator().manual_seed(0)
+    names = {"stem": "_bn0", "expand": "_bn0", "depthwise": "_bn1", "project": "_bn2"}
+    state = {}
+    for key, value in network.EfficientNet(stride).state_dict().items():
+        path, _, part = key.removesuffix(".weight").removesuffix(".bias").rpartition(".")
+        place = f"_{path}." if path else ""
+        if key.endswith(".weight"):
+            convolution = "_conv_stem" if part == "stem" else f"_{part}_conv"
+            state[f"{place}{convolution}.weight"] = torch.randn(value.shape, generator=chance)
+        else:
+            for name in ("weight", "bias", "running_mean", "running_var"):
+                state[f"{place}{names[part]}.{name}"] = torch.rand(value.shape, generator=chance) + 0.5
+    return state
+
+
+def test_folded_weights_do_what_convolution_and_normalisation_do() -> None:
+    state = published()
+    folded = network.fold(state)
+    assert set(folded) == set(network.EfficientNet(32).state_dict())
+    x = torch.randn(1, 32, 8, 8, generator=torch.Generator().manual_seed(1))
+    block = network.Block(32, 16, 3, 1, 1)
+    block.load_state_dict(
+        {name.removeprefix("blocks.0."): value for name, value in folded.items() if "blocks.0." in name}
+    )
+    y = x
+    for part, norm, groups, active in (("depthwise", "_bn1", 32, True), ("project", "_bn2", 1, False)):
+        weight = state[f"_blocks.0._{part}_conv.weight"]
+        y = functional.conv2d(y, weight, padding=weight.shape[-1] // 2, groups=groups)
+        values = [state[f"_blocks.0.{norm}.{name}"] for name in ("running_mean", "running_var", "weight", "bias")]
+        y = functional.batch_norm(y, *values, eps=network.EPSILON)
+        y = functional.relu6(y) if active else y
+    torch.testing.assert_close(block(x), y, rtol=1e-3, atol=1e-3)
+
+
+def test_a_stride_of_two_sees_one_more_pixel_right_and_below() -> None:
+    convolution = network.Convolution(1, 1, 3, 2)
+    nn.init.ones_(convolution.weight)
+    nn.init.zeros_(convolution.bias)  # type: ignore[arg-type]
+    x = torch.zeros(1, 1, 4, 4)
+    x[..., 0, 0] = 1
+    assert convolution(x)[0, 0].tolist() == [[1, 0], [0, 0]]
+    x = torch.zeros(1, 1, 4, 4)
+    x[..., 2, 2] = 1
+    assert convolution(x)[0, 0].tolist() == [[1, 1], [1, 1]]
+
+
+def test_the_shipped_weights_are_those_of_the_readme() -> None:
+    assert hashlib.sha256(network.WEIGHTS.read_bytes()).hexdigest() == DIGEST
+    assert DIGEST in network.WEIGHTS.with_name("README.md").read_text()
+    assert network.WEIGHTS.stat().st_size < 1.5e6
+
+
+def test_patches_are_unit_vectors_of_the_foreground(encoder: Encoder) -> None:
+    view = view_of_box(0.4)
+    empty = replace(view, mask=np.zeros_like(view.mask))
+    patches, nothing = encoder.encode([view, empty])
+    assert patches.features.shape[1] == 112 and len(patches.features) == len(patches.positions) > 20
+    np.testing.assert_allclose(np.linalg.norm(patches.features, axis=1), 1, atol=1e-5)
+    assert nothing.features.shape == (0, 112)
+    assert encoder.weights(depth=True)[-3:].tolist() == [1, 0.5, 0.5]
+
+
+def test_background_does_not_matter(encoder: Encoder) -> None:
+    view = view_of_box(0.4)
+    noise = np.random.default_rng(0).integers(0, 255, view.rgb.shape, dtype=np.uint8)
+    other = replace(view, rgb=np.where(view.mask[..., None], view.rgb, noise))
+    np.testing.assert_array_equal(*(encoder.encode([each])[0].features for each in (view, other)))
+
+
+def test_the_same_box_turned_a_little_is_nearer_than_turned_a_lot(encoder: Encoder) -> None:
+    def rows(yaw: float) -> np.ndarray:
+        return encoder.encode([view_of_box(yaw)])[0].features
+
+    near, far = (((rows(0.4)[:, None] - rows(yaw)) ** 2).sum(2).min(1).mean() for yaw in (0.45, 1.2))
+    assert near < 0.8 * far
+
+
+def test_the_last_blocks_come_from_the_installed_package(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    changed = OPTIONS.model_copy(update={"own": {"efficientnet": {"stride": 32}}})
+    with refused("E-WEIGHTS-MISSING"):
+        make_encoder(changed)
+    torch.save(published(), file := tmp_path / "lite0.pth")
+    monkeypatch.setattr(network, "published_file", lambda: file)
+    whole = make_encoder(changed)
+    features = whole.encode([view_of_box(0.4)])[0].features
+    np.testing.assert_allclose(np.linalg.norm(features, axis=1), 1, atol=1e-5)
+    assert features.shape[1] == 432
+    assert settings_digest(changed, whole) != settings_digest(OPTIONS, make_encoder(OPTIONS))
+
+
+def test_other_weights_are_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(network, "WEIGHTS", tmp_path / "w.safetensors")
+    for content in (b"", b"no weights at all"):
+        network.WEIGHTS.write_bytes(content)
+        with refused("E-WEIGHTS-OTHER"):
+            network.load()
+    save_file({"stem.bias": torch.zeros(3)}, network.WEIGHTS)
+    with refused("E-WEIGHTS-OTHER"):
+        network.load()
+
+
+@pytest.mark.parametrize("own", [{"strid": 16}, {"stride": 8}, {"position": -1.0}])
+def test_options_that_cannot_be_are_refused(own: dict[str, float]) -> None:
+    with refused("E-EFFICIENTNET-OPTION"):
+        make_encoder(OPTIONS.model_copy(update={"own": {"efficientnet": own}}))
+
+
+def test_the_config_finds_it_by_its_name() -> None:
+    config = load(with_defaults({"matching": {"encoder": "efficientnet"}}))
+    assert config.matching.encoder == OPTIONS.encoder

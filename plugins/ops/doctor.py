@@ -1,0 +1,171 @@
+"""Say what this machine has and lacks: `python -m plugins.ops.doctor [--mend]`.
+
+Every line is a check; a failed one comes with the command that mends it. `--mend` runs the
+mends that are safe to run unasked: a Vulkan driver and the libraries of Open3D, where we are root
+on Debian or Ubuntu.
+Exit code 1 if something that the default run needs is missing.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from importlib import metadata
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[2]
+DISK_GB = 5
+VULKAN_PROBE = "import sapien; print(sapien.render.RenderSystem().device.name)"
+OPEN3D_PROBE = "import open3d; print(open3d.__version__)"
+CUDA_PROBE = "import torch; print(torch.cuda.get_device_name() if torch.cuda.is_available() else '')"
+
+
+class Check(NamedTuple):
+    """Outcome of one check; `needed` ones decide the exit code."""
+
+    name: str
+    good: bool
+    found: str
+    fix: str = ""
+    needed: bool = True
+
+
+def _probe(code: str) -> str:
+    """Output of a Python one-liner in a process of its own (a bad driver crashes, not raises); '' if it fails."""
+    try:
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    except subprocess.TimeoutExpired:
+        return ""
+    return done.stdout.strip() if done.returncode == 0 else ""
+
+
+def _as_root(script: str) -> str:
+    return f"bash {script}" if os.geteuid() == 0 else f"run as root: bash {script}"
+
+
+def _pinned(requirements: Path) -> dict[str, str]:
+    """Name -> version of the pins that apply to this platform (rough: the last pin of a name wins nothing)."""
+    pins: dict[str, str] = {}
+    for line in requirements.read_text(encoding="utf-8").splitlines():
+        match = re.match(r"^([A-Za-z0-9_.-]+)==([^ ;]+)(?: ;.*)?", line)
+        if match and "'never'" not in line:
+            pins.setdefault(match[1], match[2])
+    return pins
+
+
+def check_python() -> Check:
+    """Python 3.11 to 3.13."""
+    version = ".".join(map(str, sys.version_info[:3]))
+    good = (3, 11) <= sys.version_info[:2] <= (3, 13)
+    return Check("python", good, version, "install Python 3.11, 3.12 or 3.13, then: make setup")
+
+
+def check_packages() -> Check:
+    """The packages that pyproject.toml asks for are there."""
+    wanted = ["snakemake", "pydantic", "numpy", "scipy", "torch", "sapien", "mani-skill", "open3d-cpu", "trimesh"]
+    wanted += ["h5py", "pandas"]
+    pins = _pinned(ROOT / "envs" / "requirements.txt") if (ROOT / "envs" / "requirements.txt").exists() else {}
+    missing, other = [], []
+    for name in wanted:
+        try:
+            version = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            missing.append(name)
+            continue
+        if name in pins and version.split("+")[0] != pins[name] and name not in ("numpy", "scipy"):
+            other.append(f"{name} {version} (pinned {pins[name]})")
+    if missing:
+        return Check("packages", False, "missing: " + ", ".join(missing), "make setup")
+    return Check("packages", True, "other versions: " + ", ".join(other) if other else f"{len(wanted)} as pinned")
+
+
+def check_vulkan() -> Check:
+    """A device that SAPIEN can render with."""
+    device = _probe(VULKAN_PROBE)
+    return Check("vulkan", bool(device), device or "SAPIEN finds no rendering device", _as_root("envs/vulkan.sh"))
+
+
+def check_open3d() -> Check:
+    """Open3D and the system libraries it links to."""
+    version = _probe(OPEN3D_PROBE)
+    what = version or "cannot be imported: a system library is missing (libGL, libEGL, libX11, libusb)"
+    return Check("open3d", bool(version), what, _as_root("envs/open3d.sh"))
+
+
+def check_cuda() -> Check:
+    """A CUDA device: optional."""
+    name = _probe(CUDA_PROBE)
+    return Check("cuda", bool(name), name or "none: networks run on the CPU", needed=False)
+
+
+def check_disk() -> Check:
+    """Room for the results."""
+    free = shutil.disk_usage(Path.cwd()).free / 1e9
+    return Check("disk", free >= DISK_GB, f"{free:.0f} GB free", f"free {DISK_GB} GB on this disk")
+
+
+def check_containers() -> Check:
+    """Something that runs the images: optional."""
+    found = [name for name in ("apptainer", "singularity", "podman", "docker") if shutil.which(name)]
+    return Check("containers", bool(found), ", ".join(found) or "none: rules run in this environment", needed=False)
+
+
+def check_of_packages() -> list[Check]:
+    """What packages beside the core may want: optional."""
+    try:
+        from stages.config.packages import present
+
+        found = [package.check() for package in present().values() if package.check]
+    except ImportError:
+        return [Check("packages", False, "not to be imported", needed=False)]
+    return [Check(name, good, what, needed=False) for name, good, what in found]
+
+
+Mendable = Callable[[], Check]
+
+# check -> what `--mend` says, and the script that it runs
+MENDS: dict[Mendable, tuple[str, str]] = {
+    check_vulkan: ("no Vulkan device: installing Mesa's lavapipe", "vulkan.sh"),
+    check_open3d: ("Open3D cannot be imported: installing the libraries it links to", "open3d.sh"),
+}
+
+
+def mend_check(check: Mendable) -> Check:
+    """The check after its mend, if it fails and we may install packages; else as it is."""
+    outcome = check()
+    if outcome.good or os.geteuid() != 0 or not shutil.which("apt-get"):
+        return outcome
+    notice, script = MENDS[check]
+    print(notice, flush=True)
+    subprocess.run(["bash", str(ROOT / "envs" / script)], check=False)
+    return check()
+
+
+def checks(mend: bool) -> list[Check]:
+    """Those about this machine."""
+    vulkan, open3d = (mend_check(check) if mend else check() for check in (check_vulkan, check_open3d))
+    found = [check_python(), check_packages(), vulkan, open3d, check_cuda(), check_disk()]
+    return [*found, check_containers(), *check_of_packages()]
+
+
+def main(arguments: list[str]) -> int:
+    """Print all checks; returns the exit code."""
+    return report(checks("--mend" in arguments))
+
+
+def report(found: list[Check]) -> int:
+    """Print checks, a line each; returns the exit code: 1 if something needed is missing."""
+    for check in found:
+        mark = "ok  " if check.good else ("MISS" if check.needed else "-   ")
+        print(
+            f"{mark} {check.name:<11} {check.found}"
+            + (f"\n     fix: {check.fix}" if not check.good and check.fix else "")
+        )
+    return int(any(check.needed and not check.good for check in found))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,1 @@
+"""Networks and searches that want a download: DINOv2 and CLIP, as in the paper, and faiss (docs/matching.md)."""

@@ -1,0 +1,1 @@
+"""Patch encoders of this package."""

@@ -1,0 +1,26 @@
+"""Config section `geometry`: what the judge `geometry` compares."""
+
+from typing import ClassVar
+
+from pydantic import Field
+
+from stages.contracts.section import Section
+
+
+class GeometryConfig(Section):
+    """What counts when a candidate, rendered in the object's place, is compared with it."""
+
+    nearest: int = Field(30, ge=1, description="So many models, the nearest by distance, are rendered and compared.")
+    # Cells along the longer side of the compared pictures.
+    resolution: ClassVar[int] = 96
+    outline: float = Field(1.0, ge=0, description="Weight of the overlap of the outlines, 0 to 1.")
+    depth: float = Field(0.5, ge=0, description="Weight of the agreement of depth, 0 to 1.")
+    lines: float = Field(0.5, ge=0, description="Weight of the agreement of lines: doors, drawers, handles; 0 to 1.")
+    colour: float = Field(0.0, ge=0, description="Weight of the agreement of colours, 0 to 1.")
+    # Taken off for stretching axes unlike: per unit of the logarithms' range.
+    proportions: ClassVar[float] = 0.3
+
+    @property
+    def perfect(self) -> float:
+        """The score where everything agrees."""
+        return self.outline + self.depth + self.lines + self.colour

@@ -1,0 +1,150 @@
+"""An object's part of a picture on a small grid of rays: the given side of every comparison."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.contracts.objects import DepthError
+from stages.geometry.cameras import back_project
+from stages.geometry.estimate import REACH
+from stages.geometry.frames import apply, inverse
+from stages.geometry.masks import OUTLINE, pixel_bounds
+from stages.matching.crop import View
+
+SAMPLES = 2  # rays per cell and direction: thin lines do not break; chosen
+SURROUNDINGS = 0.12  # of the object's longer side, around its mask; chosen
+EDGE_SHARE = 0.03  # of its extent: the pixels that make up a side of the mask; chosen
+CLOUD_POINTS = 6000  # at most about twice so many; chosen for time
+NEARER = 0.05  # metres, beyond the noise of depth; chosen
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Observation:
+    """The object on a grid (h, w) of cells, each `step` pixels wide.
+
+    rgb (h, w, 3) 0 to 1; mask: its pixels; depth: metres along the optical axis, 0: unknown, of all that is seen;
+    depth_error: of that; inside: cells in the picture; corner: pixel (x, y) where the first cell begins; sides: left,
+    top, right, bottom of the mask in pixels of the picture; free: which of these are the object's own, neither hidden
+    nor cut off; cloud: its points (N, 3), floor frame.
+    """
+
+    rgb: NDArray[np.float32]
+    mask: NDArray[np.bool_]
+    depth: NDArray[np.float32]
+    depth_error: DepthError
+    inside: NDArray[np.bool_]
+    corner: Array
+    step: float
+    intrinsics: Array
+    floor_from_camera: Array
+    sides: Array
+    free: NDArray[np.bool_]
+    cloud: Array
+
+    @property
+    def eye(self) -> Array:
+        """Position (3,) of the camera in the floor frame."""
+        return self.floor_from_camera[:3, 3]
+
+    @cached_property
+    def camera_from_floor(self) -> Array:
+        """The camera's pose, inverted."""
+        return inverse(self.floor_from_camera)
+
+    @cached_property
+    def rays(self) -> Array:
+        """Directions (h * SAMPLES, w * SAMPLES, 3) in the floor frame, 1 along the optical axis."""
+        h, w = self.mask.shape
+        x, y = (
+            low + (np.arange(count * SAMPLES) + 0.5) / SAMPLES * self.step - 0.5
+            for low, count in zip(self.corner, (w, h), strict=True)
+        )
+        pixels = np.stack([*np.meshgrid(x, y), np.ones((len(y), len(x)))], axis=-1)
+        return pixels @ np.linalg.inv(self.intrinsics).T @ self.floor_from_camera[:3, :3].T
+
+    def pixels(self, points: Array) -> Array:
+        """Pixels (N, 2) of points (N, 3), floor frame; what lies behind the camera is taken as just before it."""
+        image = apply(self.camera_from_floor, points) @ self.intrinsics.T
+        return image[:, :2] / np.maximum(image[:, 2:], 1e-3)
+
+    def hides(self, depth: NDArray[np.floating]) -> NDArray[np.bool_]:
+        """Cells (h, w) where something else lies in front of `depth` (h, w), or the picture ends."""
+        in_front = (self.depth > 0) & (depth - self.depth > nearer_by(depth, self.depth_error)) & ~self.mask
+        return ~self.inside | in_front
+
+
+def nearer_by(depth: NDArray[np.floating], error: DepthError) -> NDArray[np.floating]:
+    """Metres by which what hides a thing is nearer; less may be noise of depth, or the floor that it stands on."""
+    return NEARER + REACH * error.at(depth)
+
+
+def observe(view: View, floor_from_camera: Array, depth_error: DepthError, longest: int) -> Observation:
+    """The object and a little of what is around it, at most `longest` cells across; no cell is less than a pixel.
+
+    The view has depth and intrinsics, and its mask is not empty.
+    """
+    assert view.depth is not None and view.intrinsics is not None
+    x0, y0, x1, y1 = pixel_bounds(view.mask)
+    around = int(np.ceil(SURROUNDINGS * max(x1 - x0, y1 - y0))) + 2
+    width, height = x1 - x0 + 2 * around, y1 - y0 + 2 * around
+    step = max(1.0, max(width, height) / longest)
+    w, h = int(np.ceil(width / step)), int(np.ceil(height / step))
+    corner = np.array([(x0 + x1 - w * step) / 2, (y0 + y1 - h * step) / 2])
+    x, y = (low + (np.arange(n) + 0.5) * step - 0.5 for low, n in zip(corner, (w, h), strict=True))
+    across, down = np.meshgrid(x.astype(np.float32), y.astype(np.float32))
+
+    def smooth(values: NDArray[np.float32]) -> NDArray[np.float32]:
+        blurred = cv2.GaussianBlur(values, (0, 0), 0.35 * step) if step > 1 else values
+        cells = cv2.remap(blurred, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(cells, np.float32)
+
+    rows, columns = view.mask.shape
+    inside = ((y > -0.5) & (y < rows - 0.5))[:, None] & ((x > -0.5) & (x < columns - 0.5))
+    nearest = np.ix_(np.rint(y).astype(int).clip(0, rows - 1), np.rint(x).astype(int).clip(0, columns - 1))
+    return Observation(
+        rgb=smooth(view.rgb.astype(np.float32) / np.float32(255)),
+        mask=(smooth(view.mask.astype(np.float32)) >= 0.5) & inside,
+        depth=np.where(inside, view.depth[nearest], 0).astype(np.float32),
+        depth_error=depth_error,
+        inside=inside,
+        corner=corner,
+        step=step,
+        intrinsics=np.asarray(view.intrinsics, dtype=float),
+        floor_from_camera=np.asarray(floor_from_camera, dtype=float),
+        sides=np.array([x0, y0, x1, y1]) - 0.5,
+        free=free_sides(view.mask, view.depth, depth_error),
+        cloud=_cloud(view, floor_from_camera),
+    )
+
+
+def _cloud(view: View, floor_from_camera: Array) -> Array:
+    """Points (N, 3) of the object, floor frame; its outermost pixels, half of them background, only if all are."""
+    assert view.depth is not None and view.intrinsics is not None
+    known = view.mask & (view.depth > 0)
+    inner = cv2.erode(view.mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
+    chosen = known & inner if (known & inner).any() else known
+    points = apply(floor_from_camera, back_project(view.depth, view.intrinsics)[chosen])
+    return points[:: max(1, len(points) // CLOUD_POINTS)]
+
+
+def free_sides(mask: NDArray[np.bool_], depth: NDArray[np.floating], error: DepthError) -> NDArray[np.bool_]:
+    """Which of left, top, right, bottom of a mask are the object's own: not at the picture's border, nothing nearer
+    beyond."""
+    free = []
+    for turns in range(4):  # quarter turns bring left, top, right, bottom to the left
+        turned, distance = np.rot90(mask, turns), np.rot90(depth, turns)
+        columns = np.flatnonzero(turned.any(axis=0))
+        first, band = int(columns[0]), max(2, round(EDGE_SHARE * len(columns)))
+        if first < OUTLINE:
+            free.append(False)
+            continue
+        rows, at = np.nonzero(turned[:, first : first + band])
+        own, other = distance[rows, at + first], distance[rows, first - OUTLINE]
+        known = (own > 0) & (other > 0)
+        hidden = own[known] - other[known] > nearer_by(own[known], error)
+        free.append(not hidden.size or bool(hidden.mean() < 0.5))
+    return np.array(free)

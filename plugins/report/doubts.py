@@ -1,0 +1,117 @@
+"""What the files of a scene tell that may be wrong, and what is only worth knowing: for pages that report and correct.
+
+A doubt is what a person can mend. docs/errors.md lists all of them with their limits.
+"""
+
+import math
+from collections.abc import Collection
+from typing import NamedTuple
+
+from stages.contracts.cousins import ObjectCousins
+from stages.contracts.doubt import MEND, Cause, Doubt, DoubtKind, sort_by_gravity
+from stages.contracts.generated import PlacedObject
+from stages.contracts.objects import Mounting, Objects, SceneObject
+
+MOUNTING = {1: "hangs on a wall", 2: "stands free", 3: "stands and touches a wall"}
+AS_NEAR = 0.05  # share by which a second model is farther than the first
+ANOTHER_SIZE = 0.3  # share by which an extent differs from the cloud's
+
+
+def describe_mounting(mounting: Mounting) -> str:
+    """In words, e.g. `hangs on a wall (wall_1)`."""
+    return MOUNTING[mounting.type] + (f" ({', '.join(mounting.walls)})" if mounting.walls else "")
+
+
+def mountings_agree(item: SceneObject) -> bool:
+    """Whether the input states of the mounting what geometry finds; the order of walls does not count."""
+    said, measured = item.mounting, item.measured_mounting
+    assert said is not None and measured is not None
+    return said.type == measured.type and set(said.walls) == set(measured.walls)
+
+
+class Group(NamedTuple):
+    """Doubts of one cause: what a person can do, and the things with what may be wrong with each."""
+
+    cause: Cause
+    mend: str
+    items: list[tuple[str, str]]
+
+
+def group_doubts(found: Collection[tuple[str, Doubt]]) -> list[Group]:
+    """Of things and a doubt each; gravest first."""
+    groups = []
+    for cause, mend in MEND.items():
+        items: dict[str, list[str]] = {}
+        for about, doubt in found:
+            if doubt.cause == cause:
+                items.setdefault(about, []).append(doubt.what)
+        if items:
+            groups.append(Group(cause, mend, [(about, "; ".join(each)) for about, each in items.items()]))
+    return groups
+
+
+def collect_doubts(
+    entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects
+) -> list[Doubt]:
+    """What may be wrong with an object and a person can mend, gravest first; not what a person says."""
+    found = list(entry.doubts)
+    found += [one for one in item.doubts if not (one.cause == "size" and "size" in item.told)]
+    if item.note:
+        found.append(DoubtKind.MOUNTING_UNCLEAR.of(note=item.note))
+    if item.measured_mounting is not None and "mounting" not in item.told and not mountings_agree(item):
+        found.append(DoubtKind.MOUNTING_DIFFERS.of(found=describe_mounting(item.measured_mounting)))
+    if "size" not in item.told:
+        if item.points < DoubtKind.FEW_POINTS.threshold:
+            found.append(DoubtKind.FEW_POINTS.of(points=item.points))
+        if _is_cut(item, objects):
+            found.append(DoubtKind.CUT_OFF.of())
+    if placed is None:
+        differs = entry.cousins[0].differs if entry.cousins else ""
+        return sort_by_gravity(found + ([DoubtKind.OPENINGS.of(what=differs)] if differs else []))
+    found += placed.doubts
+    if "size" not in item.told and (juts := _juts(placed, item)) > DoubtKind.JUTS.threshold:
+        found.append(DoubtKind.JUTS.of(distance=100 * juts))
+    if placed.moved > DoubtKind.PUSHED.threshold:
+        found.append(DoubtKind.PUSHED.of(distance=100 * placed.moved))
+    if placed.settled_shift is not None and placed.settled_shift > DoubtKind.SHIFTED.threshold:
+        found.append(DoubtKind.SHIFTED.of(distance=100 * placed.settled_shift))
+    return sort_by_gravity(found)
+
+
+def collect_notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) -> list[str]:
+    """What is worth knowing of an object, and nobody needs to act on."""
+    found = [entry.note] if entry.note else []
+    if not entry.cousins[0].fits:
+        found.append("no model fits what is seen of it: ordered by name, doors and drawers, size and place alone")
+    chosen = placed is not None and placed.chosen
+    first, *others = entry.cousins
+    if not chosen and others and first.distance > 0 and others[0].distance < (1 + AS_NEAR) * first.distance:
+        found.append(f"a second model is as near: {others[0].asset.replace('_', ' ')}")
+    if placed is not None and placed.status == "ok" and item.box is not None and "size" not in item.told:
+        ours, clouds = sorted(placed.size[:2]), sorted(item.box.size[:2])
+        if any(abs(a / max(b, 1e-6) - 1) > ANOTHER_SIZE for a, b in zip(ours, clouds, strict=True)):
+            found.append("placed with another depth or width than its cloud has: the far side is hidden")
+    return found
+
+
+def _juts(placed: PlacedObject, item: SceneObject) -> float:
+    """Metres by which a model reaches farther to its front than what is seen of the object, as it is deeper.
+
+    0: its front faces away from the camera, which stands at x = y = 0; there nothing was seen.
+    """
+    if placed.status != "ok" or item.box is None:
+        return 0.0
+    c, s, turn = math.cos(placed.yaw), math.sin(placed.yaw), placed.yaw - item.box.yaw
+    (x, y, _), (u, v, _) = item.box.center, placed.position
+    if c * x + s * y >= 0:
+        return 0.0
+    deeper = placed.size[0] - abs(math.cos(turn)) * item.box.size[0] - abs(math.sin(turn)) * item.box.size[1]
+    return max(0.0, min(deeper, c * (u - x) + s * (v - y) + deeper / 2))
+
+
+def _is_cut(item: SceneObject, objects: Objects) -> bool:
+    """Whether its mask touches the picture's border."""
+    if item.pixels is None:
+        return False
+    x0, y0, x1, y1 = item.pixels
+    return x0 == 0 or y0 == 0 or x1 == objects.width or y1 == objects.height

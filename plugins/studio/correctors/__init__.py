@@ -1,0 +1,1 @@
+"""What applies corrections of this package."""

@@ -1,0 +1,150 @@
+"""Apply a person's corrections: to masks and labels before reconstruction, to boxes and supports after it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plugins.studio.masks import Cutter, correct_masks
+from stages.contracts import InputError, Objects
+from stages.contracts.corrections import Correction
+from stages.contracts.objects import Box, Mounting, SceneObject
+from stages.contracts.scenes import Held
+from stages.contracts.types import FLOOR
+from stages.extraction.mounting import MAX_STRETCH
+from stages.extraction.observation import AnnotatedImage
+from stages.extraction.reconstruct import ExtractedScene
+from stages.geometry.boxes import UprightBox, with_bottom
+from stages.geometry.frames import round_vector, yaw_matrix
+
+OBLONG = 1.2  # ratio of two sides, above which one is surely the longer one; chosen
+
+
+def reconstruct_corrected(
+    image: AnnotatedImage, stated: dict[int, Correction], reconstruct: Callable[[AnnotatedImage], ExtractedScene]
+) -> ExtractedScene:
+    """The objects of a picture as a person corrected them; `stated`: by mask value."""
+    return correct_scene(reconstruct(correct_image(image, stated)), stated)
+
+
+def correct_image(image: AnnotatedImage, stated: dict[int, Correction]) -> AnnotatedImage:
+    """The picture with corrected masks, labels, counts and mountings.
+
+    Raises:
+        InputError: nothing is left.
+    """
+    annotations, masks, notes = correct_masks(image.annotations, image.masks, stated, Cutter(image.rgb))
+    for note in notes:
+        print(note)
+    if annotations is None:
+        raise InputError("corrections.json", "leaves no object.", "take back that one is gone", code="E-SCENE-EMPTY")
+    return replace(image, annotations=annotations, masks=masks)
+
+
+def correct_scene(scene: ExtractedScene, stated: dict[int, Correction]) -> ExtractedScene:
+    """The objects with corrected sizes, supports and fronts, in the place of the measured ones."""
+    objects, clouds = scene.objects, dict(scene.clouds)
+    by_mask = {item.mask: item for item in objects.objects if item.status == "ok"}
+    done: dict[int, SceneObject] = {}
+
+    def correct_object(mask: int) -> SceneObject:
+        """One object with its corrections; its support was corrected before it."""
+        if mask not in done:
+            item, given = by_mask[mask], stated.get(mask, Correction(mask=mask))
+            carrier = correct_object(given.on) if isinstance(given.on, int) and given.on in by_mask else None
+            if given.on == FLOOR:
+                item, clouds[item.id] = _put_on(item, clouds[item.id], FLOOR, 0.0)
+            elif carrier is not None:
+                before = _top_of(by_mask[carrier.mask])
+                level = scene.levels.get(carrier.id, before) + _top_of(carrier) - before
+                item, clouds[item.id] = _put_on(item, clouds[item.id], carrier.id, level)
+            if given.front is not None:
+                item = item.model_copy(update={"front": given.front})
+            if given.size is not None:
+                item = _resize(item, given.size, objects)
+            is_stated = {"mounting": isinstance(given.mounting, Held) and not item.note, "size": given.size is not None}
+            done[mask] = item.model_copy(update={"told": [name for name in is_stated if is_stated[name]]})
+        return done[mask]
+
+    items = [correct_object(item.mask) if item.status == "ok" else item for item in objects.objects]
+    return replace(scene, objects=objects.model_copy(update={"objects": items}), clouds=clouds)
+
+
+def _top_of(item: SceneObject) -> float:
+    """Height at which an object's box ends."""
+    assert item.box is not None
+    return item.box.center[2] + item.box.size[2] / 2
+
+
+def _put_on(
+    item: SceneObject, cloud: NDArray[np.float32], carrier: str, level: float
+) -> tuple[SceneObject, NDArray[np.float32]]:
+    """An object and its cloud (N, 3), put on what carries it at a height; one that hung now stands.
+
+    Its own height is what its cloud shows: its box may reach down to what was taken to carry it.
+    """
+    assert item.box is not None and item.mounting is not None
+    box = UprightBox(item.box.center, item.box.size, item.box.yaw)
+    bottom = max(box.bottom, float(cloud[:, 2].min()))
+    seen = box.top - bottom
+    lift = 0.0 if seen / MAX_STRETCH <= box.top - level <= MAX_STRETCH * seen else level - bottom
+    up = np.array([0, 0, lift])
+    box = with_bottom(replace(box, center=box.center + up), level)
+    cloud = (cloud + up).astype(np.float32)
+    cloud[:, 2] = np.maximum(cloud[:, 2], np.float32(level))
+    mounting = Mounting(type=3, walls=item.mounting.walls) if item.mounting.type == 1 else item.mounting
+    return item.model_copy(update={"box": _write_box(box), "mounting": mounting, "support": carrier}), cloud
+
+
+def _resize(item: SceneObject, size: tuple[float, float, float], objects: Objects) -> SceneObject:
+    """An object with a stated width, depth and height.
+
+    Which of its level axes is the depth: the one along its stated front, or along the normal of its wall; else its
+    longer side stays the longer one; else the one along the line of sight.
+
+    What stays in place: the bottom, or the middle of what hangs; the rear at a wall, else the side that faces the
+    camera; where the picture's border cuts the object off, the end that is seen.
+    """
+    assert item.box is not None and item.mounting is not None
+    center, turn = np.array(item.box.center), yaw_matrix(item.box.yaw)
+    wall = next((one for one in objects.walls if one.id in item.mounting.walls[:1]), None)
+    to_camera = np.array(objects.floor_from_camera)[:3, 3] - center
+    seen_from = to_camera if wall is None else np.asarray(wall.normal)
+    front = seen_from if item.front is None else yaw_matrix(item.front)[:, 0]
+    width, depth, height = size
+    deep = int(np.argmax(np.abs((turn.T @ front)[:2])))
+    if wall is None and item.front is None and _is_oblong(item.box.size[:2]) and _is_oblong((width, depth)):
+        deep = int((item.box.size[0] > item.box.size[1]) == (width > depth))
+    new = np.array([depth, width, height] if deep == 0 else [width, depth, height])
+    right, up = _find_ends_shown(item, objects)
+    less = (np.array(item.box.size) - new) / 2
+    center[2] -= less[2] * (up if item.mounting.type == 1 else 1)
+    center += turn @ (np.sign(turn.T @ seen_from) * less * _main_axis(turn.T @ seen_from))
+    to_right = turn.T @ np.array(objects.floor_from_camera)[:3, 0] * right
+    center += turn @ (np.sign(to_right) * less * _main_axis(to_right) * (1 - _main_axis(turn.T @ seen_from)))
+    if wall is not None:
+        center += seen_from * (wall.offset + float(np.abs(turn.T @ seen_from) @ new) / 2 - center @ seen_from)
+    box = UprightBox(center, new, item.box.yaw)
+    return item.model_copy(update={"box": _write_box(box), "whole": True})
+
+
+def _find_ends_shown(item: SceneObject, objects: Objects) -> tuple[int, int]:
+    """Which ends are seen of an object that the picture's border cuts off: 1 the right (lower) one, -1 the left (upper)
+    one, 0 both or none."""
+    x0, y0, x1, y1 = item.pixels or (1, 1, 1, 1)
+    return int(x0 == 0) - int(x1 == objects.width), int(y0 == 0) - int(y1 == objects.height)
+
+
+def _is_oblong(extents: Sequence[float]) -> bool:
+    """Whether one of two extents is clearly the longer one."""
+    return max(extents) > OBLONG * min(extents)
+
+
+def _main_axis(along: NDArray[np.float64]) -> NDArray[np.float64]:
+    """1 for the level axis along which a direction (3,) points most, 0 for the others."""
+    return np.asarray(np.arange(3) == np.argmax(np.abs(along[:2])), dtype=float)
+
+
+def _write_box(box: UprightBox) -> Box:
+    return Box(center=round_vector(box.center), size=round_vector(box.size), yaw=round(box.yaw, 6))

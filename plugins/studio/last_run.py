@@ -1,0 +1,198 @@
+"""Results of the last run of an input folder: boxes, doubts, cousins with pictures."""
+
+import base64
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plugins.report.doubts import collect_doubts
+from plugins.report.snapshots import Snapshots
+from plugins.studio.fronts import FACES, extents, front_corners
+from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
+from stages.contracts.corrections import Correction
+from stages.contracts.cousins import ObjectCousins
+from stages.contracts.doubt import Doubt
+from stages.contracts.generated import PlacedObject, views_of
+from stages.contracts.objects import SceneObject
+from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.cameras import project
+from stages.geometry.frames import apply, inverse
+
+GRAVE = ("affordance", "place", "size")  # causes of doubts that are listed before the others
+SHOWN = 24  # models that can be chosen, nearest first
+
+
+@dataclass(frozen=True)
+class LastRun:
+    """What a run made; all of it by mask value. Without a run it is empty.
+
+    picture: of the scene of rank 1, as the camera sees it, if it was drawn; sizes: of the library's models, by id;
+    views: `views_of` a thing in the scenes of all ranks.
+    """
+
+    objects: Objects | None
+    items: dict[int, SceneObject]
+    cousins: dict[int, ObjectCousins]
+    placed: dict[int, PlacedObject]
+    snapshots: Snapshots
+    picture: Path | None = None
+    sizes: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    views: dict[int, dict[str, float]] = field(default_factory=dict)
+
+    def describe_things(self) -> dict[str, Any]:
+        """What the page shows of every thing, by mask value."""
+        return {str(mask): self._about(item) for mask, item in self.items.items()}
+
+    def _about(self, item: SceneObject) -> dict[str, Any]:
+        entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
+        found = self._doubts(item, entry, placed)
+        grave = sum(isinstance(one, Doubt) and one.cause in GRAVE for one in found)
+        about: dict[str, Any] = {"id": item.id, "doubts": [str(one) for one in found], "grave": grave}
+        if placed is None or placed.status == "failed":
+            return about
+        depth, width, height = placed.size
+        return about | {
+            "size": [round(extent, 3) for extent in (width, depth, height)],
+            "front": placed.yaw,
+            "support": placed.support,
+            "model": placed.asset,
+        }
+
+    def _doubts(
+        self, item: SceneObject, entry: ObjectCousins | None, placed: PlacedObject | None
+    ) -> Sequence[Doubt | str]:
+        """Gravest first."""
+        if item.status == "failed":
+            return [f"not found: {item.reason}"]
+        if entry is None or self.objects is None:
+            return []
+        if entry.status == "failed":
+            return [f"no cousins: {entry.reason}"]
+        return collect_doubts(entry, item, placed, self.objects)
+
+    def faces(self, said: Correction, before: tuple[float, float]) -> list[list[list[float]]]:
+        """The sides of an object of the scene of rank 1 as pixels, its front last; none if a corner is behind the
+        camera.
+
+        Args:
+            said: the corrections so far: the object is shown about as it will be turned, moved and sized.
+            before: how far it was moved by hand already where it stands.
+        """
+        placed = self.placed.get(said.mask)
+        if placed is None or placed.status == "failed" or self.objects is None:
+            return []
+        size, center = np.array(placed.size), np.array(placed.position)
+        if said.size is not None:
+            width, depth, height = said.size
+            center[2] += 0 if placed.support == "wall" else (height - size[2]) / 2
+            size = np.array([depth, width, height])
+        center[:2] += np.subtract(said.nudge or (0.0, 0.0), before)
+        points = corners(UprightBox(center, size, placed.yaw if said.front is None else said.front))
+        pixels = project(apply(inverse(np.array(self.objects.floor_from_camera)), points), self.objects.intrinsics)
+        if not np.isfinite(pixels).all():
+            return []
+        return [np.round(pixels[face], 1).tolist() for face in map(list, (*FACES[1:], FACES[0]))]
+
+    def front(self, mask: int, stated: float | None) -> tuple[NDArray[np.float64], float, float] | None:
+        """Corners (4, 2) of a thing's front in the picture, its width and height in metres; None: there was no run.
+
+        Args:
+            stated: the direction about z that a person says it faces.
+        """
+        item, placed = self.items.get(mask), self.placed.get(mask)
+        if self.objects is None or item is None or item.box is None:
+            return None
+        camera = np.array(self.objects.floor_from_camera)
+        if placed is not None and placed.status == "ok":
+            box, facing = UprightBox(placed.position, placed.size, placed.yaw), placed.yaw
+        else:
+            box = UprightBox(item.box.center, item.box.size, item.box.yaw)
+            facing = (
+                float(np.arctan2(*(camera[:2, 3] - item.box.center[:2])[::-1])) if item.front is None else item.front
+            )
+        points = front_corners(box, facing if stated is None else stated)
+        return project(apply(inverse(camera), points), self.objects.intrinsics), *extents(points)
+
+    def models(self, mask: int) -> list[dict[str, Any]]:
+        """Models that can represent an object, nearest first, with pictures as they are placed or would be."""
+        entry = self.cousins.get(mask)
+        if entry is None or entry.status == "failed":
+            return []
+        ranks = {cousin.asset: cousin.rank for cousin in entry.cousins}
+        nearest = [one for one in entry.by_distance if one.asset not in ranks]
+        choosable = [(one.asset, one.distance) for one in entry.cousins]
+        choosable = [*choosable, *((one.asset, one.distance) for one in nearest)][:SHOWN]
+        standing = self.views.get(mask, {})
+        views = {one.asset: one.orientation.yaw for one in entry.cousins} | standing
+        other = next(iter((standing or views).values()))
+        return [
+            {
+                "asset": asset,
+                "distance": round(distance, 2),
+                "rank": ranks.get(asset),
+                "size": self._size(asset),
+                "picture": self._picture(asset, views.get(asset, other)),
+            }
+            for asset, distance in choosable
+        ]
+
+    def _size(self, asset: str) -> list[float] | None:
+        """Width, depth and height that a model has of its own."""
+        if asset not in self.sizes:
+            return None
+        depth, width, height = self.sizes[asset]
+        return [round(extent, 3) for extent in (width, depth, height)]
+
+    def _picture(self, asset: str, yaw: float) -> str | None:
+        view = self.snapshots.picture(asset, yaw)
+        if view is None:
+            return None
+        file = io.BytesIO()
+        view.save(file, "PNG")
+        return "data:image/png;base64," + base64.b64encode(file.getvalue()).decode("ascii")
+
+
+def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[int, int]) -> LastRun:
+    """The results of a scene, as far as they are there.
+
+    Args:
+        variant: of matching; None: the first that is there.
+        size: width and height of the picture; results of a picture of another size are not used.
+
+    Raises:
+        InputError: a file is broken.
+    """
+    path = results / "extraction" / scene / "objects.json"
+    objects = read_json(Objects, path) if path.is_file() else None
+    if objects is None or (objects.width, objects.height) != size:
+        return LastRun(None, {}, {}, {}, Snapshots([]))
+    variants = [variant] if variant else sorted(path.parent.parent.name for path in _cousins(results, scene))
+    found = results / "matching" / (variants or ["-"])[0] / scene / "cousins.json"
+    matched = read_json(Cousins, found).objects if found.is_file() else []
+    place = results / "generation" / (variants or ["-"])[0] / scene
+    scenes = [read_json(GeneratedScene, path) for path in sorted(place.glob("scene_*.json"))]
+    masks = {item.id: item.mask for item in objects.objects}
+    return LastRun(
+        objects,
+        {item.mask: item for item in objects.objects},
+        {masks[one.id]: one for one in matched if one.id in masks},
+        {masks[one.id]: one for each in scenes if each.rank == 1 for one in each.objects if one.id in masks},
+        Snapshots(sorted((results / "assets/snapshots").glob("shard_*.h5"))),
+        next(iter(place.glob("scene_1.png")), None),
+        _sizes(results / "assets/library/library.json"),
+        {mask: views_of(scenes, name) for name, mask in masks.items()},
+    )
+
+
+def _sizes(path: Path) -> dict[str, tuple[float, float, float]]:
+    entries = read_json(Library, path).assets if path.is_file() else []
+    return {entry.id: entry.size for entry in entries if entry.size is not None}
+
+
+def _cousins(results: Path, scene: str) -> list[Path]:
+    return list((results / "matching").glob(f"*/{scene}/cousins.json"))

@@ -1,0 +1,74 @@
+"""What a run made, as the page of corrections shows it."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from plugins.report.snapshots import Snapshots
+from plugins.studio.last_run import LastRun
+from stages.contracts import Objects
+from stages.contracts.corrections import Correction
+from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
+from stages.contracts.generated import PlacedObject
+from stages.geometry.cameras import intrinsics_from_fov, look_at
+
+MASK, TURN = 3, Orientation(yaw=3.0, distance=1.0)
+CHEST = PlacedObject(
+    id="chest_1", label="chest", asset="chest_9", category="chest", position=(3.0, 0.5, 0.4), yaw=0.3,
+    size=(0.4, 0.6, 0.8),
+)  # fmt: skip
+
+
+@pytest.fixture
+def made() -> LastRun:
+    objects = Objects(
+        scene="t",
+        width=320,
+        height=240,
+        intrinsics=intrinsics_from_fov(320, 240, 0.9).tolist(),
+        floor_from_camera=look_at([0, 0, 1.5], [3, 0, 0.4]).tolist(),
+        walls=[],
+        objects=[],
+    )
+    return LastRun(objects, {}, {}, {MASK: CHEST}, Snapshots([]))
+
+
+def _faces(made: LastRun, before: tuple[float, float] = (0.0, 0.0), **said: object) -> np.ndarray:
+    return np.array(made.faces(Correction.model_validate({"mask": MASK} | said), before))
+
+
+def test_a_box_is_shown_where_its_thing_will_stand(made: LastRun) -> None:
+    stands = _faces(made)
+    assert stands.shape == (6, 4, 2)
+    moved = _faces(made, nudge=(0.0, 0.2))  # to the left of the picture
+    assert (moved[..., 0] < stands[..., 0] - 10).all()
+    # the scene was made with the nudge: it stands there already
+    np.testing.assert_array_equal(_faces(made, nudge=(0.0, 0.2), before=(0.0, 0.2)), stands)
+    np.testing.assert_array_equal(_faces(made, nudge=(0.0, 0.3), before=(0.0, 0.1)), moved)
+    back = _faces(made, before=(0.0, 0.2))  # taken back: it will stand there again
+    assert (back[..., 0] > stands[..., 0] + 10).all()
+
+
+def test_a_box_is_shown_as_large_as_its_thing_will_be(made: LastRun) -> None:
+    stands, lower = _faces(made), _faces(made, size=(0.6, 0.4, 0.4))
+    assert lower[..., 1].max() == stands[..., 1].max()  # it stands on the same floor
+    assert lower[..., 1].min() > stands[..., 1].min() + 10
+
+
+def test_models_are_shown_as_they_stand_others_as_the_first(made: LastRun) -> None:
+    """A model of rank 2 has its own turn, a cousin without a scene that of matching, any other model that of rank 1."""
+    names = ["first", "second", "third", "other"]
+    compared: list[Any] = [Candidate(asset=name, category="chest", distance=1.0) for name in names]
+    cousins = [
+        Cousin(rank=rank, **one.model_dump(), orientation=TURN, orientations=[TURN])
+        for rank, one in enumerate(compared[:3], 1)
+    ]
+    entry = ObjectCousins(id="chest_1", label="chest", by_distance=compared, cousins=cousins)
+    asked: dict[str, float] = {}
+    snapshots: Any = type("Views", (), {"picture": lambda _, asset, yaw: asked.update({asset: yaw})})()
+    shown = replace(made, cousins={MASK: entry}, snapshots=snapshots)
+    assert len(shown.models(MASK)) == 4 and set(asked.values()) == {3.0}, "there is no scene"
+    replace(shown, views={MASK: {"first": 0.1, "second": 0.2}}).models(MASK)
+    assert asked == {"first": 0.1, "second": 0.2, "third": 3.0, "other": 0.1}

@@ -1,0 +1,35 @@
+# Helpers: implementations whose code counts beside that of a verb, as modules. Functions of a job's wildcards. No rules.
+from stages.config.names import modules
+from stages.plugins import qualify_module
+
+
+def store_modules(wildcards):
+    """The encoder of a feature store."""
+    return modules(STORES[wildcards.store], "encoder")
+
+
+def matching_modules(*keys):
+    """What these keys of `matching` name for a variant."""
+    return lambda wildcards: modules(MATCHING[wildcards.variant], *keys)
+
+
+def task_modules(wildcards):
+    """The task of a target."""
+    return [qualify_module("tasks", task(wildcards))]
+
+
+def policy_modules(wildcards):
+    """The kind of policy that a hyper-parameter set is of."""
+    return modules(CONFIG.training.runs[wildcards.run], "policy")
+
+
+def skill_modules(wildcards):
+    """The task of a target, and the simulator that it is met in."""
+    condition = wildcards.get("condition")
+    simulator = (CONFIG.evaluation.under(condition) if condition else CONFIG.evaluation).simulator
+    return [*task_modules(wildcards), qualify_module("simulators", simulator)]
+
+
+def rollout_modules(wildcards):
+    """The same, and the kind of policy."""
+    return [*skill_modules(wildcards), *policy_modules(wildcards)]

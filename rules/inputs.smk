@@ -1,0 +1,136 @@
+# Helpers: what stands in the paths that a job reads, where the config says it. Functions of a job's wildcards. No rules.
+from stages.config.room_files import recipe_digest, series
+from stages.config.targets import Cell
+from stages.config.code import code_digest
+from stages.contracts.corrections import CORRECTIONS, corrections_of
+from stages.plugins import find, qualify_module
+
+
+def room_shards(wildcards):
+    """The models that furnish a room: of ours the procedural ones, the same whatever else is in the library."""
+    return PROCEDURAL_SHARDS if PROCEDURAL_SHARDS and ROOM_FILES.get(wildcards.room) in series() else SHARDS
+
+
+def room_library(wildcards):
+    """Their index."""
+    parts = expand("results/assets/library/shard_{shard}.json", shard=room_shards(wildcards))
+    return parts if room_shards(wildcards) is PROCEDURAL_SHARDS else "results/assets/library/library.json"
+
+
+def room_flags(wildcards):
+    """The file of a room of the user's, and the seeds by which its protocol has it drawn and painted."""
+    path, protocol = ROOM_FILES.get(wildcards.room), EXPERIMENT.protocols.get(wildcards.get("protocol"))
+    flags = {
+        "--room": path if path is not None and path not in series() else None,
+        "--layout-seed": wildcards.seed if protocol and protocol.layout == "drawn" else None,
+        "--finish-seed": wildcards.seed if protocol and protocol.finish == "other" else None,
+    }
+    return " ".join(f"{flag} {shlex.quote(str(value))}" for flag, value in flags.items() if value is not None)
+
+
+def input_file(name):
+    """A file of a scene's input folder: rendered for rooms, the user's own for `experiment.inputs`."""
+    return lambda wildcards: f"{EXPERIMENT.input_folder(wildcards.scene)}/{name}"
+
+
+def picture_config(wildcards):
+    """The config.yaml beside a picture of the user's: what it says of extraction suits that picture."""
+    own = EXPERIMENT.inputs.get(wildcards.scene)
+    path = Path(own.place(wildcards.scene), "config.yaml") if own and not own.alone else None
+    return [str(path)] if path and (not own.folder or path.is_file()) else []
+
+
+def corrections(stage):
+    """What a person says of a scene in the corrections.json beside its picture, as far as a stage reads it, as text."""
+
+    def said(wildcards):
+        path = Path(input_file(CORRECTIONS)(wildcards))
+        found = corrections_of((path,) if path.is_file() else (), stage)
+        return "".join(item.model_dump_json(exclude_defaults=True) for item in found.values())
+
+    return said
+
+
+def corrections_file(stage):
+    """That file, if the stage reads anything there."""
+    return lambda wildcards: input_file(CORRECTIONS)(wildcards) if corrections(stage)(wildcards) else []
+
+
+def corrections_flags(wildcards, input):
+    """How the stage is told of it."""
+    return shlex.join(["--corrections", str(input.corrections)]) if input.corrections else ""
+
+
+def corrector_digest(wildcards, input):
+    """Digest of the code that applies corrections in extraction; empty: there are none."""
+    return code_digest(qualify_module("correctors", find("correctors", "by_hand"))) if input.corrections else ""
+
+
+def noise_seed(wildcards):
+    """The seed of a scene's depth noise."""
+    seed = EXPERIMENT.scene(wildcards.scene).seed
+    return CONFIG.seed if seed is None else seed
+
+
+def store_of_variant(wildcards):
+    """The feature store that a variant uses."""
+    return MATCHING[wildcards.variant].store()
+
+
+def compared_shards(wildcards):
+    """The shards whose pictures a variant compares with an object's: none if it compares no pictures."""
+    return SHARDS if MATCHING[wildcards.variant].compares_pictures else []
+
+
+def known_scene(wildcards):
+    """The scene in whose picture the scene, or the room of the target, is seen; none if its truth is not known."""
+    scene = target_room(wildcards) if "target" in wildcards.keys() else wildcards.scene
+    return [] if scene in EXPERIMENT.inputs else EXPERIMENT.picture_of(scene)
+
+
+def truth_flags(wildcards, input):
+    """The truth of that scene, and the objects that were found in it."""
+    return shlex.join(["--truth", str(input.truth), "--objects", str(input.objects)]) if input.truth else ""
+
+
+def target_room(wildcards):
+    """The room that holds a target's object."""
+    return EXPERIMENT.targets[wildcards.target].room
+
+
+def target_object(wildcards):
+    """That object."""
+    return EXPERIMENT.targets[wildcards.target].object
+
+
+def task(wildcards):
+    """The implementation of a target's task."""
+    return CONFIG.implementation("tasks", EXPERIMENT.task(wildcards.target))
+
+
+def task_options(wildcards):
+    """Its options, as JSON."""
+    return CONFIG.task_of(wildcards.target).model_dump_json()
+
+
+def trained_roles(wildcards):
+    """The assets whose demonstrations a policy learns from."""
+    return EXPERIMENT.roles(wildcards.training_set, int(wildcards.seed))
+
+
+def policies_of(cell, pattern, **values):
+    """The files of `pattern` for the policies of a cell, one per run and seed; `values`: of other wildcards.
+
+    If its runs must be chosen first, Snakemake waits for the checkpoint.
+    """
+    plan = EXPERIMENT.plan(cell.policy)
+    runs = plan.runs
+    if EXPERIMENT.chooses(cell.policy):
+        with checkpoints.choose.get(**cell._asdict()).output.chosen.open() as file:
+            runs = json.load(file)["runs"]
+    return expand(pattern, **cell._asdict(), run=runs, seed=plan.seeds, **values)
+
+
+def policies(pattern, count=None):
+    """The files of `pattern` for all policies of this run; `count`: of each cell, the first seed and best run first."""
+    return lambda wildcards: [file for cell in EXPERIMENT.cells for file in policies_of(cell, pattern)[:count]]

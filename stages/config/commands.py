@@ -1,0 +1,39 @@
+"""What rules run for a verb: its command line, the digest of its code, the check of what it wrote."""
+
+import shlex
+from collections.abc import Mapping
+
+from stages.config.code import code_digest, files_digest
+from stages.config.model import Config
+from stages.config.packages import home_of
+from stages.config.replaced import VerbCommand
+
+
+def replacement(config: Config, stage: str, verb: str) -> VerbCommand | None:
+    """The user's own command in the place of a verb."""
+    return config.stages.get(stage, {}).get(verb)
+
+
+def command_line(config: Config, stage: str, verb: str) -> str:
+    """The command line of a verb: ours, or the user's own, which ends with the workflow as ours do."""
+    own = replacement(config, stage, verb)
+    if own is None:
+        return f"python -m {home_of(stage)} {verb}"
+    guard = ["python", "-m", f"{home_of('ops')}.guard"] if config.packages.get("ops") else []
+    return shlex.join([*guard, "bash", "-c", own.command + ' "$@"', verb])
+
+
+def command_digest(config: Config, stage: str, verb: str, *used: str) -> str:
+    """Digest of the code behind a verb and of the modules that it uses besides: an edit re-runs what uses it."""
+    own = replacement(config, stage, verb)
+    return files_digest(own.code) if own else code_digest(f"{home_of(stage)}.{verb.replace('-', '_')}", *used)
+
+
+def check_line(outputs: Mapping[str, str | list[str]]) -> str:
+    """The command that refuses files that break their contract, and keeps them aside; `outputs`: by contract."""
+    named = [word for contract, files in outputs.items() for word in (contract, *_listed(files))]
+    return shlex.join(["python", "-m", "stages.contracts", "--refuse", *named])
+
+
+def _listed(files: str | list[str]) -> list[str]:
+    return [files] if isinstance(files, str) else files

@@ -1,0 +1,19 @@
+"""What a file was made of."""
+
+from pydantic import Field
+
+from stages.contracts.files import Contract
+from stages.contracts.types import Seed, Text
+
+
+class Provenance(Contract):
+    """The same of all four give the same bytes. Digests are the first 12 hex digits of SHA-256.
+
+    Files that were made together with an input go by it: masks beside objects.json, features of patches beside those
+    of whole views.
+    """
+
+    seed: Seed | None = Field(None, description="of the random numbers behind it, its own or its inputs'; null: none")
+    options: Text = Field(description="digest of the verb's options")
+    inputs: Text = Field(description="digest of the files that the verb was given")
+    code: Text = Field(description="digest of the verb's code and of all that it imports")

@@ -1,0 +1,35 @@
+"""What a file was made of."""
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from stages.config.generation import GenerationConfig
+from stages.config.provenance import record_provenance
+
+VERB = "stages.generation.generate"
+
+
+def test_each_of_what_a_file_is_made_of_changes_its_own_digest(tmp_path: Path) -> None:
+    file = tmp_path / "a.json"
+    file.write_text("{}")
+    first = record_provenance(VERB, GenerationConfig(), [file], seed=3)
+    assert first == record_provenance(VERB, GenerationConfig(), [file], seed=3) and first.seed == 3
+    other = record_provenance(VERB, GenerationConfig(ranks=3), [file])
+    assert other.options != first.options and (other.inputs, other.code) == (first.inputs, first.code)
+    file.write_text("[]")
+    assert record_provenance(VERB, GenerationConfig(), [file]).inputs != first.inputs
+    assert record_provenance("stages.matching.match", GenerationConfig(), [file]).code != first.code
+
+
+def test_arrays_are_known_by_their_values_not_by_the_header_of_their_archive(tmp_path: Path) -> None:
+    one, two = tmp_path / "1.npz", tmp_path / "2.npz"
+    np.savez(one, depth=np.arange(5))
+    with zipfile.ZipFile(one) as stored, zipfile.ZipFile(two, "w", zipfile.ZIP_DEFLATED) as packed:
+        packed.writestr("depth.npy", stored.read("depth.npy"))
+    assert one.read_bytes() != two.read_bytes()
+    assert (
+        record_provenance(VERB, GenerationConfig(), [one]).inputs
+        == record_provenance(VERB, GenerationConfig(), [two]).inputs
+    )
