@@ -16,6 +16,7 @@ from plugins.inputs.rgbd.layouts import find_view
 from plugins.inputs.rgbd.lens import straighten_frame
 from plugins.inputs.rgbd.mask_files import read_upright_masks
 from plugins.inputs.rgbd.mask_shapes import list_remarks
+from plugins.inputs.rgbd.pieces import cut_frame
 from plugins.inputs.rgbd.views import View, read_view
 from plugins.inputs.rgbd.write import write_frame
 from stages.contracts import Annotations, InputError, atomic
@@ -38,6 +39,7 @@ def run(
     masks: Path | None = None,
     labels: Path | None = None,
     clusters: bool = False,
+    auto: bool = False,
 ) -> None:
     """Write an input folder from colour and depth of one view.
 
@@ -56,7 +58,10 @@ def run(
         masks: COCO or labelme JSON, or a PNG of indices or colours.
         labels: names of the PNG's values, as JSON.
         clusters: make masks of what stands on a table or floor, by depth alone, to be named by you.
+        auto: make masks of things, floor and walls by the shipped network; things are to be named by you.
     """
+    if clusters and auto:
+        raise InputError("--clusters, --auto", "both make masks.", "give one of them", code="E-OPTION-CONFLICT")
     stated = choose_intrinsics(intrinsics, camera, fov, matrix)
     if recording is not None:
         if rgb is not None or depth is not None:
@@ -96,22 +101,24 @@ def run(
         frame = replace(frame, depth=remove_edges(frame.depth, frame.masks.values))
     elif clusters:
         frame = replace(frame, masks=make_clusters(frame.depth, frame.intrinsics))
+    elif auto:
+        frame = replace(frame, masks=cut_frame(frame))
     written = write_frame(out, frame, doubt)
-    print_summary(out, frame, written, is_clustered=clusters and masks is None)
+    print_summary(out, frame, written, is_made=(clusters or auto) and masks is None)
 
 
-def print_summary(out: Path, frame: Frame, written: Annotations | None, is_clustered: bool) -> None:
-    """Print what was written, and what is to be done with it; clusters are drawn with their numbers for that."""
+def print_summary(out: Path, frame: Frame, written: Annotations | None, is_made: bool) -> None:
+    """Print what was written, and what is to be done with it; masks made here are drawn with their numbers for that."""
     height, width = frame.rgb.shape[:2]
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
     if written is None:
-        print(f"{out}: no masks. Draw boxes: python -m plugins.studio annotate {out / 'rgb.png'} --out {out} "
-              f"--depth {out / 'depth.npz'} --camera {out / 'camera.json'}; or give --masks or --clusters")  # fmt: skip
+        print(f"{out}: no masks. Draw boxes: python -m plugins.studio annotate {out / 'rgb.png'} --out {out} --depth "
+              f"{out / 'depth.npz'} --camera {out / 'camera.json'}; or give --masks, --auto or --clusters")  # fmt: skip
         return
     floor = "a floor" if written.floor else "no floor named: what most of them stand on is the ground"
     print(f"{out}: {len(written.objects)} objects, {len(written.walls)} walls, {floor}")
-    if is_clustered and frame.masks is not None:
+    if is_made and frame.masks is not None:
         shown = [frame.masks.values == value for value in frame.masks.labels]
         with atomic(out / "numbers.png") as path:
             cv2.imwrite(str(path), draw_numbers(frame.rgb, shown)[..., ::-1])

@@ -7,13 +7,15 @@ from stages.contracts import InputError
 from stages.extraction.camera_height import doubt_height
 from stages.extraction.observation import AnnotatedImage
 from stages.geometry.frames import Array
+from stages.geometry.gravity import cell_normals, estimate_up
+from stages.geometry.levels import find_floor
 from stages.geometry.masks import Mask
 from stages.geometry.planes import Plane
-from stages.geometry.room_planes import SAME_DIRECTION, find_floor, find_level_planes, fit_floor, make_floor_frame
+from stages.geometry.room_planes import SAME_DIRECTION, fit_floor, make_floor_frame
 
 ROUGH = 0.05  # share of the distance by which neighbouring pixels differ in the median: no room is so rough; chosen
 MOST_OFF = 0.2  # share of the camera's height by which a given frame errs at most; chosen
-MOST_LEANING = 45.0  # degrees, likewise, where no mask shows the floor: the largest level plane may be no floor; chosen
+MOST_LEANING = 45.0  # degrees, likewise, where no mask shows the floor: surfaces may lean; chosen
 
 
 def check_smooth(depth: NDArray[np.floating]) -> None:
@@ -48,9 +50,9 @@ def find_floor_frame(
         check_frame(frame, image, points, usable, max_tilt)
     else:
         shown = fit_shown_floor(image, points, usable, max_tilt, rng)
-        frame = make_floor_frame(shown or find_unnamed_floor(image, points, usable, max_tilt, rng))
+        frame = make_floor_frame(shown or find_unnamed_floor(image, points, usable, max_tilt))
         if image.annotations.floor is None:
-            what = "level plane that most objects stand on" if image.annotations.objects else "lowest level plane"
+            what = "level surface that most objects stand on" if image.annotations.objects else "lowest level surface"
             print(f"no mask of the floor: taken to be the {what}, {frame[2, 3]:.2f} m below the camera")
     if doubt := doubt_height(float(frame[2, 3])):
         print(doubt)
@@ -58,20 +60,19 @@ def find_floor_frame(
 
 
 def check_frame(frame: Array, image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float) -> None:
-    """Compare a given `floor_from_camera` (4, 4) with the floor's pixels; without them, its up with the level planes.
+    """Compare a given `floor_from_camera` (4, 4) with the floor's pixels; without them, its up with all surfaces.
 
     Raises:
         InputError: they contradict each other.
     """
     rng = np.random.default_rng(0)  # of its own: what is drawn later does not depend on it
     floor = fit_shown_floor(image, points, usable, max_tilt, rng)
-    levels = [] if floor else find_level_planes(points[usable], max_tilt, rng)
-    plane = floor or max(levels, key=lambda one: one.inliers.sum(), default=None)
-    if plane is None:
+    up = floor.normal if floor else estimate_up(cell_normals(points, usable)[1], max_tilt)
+    if up is None:
         return
-    tilt = float(np.degrees(np.arccos(np.clip(frame[2, :3] @ plane.normal, -1, 1))))
-    height, seen = float(frame[2, 3]), -plane.offset
-    what = "the floor that the mask shows" if floor else "the largest level plane"
+    tilt = float(np.degrees(np.arccos(np.clip(frame[2, :3] @ up, -1, 1))))
+    height, seen = float(frame[2, 3]), -floor.offset if floor else 0.0
+    what = "the floor that the mask shows" if floor else "the level surfaces"
     if tilt > 180 - SAME_DIRECTION:
         fault = f"is upside down: its z points into {what}."
     elif tilt > (SAME_DIRECTION if floor else MOST_LEANING):
@@ -94,22 +95,20 @@ def fit_shown_floor(
     return floor if floor is not None and floor.offset < 0 else None
 
 
-def find_unnamed_floor(
-    image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float, rng: np.random.Generator
-) -> Plane:
+def find_unnamed_floor(image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float) -> Plane:
     """The floor without a mask of it.
 
     Raises:
-        InputError: no level plane is seen below the camera.
+        InputError: nothing level is seen below the camera.
     """
     named = [item.mask for item in image.annotations.objects]
     clouds = [cloud for value in named if len(cloud := points[usable & (image.masks == value)])]
-    rest = points[usable & ~np.isin(image.masks, [*named, *image.annotations.walls])]
-    floor = find_floor(rest, clouds, max_tilt, rng) or find_floor(points[usable], clouds, max_tilt, rng)
+    free = usable & ~np.isin(image.masks, [*named, *image.annotations.walls])
+    floor = find_floor(points, usable, free, clouds, max_tilt)
     if floor is None:
         raise InputError(
             "depth.npz",
-            "shows no level plane that could be the floor.",
+            "shows no level surface that could be the floor.",
             "check depth (metres) and intrinsics",
             code="E-FLOOR-MISSING",
         )

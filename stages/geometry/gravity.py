@@ -7,6 +7,7 @@ from scipy.ndimage import uniform_filter
 IMAGE_UP = np.array([0.0, -1.0, 0.0])  # camera frame: y is down
 CELLS = 64  # cells across a picture, a normal of each: enough noise is averaged out at 4 m of a stereo camera
 LEAST_KNOWN = 0.6  # share of a cell's pixels of known depth; below it lies at an edge or a hole
+NOISE = 0.0025  # metres of depth at 1 m, growing with the square of the distance: of a stereo camera
 WITHIN = np.sin(np.deg2rad(8))  # a surface counts as level or upright up to here: the error of a normal at 4 m
 LEVEL = np.sqrt(1 - WITHIN**2)  # cosine of the same angle
 ROUNDS = 10  # of the refinement; it stands still after three or four
@@ -32,7 +33,7 @@ def cell_normals(points: Array, known: NDArray[np.bool_]) -> tuple[Array, Array]
     mean = sums[kept][:, 1:] / sums[kept][:, :1]
     first, second = mean[:, :3], mean[:, [3, 4, 5, 4, 6, 7, 5, 7, 8]].reshape(-1, 3, 3)
     spread, axes = np.linalg.eigh(second - first[:, :, None] * first[:, None, :])
-    flat = spread[:, 0] < 0.02 * spread[:, 1]
+    flat = spread[:, 0] < np.minimum(0.5 * spread[:, 1], 0.02 * spread[:, 1] + (NOISE * first[:, 2] ** 2) ** 2)
     first, normals = first[flat], axes[flat][..., 0]
     return first, np.where(((first * normals).sum(-1) > 0)[:, None], -normals, normals)
 

@@ -1,6 +1,5 @@
 """Planes of a room: the floor, or the top that things stand on, the frame on it, and the walls (paper 2.1, A.3)."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -60,46 +59,6 @@ def fit_floor(
     if plane is None or plane.normal @ IMAGE_UP >= 0:
         return plane
     return Plane(-plane.normal, -plane.offset, plane.inliers)
-
-
-def find_level_planes(
-    points: Array, max_tilt: float, rng: np.random.Generator, threshold: float = PLANE_THRESHOLD
-) -> list[Plane]:
-    """Level planes below the camera in points (N, 3): floors and table tops, one after the other; as of `fit_floor`."""
-    found: list[Plane] = []
-    rest = sample_points(points, rng)
-    least = max(3, STRAY * len(rest))
-    for _ in range(MAX_PLANES):
-        plane = fit_floor(rest, max_tilt, rng, threshold)
-        if plane is None or plane.inliers.sum() < least:
-            break
-        if plane.offset < 0:  # else a ceiling, or nothing level: the camera is below it
-            found.append(plane)
-        rest = rest[~plane.inliers]
-    return found
-
-
-def find_floor(points: Array, objects: Sequence[Array], max_tilt: float, rng: np.random.Generator) -> Plane | None:
-    """The floor without a mask of it: the level plane (a table top, too) that most objects stand on.
-
-    Of two with as many objects it is the one with fewer points below it.
-
-    `points` (N, 3) of what is no object and of each of the `objects`, camera frame; `max_tilt` as of `fit_floor`.
-    """
-    points = sample_points(points, rng)
-
-    def score(plane: Plane) -> tuple[int, float]:
-        limit = -scale_threshold(points, PLANE_THRESHOLD)
-        below = float((points @ plane.normal - plane.offset < limit).mean())
-        return sum(stands_on(cloud, plane) for cloud in objects), -below
-
-    return max(find_level_planes(points, max_tilt, rng), key=score, default=None)
-
-
-def stands_on(points: Array, plane: Plane) -> bool:
-    """Whether the lowest of an object's points (N, 3), camera frame, are on a level plane."""
-    reach = PLANE_THRESHOLD * max(1.0, float(np.median(points[:, 2])))
-    return bool(abs(np.quantile(points @ plane.normal - plane.offset, STRAY)) < reach)
 
 
 def make_floor_frame(floor: Plane) -> Array:

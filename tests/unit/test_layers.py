@@ -13,6 +13,8 @@ ORDER = (
 
 ON_OTHERS = {  # few, each for a reason
     ("patchnet", "furniture"),  # its training draws furniture
+    ("segmenter", "furniture"),  # its training furnishes rooms
+    ("inputs", "segmenter"),  # masks that nobody gave
     ("exports", "mujoco"),  # MJCF is MuJoCo's format
     ("inputs", "pretrained"),  # the same way to read weights
     ("inputs", "vlm"),  # captions may come from a language model

@@ -13,24 +13,13 @@ from stages.contracts.types import WALL
 from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan
 from stages.geometry.frames import apply
+from stages.geometry.levels import OFF_LEVEL, TABLE_WITHIN, find_ground
 from stages.geometry.planes import Plane
-from stages.geometry.room_planes import find_level_planes, find_walls, make_floor_frame, sample_points
+from stages.geometry.room_planes import find_walls, make_floor_frame, sample_points
 
 TILT = 75.0  # degrees: largest angle between image-up and the ground's normal, as cameras look down at tables; chosen
-TABLE_WITHIN = 2.0  # metres of the median depth: nearer is a table, farther a room; chosen
-LARGE_PLANE = 0.3  # share of the largest level plane that a table or floor has at least: a lid has less; chosen
-OFF_PLANE = 0.006  # share of the distance by which points of a plane may be off; chosen
 MIN_SHARE = 0.001  # share of all points that an object has at least; chosen
 Masks = list[NDArray[np.bool_]]
-
-
-def find_ground(points: NDArray[np.float64], rng: np.random.Generator) -> Plane | None:
-    """The level plane in points (N, 3), camera frame, on which things stand: near a table top, else a floor."""
-    distance = float(np.median(points[:, 2])) if len(points) else 0.0
-    planes = find_level_planes(points, TILT, rng, OFF_PLANE * max(distance, OFF_PLANE))
-    largest = max((plane.inliers.sum() for plane in planes), default=0)
-    large = [plane for plane in planes if plane.inliers.sum() >= LARGE_PLANE * largest]
-    return (max if distance < TABLE_WITHIN else min)(large, key=lambda plane: plane.offset, default=None)
 
 
 def make_clusters(depth: NDArray[np.float32], intrinsics: NDArray[np.float64]) -> Labelled:
@@ -46,7 +35,7 @@ def make_clusters(depth: NDArray[np.float32], intrinsics: NDArray[np.float64]) -
         InputError: there is no level plane, or nothing on it.
     """
     rng = np.random.default_rng(0)
-    ground = find_ground(back_project(depth, intrinsics)[depth > 0], rng)
+    ground = find_ground(back_project(depth, intrinsics), depth > 0, TILT)
     things, walls = ([], []) if ground is None else _find_things(depth, intrinsics, ground, rng)
     if not things:
         raise InputError(
@@ -64,7 +53,7 @@ def _find_things(
     """Masks (H, W) of what stands on a level plane, and of the walls around it."""
     points = apply(make_floor_frame(ground), back_project(depth, intrinsics))
     seen = depth > 0
-    off = OFF_PLANE * float(np.median(depth[seen]))
+    off = OFF_LEVEL * float(np.median(depth[seen]))
     above = seen & (points[..., 2] > off)
     on_ground = seen & (np.abs(points[..., 2]) < off)
     walls = find_walls(points[seen], above[seen], -ground.offset, rng, off)
@@ -72,7 +61,7 @@ def _find_things(
     inside = np.logical_and.reduce([above, *(height > 2 * off for height in heights)])
     if np.median(depth[seen]) < TABLE_WITHIN:  # on a table nothing counts that is not over it
         inside &= Delaunay(sample_points(points[on_ground], rng)[:, :2]).find_simplex(points[..., :2]) >= 0
-    inner = inside & (points[..., 2] > 2 * off) & find_smooth_pixels(depth, 2 * OFF_PLANE)
+    inner = inside & (points[..., 2] > 2 * off) & find_smooth_pixels(depth, 2 * OFF_LEVEL)
     clusters = np.full(depth.shape, -1)
     clusters[inside] = _label_points(
         points[inside], points[inner], 2 * off, MIN_SHARE * seen.sum() / max(1, inner.sum()), rng

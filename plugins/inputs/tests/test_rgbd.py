@@ -123,8 +123,8 @@ def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace, room: tu
     columns = [np.nonzero(given.masks == value)[1].mean() for value in (left, right)]
     assert columns[0] < columns[1]
     found = boxes_of(out)
-    assert found["up"] == pytest.approx(0.4 * (1.6 - TABLE.top), abs=0.026)  # the table top is the ground
-    assert sorted(found["object_1"].size) == pytest.approx(sorted(0.4 * np.array(BOX.size)), abs=0.015)
+    assert found["up"] == pytest.approx(0.4 * (1.6 - TABLE.top), abs=0.003)  # the table top is the ground
+    assert sorted(found["object_1"].size) == pytest.approx(sorted(0.4 * np.array(BOX.size)), abs=0.016)
     assert found["object_2"].size[2] == pytest.approx(0.4 * CAN.size[2], abs=0.003)
 
 

@@ -1,0 +1,125 @@
+"""How well pictures are cut into things without a hand: `--auto` and `--clusters` beside the exact masks of open rooms.
+
+python -m benchmarks.masks DIR --half work        DIR: of benchmarks.open_rooms render
+"""
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.open_rooms.pictures import folders, read
+from plugins.inputs.rgbd.clusters import make_clusters
+from plugins.inputs.rgbd.frame import Frame, Labelled
+from plugins.inputs.rgbd.pieces import cut_frame
+from stages.contracts import InputError
+from stages.contracts.types import WALL
+
+FOUND = 0.5  # IoU
+SMALL, LARGE = 0.005, 0.05  # shares of the picture
+MAKERS: dict[str, Callable[[Frame], Labelled]] = {
+    "clusters": lambda frame: make_clusters(frame.depth, frame.intrinsics),
+    "auto": cut_frame,
+}
+
+
+@dataclass(frozen=True)
+class Thing:
+    """A thing of a picture: its best piece's IoU, its share of the picture, whether it is cut by the border, hangs, and
+    how many pieces have most of their pixels in it."""
+
+    iou: float
+    share: float
+    cut: bool
+    hangs: bool
+    pieces: int
+
+
+def frame_of(folder: Path) -> Frame:
+    """The picture in a folder of open rooms."""
+    camera = json.loads((folder / "intrinsics.json").read_text())
+    matrix = np.array([[camera["fx"], 0, camera["cx"]], [0, camera["fy"], camera["cy"]], [0, 0, 1.0]])
+    rgb = np.asarray(cv2.imread(str(folder / "rgb.png"))[..., ::-1], np.uint8)
+    depth = cv2.imread(str(folder / "depth.png"), cv2.IMREAD_UNCHANGED).astype(np.float32) / 1000
+    return Frame(rgb, depth, matrix)
+
+
+def overlaps(exact: NDArray[np.uint16], made: NDArray[np.uint16]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """IoU (E, M) of every exact mask with every made one, and which share of each made one lies in it; by value."""
+    both = np.zeros((int(exact.max()) + 1, int(made.max()) + 1))
+    np.add.at(both, (exact.ravel(), made.ravel()), 1)
+    areas, sizes = both.sum(axis=1, keepdims=True), both.sum(axis=0, keepdims=True)
+    return both / np.maximum(areas + sizes - both, 1), both / np.maximum(sizes, 1)
+
+
+def measure(folder: Path, make: Callable[[Frame], Labelled]) -> tuple[list[Thing], int, int, float]:
+    """The named things of a picture, how many pieces were made, how many of them are a thing, and seconds."""
+    exact = cv2.imread(str(folder / "exact.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
+    start = time.process_time()
+    try:
+        made = make(frame_of(folder))
+    except InputError:
+        made = Labelled(np.zeros_like(exact), {})
+    seconds = time.process_time() - start
+    pieces = [value for value, label in made.labels.items() if label not in ("floor", WALL)]
+    values = np.where(np.isin(made.values, pieces), made.values, 0).astype(np.uint16)
+    iou, inside = overlaps(exact, values)
+    named = [thing for thing in read(folder).things if thing.named]
+    found = []
+    for thing in named:
+        row, held = iou[thing.number, 1:], inside[thing.number, 1:]
+        best = float(row.max()) if len(row) else 0.0
+        hangs = thing.support == "wall"
+        found.append(Thing(best, thing.pixels / exact.size, thing.cut, hangs, int((held > FOUND).sum())))
+    rows = [thing.number for thing in named]
+    right = int((iou[rows].max(axis=0)[1:] > FOUND).sum()) if rows and iou.shape[1] > 1 else 0
+    return found, len(np.unique(values[values > 0])), right, seconds
+
+
+def summarise(things: list[Thing], pieces: int, right: int) -> dict[str, str]:
+    """Columns of the table."""
+
+    def recall(some: list[Thing]) -> str:
+        return f"{sum(thing.iou > FOUND for thing in some)} / {len(some)}"
+
+    return {
+        "recall": recall(things),
+        "pieces": str(pieces),
+        "precision": f"{right} / {pieces}",
+        "pieces a thing": f"{np.mean([thing.pieces for thing in things]):.2f}",
+        "small": recall([thing for thing in things if thing.share < SMALL]),
+        "middle": recall([thing for thing in things if SMALL <= thing.share < LARGE]),
+        "large": recall([thing for thing in things if thing.share >= LARGE]),
+        "cut": recall([thing for thing in things if thing.cut]),
+        "hanging": recall([thing for thing in things if thing.hangs]),
+    }
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--half", default="work")
+    parser.add_argument("--makers", nargs="+", choices=list(MAKERS), default=list(MAKERS))
+    asked = parser.parse_args()
+    found = folders(asked.folder, asked.half)
+    header = ""
+    for name in asked.makers:
+        results = [measure(folder, MAKERS[name]) for folder in found]
+        things = [thing for each, _, _, _ in results for thing in each]
+        row = summarise(things, sum(result[1] for result in results), sum(result[2] for result in results))
+        row["CPU s a picture"] = f"{np.mean([result[3] for result in results]):.1f}"
+        if not header:
+            header = "| | " + " | ".join(row) + " |\n|" + "---|" * (len(row) + 1)
+            print(f"{len(found)} pictures\n\n{header}")
+        print(f"| {name} | " + " | ".join(row.values()) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

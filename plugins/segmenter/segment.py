@@ -1,0 +1,188 @@
+"""Cut a picture with depth into things, floor and walls: the network, joining, and a second look at level tops."""
+
+from dataclasses import dataclass, field
+from functools import cache
+
+import cv2
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from scipy.ndimage import binary_fill_holes
+from scipy.spatial import Delaunay, QhullError
+
+from plugins.segmenter.joining import join_pixels
+from plugins.segmenter.network import BACKGROUND, FLOOR, STRIDE, THING, Segmenter, load, network_input
+from stages.geometry.cameras import back_project, scale_intrinsics
+from stages.geometry.frames import apply, rigid
+from stages.geometry.levels import find_ground
+from stages.geometry.room_planes import find_walls, make_floor_frame, sample_points
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+WIDTH = 320  # pixels of the picture that the network sees
+MAX_TILT = 75.0  # degrees: largest angle between image-up and the ground's normal: cameras look down at tables
+LEAST_PIXELS = 25  # of a piece, in the network's output
+LEAST_SCORE = 0.5  # mean certainty that a piece is a thing, and one thing; chosen
+TOP = 0.3  # share of a piece that is level, at one height, if its top is looked at again; chosen
+MOST_TOPS = 3  # that are looked at again; chosen for time
+OFF_TOP = 0.012  # share of the distance by which a thing rises above the top that it stands on; chosen
+LEVEL = 0.95  # cosine between up and the normal of a level top
+ON_WALL = 0.03  # metres off a wall's plane, at 3 m
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """`values` (H, W) uint16, 0: nothing; score by value of each thing; values of the floor and of the walls."""
+
+    values: NDArray[np.uint16]
+    things: dict[int, float]
+    floor: int | None = None
+    walls: list[int] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Said:
+    """What the network says of a picture (h, w), half its size: class shares (3, h, w), log-odds of being the same as
+    each neighbour, votes (h, w, 3), NaN without depth, and radius (h, w), metres, level frame."""
+
+    classes: Array
+    same: Array
+    votes: Array
+    radius: Array
+
+
+@cache
+def network() -> Segmenter:
+    """The network, loaded once per process."""
+    return load()
+
+
+def ask(depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame: Array) -> Said:
+    """Run the network on a picture of about `WIDTH` pixels, see `network_input`."""
+    inputs = network_input(depth, rgb, intrinsics, frame)
+    with torch.inference_mode():
+        x = torch.from_numpy(inputs[None]).contiguous(memory_format=torch.channels_last)
+        said = network()(x)[0].double().numpy()
+    shown = np.exp(said[:3] - said[:3].max(axis=0))
+    points = apply(frame, back_project(depth, intrinsics))[::STRIDE, ::STRIDE]
+    known = (depth > 0)[::STRIDE, ::STRIDE, None]
+    votes = np.where(known, points + said[3:6].transpose(1, 2, 0), np.nan)
+    return Said(shown / shown.sum(axis=0), said[7:], votes, np.exp(said[6].clip(-4.0, 2.0)))
+
+
+def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array) -> Pieces | None:
+    """Things, floor and walls of a picture; None: no ground is seen.
+
+    Args:
+        depth: (H, W) metres, 0: unknown.
+        rgb: (H, W, 3).
+        intrinsics: (3, 3) pixels.
+    """
+    height, width = depth.shape
+    whole = back_project(depth, intrinsics)
+    ground = find_ground(whole, depth > 0, MAX_TILT)
+    if ground is None:
+        return None
+    frame = make_floor_frame(ground)
+    size = WIDTH, max(STRIDE, round(height * WIDTH / width / STRIDE) * STRIDE)
+    small = cv2.resize(depth, size, interpolation=cv2.INTER_NEAREST).astype(float)
+    colour = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), np.uint8)
+    matrix = scale_intrinsics(intrinsics, size[0] / width, size[1] / height)
+    said = ask(small, colour, matrix, frame)
+    kind = said.classes.argmax(axis=0)
+    labels = join_pixels(kind == THING, said.same, said.votes, said.radius)
+    labels = drop_small(look_again(labels, small, colour, matrix, frame))
+    values, things = np.zeros(labels.shape, np.uint16), {}
+    for label in range(labels.max() + 1):
+        piece = labels == label
+        if (score := score_piece(piece, said)) >= LEAST_SCORE:
+            things[len(things) + 1] = score
+            values[piece] = len(things)
+    floor = len(things) + 1 if (kind == FLOOR).any() else None
+    values[(kind == FLOOR) & (values == 0)] = floor or 0
+    values = cv2.resize(values, (width, height), interpolation=cv2.INTER_NEAREST)
+    kind = cv2.resize(kind.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
+    behind = (kind == BACKGROUND) & (depth > 0) & (values == 0)
+    walls = mask_walls(apply(frame, whole), depth > 0, behind, float(frame[2, 3]))
+    for number, wall in enumerate(walls):
+        values[wall] = len(things) + 2 + number
+    return Pieces(values, things, floor, [len(things) + 2 + number for number in range(len(walls))])
+
+
+def score_piece(piece: Mask, said: Said) -> float:
+    """How sure it is that a piece (h, w) is a thing, and that its pixels are one: 0 to 1."""
+    inside = (1 / (1 + np.exp(-said.same[:4])))[:, piece].mean()
+    return float(said.classes[THING][piece].mean() * inside)
+
+
+def drop_small(labels: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The pieces (h, w) of some size, their holes filled, numbered anew from 0 on; -1: none."""
+    counts = np.bincount(labels[labels >= 0], minlength=1)
+    made = np.full_like(labels, -1)
+    for number, label in enumerate(np.argsort(-counts, kind="stable")[: int((counts >= LEAST_PIXELS).sum())]):
+        made[binary_fill_holes(labels == label) & ((labels < 0) | (labels == label))] = number
+    return made
+
+
+def look_again(
+    labels: NDArray[np.int64], depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame: Array
+) -> NDArray[np.int64]:
+    """Pieces (h, w), those with a level top looked at again with the top as the floor: what stands on it comes off it.
+
+    Args:
+        labels: of `join_pixels`, at half the picture's size.
+        depth: (H, W), likewise `rgb`, as of `ask`.
+        intrinsics: (3, 3) pixels.
+        frame: floor_from_camera (4, 4).
+    """
+    points = apply(frame, back_project(depth, intrinsics))[::STRIDE, ::STRIDE]
+    known = (depth > 0)[::STRIDE, ::STRIDE]
+    upward = network_input(depth, rgb, intrinsics, frame)[5, ::STRIDE, ::STRIDE] > LEVEL
+    counts = np.bincount(labels[labels >= 0], minlength=1)
+    labels, looked = labels.copy(), 0
+    for label in np.argsort(-counts, kind="stable"):
+        piece = (labels == label) & known
+        top = find_top(points[..., 2], piece, piece & upward)
+        if counts[label] < 10 * LEAST_PIXELS or top is None or looked == MOST_TOPS:
+            continue
+        looked += 1
+        said = ask(depth, rgb, intrinsics, rigid(np.eye(3), [0, 0, -top]) @ frame)
+        on_top = np.abs(points[..., 2] - top) < OFF_TOP * depth[::STRIDE, ::STRIDE]
+        over = known & _above(points, piece & upward & on_top)
+        over &= (labels == label) | (labels < 0)
+        over &= points[..., 2] > top + OFF_TOP * depth[::STRIDE, ::STRIDE]
+        over &= said.classes.argmax(axis=0) == THING
+        again = join_pixels(over, said.same, said.votes, said.radius)
+        labels[again >= 0] = again[again >= 0] + labels.max() + 1
+    return labels
+
+
+def find_top(heights: Array, piece: Mask, upward: Mask) -> float | None:
+    """The height of a piece's level top, metres, if `TOP` of it is level at one height; `upward`: its level pixels."""
+    if upward.sum() < max(2 * LEAST_PIXELS, TOP * piece.sum()):
+        return None
+    top = float(np.median(heights[upward]))
+    near = upward & (np.abs(heights - top) < 0.03)
+    return float(np.median(heights[near])) if near.sum() >= TOP * piece.sum() else None
+
+
+def _above(points: Array, top: Mask) -> Mask:
+    """Pixels (h, w) whose points (h, w, 3) are over the convex hull of the top's, from above."""
+    corners = sample_points(points[top], np.random.default_rng(0))[:, :2]
+    try:
+        return np.asarray(Delaunay(corners).find_simplex(points[..., :2]) >= 0)
+    except (QhullError, ValueError):
+        return np.zeros(top.shape, dtype=bool)
+
+
+def mask_walls(points: Array, known: Mask, behind: Mask, camera_height: float) -> list[Mask]:
+    """The pixels (H, W) of each wall plane in points (H, W, 3), level frame; `behind`: those that may be of one."""
+    planes = find_walls(points[known], behind[known], camera_height, np.random.default_rng(0))
+    masks, free = [], behind.copy()
+    for normal, offset, _ in planes:
+        distance = np.linalg.norm(points - [0, 0, camera_height], axis=-1)
+        wall = free & (np.abs(points @ normal - offset) < ON_WALL * np.maximum(1, distance / 3))
+        masks.append(wall)
+        free &= ~wall
+    return [mask for mask in masks if mask.any()]

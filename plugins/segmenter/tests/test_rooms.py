@@ -1,0 +1,80 @@
+"""Random rooms of procedural models: the same every time, things stand on what they say, rays see them."""
+
+import numpy as np
+import pytest
+
+from plugins.segmenter.training.pictures import (
+    BACKGROUND,
+    GROUND,
+    NOTHING,
+    SMALL,
+    Picture,
+    draw_pictures,
+    make_pool,
+    views_of,
+)  # fmt: skip
+from plugins.segmenter.training.rooms import FLOOR, WALL, Room, furnish
+from plugins.segmenter.training.solids import OTHERS, Solid, make_solid
+from stages.geometry.cameras import back_project
+from stages.geometry.frames import apply
+
+
+@pytest.fixture(scope="module")
+def pool() -> dict[str, list[Solid]]:
+    return make_pool(1, 0)
+
+
+@pytest.fixture(scope="module")
+def rooms(pool: dict[str, list[Solid]]) -> list[Room]:
+    return [furnish(pool, np.random.default_rng(seed)) for seed in range(12)]
+
+
+def test_rooms_are_the_same_every_time(pool: dict[str, list[Solid]], rooms: list[Room]) -> None:
+    again = furnish(pool, np.random.default_rng(3))
+    assert [thing.position.tolist() for thing in again.things] == [thing.position.tolist() for thing in rooms[3].things]
+
+
+def test_things_stand_on_what_carries_them(rooms: list[Room]) -> None:
+    carried = 0
+    for room in rooms:
+        for thing in room.things:
+            if thing.support == FLOOR:
+                assert thing.position[2] == 0.0
+            elif thing.support == WALL:
+                edge = np.abs(np.concatenate([thing.corners(), room.size[:2] - thing.corners()])).min()
+                assert edge == pytest.approx(0.0, abs=1e-6)
+            else:
+                base = room.things[thing.support - 2]
+                carried += 1
+                assert base.position[2] < thing.position[2] <= base.position[2] + base.size[2] + 1e-6
+    assert carried > 20
+
+
+def test_every_other_kind_stands_on_the_ground() -> None:
+    for kind in OTHERS:
+        solid = make_solid(kind, np.random.default_rng(0), 0)
+        assert solid.vertices[:, 2].min() == pytest.approx(0.0) and 0.003 < solid.size.max() < 1.6, kind
+
+
+@pytest.fixture(scope="module")
+def pictures(pool: dict[str, list[Solid]]) -> list[Picture]:
+    return [picture for seed in range(8) for picture in views_of(pool, SMALL, 4, np.random.default_rng(seed))]
+
+
+def test_the_ground_is_level_and_things_are_above_it(pictures: list[Picture]) -> None:
+    tables = 0
+    for picture in pictures:
+        height = apply(picture.frame, back_project(picture.depth, picture.intrinsics))[..., 2]
+        ground = picture.owner == GROUND
+        assert np.abs(height[ground]).max(initial=0.0) < 0.021
+        things = (picture.owner > BACKGROUND) & (picture.owner < NOTHING)
+        assert height[things].min(initial=0.0) > -0.03
+        tables += bool((height[picture.depth > 0] < -0.2).mean() > 0.02)
+    assert 0 < tables < len(pictures)
+
+
+def test_as_many_pictures_are_drawn_as_asked(pool: dict[str, list[Solid]]) -> None:
+    one, two = (draw_pictures(pool, 6, SMALL, 4, np.random.default_rng(1)) for _ in range(2))
+    assert len(one) == 6 and all(
+        (a.rgb == b.rgb).all() and (a.owner == b.owner).all() for a, b in zip(one, two, strict=True)
+    )

@@ -1,0 +1,82 @@
+"""What cameras make of true depth and colour: noise, smeared and lost edges, holes, light, weak or strong."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from plugins.segmenter.training.pictures import Picture
+from plugins.segmenter.training.solids import Array, Rng
+from stages.geometry.frames import rigid
+
+TILT, OFF = 1.2, 0.02  # degrees and share of the camera's height by which the level frame errs
+
+
+def sense_depth(picture: Picture, rng: Rng) -> Array:
+    """Depth (H, W) as a stereo camera, structured light, time of flight or a network says it, metres; 0: unknown."""
+    depth = picture.depth.astype(float)
+    shape = depth.shape
+    wide = shape[1] / 160
+    if rng.random() < 0.04:
+        return np.zeros(shape)
+    if rng.random() < 0.4:  # coarse: measured at fewer pixels and blended between
+        small = cv2.resize(depth, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_NEAREST)
+        depth = np.asarray(cv2.resize(small, shape[::-1], interpolation=cv2.INTER_LINEAR))
+    if rng.random() < 0.7:  # ragged edges
+        rows, columns = np.indices(shape)
+        spread = rng.uniform(0.2, 0.7)
+        rows = np.clip(rows + np.rint(rng.normal(0, spread, shape)).astype(int), 0, shape[0] - 1)
+        columns = np.clip(columns + np.rint(rng.normal(0, spread, shape)).astype(int), 0, shape[1] - 1)
+        depth = depth[rows, columns]
+    strength = 0.004 * rng.random() ** 2
+    noise = strength * _grain(shape, rng.choice([0.0, 1.0, 2.0]) * wide, rng) * depth**2
+    bent = rng.uniform(0, 0.01) * _grain(shape, 25 * wide, rng) * depth  # slow errors over the picture
+    noisy = (depth + noise + bent) * (1 + rng.normal(0, 0.008))
+    lost = (depth <= 0) | (noisy < rng.uniform(0.2, 0.4)) | (noisy > rng.choice([4.5, 7.0, 20.0]))
+    lost |= picture.cosine < 255 * rng.uniform(0.0, 0.15)
+    if rng.random() < 0.4:
+        lost |= _shadow(depth, wide * rng.uniform(1.0, 4.0))
+    if rng.random() < 0.5:  # patches: glass, dark, shiny
+        lost |= _grain(shape, rng.uniform(2, 12) * wide, rng) > rng.uniform(1.2, 2.6)
+    lost |= rng.random(shape) < rng.choice([0.0, 0.002, 0.02])
+    return np.where(lost, 0.0, noisy)
+
+
+def _grain(shape: tuple[int, ...], grain: float, rng: Rng) -> Array:
+    """Normal noise alike over some pixels, of standard deviation 1."""
+    if grain < 0.3:
+        return rng.standard_normal(shape)
+    step = max(1, int(grain / 2))
+    small = rng.standard_normal([side // step + 2 for side in shape])
+    smooth = cv2.GaussianBlur(small, (0, 0), max(0.5, grain / step))
+    field = np.asarray(cv2.resize(smooth, shape[::-1], interpolation=cv2.INTER_LINEAR))
+    return field / max(float(field.std()), 1e-9)
+
+
+def _shadow(depth: Array, pixels: float) -> NDArray[np.bool_]:
+    """Where the second eye sees what is nearer: a band beside every step, as wide as the step in 1 / depth."""
+    inverse = np.where(depth > 0, 1 / np.maximum(depth, 1e-3), 0.0)
+    lands = np.arange(depth.shape[1]) + pixels * inverse
+    return np.asarray(lands < np.maximum.accumulate(lands, axis=1) - 0.5)
+
+
+def photograph(rgb: NDArray[np.uint8], rng: Rng) -> NDArray[np.uint8]:
+    """Colours (H, W, 3) in another light: gain, gamma, tint, shadows, blur, noise; at times grey, or nothing."""
+    if rng.random() < 0.08:
+        return np.full_like(rgb, 128)
+    image = (rgb / 255.0) ** rng.uniform(0.6, 1.5)
+    if rng.random() < 0.1:
+        image = np.repeat(image.mean(axis=-1, keepdims=True), 3, axis=-1)
+    soft = 1 + rng.uniform(0, 0.25) * _grain(rgb.shape[:2], rng.uniform(6, 30) * rgb.shape[1] / 160, rng)
+    image = image * soft.clip(0.2, 2)[..., None] * rng.uniform(0.6, 1.4) * (1 + rng.normal(0, 0.05, 3))
+    if rng.random() < 0.3:
+        image = cv2.GaussianBlur(image, (0, 0), rng.uniform(0.3, 1.0))
+    image = image + rng.normal(0, rng.uniform(0, 0.04), image.shape)
+    return np.asarray((255 * image).clip(0, 255), dtype=np.uint8)
+
+
+def tilt(frame: Array, rng: Rng) -> Array:
+    """`floor_from_camera` (4, 4) as an estimate of it errs."""
+    x, y = np.deg2rad(rng.normal(0, TILT, 2))
+    turn = np.array([[1, 0, y], [0, 1, -x], [-y, x, 1]])
+    left, _, right = np.linalg.svd(turn)
+    return np.asarray(rigid(left @ right, [0, 0, rng.normal(0, OFF) * frame[2, 3]]) @ frame)

@@ -1,0 +1,119 @@
+"""Level surfaces of a picture with depth: floors, table tops, seats; and which of them is the floor."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.geometry.gravity import LEVEL, cell_normals, estimate_up
+from stages.geometry.planes import Plane, least_squares_plane
+from stages.geometry.room_planes import PLANE_THRESHOLD, STRAY, sample_points, scale_threshold
+
+LEAST_LEVEL = 0.05  # share of the largest level that another has at least: less is noise of a far floor; chosen
+FEWEST = 8  # cells of a level
+TABLE_WITHIN = 2.0  # metres of the median depth: nearer is a table, farther a room; chosen
+LARGE_LEVEL = 0.3  # share of the largest level that a table has at least: a lid has less; chosen
+OFF_LEVEL = 0.006  # share of the distance by which points of a level may be off; chosen
+LEVEL_FIT = np.cos(np.deg2rad(5))  # a plane fitted to a level is tilted by less, or it is none; chosen
+ROUNDS = 5  # of the fit
+Array = NDArray[np.float64]
+
+
+def find_levels(points: Array, known: NDArray[np.bool_], up: Array) -> list[Plane]:
+    """Level surfaces that face up, the largest first: floors, table tops, seats; `inliers` over `points[known]`.
+
+    They are parallel: all are as level as the largest, to which a plane is fitted.
+
+    Args:
+        points: (H, W, 3) camera frame, metres.
+        known: (H, W) pixels that count.
+        up: (3,) as of `estimate_up`.
+    """
+    centres, normals = cell_normals(points, known)
+    cells, cloud = centres[normals @ up > LEVEL], points[known]
+    off = OFF_LEVEL * float(np.median(cloud[:, 2])) if len(cells) else 0.0
+    levels: list[Plane] = []
+    least: float = FEWEST
+    while len(cells) >= least:
+        heights = cells @ up
+        order = np.sort(heights)
+        counts = np.searchsorted(order, order + off) - np.searchsorted(order, order - off)
+        if counts.max() < least:
+            break
+        height = float(order[counts.argmax()])
+        if not levels:
+            least = max(FEWEST, LEAST_LEVEL * counts.max())
+            up, height = _fit_level(cloud, up, height, off)
+            heights = cells @ up
+        along = cloud @ up
+        height = float(np.median(along[np.abs(along - height) < off]))
+        levels.append(Plane(up, height, np.abs(along - height) < off))
+        cells = cells[np.abs(heights - height) > 2 * off]
+    return levels
+
+
+def _fit_level(cloud: Array, up: Array, height: float, off: float) -> tuple[Array, float]:
+    """Unit normal (3,) and offset of the plane through the points (N, 3) near a height along `up`."""
+    some, normal, offset = sample_points(cloud, np.random.default_rng(0)), up, height
+    for _ in range(ROUNDS):
+        near = some[np.abs(some @ normal - offset) < off]
+        if len(near) < FEWEST:
+            break
+        fitted, at = least_squares_plane(near)
+        fitted, at = (fitted, at) if fitted @ up > 0 else (-fitted, -at)
+        if fitted @ up < LEVEL_FIT:
+            break
+        normal, offset = fitted, at
+    return normal, offset
+
+
+def find_floor(
+    points: Array, known: NDArray[np.bool_], free: NDArray[np.bool_], objects: Sequence[Array], max_tilt: float
+) -> Plane | None:
+    """The floor without a mask of it: the level (a table top, too) that most objects stand on.
+
+    Of two with as many objects it is the one with fewer points below it.
+
+    Args:
+        points: (H, W, 3) camera frame, metres.
+        known: (H, W) pixels with depth, all of which tell what is up.
+        free: (H, W) those of them that are of no object and no wall.
+        objects: (N, 3) of each object.
+        max_tilt: largest angle between image-up and its normal, degrees.
+    """
+    up = estimate_up(cell_normals(points, known)[1], max_tilt)
+    levels = [] if up is None else find_levels(points, free, up) or find_levels(points, known, up)
+    cloud = points[free if free.any() else known]
+    limit = -scale_threshold(cloud, PLANE_THRESHOLD) if len(cloud) else 0.0
+
+    def score(level: Plane) -> tuple[int, float]:
+        below = float((cloud @ level.normal - level.offset < limit).mean())
+        return sum(stands_on(one, level) for one in objects), -below
+
+    return max(levels, key=score, default=None)
+
+
+def find_ground(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Plane | None:
+    """The level on which things stand in a picture without names: near a table top, else the floor.
+
+    Args:
+        points: (H, W, 3) camera frame, metres.
+        known: (H, W) pixels with depth.
+        max_tilt: largest angle between image-up and its normal, degrees.
+    """
+    up = estimate_up(cell_normals(points, known)[1], max_tilt)
+    if up is None:
+        return None
+    distance = float(np.median(points[known][:, 2]))
+    levels = find_levels(points, known, up)
+    if distance >= TABLE_WITHIN:
+        return min(levels, key=lambda level: level.offset, default=None)
+    largest = max((level.inliers.sum() for level in levels), default=0)
+    large = [level for level in levels if level.inliers.sum() >= LARGE_LEVEL * largest]
+    return max(large, key=lambda level: level.offset, default=None)
+
+
+def stands_on(points: Array, level: Plane) -> bool:
+    """Whether the lowest of an object's points (N, 3), camera frame, are on a level."""
+    reach = PLANE_THRESHOLD * max(1.0, float(np.median(points[:, 2])))
+    return bool(abs(np.quantile(points @ level.normal - level.offset, STRAY)) < reach)
