@@ -58,7 +58,7 @@ def run(
         masks: COCO or labelme JSON, or a PNG of indices or colours.
         labels: names of the PNG's values, as JSON.
         clusters: make masks of what stands on a table or floor, by depth alone, to be named by you.
-        auto: make masks of things, floor and walls by the shipped network; things are to be named by you.
+        auto: make masks of things, floor and walls by a network; its weights are not shipped yet (plugins/segmenter).
     """
     if clusters and auto:
         raise InputError("--clusters, --auto", "both make masks.", "give one of them", code="E-OPTION-CONFLICT")

@@ -105,7 +105,7 @@ def load(path: Path = WEIGHTS) -> Segmenter:
 
     from stages.contracts.errors import InputError
 
-    fix = "git checkout plugins/segmenter, or train it: python -m plugins.segmenter train"
+    fix = "no weights are shipped yet: python -m plugins.segmenter train makes them, put them there"
     try:
         weights = {name: value.float() for name, value in load_file(path).items()}
     except (OSError, SafetensorError) as error:

@@ -1,4 +1,4 @@
-"""Masks without a segmenter of one's own: things, floor and walls as the shipped network cuts them."""
+"""Masks without a segmenter of one's own: things, floor and walls as the network of plugins/segmenter cuts them."""
 
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from stages.contracts import InputError

@@ -461,7 +461,8 @@ def test_what_does_not_go_together(tmp_path: Path, given: dict[str, Any], code: 
 def test_a_real_table_top(tmp_path: Path) -> None:
     """Ten things on a table by a RealSense, apart without masks; a cracker box of 6 x 16 x 21 cm among them."""
     rgb, depth = REAL / "0000_color.png", REAL / "0000_depth.png"
-    from_rgbd.run(out=tmp_path / "top", rgb=rgb, depth=depth, camera="realsense_d435", clusters=True)
+    lens = (612.937, 613.173, 322.549, 248.158)
+    from_rgbd.run(out=tmp_path / "top", rgb=rgb, depth=depth, matrix=lens, clusters=True)
     found = boxes_of(tmp_path / "top")
     assert len(found) == 1 + 10  # the ground and the things
     assert any(

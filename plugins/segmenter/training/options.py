@@ -1,4 +1,4 @@
-"""What the training of the segmenter can be told; the defaults made the shipped weights."""
+"""What the training of the segmenter can be told; the numbers of steps are not tried yet."""
 
 from dataclasses import dataclass
 
