@@ -13,6 +13,7 @@ from pathlib import Path
 from stages.contracts.errors import InputError
 
 SECONDS = 150  # of CPU time; a mesh of 1.3 million triangles takes 35
+WAIT = 2 * SECONDS  # by the clock
 MEGABYTES = 3000  # beyond what this process has
 SIMPLER = "a file with fewer parts or triangles"
 
@@ -35,7 +36,7 @@ def run_in_fork(path: Path, work: Callable[[], str]) -> str:
         said = stream.read()
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if status in (-signal.SIGXCPU, -signal.SIGALRM):
-        seconds = SECONDS if status == -signal.SIGXCPU else 2 * SECONDS
+        seconds = SECONDS if status == -signal.SIGXCPU else WAIT
         raise InputError(path, f"takes more than {seconds} s to read.", SIMPLER, code="E-MODEL-TIME")
     if status != 0:
         what = f"crashes what reads it, or takes more than {MEGABYTES} MB of memory ({_name(status)})."
@@ -81,7 +82,7 @@ def _limit() -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.setitimer(signal.ITIMER_REAL, 2 * SECONDS)
+    signal.setitimer(signal.ITIMER_REAL, WAIT)
     status = Path("/proc/self/status")
     if status.exists():
         held = next(int(line.split()[1]) for line in status.read_text().splitlines() if line.startswith("VmData"))
