@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
+from plugins.pretrained.weights import load_weights
+
 SIZE, GRID = 192, 16  # pixels of a crop and patches of it, per side
 COLUMNS = 128  # numbers per patch
 WEIGHTS = Path(__file__).with_name("patchnet.safetensors")
@@ -90,23 +92,6 @@ def load(path: Path = WEIGHTS) -> PatchNet:
     Raises:
         InputError: the file is not there or holds other weights.
     """
-    from safetensors import SafetensorError
-    from safetensors.torch import load_file
-
-    from stages.contracts.errors import InputError
-
     fix = "python -m plugins.patchnet makes one: results/patchnet/patchnet.safetensors"
-    try:
-        weights = {name: value.float() for name, value in load_file(path).items()}
-    except (OSError, SafetensorError) as error:
-        raise InputError(path, f"cannot be read: {error}.", fix, code="E-WEIGHTS-UNREADABLE") from None
-    network = PatchNet()
-    try:
-        missing, unexpected = network.load_state_dict(weights, strict=False)
-    except RuntimeError:
-        raise InputError(path, "holds weights of other sizes.", fix, code="E-WEIGHTS-OTHER") from None
-    lacking = [name for name in missing if not name.endswith("num_batches_tracked")]
-    if lacking or unexpected:
-        what = f"holds other weights, e.g. {[*lacking, *unexpected][0]}."
-        raise InputError(path, what, fix, code="E-WEIGHTS-OTHER")
-    return network.eval().to(memory_format=torch.channels_last)  # type: ignore[call-overload,no-any-return]
+    network: PatchNet = load_weights(PatchNet(), path, fix).to(memory_format=torch.channels_last)
+    return network

@@ -1,4 +1,4 @@
-"""The weights of pretrained networks, from a local folder; `python -m plugins.inputs fetch` fills those of `photo`."""
+"""The weights of networks: pretrained ones, which `python -m plugins.inputs fetch` fetches for `photo`, and our own."""
 
 import hashlib
 from pathlib import Path
@@ -49,3 +49,26 @@ def weights_sha256(folder: str) -> str:
     """sha256 of the weights in a folder."""
     with Path(folder, "model.safetensors").open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def load_weights(network: Any, path: Path, fix: str) -> Any:
+    """A network of ours with the weights of a safetensors file, ready to be used.
+
+    Raises:
+        InputError: the file is not there or holds other weights.
+    """
+    from safetensors import SafetensorError
+    from safetensors.torch import load_file
+
+    try:
+        weights = {name: value.float() for name, value in load_file(path).items()}
+    except (OSError, SafetensorError) as error:
+        raise InputError(path, f"cannot be read: {error}.", fix, code="E-WEIGHTS-UNREADABLE") from None
+    try:
+        missing, unexpected = network.load_state_dict(weights, strict=False)
+    except RuntimeError:
+        raise InputError(path, "holds weights of other sizes.", fix, code="E-WEIGHTS-OTHER") from None
+    lacking = [name for name in missing if not name.endswith("num_batches_tracked")]
+    if lacking or unexpected:
+        raise InputError(path, f"holds other weights, e.g. {[*lacking, *unexpected][0]}.", fix, code="E-WEIGHTS-OTHER")
+    return network.eval()

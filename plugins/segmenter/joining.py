@@ -40,7 +40,8 @@ def join_pixels(free: NDArray[np.bool_], same: Array, votes: Array, radius: Arra
         firsts.append(one[kept])
         seconds.append(other[kept])
         scores.append(score[kept])
-    regions = link_averages(int(free.sum()), *(np.concatenate(each) for each in (firsts, seconds, scores)), least)
+    first, second, score = (np.concatenate(each) for each in (firsts, seconds, scores))
+    regions = link_averages(int(free.sum()), first, second, score, least)
     number[free] = regions
     return number
 
@@ -84,6 +85,6 @@ def _contract(
     return (
         key // count,
         key % count,
-        np.bincount(which, total[apart], len(key)),
-        np.bincount(which, weight[apart], len(key)),
+        np.bincount(which, total[apart], len(key)).astype(float),
+        np.bincount(which, weight[apart], len(key)).astype(float),
     )

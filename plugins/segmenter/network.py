@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
+from plugins.pretrained.weights import load_weights
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply
 
@@ -100,22 +101,6 @@ def load(path: Path = WEIGHTS) -> Segmenter:
     Raises:
         InputError: the file is not there or holds other weights.
     """
-    from safetensors import SafetensorError
-    from safetensors.torch import load_file
-
-    from stages.contracts.errors import InputError
-
     fix = "no weights are shipped yet: python -m plugins.segmenter train makes them, put them there"
-    try:
-        weights = {name: value.float() for name, value in load_file(path).items()}
-    except (OSError, SafetensorError) as error:
-        raise InputError(path, f"cannot be read: {error}.", fix, code="E-WEIGHTS-UNREADABLE") from None
-    network = Segmenter()
-    try:
-        missing, unexpected = network.load_state_dict(weights, strict=False)
-    except RuntimeError:
-        raise InputError(path, "holds weights of other sizes.", fix, code="E-WEIGHTS-OTHER") from None
-    lacking = [name for name in missing if not name.endswith("num_batches_tracked")]
-    if lacking or unexpected:
-        raise InputError(path, f"holds other weights, e.g. {[*lacking, *unexpected][0]}.", fix, code="E-WEIGHTS-OTHER")
-    return network.eval().to(memory_format=torch.channels_last)  # type: ignore[call-overload,no-any-return]
+    network: Segmenter = load_weights(Segmenter(), path, fix).to(memory_format=torch.channels_last)
+    return network

@@ -21,7 +21,6 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 WIDTH = 320  # pixels of the picture that the network sees
-MAX_TILT = 75.0  # degrees: largest angle between image-up and the ground's normal: cameras look down at tables
 LEAST_PIXELS = 25  # of a piece, in the network's output
 LEAST_SCORE = 0.5  # mean certainty that a piece is a thing, and one thing; chosen
 TOP = 0.3  # share of a piece that is level, at one height, if its top is looked at again; chosen
@@ -71,17 +70,18 @@ def ask(depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame: Array) -
     return Said(shown / shown.sum(axis=0), said[7:], votes, np.exp(said[6].clip(-4.0, 2.0)))
 
 
-def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array) -> Pieces | None:
+def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array, max_tilt: float) -> Pieces | None:
     """Things, floor and walls of a picture; None: no ground is seen.
 
     Args:
         depth: (H, W) metres, 0: unknown.
         rgb: (H, W, 3).
         intrinsics: (3, 3) pixels.
+        max_tilt: largest angle between image-up and the ground's normal, degrees.
     """
     height, width = depth.shape
     whole = back_project(depth, intrinsics)
-    ground = find_ground(whole, depth > 0, MAX_TILT)
+    ground = find_ground(whole, depth > 0, max_tilt)
     if ground is None:
         return None
     frame = make_floor_frame(ground)
@@ -93,7 +93,8 @@ def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array) -
     kind = said.classes.argmax(axis=0)
     labels = join_pixels(kind == THING, said.same, said.votes, said.radius)
     labels = drop_small(look_again(labels, small, colour, matrix, frame))
-    values, things = np.zeros(labels.shape, np.uint16), {}
+    things: dict[int, float] = {}
+    values: NDArray[np.uint16] = np.zeros(labels.shape, np.uint16)
     for label in range(labels.max() + 1):
         piece = labels == label
         if (score := score_piece(piece, said)) >= LEAST_SCORE:
@@ -101,7 +102,7 @@ def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array) -
             values[piece] = len(things)
     floor = len(things) + 1 if (kind == FLOOR).any() else None
     values[(kind == FLOOR) & (values == 0)] = floor or 0
-    values = cv2.resize(values, (width, height), interpolation=cv2.INTER_NEAREST)
+    values = np.asarray(cv2.resize(values, (width, height), interpolation=cv2.INTER_NEAREST), np.uint16)
     kind = cv2.resize(kind.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
     behind = (kind == BACKGROUND) & (depth > 0) & (values == 0)
     walls = mask_walls(apply(frame, whole), depth > 0, behind, float(frame[2, 3]))

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -194,3 +195,9 @@ def view_of_box(
     pose = look_at(eye, [0, offset * distance, 0])
     rgb, depth = trace_box((0.6, 1.0, 0.8), yaw, (2, 1), pose, intrinsics, side, side)
     return View(rgb, depth > 0, depth, intrinsics, pose[:3, :3].T @ np.array([0.0, 0.0, 1.0]))
+
+
+def before_noise(view: View) -> View:
+    """The same object before a background of random colours."""
+    noise = np.random.default_rng(0).integers(0, 255, view.rgb.shape, dtype=np.uint8)
+    return replace(view, rgb=np.where(view.mask[..., None], view.rgb, noise))

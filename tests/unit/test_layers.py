@@ -17,6 +17,8 @@ ON_OTHERS = {  # few, each for a reason
     ("inputs", "segmenter"),  # masks that nobody gave
     ("exports", "mujoco"),  # MJCF is MuJoCo's format
     ("inputs", "pretrained"),  # the same way to read weights
+    ("patchnet", "pretrained"),
+    ("segmenter", "pretrained"),
     ("inputs", "vlm"),  # captions may come from a language model
     ("studies", "report"),  # the times of a run
     ("studio", "report"),  # doubts and pictures of models, as pages show them

@@ -1,5 +1,6 @@
 """Masks without a segmenter of one's own: things, floor and walls as the network of plugins/segmenter cuts them."""
 
+from plugins.inputs.rgbd.clusters import TILT
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from stages.contracts import InputError
 from stages.contracts.types import WALL
@@ -13,7 +14,7 @@ def cut_frame(frame: Frame) -> Labelled:
     """
     from plugins.segmenter.segment import cut
 
-    pieces = cut(frame.depth, frame.rgb, frame.intrinsics)
+    pieces = cut(frame.depth, frame.rgb, frame.intrinsics, TILT)
     if pieces is None or not pieces.things:
         raise InputError("--auto", "finds no thing on a level surface.", "give --masks", code="E-MASKS-EMPTY")
     floor = {} if pieces.floor is None else {pieces.floor: "floor"}

@@ -78,19 +78,19 @@ def _owners(room: Room, seen: Seen) -> NDArray[np.uint8]:
             root[owner] = WALL
     kept = np.append(root, NOTHING)
     kept[2:-1] = np.where(root[2:] == WALL, WALL, np.arange(2, len(root)))
-    owner = kept[np.where(seen.owner == VOID, len(root), seen.owner)]
+    whose: NDArray[np.int64] = kept[np.where(seen.owner == VOID, len(root), seen.owner)]
     if seen.ground_owner != FLOOR:
-        owner[seen.owner == FLOOR] = BACKGROUND
-        owner[seen.owner == seen.ground_owner] = BACKGROUND
+        whose[seen.owner == FLOOR] = BACKGROUND
+        whose[seen.owner == seen.ground_owner] = BACKGROUND
         rows, columns = np.nonzero(seen.owner == seen.ground_owner)
         rays = np.stack([columns, rows, np.ones_like(rows)], axis=-1) @ np.linalg.inv(seen.intrinsics).T
         height = apply(seen.pose, rays * seen.depth[rows, columns, None])[:, 2] - seen.ground
         top = np.abs(height) < TOP
-        owner[rows[top], columns[top]] = GROUND
-    least = LEAST * owner.size / (SMALL[0] * SMALL[1])
-    values, counts = np.unique(owner, return_counts=True)
-    owner[np.isin(owner, values[(counts < least) & (values > BACKGROUND)])] = NOTHING
-    return owner.astype(np.uint8)
+        whose[rows[top], columns[top]] = GROUND
+    least = LEAST * whose.size / (SMALL[0] * SMALL[1])
+    values, counts = np.unique(whose, return_counts=True)
+    whose[np.isin(whose, values[(counts < least) & (values > BACKGROUND)])] = NOTHING
+    return whose.astype(np.uint8)
 
 
 def draw_pictures(

@@ -24,9 +24,9 @@ def sense_depth(picture: Picture, rng: Rng) -> Array:
     if rng.random() < 0.7:  # ragged edges
         rows, columns = np.indices(shape)
         spread = rng.uniform(0.2, 0.7)
-        rows = np.clip(rows + np.rint(rng.normal(0, spread, shape)).astype(int), 0, shape[0] - 1)
-        columns = np.clip(columns + np.rint(rng.normal(0, spread, shape)).astype(int), 0, shape[1] - 1)
-        depth = depth[rows, columns]
+        row = np.clip(rows + np.rint(rng.normal(0, spread, shape)).astype(int), 0, shape[0] - 1)
+        column = np.clip(columns + np.rint(rng.normal(0, spread, shape)).astype(int), 0, shape[1] - 1)
+        depth = depth[row, column]
     strength = 0.004 * rng.random() ** 2
     noise = strength * _grain(shape, rng.choice([0.0, 1.0, 2.0]) * wide, rng) * depth**2
     bent = rng.uniform(0, 0.01) * _grain(shape, 25 * wide, rng) * depth  # slow errors over the picture
@@ -48,7 +48,7 @@ def _grain(shape: tuple[int, ...], grain: float, rng: Rng) -> Array:
     step = max(1, int(grain / 2))
     small = rng.standard_normal([side // step + 2 for side in shape])
     smooth = cv2.GaussianBlur(small, (0, 0), max(0.5, grain / step))
-    field = np.asarray(cv2.resize(smooth, shape[::-1], interpolation=cv2.INTER_LINEAR))
+    field = np.asarray(cv2.resize(smooth, shape[::-1], interpolation=cv2.INTER_LINEAR), np.float64)
     return field / max(float(field.std()), 1e-9)
 
 

@@ -11,7 +11,7 @@ from trimesh import Trimesh
 
 from plugins.furniture.catalogue import CATEGORIES
 from plugins.furniture.finishes import MATERIALS
-from plugins.furniture.model import Model, Part, fitted, part, parts_of
+from plugins.furniture.model import Model, Part, fit_model, part, parts_of
 from plugins.furniture.shapes import cushion, lathe, rod, slab
 from plugins.furniture.textures import SIDE, pattern_of
 
@@ -67,7 +67,7 @@ def make_solid(kind: str, rng: Rng, index: int) -> Solid:
     if kind in OTHERS:
         return solid_of(kind, Model(OTHERS[kind](rng)))
     sampled = CATEGORIES[kind].sample(rng, index)
-    return solid_of(kind, fitted(sampled.recipe.build(sampled.size), sampled.size))
+    return solid_of(kind, fit_model(sampled.recipe.build(sampled.size), sampled.size))
 
 
 def solid_of(kind: str, model: Model) -> Solid:
@@ -95,13 +95,15 @@ def _glass(parts: Sequence[Part]) -> int:
 
 def _heights(vertices: Array, faces: NDArray[np.int64]) -> Array:
     scene = o3d.t.geometry.RaycastingScene(nthreads=1)
-    scene.add_triangles(vertices.astype(np.float32), faces.astype(np.uint32))
+    scene.add_triangles(
+        o3d.core.Tensor.from_numpy(vertices.astype(np.float32)), o3d.core.Tensor.from_numpy(faces.astype(np.uint32))
+    )
     size = np.ptp(vertices, axis=0)
     steps = (np.arange(CELLS) + 0.5) / CELLS - 0.5
     x, y = np.meshgrid(steps * size[0], steps * size[1], indexing="ij")
     above = size[2] + 1.0
     rays = np.stack([x, y, np.full_like(x, above), 0 * x, 0 * x, np.full_like(x, -1.0)], axis=-1)
-    length = scene.cast_rays(o3d.core.Tensor(rays.astype(np.float32)))["t_hit"].numpy().astype(float)
+    length = scene.cast_rays(o3d.core.Tensor.from_numpy(rays.astype(np.float32)))["t_hit"].numpy().astype(float)
     return np.where(np.isfinite(length), above - length, np.nan)
 
 

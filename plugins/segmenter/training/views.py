@@ -50,7 +50,7 @@ class Caster:
         self.room = room
         vertices, self.faces, self.owner, part = triangles(room)
         self.scene = o3d.t.geometry.RaycastingScene(nthreads=1)
-        self.scene.add_triangles(vertices, self.faces)
+        self.scene.add_triangles(o3d.core.Tensor.from_numpy(vertices), o3d.core.Tensor.from_numpy(self.faces))
         shell = len(room.shell)
         counts = [shell, *(len(thing.solid.colours) for thing in room.things)]
         start = np.concatenate([[0], np.cumsum(counts)])
@@ -66,7 +66,7 @@ class Caster:
     def hits(self, origins: Array, directions: Array) -> dict[str, NDArray]:  # type: ignore[type-arg]
         """Length in `directions`, normal, part and owner of the first hit of rays (N, 3), (N, 3); length 0: none."""
         rays = np.concatenate([origins, directions], axis=1).astype(np.float32)
-        found = self.scene.cast_rays(o3d.core.Tensor(rays))
+        found = self.scene.cast_rays(o3d.core.Tensor.from_numpy(rays))
         length = found["t_hit"].numpy()
         there = np.isfinite(length)
         face = np.where(there, found["primitive_ids"].numpy(), 0).astype(int)
