@@ -190,7 +190,7 @@ def _opacities(path: Path) -> dict[str, float]:
 def _obj(path: Path, rotation: NDArray[np.float64]) -> Iterator[Part]:
     opacities = _opacities(path)
     for mesh in trimesh.load_scene(path, process=False, maintain_order=True).dump():
-        if not len(mesh.faces):
+        if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
             continue
         material = getattr(mesh.visual, "material", None) or SimpleMaterial()
         image = getattr(material, "image", None)
