@@ -73,7 +73,7 @@ PACKAGE = Package(
         "photo": (
             PhotoSection,
             Field(PhotoSection(), description="From one RGB picture to an input folder (A.2, A.7)."),
-        )
+        ),
     },
     widens={"experiment": PicturesExperiment},
     expand=read_sources,

@@ -66,7 +66,8 @@ class Picture(Input):
     def mistakes(self, key: str) -> Iterator[Mistake]:
         """What is wrong with it; `key`: where it stands in the config, if not in a table."""
         for name, *said in self._contradictions():
-            where = f"{self._row}, column {name}" if self._row else key if name == "folder" else f"{key}.{name}".lstrip(".")
+            where = f"{key}.{name}".lstrip(".") if name != "folder" else key
+            where = f"{self._row}, column {name}" if self._row else where
             yield Mistake(where, *said)
 
     def _contradictions(self) -> Iterator[tuple[str, ...]]:
