@@ -58,8 +58,9 @@ def overlaps(exact: NDArray[np.uint16], made: NDArray[np.uint16]) -> tuple[NDArr
     return both / np.maximum(areas + sizes - both, 1), both / np.maximum(sizes, 1)
 
 
-def measure(folder: Path, make: Callable[[Frame], Labelled]) -> tuple[list[Thing], int, int, float]:
-    """The named things of a picture, how many pieces were made, how many of them are a thing, and seconds."""
+def measure(folder: Path, make: Callable[[Frame], Labelled]) -> tuple[list[Thing], int, int, int, float]:
+    """The named things of a picture, how many pieces were made, how many of them can be judged, how many are a thing,
+    and seconds. A piece most of which shows what nobody named, neither thing nor floor nor wall, cannot be judged."""
     exact = cv2.imread(str(folder / "exact.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
     start = time.process_time()
     try:
@@ -79,10 +80,11 @@ def measure(folder: Path, make: Callable[[Frame], Labelled]) -> tuple[list[Thing
         found.append(Thing(best, thing.pixels / exact.size, thing.cut, hangs, int((held > FOUND).sum())))
     rows = [thing.number for thing in named]
     right = int((iou[rows].max(axis=0)[1:] > FOUND).sum()) if rows and iou.shape[1] > 1 else 0
-    return found, len(np.unique(values[values > 0])), right, seconds
+    judged = int((inside[1:, 1:].sum(axis=0) > 0.5).sum())
+    return found, len(np.unique(values[values > 0])), judged, right, seconds
 
 
-def summarise(things: list[Thing], pieces: int, right: int) -> dict[str, str]:
+def summarise(things: list[Thing], pieces: int, judged: int, right: int) -> dict[str, str]:
     """Columns of the table."""
 
     def recall(some: list[Thing]) -> str:
@@ -91,7 +93,7 @@ def summarise(things: list[Thing], pieces: int, right: int) -> dict[str, str]:
     return {
         "recall": recall(things),
         "pieces": str(pieces),
-        "precision": f"{right} / {pieces}",
+        "precision": f"{right} / {judged}",
         "pieces a thing": f"{np.mean([thing.pieces for thing in things]):.2f}",
         "small": recall([thing for thing in things if thing.share < SMALL]),
         "middle": recall([thing for thing in things if SMALL <= thing.share < LARGE]),
@@ -112,9 +114,9 @@ def main() -> None:
     header = ""
     for name in asked.makers:
         results = [measure(folder, MAKERS[name]) for folder in found]
-        things = [thing for each, _, _, _ in results for thing in each]
-        row = summarise(things, sum(result[1] for result in results), sum(result[2] for result in results))
-        row["CPU s a picture"] = f"{np.mean([result[3] for result in results]):.1f}"
+        things = [thing for each, *_ in results for thing in each]
+        row = summarise(things, *(sum(result[k] for result in results) for k in (1, 2, 3)))
+        row["CPU s a picture"] = f"{np.mean([result[4] for result in results]):.1f}"
         if not header:
             header = "| | " + " | ".join(row) + " |\n|" + "---|" * (len(row) + 1)
             print(f"{len(found)} pictures\n\n{header}")
