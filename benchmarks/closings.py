@@ -52,12 +52,12 @@ class Watched:
     def step(self, action: Any) -> Any:
         if action[6] < 0 and self.key not in self.notes:
             item = self.task.env.movable()
-            found = self.closing() if item is None else self.closing_on(item)
+            found = self.measure_grasp() if item is None else self.measure_hand_offset(item)
             if found:
                 self.notes[self.key] = found
         return self.task.step(action)
 
-    def closing_on(self, item: Movable) -> dict[str, Any]:
+    def measure_hand_offset(self, item: Movable) -> dict[str, Any]:
         """The hand's place from the middle of what is to be picked up (robot base frame); {} if far from it."""
         corners = apply(item.base_from_object, item.mesh.vertices)
         low, high = corners.min(axis=0), corners.max(axis=0)
@@ -67,7 +67,7 @@ class Watched:
         wide, height = (high - low)[1:]
         return {"step": self.task.steps, "out": -across, "sideways": sideways, "up": up, "wide": wide, "high": height}
 
-    def closing(self) -> dict[str, Any]:
+    def measure_grasp(self) -> dict[str, Any]:
         """The hand's place relative to the handle's centre (metres: out of the front, sideways, up), and the handle."""
         env = self.task.env
         target, handle = env.target, env.target.handle
@@ -98,7 +98,7 @@ def roll(given: argparse.Namespace) -> None:
         with WatchingArena(folder, given.assets, given.library, EvaluationConfig(), "cpu") as arena:
             network = arena.network(given.checkpoint)
             for role in given.roles:
-                for episode in arena.episodes(network, starts(arena.plan, role, given)):
+                for episode in arena.episodes(network, list_episodes(arena.plan, role, given)):
                     asset, found = episode.asset, arena.notes.get((episode.asset.asset, episode.seed), {})
                     about = {"task": arena.plan.task, "training_set": folder.parts[-3]}
                     about |= {"policy": "/".join(folder.parts[-2:]), "role": role, "asset": asset.asset}
@@ -115,7 +115,7 @@ def roll(given: argparse.Namespace) -> None:
         )
 
 
-def starts(plan: TaskAssets, role: str, given: argparse.Namespace) -> list[Start]:
+def list_episodes(plan: TaskAssets, role: str, given: argparse.Namespace) -> list[Start]:
     """The episodes of `evaluation rollout` for a role or split."""
     if role in ("test", "validation"):
         settings = SkillOptions(split=role, assets=given.unseen, asset_rollouts=given.unseen_rollouts)

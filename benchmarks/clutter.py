@@ -53,7 +53,7 @@ class Room(NamedTuple):
     covered: float
 
 
-def furnished(kind: str, rng: np.random.Generator) -> Room:
+def furnish_carrier(kind: str, rng: np.random.Generator) -> Room:
     """A carrier with clutter and things on it."""
     low, high, hollow = CARRIERS[kind]
     depth, width, height = rng.uniform(low, high)
@@ -111,7 +111,7 @@ def _spot(
     return None
 
 
-def photographed(room: Room, rng: np.random.Generator) -> tuple[AnnotatedImage, NDArray[np.uint16]]:
+def photograph_room(room: Room, rng: np.random.Generator) -> tuple[AnnotatedImage, NDArray[np.uint16]]:
     """The room through a depth camera with masks some pixels off, and the true masks (H, W)."""
     intrinsics = intrinsics_from_fov(WIDTH, HEIGHT, np.deg2rad(50))
     target = room.boxes[0][0].center
@@ -157,8 +157,8 @@ def rows_of(number: int, seed: int) -> Iterator[dict[str, object]]:
     """What came out of one room, a row per thing."""
     rng = np.random.default_rng((seed, number))
     kind = list(CARRIERS)[number % len(CARRIERS)]
-    room = furnished(kind, rng)
-    image, _ = photographed(room, rng)
+    room = furnish_carrier(kind, rng)
+    image, _ = photograph_room(room, rng)
     found = reconstruct("room", image, ExtractionConfig(depth_noise="none"), rng).objects.objects
     by_mask = {item.mask: item for item in found}
     carrier = by_mask.get(CARRIER)

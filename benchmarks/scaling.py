@@ -58,7 +58,7 @@ class Repeated:
         return self.store.wholes(name, views) * np.float32(1 + 0.001 * int(copy or 0))
 
 
-def grown(library: Library, models: int) -> Library:
+def grow_library(library: Library, models: int) -> Library:
     """The library with copies of its models, or cut, to so many."""
     count = len(library.assets)
     entries: list[LibraryEntry] = []
@@ -84,7 +84,7 @@ def rows(run: Path, rooms: list[str], sizes: list[int]) -> Iterator[list[Any]]:
         found = [item for item in read_json(Objects, objects).objects if item.status != "failed"]
         queries += [(item, make_query(scene.view(item), encoder)) for item in found]
     for models in sizes:
-        larger = grown(library, models)
+        larger = grow_library(library, models)
         seconds: dict[str, list[float]] = {}
         compared = []
         for item, query in queries:

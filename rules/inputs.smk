@@ -125,7 +125,7 @@ def policies_of(cell, pattern, **values):
     """
     plan = EXPERIMENT.plan(cell.policy)
     runs = plan.runs
-    if EXPERIMENT.chooses(cell.policy):
+    if EXPERIMENT.needs_choice(cell.policy):
         with checkpoints.choose.get(**cell._asdict()).output.chosen.open() as file:
             runs = json.load(file)["runs"]
     return expand(pattern, **cell._asdict(), run=runs, seed=plan.seeds, **values)

@@ -49,7 +49,7 @@ def shelves(results: Path, config: Config) -> Shelves:
     return Shelves(results / "assets/library/library.json", tuple(features), tuple(snapshots))
 
 
-def configured() -> Config:
+def make_config() -> Config:
     """The default config with a variant per row."""
     said = Config().model_dump(mode="json")
     said["experiment"]["variants"] = ROWS
@@ -68,7 +68,7 @@ def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...],
         masks: exact, drawn.
         rows: of `ROWS`.
     """
-    config = configured()
+    config = make_config()
     shelf = shelves(results, config)
     for kind in masks:
         for folder in sorted(pictures.folders(root, half), key=lambda path: path.name.split("_")[::-1]):
@@ -89,7 +89,7 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
     objects = out / "extraction" / "objects.json"
     scene = folder.name.replace("-", "_")
     if not objects.is_file():
-        with _logged(out / "extraction.log"):
+        with _log_stage(out / "extraction.log"):
             from_rgbd.run(
                 out=entry,
                 rgb=folder / "rgb.png",
@@ -110,7 +110,7 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
         if not cousins.is_file():
             options = options_of(config, "matching", "match", {"variant": row})
             looks = config.matching_of(row).compares_pictures
-            with _logged(out / f"{row}.log"):
+            with _log_stage(out / f"{row}.log"):
                 cousins.parent.mkdir(exist_ok=True)
                 match.run(
                     objects=objects,
@@ -124,7 +124,7 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
         if not (scenes / "scene_1.json").is_file():
             options = options_of(config, "generation", "generate", {"variant": row})
             options |= {} if row == "geometry" else {"ranks": 1}  # the others are there to be compared with
-            with _logged(out / f"{row}_generation.log"):
+            with _log_stage(out / f"{row}_generation.log"):
                 generate.run(
                     cousins=cousins,
                     objects=objects,
@@ -150,7 +150,7 @@ def _count_panels(entry: Path, truth: pictures.Picture) -> None:
 
 
 @contextlib.contextmanager
-def _logged(log: Path) -> Any:
+def _log_stage(log: Path) -> Any:
     """What a stage prints goes into a file; where one stops, the picture is left and the reason stays there."""
     since = time.process_time()
     with log.open("w") as file, contextlib.redirect_stdout(file), contextlib.redirect_stderr(file):

@@ -16,12 +16,12 @@ from stages.plugins import refuse_old_names
 Rng = np.random.Generator
 
 
-def _known(surface: str | list[float]) -> str | list[float]:
+def _check_surface(surface: str | list[float]) -> str | list[float]:
     finish_of(surface)
     return surface
 
 
-Coating = Annotated[str | list[float], AfterValidator(_known)]  # a material in a colour: see `finishes`
+Coating = Annotated[str | list[float], AfterValidator(_check_surface)]  # a material in a colour: see `finishes`
 
 
 class Generator(BaseModel):
@@ -82,7 +82,7 @@ def sampled_by(sample: Callable[[Rng, int], Any], **bounds: Any) -> Any:
 
 def between(low: float, high: float, **bounds: Any) -> Any:
     """A number between the limits, in thousandths."""
-    return sampled_by(lambda rng, _: uniform(rng, low, high), **bounds)
+    return sampled_by(lambda rng, _: draw_uniform(rng, low, high), **bounds)
 
 
 def zero_or(low: float, high: float, **bounds: Any) -> Any:
@@ -120,7 +120,7 @@ def of(*palettes: Palette) -> Any:
     return sampled_by(lambda rng, _: pick(rng, *palettes))
 
 
-def uniform(rng: Rng, low: float, high: float, digits: int = 3) -> float:
+def draw_uniform(rng: Rng, low: float, high: float, digits: int = 3) -> float:
     """A rounded random number."""
     return round(float(rng.uniform(low, high)), digits)
 

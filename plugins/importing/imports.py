@@ -32,7 +32,7 @@ from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_tree import FLAT
 from stages.assets.snapshots import Look
 from stages.cli import progress
-from stages.contracts.errors import InputError, plain
+from stages.contracts.errors import InputError, escape_control
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Placement, Symmetry
 from stages.contracts.types import LARGEST, Mass
@@ -117,7 +117,7 @@ def import_models(models: dict[str, Found], kinds: dict[str, Importer], folder: 
             shutil.rmtree(folder / name, ignore_errors=True)
             continue
         for doubt in doubts:
-            print(plain(f"{found.path}: {doubt}"))
+            print(escape_control(f"{found.path}: {doubt}"))
     return assets, left_out
 
 
@@ -228,7 +228,7 @@ def turn_upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[s
     """The model with z up, its front towards +x, in metres; and a line if it was turned without being told."""
     notes, lines = file.notes, []
     up = notes.up or file.importer.up
-    front = notes.front or usual_front(up)
+    front = notes.front or guess_front(up)
     if front[1] == up[1]:
         what = f"front {front} and up {up} lie along one line."
         raise InputError(file.notes_path, what, "give two different axes", code="E-MODEL-AXES")
@@ -245,7 +245,7 @@ def turn_upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[s
     return robot, lines
 
 
-def usual_front(up: Axis) -> Axis:
+def guess_front(up: Axis) -> Axis:
     """The axis of a file that most models face, where `up` is up."""
     return "+z" if up == "+y" else "+y" if up[1] == "x" else "+x"
 

@@ -56,10 +56,10 @@ def _work(path: Path, work: Callable[[], str], ours: int) -> None:
         try:
             said = json.dumps([None, work()])
         except InputError as error:
-            said = _told(error)
+            said = _encode_error(error)
         except MemoryError:
             what = f"takes more than {MEGABYTES} MB of memory to read."
-            said = _told(InputError(path, what, SIMPLER, code="E-MODEL-MEMORY"))
+            said = _encode_error(InputError(path, what, SIMPLER, code="E-MODEL-MEMORY"))
         with os.fdopen(ours, "wb") as stream:
             stream.write(said.encode())
         code = 0
@@ -71,7 +71,7 @@ def _work(path: Path, work: Callable[[], str], ours: int) -> None:
         os._exit(code)
 
 
-def _told(error: InputError) -> str:
+def _encode_error(error: InputError) -> str:
     return json.dumps([(error.where, error.what, error.fix, error.code), ""])
 
 

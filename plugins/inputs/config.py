@@ -51,7 +51,7 @@ class PhotoSection(Section):
         """Folders of the networks that are used, by their keys, in the order of their use."""
         return {name: getattr(self, name) for name in ("detector", "segmenter", self.depth)}
 
-    def unread(self) -> set[str]:
+    def list_unread(self) -> set[str]:
         """The depth network that is not used, and what the way to captions does not need."""
         silent = {"labels"} if self.captions == "vlm" else {"vlm", "mounting"}
         return {"depth_anything", "depth_pro"} - {self.depth} | silent

@@ -19,8 +19,8 @@ from plugins.inputs.rgbd.mask_shapes import list_remarks
 from plugins.inputs.rgbd.pieces import cut_frame
 from plugins.inputs.rgbd.views import View, read_view
 from plugins.inputs.rgbd.write import write_frame
-from stages.contracts import Annotations, InputError, atomic
-from stages.geometry.ray_depth import along_axis, flatter_along
+from stages.contracts import Annotations, InputError, write_atomically
+from stages.geometry.ray_depth import along_axis, find_flatter
 
 
 def run(
@@ -94,7 +94,7 @@ def run(
     if depth_is == "ray":
         frame = replace(frame, depth=along_axis(frame.depth, frame.intrinsics))
     doubt = ""
-    if flatter := flatter_along(frame.depth, frame.intrinsics):
+    if flatter := find_flatter(frame.depth, frame.intrinsics):
         doubt = f"depth in doubt: floor and walls would be flat with --depth-is {'ray' if flatter == 'ray' else 'z'}"
         print(f"{depth or recording}: {doubt}")
     if frame.masks is not None:
@@ -120,7 +120,7 @@ def print_summary(out: Path, frame: Frame, written: Annotations | None, is_made:
     print(f"{out}: {len(written.objects)} objects, {len(written.walls)} walls, {floor}")
     if is_made and frame.masks is not None:
         shown = [frame.masks.values == value for value in frame.masks.labels]
-        with atomic(out / "numbers.png") as path:
+        with write_atomically(out / "numbers.png") as path:
             cv2.imwrite(str(path), draw_numbers(frame.rgb, shown)[..., ::-1])
         print(f"{out / 'annotations.json'}: say in it what each object is: numbers.png shows which mask it has; "
               f"or in the browser: python -m plugins.studio annotate {out}")  # fmt: skip

@@ -35,7 +35,7 @@ def find_mistakes(config: Any) -> Iterator[Mistake]:
         )
 
 
-def needed_files(config: Any) -> list[str]:
+def list_needed_files(config: Any) -> list[str]:
     """The weights that pictures need, and the ledger of what a language model said of them."""
     if not config.experiment.pictures:
         return []
@@ -72,7 +72,7 @@ PACKAGE = Package(
     widens={"experiment": PicturesExperiment},
     expand=read_sources,
     of_run=of_picture,
-    outside=needed_files,
+    outside=list_needed_files,
     keys=keys,
     mistakes=find_mistakes,
     check=check_weights,

@@ -9,9 +9,9 @@ from pydantic import ConfigDict, Field, PrivateAttr, ValidationError
 
 from plugins.inputs.known_cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from stages.config.experiment import ExperimentConfig
-from stages.config.inputs import HOLDS, INPUT_FILES, NAME, Input, missing, scene_of
+from stages.config.inputs import HOLDS, INPUT_FILES, NAME, Input, describe_missing, scene_of
 from stages.config.mistakes import Mistake
-from stages.contracts.errors import nearest
+from stages.contracts.errors import suggest_nearest
 
 
 class Picture(Input):
@@ -63,16 +63,16 @@ class Picture(Input):
 
     def mistakes(self, key: str) -> Iterator[Mistake]:
         """What is wrong with it; `key`: where it stands in the config, if not in a table."""
-        for name, *said in self._contradictions():
+        for name, *said in self._list_contradictions():
             where = f"{self._row}, column {name}" if self._row else key if name == "folder" else f"{key}.{name}"
             yield Mistake(where, *said)
 
-    def _contradictions(self) -> Iterator[tuple[str, ...]]:
+    def _list_contradictions(self) -> Iterator[tuple[str, ...]]:
         """Key, what is wrong with it, how to mend it, and the code if it is not the usual one."""
         if self.folder:
             for name in sorted(self.model_fields_set - {"folder"}):
                 yield name, "is said beside a folder", "leave one of them out: a folder holds everything"
-            for what in missing(Path(self.folder)):
+            for what in describe_missing(Path(self.folder)):
                 yield "folder", what, HOLDS, "E-CONFIG-FILE"
             return
         if not self.image and not self.recording:
@@ -147,7 +147,7 @@ Found = Iterator[tuple[str, str, Picture | Mistake]]  # where it stands, the sce
 
 def _of_folder(folder: Path) -> Found:
     """A scene per folder inside that holds anything of an input folder; or the folder itself."""
-    inside = [folder] if not missing(folder) else sorted(path for path in folder.iterdir() if path.is_dir())
+    inside = [folder] if not describe_missing(folder) else sorted(path for path in folder.iterdir() if path.is_dir())
     scenes = [path for path in inside if any((path / name).is_file() for name in INPUT_FILES)]
     if not scenes:
         yield "", "", Mistake("experiment.inputs", f"{folder} has no input folder in it", HOLDS, "E-CONFIG-FILE")
@@ -170,7 +170,7 @@ def _of_table(table: Path) -> Found:
     known, head = ["scene", *Picture.model_fields], f"{table}, row 1"
     for name in columns:
         if name not in known or columns.count(name) > 1:
-            mend = nearest(name, known) if name not in known else "name it once"
+            mend = suggest_nearest(name, known) if name not in known else "name it once"
             yield "", "", Mistake(head, f"column '{name}' is not known, or there twice", mend, "E-CONFIG-UNKNOWN")
             return
     if "scene" not in columns:

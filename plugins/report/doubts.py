@@ -69,7 +69,7 @@ def collect_doubts(
         differs = entry.cousins[0].differs if entry.cousins else ""
         return sort_by_gravity(found + ([DoubtKind.OPENINGS.of(what=differs)] if differs else []))
     found += placed.doubts
-    if "size" not in item.told and (juts := _juts(placed, item)) > DoubtKind.JUTS.threshold:
+    if "size" not in item.told and (juts := _measure_protrusion(placed, item)) > DoubtKind.JUTS.threshold:
         found.append(DoubtKind.JUTS.of(distance=100 * juts))
     if placed.moved > DoubtKind.PUSHED.threshold:
         found.append(DoubtKind.PUSHED.of(distance=100 * placed.moved))
@@ -94,7 +94,7 @@ def collect_notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject 
     return found
 
 
-def _juts(placed: PlacedObject, item: SceneObject) -> float:
+def _measure_protrusion(placed: PlacedObject, item: SceneObject) -> float:
     """Metres by which a model reaches farther to its front than what is seen of the object, as it is deeper.
 
     0: its front faces away from the camera, which stands at x = y = 0; there nothing was seen.

@@ -21,10 +21,10 @@ from stages.contracts.files import read_options, read_text, write_text
 from stages.tables import assets, claims, policy_tables, robustness, scene_tables, table2, table3
 from stages.tables.cells import CELL
 from stages.tables.markup import Table, environment
-from stages.tables.methods import beside_ours, kinds_of
+from stages.tables.methods import join_published, kinds_of
 from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_policies, read_table
-from stages.tables.scenes import named
+from stages.tables.scenes import parse_comparisons
 from stages.tables.text import number
 from stages.tables.trainings import failed, failed_note, read_trainings, trainings_table
 
@@ -85,10 +85,10 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
         return [form(frames[name], *more)] if name in frames else []
 
     judged, cells = frames.get("table3_claims"), frames.get("table3_cells")
-    over_assets = result.over_assets(frames.get("assets"), judged, kinds)
-    by_role = result.over_roles(cells, judged, kinds)
+    over_assets = result.compare_over_assets(frames.get("assets"), judged, kinds)
+    by_role = result.compare_over_roles(cells, judged, kinds)
     first = [*over_assets, *(each for each in by_role if each.target not in {one.target for one in over_assets})]
-    paper = None if cells is None else beside_ours(published_policies(published), cells, options)
+    paper = None if cells is None else join_published(published_policies(published), cells, options)
     models, targets = library.collect(files, album), policies.collect(files, album, options.confidence)
     shown = rooms.collect(files, album)
     opened = [room for target in targets for room in shown if room.name == target.scene]
@@ -100,7 +100,7 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
             **facts,
             first=next(iter([*opened, *shown]), None),
             results=first,
-            came_out=result.came_out(shown, models.models if models else 0, first, len(trainings)),
+            came_out=result.describe_outcome(shown, models.models if models else 0, first, len(trainings)),
             roles=[each for each in by_role if each not in first],
             rooms=shown,
             library=models,
@@ -166,7 +166,7 @@ def run(
         options: JSON of the config section `tables`, and of what the policies are.
     """
     settings = read_options(PolicyTables, options)
-    declared = RunFiles(files, {room: path for (room, _), path in named(images, "--images").items()})
+    declared = RunFiles(files, {room: path for (room, _), path in parse_comparisons(images, "--images").items()})
     facts: dict[str, Any] = {"title": title, "config_page": CONFIG_PAGE if config else "", "seed": seed, "more": more}
     facts |= {"viewer": link_to(viewer, out)}
     facts |= {"pages": {path.stem: link_there_and_back(path, out) for path in declared.all("report/scenes/*.html")}}

@@ -155,7 +155,7 @@ def look_again(
         looked += 1
         prediction = predict(depth, rgb, intrinsics, rigid(np.eye(3), [0, 0, -top]) @ frame)
         on_top = np.abs(points[..., 2] - top) < OFF_TOP * depth[::STRIDE, ::STRIDE]
-        over = known & _above(points, piece & upward & on_top)
+        over = known & _find_above(points, piece & upward & on_top)
         over &= (labels == label) | (labels < 0)
         over &= points[..., 2] > top + OFF_TOP * depth[::STRIDE, ::STRIDE]
         over &= prediction.classes.argmax(axis=0) == THING
@@ -173,7 +173,7 @@ def find_top(heights: Array, piece: Mask, upward: Mask) -> float | None:
     return float(np.median(heights[near])) if near.sum() >= TOP * piece.sum() else None
 
 
-def _above(points: Array, top: Mask) -> Mask:
+def _find_above(points: Array, top: Mask) -> Mask:
     """Pixels (h, w) whose points (h, w, 3) are over the convex hull of the top's, from above."""
     corners = sample_points(points[top], np.random.default_rng(0))[:, :2]
     try:

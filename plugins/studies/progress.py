@@ -25,10 +25,10 @@ def policy_file(results: Path, condition: str, cell: Cell, run: str, seed: int) 
     return folder / Path(*cell) / f"{run}/seed_{seed}/rollouts.csv"
 
 
-def runs_that_count(config: Config, results: Path, cell: Cell) -> list[str]:
+def list_counting_runs(config: Config, results: Path, cell: Cell) -> list[str]:
     """The hyper-parameter sets that count: where trials chose, those that they chose."""
     path = results / "evaluation/trials" / Path(*cell) / "chosen.json"
-    chose = config.experiment.chooses(cell.policy) and path.is_file()
+    chose = config.experiment.needs_choice(cell.policy) and path.is_file()
     return read_json(ChosenRuns, path).runs if chose else config.experiment.plan(cell.policy).runs
 
 
@@ -42,7 +42,7 @@ def progress_table(config: Config, results: Path) -> Table:
          policy_file(results, condition, cell, run, seed).is_file())
         for condition in ("", *config.evaluation.conditions)
         for cell in experiment.cells
-        for run, seed in product(runs_that_count(config, results, cell), experiment.plan(cell.policy).seeds)
+        for run, seed in product(list_counting_runs(config, results, cell), experiment.plan(cell.policy).seeds)
     ]  # fmt: skip
     policies = pd.DataFrame(found, columns=[*MET, "run", "seed", "there"])
     whole = policies.groupby([*MET, "run", "seed"], sort=False)["there"].all()

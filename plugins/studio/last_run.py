@@ -46,9 +46,9 @@ class LastRun:
 
     def describe_things(self) -> dict[str, Any]:
         """What the page shows of every thing, by mask value."""
-        return {str(mask): self._about(item) for mask, item in self.items.items()}
+        return {str(mask): self._describe_object(item) for mask, item in self.items.items()}
 
-    def _about(self, item: SceneObject) -> dict[str, Any]:
+    def _describe_object(self, item: SceneObject) -> dict[str, Any]:
         entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
         found = self._doubts(item, entry, placed)
         grave = sum(isinstance(one, Doubt) and one.cause in GRAVE for one in found)

@@ -86,7 +86,7 @@ class Handler(BaseHTTPRequestHandler):
             elif name == "picture.jpg":
                 self._reply(200, "image/jpeg", session.picture())
             elif name == "made.png" and isinstance(session, Correcting):
-                self._reply(200, "image/png", session.made_picture())
+                self._reply(200, "image/png", session.read_last_picture())
             elif name == "start":
                 self._json(200, session.start())
             elif name == "preview.jpg":

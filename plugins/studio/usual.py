@@ -16,7 +16,7 @@ LEAST = 0.02  # metres: what hangs is wider and higher, unless one edge of it wa
 Sides = tuple[float | None, float | None, float | None]
 
 
-def edge_marked(box: UprightBox) -> str:
+def is_edge_marked(box: UprightBox) -> str:
     """Whether an edge of a hanging object was marked instead of two opposite corners."""
     width, _, height = box.size
     if min(width, height) >= LEAST:
@@ -60,7 +60,7 @@ def camera_factor(project: Project, boxes: Mapping[str, UprightBox]) -> float | 
     """
     if project.scale.kind != "camera" or project.scale.metres is not None:
         return None
-    ranges = [found for item in project.objects if (found := _allowed(item, boxes)) is not None]
+    ranges = [found for item in project.objects if (found := _bound_factors(item, boxes)) is not None]
     if len(ranges) < 2:
         return None
     factor = float(np.median([(low + high) / 2 for low, high in ranges]))
@@ -70,7 +70,7 @@ def camera_factor(project: Project, boxes: Mapping[str, UprightBox]) -> float | 
     return float(np.exp(factor)) if wrong else None
 
 
-def _allowed(item: DrawnObject, boxes: Mapping[str, UprightBox]) -> tuple[float, float] | None:
+def _bound_factors(item: DrawnObject, boxes: Mapping[str, UprightBox]) -> tuple[float, float] | None:
     """Logarithms of the least and the largest factor that make a thing as high as a model of its category."""
     heights = sizes_of(item.label)[:, 2]
     stands = item.on == "floor"

@@ -40,17 +40,19 @@ def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix],
 
 def measure_handle(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> HandleKind | None:
     """Kind of the handle on the links that a joint moves, from their shape; None: no handle, see `ungraspable`."""
-    held = _held(robot, joint, frames)
+    held = _find_handle(robot, joint, frames)
     return None if isinstance(held, str) else _kind(*held)
 
 
 def explain_ungraspable(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> str | None:
     """The reason why a gripper cannot grasp the links that a joint moves; None: it can."""
-    held = _held(robot, joint, frames)
+    held = _find_handle(robot, joint, frames)
     return held if isinstance(held, str) else None
 
 
-def _held(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> tuple[Handle, trimesh.Trimesh] | str:
+def _find_handle(
+    robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]
+) -> tuple[Handle, trimesh.Trimesh] | str:
     """The handle on the links that a joint moves, with their mesh; or the reason why a gripper cannot grasp it."""
     moving = list_moved_links(joint, robot.joints)
     mesh = merge_visuals(robot, moving, frames)
@@ -70,7 +72,7 @@ def _held(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> tu
 
 def merge_visuals(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> trimesh.Trimesh | None:
     """Visual meshes of some links as one mesh in the root frame; None: they have none."""
-    meshes = [_plain(visual, frames[link]) for link in links for visual in robot.links[link].visuals]
+    meshes = [_strip_material(visual, frames[link]) for link in links for visual in robot.links[link].visuals]
     return trimesh.util.concatenate(meshes) if meshes else None  # type: ignore[return-value]
 
 
@@ -83,7 +85,7 @@ def list_moved_links(joint: JointModel, joints: Sequence[JointModel]) -> list[st
     return links
 
 
-def _plain(visual: Visual, frame: Matrix) -> trimesh.Trimesh:
+def _strip_material(visual: Visual, frame: Matrix) -> trimesh.Trimesh:
     """The mesh without its material, in the asset frame."""
     return trimesh.Trimesh(trimesh.transform_points(visual.mesh.vertices, frame), visual.mesh.faces, process=False)
 

@@ -15,7 +15,7 @@ from stages.config.mistakes import Mistake
 from stages.config.packages import packages_on
 from stages.config.pinned_assets import pinned_assets
 from stages.contracts.corrections import CORRECTIONS, corrections_of
-from stages.contracts.errors import InputError, nearest
+from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ def contradictions(config: "Config") -> list[Mistake]:
     """All of them, in the order of config.yaml."""
     checks = (
         _packages, _names, _scenes, experiment.targets, experiment.pools, pinned_assets, experiment.training_sets,
-        experiment.test_assets, experiment.simulators, _library, _matching, experiment.policies, experiment.choices,
-        experiment.networks, _environment, _stages,
+        experiment.test_assets, experiment.simulators, _library, _matching, experiment.policies,
+        experiment.check_choices, experiment.networks, _environment, _stages,
     )  # fmt: skip
     return [found for check in checks for found in check(config)]
 
@@ -111,7 +111,7 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
         return
     for name in experiment.rooms:
         if name not in files and name not in experiment.inputs:
-            mend = f"{nearest(name, [*files, *experiment.inputs])}, or a picture of yours in experiment.inputs"
+            mend = f"{suggest_nearest(name, [*files, *experiment.inputs])}, or a picture of yours in experiment.inputs"
             yield Mistake("experiment.rooms", f"unknown scene '{name}'", mend, "E-CONFIG-UNKNOWN")
     run = set(experiment.rooms)
     for name, given in experiment.inputs.items():

@@ -199,7 +199,7 @@ class ExperimentConfig(Section):
             for name in plan.training_sets
         ]
 
-    def chooses(self, policy: str) -> bool:
+    def needs_choice(self, policy: str) -> bool:
         """Whether a policy has more hyper-parameter sets than are trained with all seeds."""
         return len(self.plan(policy).runs) > self.best_runs
 
@@ -230,7 +230,7 @@ class ExperimentConfig(Section):
         """The training sets of all policies that open a target."""
         return sorted({name for plan in self.plans(target).values() for name in plan.training_sets})
 
-    def trained_roles(self, target: str) -> list[str]:
+    def list_trained_roles(self, target: str) -> list[str]:
         """Roles on which a target's demonstrations are collected."""
         return sorted({role for name in self.sets_of(target) for role in self.roles_of(target, name)})
 

@@ -26,7 +26,7 @@ def about_policies(config: "Config") -> dict[str, PolicyAbout]:
     """The policies of a run that open something."""
     experiment, found = config.experiment, {}
     for name in experiment.policies:
-        plan, best = experiment.plan(name), experiment.best_runs if experiment.chooses(name) else None
+        plan, best = experiment.plan(name), experiment.best_runs if experiment.needs_choice(name) else None
         found[name] = PolicyAbout(runs=plan.runs, best=best, targets=plan.targets)
     return {name: about for name, about in found.items() if about.targets}
 

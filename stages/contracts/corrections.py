@@ -74,7 +74,7 @@ class Corrections(Document):
     objects: list[Correction] = Field([], max_length=1000)
 
     @model_validator(mode="after")
-    def _resolvable(self) -> "Corrections":
+    def _check_references(self) -> "Corrections":
         check_unique("objects: mask values", [item.mask for item in self.objects])
         check_supports(self._chain("on"), (FLOOR,))
         check_supports(self._chain("like"), (FLOOR,))

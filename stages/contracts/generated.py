@@ -93,7 +93,7 @@ class GeneratedScene(Document):
     made: Provenance | None = None
 
     @model_validator(mode="after")
-    def _resolvable(self) -> "GeneratedScene":
+    def _check_references(self) -> "GeneratedScene":
         check_view(self.width, self.height, self.intrinsics)
         check_room(self.floor_from_camera, self.walls)
         check_unique("objects: ids", [item.id for item in self.objects])

@@ -45,7 +45,7 @@ def line_of(error: Exception) -> str | None:
 
 
 @contextlib.contextmanager
-def naming(path: Path, temporary: Path | None = None) -> Iterator[None]:
+def name_file_in_errors(path: Path, temporary: Path | None = None) -> Iterator[None]:
     """Let errors of the operating system name `path`, which those of writing do not, nor those of HDF5 and torch."""
     try:
         yield
@@ -53,13 +53,13 @@ def naming(path: Path, temporary: Path | None = None) -> Iterator[None]:
         full = "No space left" in str(error) or (isinstance(error, RuntimeError) and _is_full(path))
         if full or (isinstance(error, OSError) and error.filename in (None, str(temporary))):
             gone = isinstance(error, FileNotFoundError)  # OpenCV takes away what it cannot write, without a word
-            code = errno.ENOSPC if full else _why_unwritten(path) if gone else getattr(error, "errno", None)
+            code = errno.ENOSPC if full else _explain_unwritten(path) if gone else getattr(error, "errno", None)
             if code:
                 raise OSError(code, os.strerror(code), str(path)) from error
         raise
 
 
-def _why_unwritten(path: Path) -> int:
+def _explain_unwritten(path: Path) -> int:
     """The error of writing a file beside a path; that of the disk if it can be written."""
     try:
         with tempfile.TemporaryFile(dir=path.parent):

@@ -66,15 +66,15 @@ def bounds(box: UprightBox) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 def with_top(box: UprightBox, top: float) -> UprightBox:
     """The box with its top face moved to height `top`, its bottom face kept below that."""
-    return _between(box, min(box.bottom, top - THINNEST), top)
+    return _cut_between(box, min(box.bottom, top - THINNEST), top)
 
 
 def with_bottom(box: UprightBox, bottom: float) -> UprightBox:
     """The box with its bottom face moved to height `bottom`."""
-    return _between(box, bottom, box.top)
+    return _cut_between(box, bottom, box.top)
 
 
-def _between(box: UprightBox, bottom: float, top: float) -> UprightBox:
+def _cut_between(box: UprightBox, bottom: float, top: float) -> UprightBox:
     return UprightBox([*box.center[:2], (top + bottom) / 2], [*box.size[:2], top - bottom], box.yaw)
 
 

@@ -78,7 +78,9 @@ class Sight:
         level, limits = self.points[:, :2] @ turn, self.ends(yaw, trim, END_SHIFT)
         for axis, along in enumerate(self.ray[:2] @ turn):
             near = 1 if along < 0 else 0
-            face = near_face(level[:, axis], 2 * near - 1, self.noise_along(yaw)[axis], trim) if has_faces else None
+            face = (
+                find_near_face(level[:, axis], 2 * near - 1, self.noise_along(yaw)[axis], trim) if has_faces else None
+            )
             if face is not None:
                 limits[near, axis] = face + (beyond if axis == 0 and near == 1 else 0.0)
         limits.sort(axis=0)
@@ -107,7 +109,7 @@ class Sight:
         return bool(counts.all())
 
 
-def near_face(values: Array, sign: float, noise: float, trim: float) -> float | None:
+def find_near_face(values: Array, sign: float, noise: float, trim: float) -> float | None:
     """Where the face is on the side `sign` (1: high, -1: low) of an axis; None if the points have none there.
 
     Many points lie at one coordinate, spread by the noise of depth, and the outermost ones are two or three

@@ -22,7 +22,7 @@ def along_axis(distance: NDArray[np.float32], intrinsics: NDArray[np.float64]) -
     return (distance / ray_lengths(distance.shape, intrinsics)).astype(np.float32)
 
 
-def flatter_along(depth: NDArray[np.floating], intrinsics: NDArray[np.float64]) -> str:
+def find_flatter(depth: NDArray[np.floating], intrinsics: NDArray[np.float64]) -> str:
     """How depth (H, W; 0: unknown) makes floor and walls flatter: converted from `ray` to axis, or from `axis` to ray;
     empty: as it is. K (3, 3). On a plane 1 / z is linear in the pixel.
     """

@@ -148,7 +148,7 @@ def load_asset(
         return builder.build()
     articulation = builder.build()
     articulation.set_name(name)
-    soften(articulation)
+    set_joint_friction(articulation)
     return close_joints(articulation)
 
 
@@ -159,7 +159,7 @@ def close_joints(articulation: PhysxArticulation) -> PhysxArticulation:
     return articulation
 
 
-def soften(articulation: PhysxArticulation) -> None:
+def set_joint_friction(articulation: PhysxArticulation) -> None:
     """Give every joint the friction and damping of our URDFs, which SAPIEN's loader ignores."""
     for joint in articulation.get_active_joints():
         joint.set_friction(FRICTION)

@@ -124,7 +124,11 @@ class Shot:
         self._put(first)
         feet = [_bounds(self.asset.links), _bounds(studio.robot.links[:1])]
         low = min(bounds[0, 2] for bounds in feet)
-        self.about = _in_room(self.scene, recording.room, feet[1]) if recording.room else _alone(self.scene, feet, low)
+        self.about = (
+            _in_room(self.scene, recording.room, feet[1])
+            if recording.room
+            else _add_surroundings(self.scene, feet, low)
+        )
         seen = [] if recording.room else [corners(np.array([[*box[0, :2], low], box[1]])) for box in feet]
         for moment in moments:
             self._put(moment)
@@ -160,14 +164,14 @@ class Shot:
             view, shares = frame_all(points, turn @ direction, self.studio.aspect), []
             for moment in moments:
                 self._put(moment)
-                shares.append(self._hand_seen(view))
+                shares.append(self._measure_hand_seen(view))
             if np.mean(shares) > most:
                 best, most = view, float(np.mean(shares))
             if most > HAND_SHARE:
                 break
         return best
 
-    def _hand_seen(self, view: Array) -> float:
+    def _measure_hand_seen(self, view: Array) -> float:
         """The share of the hand's parts that are seen, if anything is of the asset."""
         shown, (width, height) = self.studio.finder.render(view), self.studio.glance
         parts = ("panda_hand", "panda_leftfinger", "panda_rightfinger")
@@ -203,7 +207,7 @@ def directions(side: float) -> list[Array]:
     return [each / np.linalg.norm(each) for each in found]
 
 
-def _alone(scene: sapien.Scene, feet: Sequence[Array], low: float) -> list[sapien.Entity]:
+def _add_surroundings(scene: sapien.Scene, feet: Sequence[Array], low: float) -> list[sapien.Entity]:
     """Floor, wall, and plinths beneath what does not reach the floor."""
     blocks = [_plinth(scene, bounds, low) for bounds in feet if bounds[0, 2] - low > 0.005]
     back = feet[0][0, 0] - 0.03

@@ -30,7 +30,7 @@ def _rows(cells: pd.DataFrame, published: pd.DataFrame) -> list[Row]:
     return records((cells if len(cells) else published)[ROW].drop_duplicates())
 
 
-def _tested(cells: pd.DataFrame) -> pd.DataFrame:
+def _select_tested(cells: pd.DataFrame) -> pd.DataFrame:
     """The cells of the paper's figures: those on test assets, not on the assets that a policy was trained on."""
     return cells[cells["test_asset"] != TRAINED]
 
@@ -62,7 +62,7 @@ def figure4(
     and against the length of the handle; on the roles of Table 3, with our intervals; the paper's figure, its bars the
     standard deviation over runs. `encoder` is ours, by whose features distances are.
     """
-    cells = _tested(cells)
+    cells = _select_tested(cells)
     rows = _rows(cells if over is None else pd.concat([cells, over[0]]), published)
     first = 0 if over is None else len(asset_panels.AXES)
     columns = first + (2 if len(cells) and any(len(_of(published, row)) for row in rows) else 1)
@@ -108,7 +108,7 @@ def figure9(cells: pd.DataFrame, published: pd.DataFrame) -> Figure:
     The four test assets stand from left to right, as in the paper: distances under different encoders do not compare.
     Our bars are the standard deviation over runs where there are two or more, else the interval of the run.
     """
-    cells = _tested(cells)
+    cells = _select_tested(cells)
     rows, sets = _rows(cells, published), sorted({*cells["training_set"], *published["training_set"]}, key=set_key)
     roles = sorted({*cells["test_asset"], *published["test_asset"]}, key=set_key)
     figure, axes = plt.subplots(

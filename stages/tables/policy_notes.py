@@ -13,10 +13,10 @@ UNKNOWN = (
 
 def policy_notes(options: PolicyTables) -> list[str]:
     """The notes of a run."""
-    return [*_pooled(options), _privileged(options)]
+    return [*_list_pooled(options), _privileged(options)]
 
 
-def _pooled(options: PolicyTables) -> list[str]:
+def _list_pooled(options: PolicyTables) -> list[str]:
     """Policies of more than one hyper-parameter set."""
     kinds = kinds_of(options)
     found = [kind(name, kinds) for name, about in options.policies.items() if about.best and about.best > 1]

@@ -20,7 +20,7 @@ AJAR = 0.1  # of a joint's range: open by less it counts as shut (from here on a
 MOTION = DemonstrationsConfig()
 
 
-def success_opening(target: Target, options: TaskConfig) -> float:
+def find_success_opening(target: Target, options: TaskConfig) -> float:
     """The fraction of the range that counts as open: half, 60 degrees or 15 cm, whichever is less."""
     enough = np.deg2rad(options.success_angle) if target.revolute else options.success_distance
     return float(min(options.success_fraction, enough / (target.upper - target.lower)))
@@ -45,7 +45,7 @@ def place_robot_and_asset(
     base = base_pose(at, target.side, setup, options, target.flap)
     root = object_motion(setup) @ rigid(np.eye(3), nominal)
     if around is not None and target.side and target.handle is not None:
-        reached = reachable_base(base, root, REST + setup.joints, around(), success_opening(target, options))
+        reached = reachable_base(base, root, REST + setup.joints, around(), find_success_opening(target, options))
         base = base if reached is None else reached
     return base, root
 

@@ -19,13 +19,13 @@ from stages.geometry.frames import apply, inverse
 from stages.planning.clearance import Surroundings
 from stages.plugins import refuse_old_names
 from stages.simulation.kinematics import Array
-from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, soften
+from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, set_joint_friction
 from stages.simulation.poses import batch_poses
 from stages.simulation.rendering import render_backend
 from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.room import Room
 from stages.simulation.target import Target, descends, read_target
-from stages.tasks.base_placement import AJAR, place_robot_and_asset, success_opening
+from stages.tasks.base_placement import AJAR, find_success_opening, place_robot_and_asset
 from stages.tasks.cameras import Camera, shoulder
 from stages.tasks.filmed import FilmedEnv
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
@@ -151,7 +151,7 @@ class OpenTaskEnv(FilmedEnv):
             bodies.append(builder.build(name="target_object" if alike else f"target_object_{index}"))
         self.object: Articulation = bodies[0] if alike else Articulation.merge(bodies, name="target_object")
         for body, seed in zip(self.object._objs, self._episode_seed, strict=True):
-            soften(body)
+            set_joint_friction(body)
             if self.randomise:
                 randomise(body, sample_factors(int(seed), self.randomise))
         index = [joint.name for joint in bodies[0].active_joints].index(self.joint_name)
@@ -245,7 +245,7 @@ class OpenTaskEnv(FilmedEnv):
 
     def success_opening(self, index: int = 0) -> float:
         """The fraction of the range that counts as open."""
-        return success_opening(self.targets[index], self.options)
+        return find_success_opening(self.targets[index], self.options)
 
     def check_success(self) -> torch.Tensor:
         """(N,) the one success criterion, for demonstrations and evaluation alike."""

@@ -48,7 +48,9 @@ def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path, monkeypatch:
     assert np.array_equal(studio.film(recording, 2), pictures), "nothing is left in the studio"
     assert Studio(width=160, height=90).film(recording, 1)[0].shape == (90, 160, 3)
 
-    monkeypatch.setattr(Shot, "_hand_seen", lambda _, view: float(view[2, 2] > -0.4))  # as if it were hidden from above
+    monkeypatch.setattr(
+        Shot, "_measure_hand_seen", lambda _, view: float(view[2, 2] > -0.4)
+    )  # as if it were hidden from above
     lower = Shot(studio, recording, recording.moments).world_from_camera
     assert lower[2, 2] > -0.4 > shot.world_from_camera[2, 2]
     task.close()

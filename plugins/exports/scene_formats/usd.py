@@ -62,8 +62,8 @@ class _Writer:
             path = f"{ROOT}/{_name(block.name)}"
             _place(UsdGeom.Xform.Define(self.stage, path), rigid(yaw_matrix(block.yaw), block.center))
             surface = surface_of(block)
-            self._seen(f"{path}/visual", surface)
-            self._touched(f"{path}/collision", surface.vertices, surface.faces)
+            self._write_visual(f"{path}/visual", surface)
+            self._write_collision(f"{path}/collision", surface.vertices, surface.faces)
         light = UsdLux.DistantLight.Define(self.stage, f"{ROOT}/key_light")
         light.CreateIntensityAttr(2000.0)
         light.CreateAngleAttr(1.0)
@@ -114,9 +114,9 @@ class _Writer:
             mass.CreateDiagonalInertiaAttr(Gf.Vec3f(*values.tolist()))
             mass.CreatePrincipalAxesAttr(_quaternion(axes))
         for number, surface in enumerate(surfaces(link)):
-            self._seen(f"{path}/visual_{number}", surface)
+            self._write_visual(f"{path}/visual_{number}", surface)
         for number, piece in enumerate(link.collisions):
-            self._touched(f"{path}/collision_{number}", piece.vertices, piece.faces)
+            self._write_collision(f"{path}/collision_{number}", piece.vertices, piece.faces)
 
     def _joint(self, path: str, joint: JointModel) -> None:
         kind = {"fixed": UsdPhysics.FixedJoint, "revolute": UsdPhysics.RevoluteJoint}
@@ -145,7 +145,7 @@ class _Writer:
         mesh.CreateSubdivisionSchemeAttr("none")
         return mesh
 
-    def _seen(self, path: str, surface: ColouredMesh) -> None:
+    def _write_visual(self, path: str, surface: ColouredMesh) -> None:
         mesh = self._mesh(path, surface.vertices, surface.faces)
         mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(surface.normals.astype(np.float32)))
         mesh.SetNormalsInterpolation("vertex")
@@ -155,7 +155,7 @@ class _Writer:
             at.Set(Vt.Vec2fArray.FromNumpy(surface.uv.astype(np.float32)))
         UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(self._material(surface))
 
-    def _touched(self, path: str, vertices: Any, faces: Any) -> None:
+    def _write_collision(self, path: str, vertices: Any, faces: Any) -> None:
         """A convex piece, that renderers leave out."""
         mesh = self._mesh(path, vertices, faces)
         mesh.CreatePurposeAttr(UsdGeom.Tokens.guide)

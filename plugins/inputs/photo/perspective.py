@@ -43,7 +43,7 @@ def find_weak_lines(view: View, guides: list[Guide]) -> list[bool]:
     return [bool(one) for one in off > WEAK * half]
 
 
-def _pinned(view: View, axis: int, pixel: ArrayLike) -> Points:
+def _measure_miss(view: View, axis: int, pixel: ArrayLike) -> Points:
     """By how many pixels a vanishing point misses the place where it was put; it may be at infinity."""
     centre = np.array([(view.width - 1) / 2, (view.height - 1) / 2])
     wanted = np.array([*(np.asarray(pixel, dtype=float) - centre) / view.focal, 1.0])
@@ -85,7 +85,7 @@ def _fit(width: int, height: int, text: str, start: tuple[float, float, float] |
     def residuals(state: Points) -> Points:
         view = view_of(state)
         parts = [weigh_residuals(measure_misses(view, axes, ends))]
-        parts += [_pinned(view, axis, pixel) / PIN for axis, pixel in pins]
+        parts += [_measure_miss(view, axis, pixel) / PIN for axis, pixel in pins]
         if given.horizon is not None:
             (u0, v0), (u1, v1) = given.horizon
             (a0, b0), (a1, b1) = horizon(view)

@@ -8,7 +8,7 @@ import pytest
 from plugins.inputs.pictures import Picture
 from stages.config.inputs import INPUT_FILES
 from stages.config.model import load
-from stages.config.outside import outside
+from stages.config.outside import list_outside_paths
 from stages.contracts import InputError
 
 HEAD = "scene,image,depth,unit,camera,fx,fy,cx,cy,fov,masks,labels,clusters,folder,recording,number"
@@ -158,4 +158,4 @@ def test_containers_see_the_folders_of_many_pictures(data: Path) -> None:
     rows = [f"{name},pictures/{name}.png,pictures/{name}_d.png,xtion,pictures/{name}_m.png" for name in names]
     many = table(data, *rows, head="scene,image,depth,camera,masks")
     loaded = load({"experiment": {"inputs": many, "rooms": ["*"], "targets": {"door": None}}})
-    assert outside(loaded) == [str(data / "pictures")]
+    assert list_outside_paths(loaded) == [str(data / "pictures")]

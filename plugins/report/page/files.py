@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from stages.contracts.errors import InputError
-from stages.tables.order import natural
+from stages.tables.order import sort_key
 
 
 class RunFiles:
@@ -17,7 +17,7 @@ class RunFiles:
             InputError: a declared file is not there.
         """
         self.images = images or {}
-        self._paths = sorted({Path(path) for path in paths}, key=lambda path: natural(str(path)))
+        self._paths = sorted({Path(path) for path in paths}, key=lambda path: sort_key(str(path)))
         for path in (*self._paths, *self.images.values()):
             if not path.exists():
                 raise InputError(path, "no such file.", "run the workflow: snakemake --cores 2 all", "E-FILE-MISSING")

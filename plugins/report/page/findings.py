@@ -50,12 +50,12 @@ class Findings:
             for doubt in collect_doubts(entry, item, placed.get(entry.id), self.objects)  # type: ignore[arg-type]
         ]
 
-    def further_doubts(self, scene: GeneratedScene) -> list[tuple[str, Doubt]]:
+    def list_further_doubts(self, scene: GeneratedScene) -> list[tuple[str, Doubt]]:
         """Of a scene what the first one is not doubted for."""
         first = set(self.doubts_of(self.scenes[0]))
         return [one for one in self.doubts_of(scene) if one not in first]
 
-    def new_models(self, scene: GeneratedScene) -> int:
+    def count_new_models(self, scene: GeneratedScene) -> int:
         """Of how many objects a scene has a model that no earlier one has in that place."""
         used = {(item.id, item.asset) for other in self.scenes if other.rank < scene.rank for item in other.objects}
         return sum(item.status == "ok" and (item.id, item.asset) not in used for item in scene.objects)

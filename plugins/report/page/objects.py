@@ -89,7 +89,7 @@ def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Al
 
     return Match(
         entry=entry,
-        about=", ".join(_about(item)),
+        about=", ".join(_describe_object(item)),
         decided_by=" / ".join(dict.fromkeys(filter(None, (entry.decided_by, entry.orientation_decided_by)))),
         measure=measure,
         picture=album.thumbnail(seen, f"{entry.id} in the input"),
@@ -117,7 +117,7 @@ def explain_order(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str
     return "", [""] * len(cousins)
 
 
-def _about(item: SceneObject) -> Iterator[str]:
+def _describe_object(item: SceneObject) -> Iterator[str]:
     """'stands free', '2 doors', '0.60 wide × 0.40 deep × 0.90 m high'."""
     if item.mounting:
         yield describe_mounting(item.mounting)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from plugins.report.doubts import Group, group_doubts
 from plugins.report.page.findings import Findings
-from stages.tables.order import natural
+from stages.tables.order import sort_key
 from stages.tables.text import NOT_RUN
 
 NUMBER = re.compile(r"\d+(\.\d+)?")
@@ -91,14 +91,14 @@ def row(scene: str, layout: Layout, page: str = "") -> SceneRow:
             break
         done[stage] = path
     scenes = done["generation"].parent.glob("scene_*.json") if "generation" in done else []
-    in_order = sorted(scenes, key=lambda path: natural(path.name))
+    in_order = sorted(scenes, key=lambda path: sort_key(path.name))
     found = Findings.read(done.get("extraction"), done.get("matching"), in_order)
     failures += [Failure(about, stage, reason) for about, (stage, reason) in found.failures().items()]
     checks = [made.plausibility for made in found.scenes if made.plausibility]
     return SceneRow(
         name=scene,
         page=page,
-        picture=_embedded(done.get("drawing")),
+        picture=_embed_picture(done.get("drawing")),
         objects=len(found.seen),
         placed=sum(item.status == "ok" for item in found.placed.values()),
         ranks=len(found.scenes),
@@ -118,7 +118,7 @@ def _last_line(logs: list[Path]) -> str:
     return last.removeprefix("error: ")
 
 
-def _embedded(picture: Path | None) -> str:
+def _embed_picture(picture: Path | None) -> str:
     return f"data:image/webp;base64,{base64.b64encode(picture.read_bytes()).decode('ascii')}" if picture else ""
 
 

@@ -18,7 +18,7 @@ from stages.contracts.in_scene import SceneDemonstrations
 from stages.contracts.ledgers import read_attempts, read_metrics
 from stages.contracts.policies import TaskAssets
 from stages.tables.markup import Table
-from stages.tables.order import natural, set_key, target_title, title
+from stages.tables.order import set_key, sort_key, target_title, title
 from stages.tables.statistics import wilson
 from stages.tables.text import NOTHING, cell, percent, span
 
@@ -83,7 +83,7 @@ def _policy_name(folder: Path) -> str:
 
 def _folder_key(path: Path) -> Any:
     policy, training_set, run, seed = path.parent.parts[-4:]
-    return policy, set_key(training_set), run, natural(seed)
+    return policy, set_key(training_set), run, sort_key(seed)
 
 
 def _curves(files: RunFiles, target: str) -> dict[str, Markup]:
@@ -103,7 +103,7 @@ def _rollouts(files: RunFiles, target: str, album: Album) -> dict[str, list[Film
     return {name: cells for name, cells in films.items() if cells}
 
 
-def _not_in_scenes(path: Path | None) -> dict[str, str]:
+def _list_not_in_scenes(path: Path | None) -> dict[str, str]:
     found = read_json(SceneDemonstrations, path).demonstrations if path else []
     return {title(f"rank_{one.rank}"): one.reason for one in found if one.status == "failed"}
 
@@ -141,7 +141,7 @@ def _target(
         curves=_curves(files, target),
         rollouts=_rollouts(files, target, album),
         in_scenes=read_films(files.one(f"{target}/in_scene/films.zip"), "Demonstration in the scene", album),
-        not_in_scenes=_not_in_scenes(files.one(f"demonstrations/{target}/in_scene/in_scene.json")),
+        not_in_scenes=_list_not_in_scenes(files.one(f"demonstrations/{target}/in_scene/in_scene.json")),
     )
 
 

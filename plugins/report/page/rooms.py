@@ -22,7 +22,7 @@ from stages.contracts.images import read_rgb
 from stages.contracts.objects import Objects
 from stages.contracts.provenance import Provenance
 from stages.plugins import shorten_name
-from stages.tables.order import natural, title
+from stages.tables.order import sort_key, title
 from stages.tables.table2 import judge
 
 
@@ -117,8 +117,8 @@ def _scene(scene: GeneratedScene, found: Findings, picture: Picture | None) -> R
         moved=moved,
         physics=physics,
         stable=check.stable if check else None,
-        doubts=found.further_doubts(scene),
-        new=found.new_models(scene),
+        doubts=found.list_further_doubts(scene),
+        new=found.count_new_models(scene),
     )
 
 
@@ -198,7 +198,7 @@ def _reconstruction(
 def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> RoomPart:
     label = title(name)
     patterns = (f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json")
-    variants = sorted({variant for pattern in patterns for variant in files.names(pattern, 1)}, key=natural)
+    variants = sorted({variant for pattern in patterns for variant in files.names(pattern, 1)}, key=sort_key)
     found = {variant: _findings(files, name, variant) for variant in variants or [""]}
     failures: dict[str, tuple[str, str]] = {}
     for variant, each in found.items():
@@ -224,4 +224,4 @@ def collect(files: RunFiles, album: Album) -> list[RoomPart]:
     snapshots = Snapshots(files.all("assets/snapshots/shard_*.h5"))
     patterns = ("extraction/*/objects.json", "generation/*/*/scene_*.json")
     names = {*files.images, *(name for pattern in patterns for name in files.names(pattern, 0))}
-    return [_room(files, name, album, snapshots) for name in sorted(names, key=natural)]
+    return [_room(files, name, album, snapshots) for name in sorted(names, key=sort_key)]

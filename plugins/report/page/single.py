@@ -104,10 +104,10 @@ def doubts(room: RoomPart, made: Reconstruction | None) -> list[Listed]:
     found += [(f"scene of rank {scene.rank}", DoubtKind.UNSTABLE.of(what=scene.physics)) for scene in scenes]
     objects = {match.entry.id for match in made.matches} if made else set()
     listed = [Listed("Failed", "name or draw it again on the correction page", failed)] if failed else []
-    return listed + _listed(found, correct, objects)
+    return listed + _group_doubts(found, correct, objects)
 
 
-def _listed(found: list[tuple[str, Doubt]], correct: str, objects: Collection[str]) -> list[Listed]:
+def _group_doubts(found: list[tuple[str, Doubt]], correct: str, objects: Collection[str]) -> list[Listed]:
     """Doubts by cause; `correct`: the command, up to an object's id, that opens the page to correct it."""
     return [
         Listed(
@@ -122,13 +122,13 @@ def _listed(found: list[tuple[str, Doubt]], correct: str, objects: Collection[st
     ]
 
 
-def further_doubts(made: Reconstruction | None) -> list[tuple[list[int], list[Listed]]]:
+def list_further_doubts(made: Reconstruction | None) -> list[tuple[list[int], list[Listed]]]:
     """Ranks, and what may be wrong in all of their scenes beyond what is in doubt at rank 1."""
     alike: dict[tuple[tuple[str, Doubt], ...], list[int]] = {}
     for scene in made.scenes if made else []:
         alike.setdefault(tuple(scene.doubts), []).append(scene.rank)
     correct = made.correct if made else ""
-    return [(ranks, _listed([*found], correct, dict(found))) for found, ranks in alike.items() if found]
+    return [(ranks, _group_doubts([*found], correct, dict(found))) for found, ranks in alike.items() if found]
 
 
 def notes(made: Reconstruction | None) -> list[tuple[str, str]]:

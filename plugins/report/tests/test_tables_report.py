@@ -333,7 +333,7 @@ def test_attempts_of_an_empty_ledger(tmp_path: Path) -> None:
 
 
 def test_bars_of_success_reach_from_the_low_end_to_the_high_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(charts, "_drawn", lambda figure, alt: figure)
+    monkeypatch.setattr(charts, "_draw_figure", lambda figure, alt: figure)
     about = {"training_set": "twin", "successes": 12, "episodes": 20}
     rows = [
         {**about, "test_asset": "twin", "mean": 0.6, "low": 0.2, "high": 0.7},

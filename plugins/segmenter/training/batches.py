@@ -10,7 +10,7 @@ from torch import Tensor
 
 from plugins.segmenter.network import STRIDE, network_input
 from plugins.segmenter.training.pictures import BACKGROUND, NOTHING, Picture, draw_pictures
-from plugins.segmenter.training.sensor import photograph, sense_depth, tilt
+from plugins.segmenter.training.sensor import photograph, sense_depth, tilt_frame
 from plugins.segmenter.training.solids import Array, Rng, Solid
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply
@@ -47,7 +47,7 @@ def collate(examples: list[dict[str, NDArray[np.float32]]]) -> Batch:
 
 def example(picture: Picture, rng: Rng) -> dict[str, NDArray[np.float32]]:
     """The fields of `Batch` for one picture, its sensor drawn at random; half of them mirrored."""
-    depth, frame = sense_depth(picture, rng), tilt(picture.frame.astype(float), rng)
+    depth, frame = sense_depth(picture, rng), tilt_frame(picture.frame.astype(float), rng)
     inputs = network_input(depth, photograph(picture.rgb, rng), picture.intrinsics, frame)
     owner = picture.owner[::STRIDE, ::STRIDE].astype(int)
     true = apply(frame, back_project(picture.depth.astype(float), picture.intrinsics))[::STRIDE, ::STRIDE]

@@ -74,7 +74,7 @@ def photograph(rgb: NDArray[np.uint8], rng: Rng) -> NDArray[np.uint8]:
     return np.asarray((255 * image).clip(0, 255), dtype=np.uint8)
 
 
-def tilt(frame: Array, rng: Rng) -> Array:
+def tilt_frame(frame: Array, rng: Rng) -> Array:
     """`floor_from_camera` (4, 4) as an estimate of it errs."""
     x, y = np.deg2rad(rng.normal(0, TILT, 2))
     turn = np.array([[1, 0, y], [0, 1, -x], [-y, x, 1]])

@@ -55,12 +55,12 @@ class Caster:
         counts = [shell, *(len(thing.solid.colours) for thing in room.things)]
         start = np.concatenate([[0], np.cumsum(counts)])
         self.part = part + start[np.maximum(self.owner - 1, 0)]
-        self.colour, self.pattern, self.repeat, self.painting = _looks(room, rng)
+        self.colour, self.pattern, self.repeat, self.painting = _draw_looks(room, rng)
         self.mirror = np.zeros(start[-1], dtype=bool)
         for number, thing in enumerate(room.things, 1):
             if thing.solid.mirror >= 0:
                 self.mirror[start[number] + thing.solid.mirror] = True
-        self.paintings = np.stack([painting(rng) for _ in range(4)])
+        self.paintings = np.stack([draw_painting(rng) for _ in range(4)])
         self.light = _light(room, rng)
 
     def hits(self, origins: Array, directions: Array) -> dict[str, NDArray]:  # type: ignore[type-arg]
@@ -113,7 +113,7 @@ class Caster:
             colour[mine] = canvas[rows, columns]
 
 
-def _looks(room: Room, rng: Rng) -> tuple[Array, NDArray[np.int64], Array, NDArray[np.int64]]:
+def _draw_looks(room: Room, rng: Rng) -> tuple[Array, NDArray[np.int64], Array, NDArray[np.int64]]:
     """Colour, pattern, its repeat, and painting of every part: mostly as they are made, else plain or at random."""
     patterns = len(pattern_table())
     count = len(room.shell)
@@ -141,7 +141,7 @@ def _looks(room: Room, rng: Rng) -> tuple[Array, NDArray[np.int64], Array, NDArr
     return joined, np.concatenate(pattern), np.concatenate(repeat), np.concatenate(painted)
 
 
-def painting(rng: Rng) -> Array:
+def draw_painting(rng: Rng) -> Array:
     """A picture (64, 64, 3): blots, bars and rings of some colours, at times on white with a frame."""
     canvas = np.tile(rng.uniform(0, 1, 3), (64, 64, 1))
     canvas += rng.uniform(-0.3, 0.3, 3) * np.linspace(-1, 1, 64)[:, None, None]
