@@ -73,7 +73,7 @@ class MujocoTaskEnv(TaskEnv):
         scale = sample_scale(seed, self.options, self.options.scale_range if self.vary_scale else None)
         self._look_up(self._scale_model(self._nominal_folder(), scale))
         at = nominal_root(self._model_asset, np.ones(3))
-        self.base, self.root = place_robot_and_asset(setup, self.target, at, self.options, self.around)
+        self.base, self.root = place_robot_and_asset(setup, self.target, at, self.options, self.sample_surroundings)
         self.rig.place({}, 0, seed)
         camera = self.base @ self.rig.pose("shoulder", 0)
         camera[:3, :3] = camera[:3, :3] @ CAMERA_FROM_IMAGE
@@ -146,7 +146,7 @@ class MujocoTaskEnv(TaskEnv):
         self._files.close()
         super().close()
 
-    def around(self) -> Surroundings:
+    def sample_surroundings(self) -> Surroundings:
         """The object; its surfaces are sampled once."""
         return self._surroundings
 

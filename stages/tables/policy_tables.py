@@ -101,8 +101,9 @@ def assets_table(
             f"Mean over assets ± sample standard deviation over runs, [{format_confidence(options)} interval]. No "
             "policy was trained on an asset of these families. Intervals: bootstrap over families of assets, their "
             f"initial states and runs, crossed ({options.bootstrap_samples} resamples, seed {options.seed}), never "
-            "narrower than a score interval with assets as units (Wilson's for rates; Newcombe's, 1998, method 10, for paired "
-            "differences). With one run an interval is about these policies only, not about training again.",
+            "narrower than a score interval with assets as units (Wilson's for rates; Newcombe's, 1998, method 10, "
+            "for paired differences). With one run an interval is about these policies only, not about training "
+            "again.",
             "Minus the twin's: what training on more than the twin adds to the same kind of policy. Minus the "
             "randomised twin's: what other assets add to varying the size, friction and mass of one. Minus another "
             "kind: what the kind of policy adds on the same demonstrations. An interval that contains zero does not "
@@ -183,8 +184,8 @@ def policies_table(
         headers=2,
         notes=[
             f"Mean ± sample standard deviation over runs, [{format_confidence(options)} interval], "
-            "successes/episodes. The interval is about this asset alone: bootstrap over initial states and runs, never "
-            "narrower than Wilson's over initial states. With one run it is about these policies only, not "
+            "successes/episodes. The interval is about this asset alone: bootstrap over initial states and runs, "
+            "never narrower than Wilson's over initial states. With one run it is about these policies only, not "
             "about training again.",
             "Paper: mean ± sample standard deviation over its six runs (bowl: five) of 100 rollouts each. Distance is "
             "ours, under the encoder of this run; the paper's is under DINOv2, so rows correspond by role.",

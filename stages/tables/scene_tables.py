@@ -74,11 +74,11 @@ def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         rows=rows,
         headers=3,
         notes=[
-            "Mean ± sample standard deviation over the objects of a scene, "
-            f"[{format_confidence(options)} t interval of the mean]. A missed or failed object counts as not correct "
-            "and has no distance. Orientation is modulo the smallest turn that maps an object onto itself; objects "
-            "that any turn maps onto themselves are left out. The paper's count leaves out every symmetric object. Totals "
-            "pool all objects of the scenes that were run; the paper's totals are over the same scenes, weighted by objects.",
+            f"Mean ± sample standard deviation over the objects of a scene, [{format_confidence(options)} t "
+            "interval of the mean]. A missed or failed object counts as not correct and has no distance. "
+            "Orientation is modulo the smallest turn that maps an object onto itself; objects that any turn maps "
+            "onto themselves are left out. The paper's count leaves out every symmetric object. Totals pool all "
+            "objects of the scenes that were run; the paper's totals are over the same scenes, weighted by objects.",
             "The paper's assets and renderer differ from ours: the same measures, a different library. The paper gives "
             "one IoU per row; by its position it is taken to be that of axis-aligned boxes.",
             f"The paper's variants: {variants}. Judge: who decided here.",

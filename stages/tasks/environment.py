@@ -65,7 +65,8 @@ class OpenTaskEnv(FilmedEnv):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        refuse_old_names(cls, {"succeeded": "check_success", "opened": "measure_opening"})
+        old = {"succeeded": "check_success", "opened": "measure_opening", "around": "sample_surroundings"}
+        refuse_old_names(cls, old)
 
     def __init__(
         self,
@@ -227,7 +228,7 @@ class OpenTaskEnv(FilmedEnv):
         self.object.set_qvel(torch.zeros_like(self.object.get_qvel()[env_idx]))
         self._official[env_idx] = False
 
-    def around(self, index: int = 0) -> Surroundings:
+    def sample_surroundings(self, index: int = 0) -> Surroundings:
         """The object of environment `index`; its surfaces are sampled once."""
         if index not in self._surroundings:
             self._surroundings[index] = Surroundings(self.targets[index])

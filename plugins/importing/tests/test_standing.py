@@ -112,7 +112,7 @@ def test_a_door_is_tried_from_several_starts_of_the_skill(tmp_path: Path, monkey
 def test_a_wide_door_that_can_be_opened_no_further_than_is_enough_is_opened(tmp_path: Path) -> None:
     env = world(cupboard(tmp_path, 1.02), "hinge")
     env.place(0)
-    where, around = env.env.base_from_asset(), env.env.around()
+    where, around = env.env.base_from_asset(), env.env.sample_surroundings()
     goals = choose_open_goals(around.target, env.success_opening, MOTION.goal_margin)
     assert [can_follow(where, env.joints()[:7], around, goal) for goal in goals] == [False, False, True]
     outcome = OpenSkill(env, DemonstrationsConfig()).run(lambda action, noisy, ahead=FAR: env.act(action))
