@@ -6,8 +6,8 @@
 
 `roll` repeats rollouts of the workflow (same states, same outcome) without films; `--roles test` or `validation`: those
 on the unseen assets of that split. Its table has a line per episode:
-where the hand was, relative to the handle, when the gripper was first told to close; where there is a bowl to be
-picked up, relative to its middle, when that was first told beside it. `draw` has a panel per test asset
+where the hand was, relative to the handle, when the gripper was first commanded to close; where there is a bowl to be
+picked up, relative to its middle, when a close was first commanded near it. `draw` has a panel per test asset
 and training set: the front as the robot sees it, handle or bowl as a grey bar, a point per episode.
 """
 
@@ -37,7 +37,7 @@ COLOURS = {True: "#2a7fb8", False: "#d1495b"}
 
 
 class Watched:
-    """A task that notes where the hand is when it is first told to close, by asset and initial state."""
+    """A task that notes where the hand is when it is first commanded to close, by asset and initial state."""
 
     def __init__(self, task: TaskEnv, notes: dict[tuple[str, int], dict[str, Any]]) -> None:
         self.task, self.notes = task, notes

@@ -136,12 +136,14 @@ def photograph_room(room: Room, rng: np.random.Generator) -> tuple[AnnotatedImag
         if off > 0:
             seen[cv2.dilate(own, kernel) > 0] = value
     shown = [value for value in room.labels if (seen == value).sum() >= SEEN and (masks == value).sum() >= SEEN]
-    told = Annotations(
+    annotations = Annotations(
         objects=[Annotation(mask=value, label=room.labels[value]) for value in shown], floor=FLOOR, walls=[WALL]
     )
     noise = DepthNoiseConfig(scale=0.0)
     depth = noisy_depth(depth.astype(np.float32), noise, rng)
-    return AnnotatedImage(np.zeros((HEIGHT, WIDTH, 3), np.uint8), depth, seen, intrinsics, told, USUAL_ERROR), masks
+    return AnnotatedImage(
+        np.zeros((HEIGHT, WIDTH, 3), np.uint8), depth, seen, intrinsics, annotations, USUAL_ERROR
+    ), masks
 
 
 def _hit(origin: NDArray[np.float64], rays: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:

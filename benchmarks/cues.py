@@ -29,7 +29,7 @@ LEAST = 3  # points of a handle in every cloud
 def measure_answers(policy: BcRnnGmm, clouds: Tensor, proprio: Tensor, full_step: float) -> dict[str, float] | None:
     """Sideways motion (cm per step) for what is shown of one episode's first clouds (T, P, 4); None: no handle seen.
 
-    What stands proud of the front is the handle, found in every cloud anew: points have another order in each. An
+    What protrudes from the front is the handle, found in every cloud anew: points have another order in each. An
     action of 1 moves the hand by `full_step` metres.
     """
     marked, planes = mark_handle_points(clouds)

@@ -34,8 +34,8 @@ def _rows(config: Config) -> Iterator[tuple[object, ...]]:
         unseen = chosen.split(tests.split, tests.assets)
         for training_set, seed in product(plan.training_sets, plan.seeds):
             shown = [asset for role in experiment.roles(training_set, seed) for asset in chosen.assets_of(role, file)]
-            told = forecast_mean(task, unseen, shown)
-            yield task, name, training_set, seed, told, float(measure_nearest(unseen, shown).mean())
+            forecast = forecast_mean(task, unseen, shown)
+            yield task, name, training_set, seed, forecast, float(measure_nearest(unseen, shown).mean())
 
 
 def main() -> None:
@@ -48,8 +48,8 @@ def main() -> None:
     write_csv(given.out, cells)
     means = cells.groupby(["task", "training_set"], sort=False)[["forecast", "distance"]].mean()
     rows = (
-        [*key, f"{100 * told:.0f} %", f"{gap:.2f}"]
-        for key, (told, gap) in zip(means.index, means.to_numpy(), strict=True)
+        [*key, f"{100 * forecast:.0f} %", f"{gap:.2f}"]
+        for key, (forecast, gap) in zip(means.index, means.to_numpy(), strict=True)
     )
     table(["task", "training set", "forecast", "distance"], rows)
 

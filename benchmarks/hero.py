@@ -80,17 +80,17 @@ def add_title(picture: Image, size: tuple[int, int], text: str) -> Image:
 
 def pictures(results: Path, scene: str, rank: int, object: str, task: str) -> Iterator[Image]:
     """Input above scene, and beside them what the robot does."""
-    made = results / "generation/b" / scene
-    look = read_json(Look, made / "look.json")
+    folder = results / "generation/b" / scene
+    look = read_json(Look, folder / "look.json")
     with TemporaryDirectory() as cache:
-        room = read_room(made / f"scene_{rank}.json", object, results / "assets/library/library.json", Path(cache))
+        room = read_room(folder / f"scene_{rank}.json", object, results / "assets/library/library.json", Path(cache))
         recording = find_demonstration(replace(room, look=look), task)
         moments = smooth(recording.moments)
         film = Studio(look.light, LARGE[0]).film(replace(recording, moments=moments), len(moments))
     left = [
         add_title(read_rgb(results / "scenes" / scene / "input/rgb.png"), SMALL, "1  a picture"),
         np.full((GAP, SMALL[0], 3), WHITE, np.uint8),
-        add_title(read_rgb(made / f"scene_{rank}.png"), SMALL, "2  a scene of its cousins"),
+        add_title(read_rgb(folder / f"scene_{rank}.png"), SMALL, "2  a scene of its cousins"),
     ]
     column = np.concatenate(left)
     size = round(column.shape[0] * LARGE[0] / LARGE[1]), column.shape[0]
@@ -109,9 +109,9 @@ def main() -> None:
     parser.add_argument("--task", default="door")
     parser.add_argument("--out", type=Path, required=True)
     given = parser.parse_args()
-    made = list(pictures(given.results, given.scene, given.rank, given.object, given.task))
-    write_film(given.out, made, FREQUENCY * BETWEEN, QUALITY)
-    cv2.imwrite(str(given.out.with_suffix(".jpg")), made[-1][..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 85])
+    frames = list(pictures(given.results, given.scene, given.rank, given.object, given.task))
+    write_film(given.out, frames, FREQUENCY * BETWEEN, QUALITY)
+    cv2.imwrite(str(given.out.with_suffix(".jpg")), frames[-1][..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 85])
 
 
 if __name__ == "__main__":

@@ -138,9 +138,9 @@ class Rooms:
     @cached_property
     def store(self) -> FeatureStore:
         """Features of the library: those of the results, or made anew."""
-        made = self.results / "matching/features" / self.options.store()
-        if made.is_dir():
-            return FeatureStore(sorted(made.glob("*.npy")), settings_digest(self.options, make_encoder(self.options)))
+        folder = self.results / "matching/features" / self.options.store()
+        if folder.is_dir():
+            return FeatureStore(sorted(folder.glob("*.npy")), settings_digest(self.options, make_encoder(self.options)))
         paths = []
         for shard in sorted((self.results / "assets/snapshots").glob("*.h5")):
             paths.append(self.folder / shard.with_suffix(".npy").name)

@@ -93,8 +93,8 @@ def main(steps: int, folder: Path | None) -> None:
         exchange()
         exchange()
         print(f"episode with another asset     {time_calls(exchange, 20):8.1f} ms")
-        for made in (*tasks, varied):
-            made.close()
+        for task in (*tasks, varied):
+            task.close()
 
 
 if __name__ == "__main__":

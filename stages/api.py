@@ -100,8 +100,8 @@ def make_scenes(
     settings = fill_counts(_settings(config), len(AssetFolders(index)))
     scene, variant = _name_scene(source), settings.experiment.policy_variant
     image, objects, cousins = source / "rgb.png", folder / "objects.json", folder / "cousins.json"
-    said = tuple(path for path in [source / CORRECTIONS] if path.is_file())
-    corrections = {stage: said if corrections_of(said, stage) else () for stage in ("extraction", "generation")}
+    files = tuple(path for path in [source / CORRECTIONS] if path.is_file())
+    corrections = {stage: files if corrections_of(files, stage) else () for stage in ("extraction", "generation")}
     extract.run(
         input=source, scene=scene, out=objects, options=_options(settings, "extraction", "extract", scene=""),
         own=tuple(path for path in [source / "config.yaml"] if path.is_file()),

@@ -134,8 +134,8 @@ class Model:
             rotation[:3, :3] = np.array(entry["modelRotation"].split(), dtype=float).reshape(3, 3)
         parts = list(_obj(path, rotation))
         points = np.concatenate([part.vertices for part in parts])
-        told = np.array([float(entry[key]) for key in ("depth", "width", "height")]) / 100
-        scale = told / np.ptp(points, axis=0)
+        stated = np.array([float(entry[key]) for key in ("depth", "width", "height")]) / 100
+        scale = stated / np.ptp(points, axis=0)
         return [_transform_part(part, np.diag([*scale, 1.0])) for part in parts]
 
     def _mjcf(self) -> list[Part]:
@@ -249,7 +249,7 @@ def catalogue(folder: Path, pack: str) -> dict[str, dict[str, str]]:
 @cache
 def kinds() -> dict[str, Kind]:
     """The table of kinds.yaml."""
-    return {name: Kind(**said) for name, said in yaml.safe_load((HERE / "kinds.yaml").read_text()).items()}
+    return {name: Kind(**fields) for name, fields in yaml.safe_load((HERE / "kinds.yaml").read_text()).items()}
 
 
 def models(folder: Path, half: str) -> list[Model]:

@@ -65,8 +65,8 @@ class Picture:
 
 def read(folder: Path) -> Picture:
     """The truth of the picture in a folder."""
-    said = json.loads((folder / "room.json").read_text())
-    return Picture(**said | {"things": [TrueThing(**thing) for thing in said["things"]]})
+    entry = json.loads((folder / "room.json").read_text())
+    return Picture(**entry | {"things": [TrueThing(**thing) for thing in entry["things"]]})
 
 
 def folders(root: Path, half: str = "") -> list[Path]:

@@ -51,10 +51,10 @@ def shelves(results: Path, config: Config) -> Shelves:
 
 def make_config() -> Config:
     """The default config with a variant per row."""
-    said = Config().model_dump(mode="json")
-    said["experiment"]["variants"] = ROWS
-    said["experiment"]["policy_variant"] = "geometry"
-    return Config.model_validate(said)
+    document = Config().model_dump(mode="json")
+    document["experiment"]["variants"] = ROWS
+    document["experiment"]["policy_variant"] = "geometry"
+    return Config.model_validate(document)
 
 
 def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...], rows: tuple[str, ...]) -> None:
@@ -138,15 +138,15 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
 def _count_panels(entry: Path, truth: pictures.Picture) -> None:
     """What `from-rgbd` leaves to people: how many doors and drawers things have."""
     path = entry / "annotations.json"
-    said = read_json(Annotations, path)
+    document = read_json(Annotations, path)
     known = {thing.number: thing for thing in truth.things}
     counted = [
         item.model_copy(update={"doors": thing.doors, "drawers": thing.drawers, "articulated": True})
         if (thing := known[item.mask]).doors + thing.drawers
         else item
-        for item in said.objects
+        for item in document.objects
     ]
-    write_json(path, said.model_copy(update={"objects": counted}))
+    write_json(path, document.model_copy(update={"objects": counted}))
 
 
 @contextlib.contextmanager

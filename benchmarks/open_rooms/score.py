@@ -34,7 +34,7 @@ FLOATS, BEHIND, TOO_LARGE = 0.03, 0.10, 2.0  # metres, metres, times the largest
 
 @dataclass(frozen=True)
 class Row:
-    """One object of one reconstructed scene. What was not asked for or cannot be said is None."""
+    """One object of one reconstructed scene. What was not asked for or cannot be known is None."""
 
     half: str
     masks: str
@@ -108,7 +108,7 @@ def hinges_alike(opens: tuple[str, ...], asset: Asset) -> bool | None:
 
 
 def handles_alike(handle: str, asset: Asset) -> bool | None:
-    """Whether most of its handles are of this kind, arches as bars; None: none of these is said."""
+    """Whether most of its handles are of this kind, arches as bars; None: none of these is stated."""
     if not handle:
         return None
     kinds = Counter("bar" if joint.handle == "arch" else joint.handle for joint in asset.joints)
@@ -149,8 +149,8 @@ def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: Asset
                 yield row
                 continue
             seen = next(one for one in objects.objects if one.id == item.id)
-            said = collect_doubts(cousins[item.id], seen, item, objects)
-            yield Row(**asdict(row) | _measure_thing(truth, thing, item, scene, objects, ids, folders, said))
+            doubts = collect_doubts(cousins[item.id], seen, item, objects)
+            yield Row(**asdict(row) | _measure_thing(truth, thing, item, scene, objects, ids, folders, doubts))
 
 
 def _measure_thing(
@@ -161,7 +161,7 @@ def _measure_thing(
     objects: Objects,
     ids: dict[int, str],
     folders: AssetFolders,
-    said: list[Doubt],
+    doubts: list[Doubt],
 ) -> dict[str, object]:
     box = box_in_world(item, world_from_floor(truth.pose, scene.floor_from_camera))
     errors = size_errors(thing, item.size, box.yaw)
@@ -199,7 +199,7 @@ def _measure_thing(
         "floats": level is not None and bottom > level + FLOATS,
         "behind": measure_overreach(box, truth.size) > BEHIND,
         "too_large": known is not None and bool((plan > known.high + np.log(TOO_LARGE)).any()),
-        "doubt_of_size": any(doubt.cause == "size" for doubt in said),
+        "doubt_of_size": any(doubt.cause == "size" for doubt in doubts),
     }
 
 

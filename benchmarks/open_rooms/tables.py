@@ -17,16 +17,16 @@ HALVES = {"work": "to work on", "held_out": "looked at once"}
 
 def _side(rows: pd.DataFrame, measure: str) -> pd.DataFrame:
     """Rows as the project's bootstrap takes them: a family per model, a place per object."""
-    said = rows.dropna(subset=[measure])
+    known = rows.dropna(subset=[measure])
     table = pd.DataFrame(
         {
             "run": "all",
             "seed": 0,
             "checkpoint": "all",
-            "family": said["model"],
-            "asset": said["model"],
-            "initial_state": said["picture"] + "/" + said["number"].astype(str),
-            "success": said[measure].astype(float),
+            "family": known["model"],
+            "asset": known["model"],
+            "initial_state": known["picture"] + "/" + known["number"].astype(str),
+            "success": known[measure].astype(float),
         }
     )
     return side_of(table)
@@ -42,8 +42,8 @@ def share(rows: pd.DataFrame, measure: str) -> str:
 
 
 def _summarise_plainly(rows: pd.DataFrame, measure: str) -> str:
-    said = rows[measure].dropna().astype(float)
-    return f"{int(said.sum())}/{len(said)}" if len(said) else ""
+    known = rows[measure].dropna().astype(float)
+    return f"{int(known.sum())}/{len(known)}" if len(known) else ""
 
 
 def table(heading: list[str], lines: Iterator[list[str]]) -> str:

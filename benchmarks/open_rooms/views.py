@@ -56,13 +56,13 @@ def shell(room: Room) -> dict[str, Part]:
         "west": [(0, 0, 0), (0, y, 0), (0, y, HEIGHT), (0, 0, HEIGHT)],
         "east": [(x, y, 0), (x, 0, 0), (x, 0, HEIGHT), (x, y, HEIGHT)],
     }
-    made = {}
+    parts = {}
     for name, four in corners.items():
         points = np.array(four, dtype=float)
         side, up = np.linalg.norm(points[1] - points[0]), np.linalg.norm(points[3] - points[0])
         uv = np.array([(0, 0), (side, 0), (side, up), (0, up)], dtype=float)
-        made[name] = Part(points, np.array([(0, 1, 2), (0, 2, 3)]), None, uv, (0.9, 0.9, 0.88), None, 1.0)
-    return made
+        parts[name] = Part(points, np.array([(0, 1, 2), (0, 2, 3)]), None, uv, (0.9, 0.9, 0.88), None, 1.0)
+    return parts
 
 
 def in_room(thing: Thing) -> list[Part]:

@@ -57,7 +57,7 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
 
 
 def _discover(folder: Path, kinds: Sequence[str]) -> tuple[list[Found], list[str]]:
-    """The models, and what is said of what is none, in lines."""
+    """The models, and a line for each thing that is not one."""
     if numbered := find_numbered_model(folder):
         return [partnet(numbered)], []
     unused = {path: why for path in sorted(folder.rglob("*")) if (why := explain_unusable(path, folder, kinds))}
@@ -181,7 +181,7 @@ def find_named_meshes(folder: Path) -> set[Path]:
 
 
 def _text(path: Path, folder: Path) -> bytes:
-    """What is in a file of text; nothing if it cannot be read, which is said when it is imported."""
+    """What is in a file of text; nothing if it cannot be read: the import reports it."""
     try:
         return read_inside(path, folder, MAX_TEXT)
     except InputError:

@@ -206,7 +206,7 @@ def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[No
 
 
 def write_model(robot: RobotModel, place: Path) -> None:
-    """Write the model in its file's own frame and unit, beside notes that are there; masses that nobody told are left
+    """Write the model in its file's own frame and unit, beside notes that are there; masses that nobody stated are left
     out."""
     with atomic_folder(place) as folder:
         write_urdf(robot, folder)

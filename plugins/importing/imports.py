@@ -98,7 +98,7 @@ def named_models(folders: Sequence[Path], kinds: dict[str, Importer], taken: Ite
 def _name(found: Found, kinds: dict[str, Importer]) -> str:
     try:
         return with_notes(found, kinds[found.path.suffix.lower()]).id
-    except InputError:  # said when it is imported
+    except InputError:  # the import reports it
         return snake_case(f"{found.category}_{found.name}")
 
 
@@ -225,7 +225,7 @@ def snake_case(text: str) -> str:
 
 
 def turn_upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:
-    """The model with z up, its front towards +x, in metres; and a line if it was turned without being told."""
+    """The model with z up, its front towards +x, in metres; and a line if it was turned though nobody asked."""
     notes, lines = file.notes, []
     up = notes.up or file.importer.up
     front = notes.front or guess_front(up)

@@ -39,7 +39,7 @@ class PhotoSection(Section):
         ge=FIELD_OF_VIEW[0],
         le=FIELD_OF_VIEW[1],
         description="Degrees over the picture's width. null: Depth Pro's if it is used, else by EXIF, by lines in the "
-        "picture, or that of a usual camera; which is said.",
+        "picture, or that of a usual camera, with a note in the log.",
     )
     lens: str | None = Field(
         None,

@@ -36,7 +36,7 @@ def find_mistakes(config: Any) -> Iterator[Mistake]:
 
 
 def list_needed_files(config: Any) -> list[str]:
-    """The weights that pictures need, and the ledger of what a language model said of them."""
+    """The weights that pictures need, and the ledger of a language model's answers about them."""
     if not config.experiment.pictures:
         return []
     ledger = [config.vlm.ledger] if config.photo.captions == "vlm" else []

@@ -48,7 +48,7 @@ class Picture(Input):
 
     @property
     def intrinsics(self) -> list[float]:
-        """fx, fy, cx, cy, as far as they are said."""
+        """fx, fy, cx, cy, as far as they are given, pixels."""
         return [value for value in (self.fx, self.fy, self.cx, self.cy) if value is not None]
 
     def place(self, scene: str) -> str:
@@ -63,15 +63,15 @@ class Picture(Input):
 
     def mistakes(self, key: str) -> Iterator[Mistake]:
         """What is wrong with it; `key`: where it stands in the config, if not in a table."""
-        for name, *said in self._list_contradictions():
+        for name, *rest in self._list_contradictions():
             where = f"{self._row}, column {name}" if self._row else key if name == "folder" else f"{key}.{name}"
-            yield Mistake(where, *said)
+            yield Mistake(where, *rest)
 
     def _list_contradictions(self) -> Iterator[tuple[str, ...]]:
         """Key, what is wrong with it, how to mend it, and the code if it is not the usual one."""
         if self.folder:
             for name in sorted(self.model_fields_set - {"folder"}):
-                yield name, "is said beside a folder", "leave one of them out: a folder holds everything"
+                yield name, "is given together with a folder", "leave one of them out: a folder holds everything"
             for what in describe_missing(Path(self.folder)):
                 yield "folder", what, HOLDS, "E-CONFIG-FILE"
             return
@@ -83,15 +83,15 @@ class Picture(Input):
             if not Path(path).exists():
                 known = f", or one of {', '.join(FIELDS_OF_VIEW)}" if name == "camera" else ""
                 yield name, f"no file {path}", f"correct the path{known}", "E-CONFIG-FILE"
-        told = [bool(self.camera), bool(self.intrinsics), self.fov is not None]
-        if sum(told) > 1:
-            yield "camera", "is told in two ways", "camera, or fx, fy, cx and cy, or fov"
-        if len(self.intrinsics) in (1, 2, 3) or (self.depth and not any(told)):
+        cameras = [bool(self.camera), bool(self.intrinsics), self.fov is not None]
+        if sum(cameras) > 1:
+            yield "camera", "is given in two ways", "camera, or fx, fy, cx and cy, or fov"
+        if len(self.intrinsics) in (1, 2, 3) or (self.depth and not any(cameras)):
             yield "camera", "nothing says what camera took the picture", "camera, or fx, fy, cx and cy, or fov"
         if self.depth and not self.masks and not self.clusters:
             yield "masks", "nothing says where the objects are", "masks, or clusters: true"
         for name in sorted(self.model_fields_set - {"image", "fov", "depth"} if self.alone else ()):
-            yield name, "is said of a picture without depth", "say depth, or leave it out"
+            yield name, "is given for a picture without depth", "give depth, or leave it out"
 
 
 def _as_written(schema: dict[str, Any]) -> None:
@@ -178,10 +178,10 @@ def _of_table(table: Path) -> Found:
         return
     for cells in rows:
         where = f"{table}, row {rows.line_num}"
-        said = {name: cell.strip() for name, cell in zip(columns, cells, strict=False) if cell.strip()}
-        if not said:
+        cells_by_name = {name: cell.strip() for name, cell in zip(columns, cells, strict=False) if cell.strip()}
+        if not cells_by_name:
             continue
-        scene = said.pop("scene", "")
+        scene = cells_by_name.pop("scene", "")
         if len(cells) > len(columns):
             wrong = Mistake(
                 where, f"has {len(cells)} cells for {len(columns)} columns", "quote commas", "E-CONFIG-VALUE"
@@ -191,12 +191,12 @@ def _of_table(table: Path) -> Found:
             mend = "letters, digits, - and single _ inside"
             yield where, scene, Mistake(f"{where}, column scene", f"'{scene}' is no name", mend, "E-CONFIG-NAME")
         else:
-            yield where, scene, _of_row(said, where, table.parent)
+            yield where, scene, _of_row(cells_by_name, where, table.parent)
 
 
-def _of_row(said: dict[str, str], where: str, folder: Path) -> Picture | Mistake:
+def _of_row(cells_by_name: dict[str, str], where: str, folder: Path) -> Picture | Mistake:
     try:
-        plain = Picture.model_validate(said)
+        plain = Picture.model_validate(cells_by_name)
     except ValidationError as error:
         detail = error.errors()[0]
         what = f"{detail['msg'].removeprefix('Value error, ')} (got '{detail['input']}')"

@@ -76,7 +76,7 @@ class ModelWriter:
             self._link(element, name, model.links[link])
 
     def _joint(self, element: ET.Element, model: str, joint: JointModel) -> None:
-        """MuJoCo lets a moving link touch its parent if that is fixed to the world: it must be told not to."""
+        """MuJoCo checks contacts of a link with a parent that is fixed to the world: that pair must be excluded."""
         parent = f"{model}/{joint.parent}"
         ET.SubElement(self.contacts, "exclude", body1=parent, body2=f"{model}/{joint.child}")
         if joint.type == "fixed":

@@ -1,4 +1,4 @@
-# Runs in operation: who holds the folder, what is said on the terminal, how jobs are submitted. No rules.
+# Runs in operation: who holds the folder, what the terminal shows, how jobs are submitted. No rules.
 import sys
 
 from snakemake.exceptions import WorkflowError

@@ -27,7 +27,7 @@ EVERY_JOB = ("Missing output files", "Input files updated by another job")  # re
 
 
 class Brief(DefaultFormatter):
-    """Snakemake's messages with a line for a job's start and one for its end; what fails is told at length."""
+    """Snakemake's messages with a line for a job's start and one for its end; failures are shown in full."""
 
     def __init__(self, like: Any, dryrun: bool) -> None:
         super().__init__(like.quiet, like.show_failed_logs)

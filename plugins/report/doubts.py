@@ -24,9 +24,9 @@ def describe_mounting(mounting: Mounting) -> str:
 
 def mountings_agree(item: SceneObject) -> bool:
     """Whether the input states of the mounting what geometry finds; the order of walls does not count."""
-    said, measured = item.mounting, item.measured_mounting
-    assert said is not None and measured is not None
-    return said.type == measured.type and set(said.walls) == set(measured.walls)
+    stated, measured = item.mounting, item.measured_mounting
+    assert stated is not None and measured is not None
+    return stated.type == measured.type and set(stated.walls) == set(measured.walls)
 
 
 class Group(NamedTuple):

@@ -80,7 +80,7 @@ def most_covered(assets: Sequence[TaskAsset], count: int, reach: float) -> Most:
     """What `count` of the assets can cover of all of them.
 
     A set covers at most what another covers, and beside that what each of its members alone would add: so after every
-    step of the greedy choice there is a bound, and the least of them is told.
+    step of the greedy choice there is a bound, and the least of them is returned.
     """
     near = distances(assets, assets) <= reach
     found, bound = np.zeros(len(assets), dtype=bool), float(len(assets))

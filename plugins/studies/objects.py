@@ -36,7 +36,7 @@ class Estimate(NamedTuple):
 
 
 def pair_cells(ours: pd.DataFrame, theirs: pd.DataFrame) -> pd.DataFrame:
-    """`success` of ours minus theirs, where both met the same asset of the same object with the same training seed."""
+    """`success` of ours minus theirs, for the same asset of the same object and the same training seed."""
     both = ours.merge(theirs, on=ROLLOUT, suffixes=("", "_theirs"))
     return both[ROLLOUT].assign(success=both["success"].astype(float) - both["success_theirs"].astype(float))
 

@@ -117,15 +117,15 @@ def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.Da
 
 
 def _tabulate_conditions(config: Config, results: Path, usual: pd.DataFrame) -> list[Table]:
-    """Success under each of `evaluation.conditions`, and there minus the baselines; nothing where none was met."""
+    """Success under each of `evaluation.conditions`, and there minus the baselines; nothing where none was tested."""
     found, options = (
         {name: list(rollout_files(config, results, name)) for name in config.evaluation.conditions},
         policy_tables(config),
     )
-    met = [read_pooled(paths, options).assign(condition=name) for name, paths in found.items() if paths]
-    if not met:
+    tested = [read_pooled(paths, options).assign(condition=name) for name, paths in found.items() if paths]
+    if not tested:
         return []
-    episodes = of_splits(pd.concat([usual.assign(condition=USUAL), *met], ignore_index=True))
+    episodes = of_splits(pd.concat([usual.assign(condition=USUAL), *tested], ignore_index=True))
     return [
         conditions.conditions_table(conditions.build(episodes, options)),
         conditions.baselines_table(conditions.against_baselines(episodes, options)),

@@ -105,15 +105,15 @@ class Correcting:
         corrections = [Correction(mask=mask, gone=True) for mask in self.found if mask in shown and mask not in things]
         for mask, item in things.items():
             before = self.found.get(mask, Correction(mask=mask))
-            said = {
+            changes = {
                 name: value
                 for name, value in item.model_dump(exclude={"id", "mask", "gone"}, exclude_defaults=True).items()
                 if getattr(item, name) != getattr(before, name)
             }
             if before.mounting is not None and item.mounting is None:
-                said["mounting"] = MEASURED
-            if said or mask not in self.found:
-                corrections.append(Correction.model_validate({"mask": mask, **said}))
+                changes["mounting"] = MEASURED
+            if changes or mask not in self.found:
+                corrections.append(Correction.model_validate({"mask": mask, **changes}))
         return Corrections(objects=corrections)
 
     def start(self) -> Answer:

@@ -68,7 +68,7 @@ class Handler(BaseHTTPRequestHandler):
         self._json(status, {"error": why})
 
     def _fail(self, error: Exception) -> None:
-        """Say what the operating system refused; a connection that is gone is told nothing."""
+        """Report what the operating system refused, unless the connection is gone."""
         if isinstance(error, ConnectionError | TimeoutError):
             raise error
         print(f"error: {line_of(error)}", file=sys.stderr)

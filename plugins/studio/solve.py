@@ -28,7 +28,7 @@ from stages.geometry.frames import yaw_matrix
 
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
-FLAT = 0.03  # metres: how deep something on a wall is of which nobody said what it is
+FLAT = 0.03  # metres: depth of something on a wall whose kind is unknown
 
 
 @dataclass(frozen=True)

@@ -91,7 +91,7 @@ async function look(at) {
   try {
     const under = on === 'auto' ? (await ask('support', { project: state.project, pixel: at, stands: state.tool === 'round' })).on : on;
     if (state.under !== under && !state.draft && ['box', 'round'].includes(state.tool)) { state.under = under; changed(); }
-  } catch { /* said when it is clicked */ } finally { looking = false; }
+  } catch { /* reported when it is clicked */ } finally { looking = false; }
   if (later) { const next = later; later = null; look(next); }
 }
 

@@ -10,8 +10,8 @@ from stages.contracts.categories import known_categories, sizes_of
 from stages.contracts.category import USUAL_SPREAD, describe_unusual, find_category
 from stages.geometry.boxes import UprightBox
 
-STANDING = 1.5  # metres: how high a camera is taken to be of which nobody said it
-SURE = np.log(1.1)  # a person who stands holds a camera 1.35 to 1.65 m high: STANDING is never better than that
+CAMERA_HEIGHT = 1.5  # metres: assumed height of a camera whose height is unknown
+SURE = np.log(1.1)  # a person who stands holds a camera 1.35 to 1.65 m high: CAMERA_HEIGHT is never better than that
 LEAST = 0.02  # metres: what hangs is wider and higher, unless one edge of it was marked
 Sides = tuple[float | None, float | None, float | None]
 

@@ -1,4 +1,4 @@
-"""One request to a chat endpoint, sent again while the server is busy; what cannot be mended by waiting is said."""
+"""One request to a chat endpoint, sent again while the server is busy; other failures are reported."""
 
 import json
 import os

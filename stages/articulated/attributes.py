@@ -64,8 +64,8 @@ def _find_handle(
     others = merge_visuals(robot, robot.links.keys() - set(moving), frames)
     ahead = np.array([1.0, 0.0, 0.0])
     if others is not None:
-        met, _, _ = others.ray.intersects_location([handle.position + BEHIND * ahead], [ahead], multiple_hits=False)
-        if len(met) and (room := float(met[0, 0] - handle.position[0])) < ROOM:
+        hits, _, _ = others.ray.intersects_location([handle.position + BEHIND * ahead], [ahead], multiple_hits=False)
+        if len(hits) and (room := float(hits[0, 0] - handle.position[0])) < ROOM:
             return f"{100 * room:.2g} cm before its handle stands something else"
     return handle, mesh
 

@@ -96,7 +96,7 @@ def _match_spelling(base: Path, *parts: str) -> Path:
 
 
 def explain_missing(who: Path, what: str, name: str, here: Path, folder: Path) -> InputError:
-    """The complaint of `who` that no such file is in the folder; a folder above that has the file is told.
+    """The complaint of `who` that no such file is in the folder; a folder above that has the file is named.
 
     Args:
         what: what names it and what it is, e.g. "link 'door', <visual>: there is no mesh".

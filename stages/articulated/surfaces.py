@@ -43,9 +43,9 @@ def surfaces(link: Link) -> list[ColouredMesh]:
             textured.append(_textured(visual))
             continue
         colour = visual.colour or _colour(visual.mesh.visual)
-        made = split_sharp_edges(visual)
-        normals = made.normals if made.normals is not None else np.zeros_like(made.vertices)
-        plain.setdefault(colour, []).append(ColouredMesh(made.vertices, made.faces, normals, colour))
+        pieces = split_sharp_edges(visual)
+        normals = pieces.normals if pieces.normals is not None else np.zeros_like(pieces.vertices)
+        plain.setdefault(colour, []).append(ColouredMesh(pieces.vertices, pieces.faces, normals, colour))
     return [_merge_parts(parts) for parts in plain.values()] + textured
 
 

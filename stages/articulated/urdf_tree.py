@@ -183,8 +183,8 @@ class UrdfTree:
             self.remarks.append(f"fixed: '{joint.name}', which {how}")
             return joint
         axis = self._axis(element, where) * np.sign(ratio)
-        made = replace(joint, type=leader.type, axis=axis, lower=leader.lower, upper=leader.upper, follows=leader.name)
-        return replace(made, origin=joint.origin @ made.motion(offset * np.sign(ratio)))
+        moved = replace(joint, type=leader.type, axis=axis, lower=leader.lower, upper=leader.upper, follows=leader.name)
+        return replace(moved, origin=joint.origin @ moved.motion(offset * np.sign(ratio)))
 
     def _axis(self, element: ET.Element, where: str) -> Matrix:
         axis = self.numbers(element.find("axis"), "xyz", "1 0 0", 3, where)

@@ -116,8 +116,8 @@ class Look:
 def check_box(asset: Asset, seen: NDArray[np.float64]) -> None:
     """Refuse an asset whose box has other extents than what is seen of it, (3,) metres."""
     if np.abs(seen - asset.size).max() > BOX_TOLERANCE * largest_extent(asset):
-        said, found = (" x ".join(f"{extent:.3g}" for extent in extents) for extents in (asset.size, seen))
-        what = f"box_min, box_max: a box of {said} m, but its meshes are {found} m."
+        stated, found = (" x ".join(f"{extent:.3g}" for extent in extents) for extents in (asset.size, seen))
+        what = f"box_min, box_max: a box of {stated} m, but its meshes are {found} m."
         raise InputError(f"asset.json of {asset.id}", what, "make it again", code="E-ASSET-STALE")
 
 

@@ -176,7 +176,7 @@ def _library(config: "Config") -> Iterator[Mistake]:
 
 
 def _matching(config: "Config") -> Iterator[Mistake]:
-    """Views that were photographed, cousins for every rank, weights that lie where they are said to."""
+    """Views that were photographed, cousins for every rank, weights that lie where the config has them."""
     for variant in config.experiment.variants:
         matching = config.matching_of(variant)
         where = f"experiment.variants.{variant}" if config.experiment.variants[variant] else "matching"

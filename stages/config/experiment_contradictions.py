@@ -20,7 +20,7 @@ def targets(config: "Config") -> Iterator[Mistake]:
     try:
         files = config.room_files()
     except InputError:
-        files = {}  # said above
+        files = {}  # reported above
     if experiment.targets and experiment.policy_variant not in experiment.variants:
         what = f"'{experiment.policy_variant}' is not one of experiment.variants"
         yield _check_known("experiment.policy_variant", what, experiment.variants)
@@ -122,7 +122,7 @@ def simulators(config: "Config") -> Iterator[Mistake]:
         try:
             known = not config.experiment.sets_of(name) or config.can_simulate(name, config.evaluation.simulator)
         except InputError:
-            continue  # said above
+            continue  # reported above
         if not known:
             task = config.experiment.task(name)
             simulator = shorten_name(config.evaluation.simulator)

@@ -1,4 +1,4 @@
-"""Config files, and the command line that names them: what is wrong with one is told before Snakemake reads it.
+"""Config files, and the command line that names them: mistakes are reported before Snakemake reads them.
 
 Snakemake ends with a traceback, or names no file. `profiles/default`, which it always reads first, calls `check`.
 """

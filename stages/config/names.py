@@ -1,4 +1,4 @@
-"""Names of implementations in the config: checked against what there is, and made loadable by the stages."""
+"""Names of implementations in the config: checked, and qualified so that stages can load them."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeVar

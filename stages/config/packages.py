@@ -76,8 +76,8 @@ def rule_files(on: Mapping[str, bool], last: bool = False) -> list[str]:
 
 def with_sections(model: type[C], names: Iterable[str], judges: bool = False) -> type[C]:
     """A section with those of these packages; `judges`: with those alone that judges of theirs read."""
-    made: type[C] = _with_sections(model, tuple(names), judges)
-    return made
+    extended: type[C] = _with_sections(model, tuple(names), judges)
+    return extended
 
 
 @cache

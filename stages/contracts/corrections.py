@@ -81,9 +81,9 @@ class Corrections(Document):
         return self
 
     def _chain(self, key: str) -> dict[str, str]:
-        """From mask value to mask value, as text; what nobody said ends at the floor."""
-        said = {str(item.mask): str(getattr(item, key)) for item in self.objects if getattr(item, key) is not None}
-        return {name: FLOOR for name in said.values() if name != FLOOR} | said
+        """From mask value to mask value, as text; a thing of which nothing is stated stands on the floor."""
+        stated = {str(item.mask): str(getattr(item, key)) for item in self.objects if getattr(item, key) is not None}
+        return {name: FLOOR for name in stated.values() if name != FLOOR} | stated
 
     def read_by(self, stage: Reader) -> "Corrections":
         """What concerns a stage, and nothing else."""
@@ -97,5 +97,5 @@ def corrections_of(paths: tuple[Path, ...], stage: Reader) -> dict[int, Correcti
     Raises:
         InputError: it is broken.
     """
-    said = [read_json(Corrections, path, "mend or delete it").read_by(stage) for path in paths]
-    return {item.mask: item for one in said for item in one.objects}
+    found = [read_json(Corrections, path, "mend or delete it").read_by(stage) for path in paths]
+    return {item.mask: item for one in found for item in one.objects}

@@ -106,7 +106,7 @@ def refusal(model: type[BaseModel], error: ValidationError) -> str:
 
 
 def check_version(path: Path, text: str, fix: str) -> None:
-    """Refuse a document of another version before anything else is said of it: its fields are others."""
+    """Refuse a document of another version first of all: it has other fields."""
     try:
         content = json.loads(text)
     except (ValueError, RecursionError):

@@ -33,6 +33,6 @@ def count_fronts(panels: Sequence[Panel]) -> dict[str, int]:
 def check_counts(name: str, panels: Sequence[Panel], doors: int | None, drawers: int | None) -> None:
     """Refuse counts of doors and drawers that are not those of the boxes, where there are boxes."""
     for noun, count in count_fronts(panels).items():
-        said = doors if noun == "doors" else drawers
-        if panels and said is not None and said != count:
-            raise ValueError(f"{noun}: {said} of '{name}', but {count} of its panels are {noun}")
+        stated = doors if noun == "doors" else drawers
+        if panels and stated is not None and stated != count:
+            raise ValueError(f"{noun}: {stated} of '{name}', but {count} of its panels are {noun}")

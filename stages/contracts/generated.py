@@ -73,8 +73,8 @@ class Plausibility(Contract):
             "held, for what carries it is not named": self.held,
             "behind a wall": self.behind,
         }
-        told = [f"{what}: {', '.join(names)}" for what, names in named.items() if names]
-        return "; ".join(told + ([f"{self.collisions} collisions"] if self.collisions else []))
+        texts = [f"{what}: {', '.join(names)}" for what, names in named.items() if names]
+        return "; ".join(texts + ([f"{self.collisions} collisions"] if self.collisions else []))
 
 
 class GeneratedScene(Document):

@@ -109,9 +109,9 @@ def check_models(path: Path) -> None:
     for entry in read_json(LibraryPart, path, AGAIN).assets:
         asset, archive = folders.asset(entry.id), path.parent / entry.archive
         for name in ("id", "category", "doors", "drawers"):
-            found, said = getattr(asset, name), getattr(entry, name)
-            if found != said:
-                what = f"{name}: is {found!r}, {path.name} says {said!r} of '{entry.id}'."
+            found, listed = getattr(asset, name), getattr(entry, name)
+            if found != listed:
+                what = f"{name}: is {found!r}, {path.name} says {listed!r} of '{entry.id}'."
                 raise InputError(archive / entry.id / "asset.json", what, AGAIN, code="E-ASSET-CHANGED")
         with open_archive(archive, AGAIN) as opened:
             if f"{entry.id}/{asset.urdf}" not in opened.NameToInfo:

@@ -34,14 +34,14 @@ def line_of(error: Exception) -> str | None:
     """What the operating system refused: the file, why, how to mend it. None for errors of another kind."""
     if isinstance(error, MemoryError) or any(words in str(error) for words in FULL_MEMORY):
         fix = "run fewer jobs at once (--cores), or with smaller options"
-        told = InputError("", "out of memory.", fix, code="E-SYSTEM-MEMORY")
+        reported = InputError("", "out of memory.", fix, code="E-SYSTEM-MEMORY")
     elif isinstance(error, OSError):
         number = errno.ENOSPC if "No space left" in str(error) else error.errno
         reason = os.strerror(number) if number else " ".join(str(error).split())[:200]
-        told = InputError(error.filename or "", f"{reason}.", MENDS.get(number or 0, ""), code="E-SYSTEM")
+        reported = InputError(error.filename or "", f"{reason}.", MENDS.get(number or 0, ""), code="E-SYSTEM")
     else:
         return None
-    return f"{told} [{told.code}]"
+    return f"{reported} [{reported.code}]"
 
 
 @contextlib.contextmanager

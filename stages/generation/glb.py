@@ -36,9 +36,9 @@ def write(room: Room, out: Path, largest: int | None = None) -> None:
         scene.add_geometry(mesh, node_name=block.name, geom_name=block.name, transform=pose, metadata={"surface": kind})
     for body in room.bodies:
         _add(scene, body, largest)
-    made = room.scene
-    fov = np.degrees(2 * np.arctan([made.width / made.intrinsics[0][0] / 2, made.height / made.intrinsics[1][1] / 2]))
-    scene.camera = trimesh.scene.Camera(name=CAMERA, resolution=(made.width, made.height), fov=fov, z_far=100.0)
+    view = room.scene
+    fov = np.degrees(2 * np.arctan([view.width / view.intrinsics[0][0] / 2, view.height / view.intrinsics[1][1] / 2]))
+    scene.camera = trimesh.scene.Camera(name=CAMERA, resolution=(view.width, view.height), fov=fov, z_far=100.0)
     scene.camera_transform = Y_UP @ room.world_from_camera @ OPENGL
     with write_atomically(out) as path:
         path.write_bytes(
@@ -46,7 +46,7 @@ def write(room: Room, out: Path, largest: int | None = None) -> None:
                 scene,
                 include_normals=True,
                 extension_webp=largest is not None,
-                tree_postprocessor=lambda tree: _set_aspect(tree, made),
+                tree_postprocessor=lambda tree: _set_aspect(tree, view),
             )
         )
 
@@ -76,9 +76,9 @@ def _describe_joint(joint: JointModel | None) -> dict[str, Any]:
     return {"joint": joint.type, "axis": axis, "lower": round(joint.lower, 5), "upper": round(joint.upper, 5)}
 
 
-def _set_aspect(tree: dict[str, Any], made: GeneratedScene) -> None:
+def _set_aspect(tree: dict[str, Any], generated: GeneratedScene) -> None:
     """The camera's aspect is that of the picture (trimesh takes the ratio of the angles)."""
-    tree["cameras"][0]["perspective"]["aspectRatio"] = made.width / made.height
+    tree["cameras"][0]["perspective"]["aspectRatio"] = generated.width / generated.height
 
 
 def _mesh(surface: ColouredMesh, largest: int | None) -> Trimesh:

@@ -1,4 +1,4 @@
-"""Whether cousins open as the object was said to: as many doors, as many drawers."""
+"""Whether cousins have as many doors and drawers as were stated for the object."""
 
 from stages.contracts import Library
 from stages.contracts.cousins import Cousin, ObjectCousins

@@ -11,7 +11,7 @@ from stages.config.room_recipe import Room
 from stages.contracts import Asset, InputError
 from stages.scenes.layout import Layout, arrange
 
-ATTEMPTS = 400  # draws of a room before it is said not to fit; chosen for time
+ATTEMPTS = 400  # draws of a room before it is refused as one that does not fit; chosen for time
 SALT = 0x5CE7E  # keeps this draw apart from others with the same seed
 
 

@@ -236,5 +236,5 @@ def stability(table: pd.DataFrame, published: pd.DataFrame) -> pd.DataFrame:
                 row |= {"published_runs": len(known[name][BASELINE]), "published_collapsed": theirs[name]}
                 row["published_spread"] = float(spread(known[name]))
             rows.append(row)
-    made = pd.DataFrame(rows, columns=STABILITY)
-    return made.astype(dict.fromkeys(["runs", "collapsed", "published_runs", "published_collapsed"], "Int64"))
+    stability = pd.DataFrame(rows, columns=STABILITY)
+    return stability.astype(dict.fromkeys(["runs", "collapsed", "published_runs", "published_collapsed"], "Int64"))

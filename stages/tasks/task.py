@@ -1,4 +1,4 @@
-"""What a task is, as far as it can be said without a simulator."""
+"""A task, as far as it needs no simulator."""
 
 from contextlib import suppress
 from dataclasses import dataclass

@@ -129,7 +129,7 @@ def test_a_verb_can_read_nothing_else(stage: str, verb: str) -> None:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "read_options"
         if isinstance(node.args[0], ast.Name)
     }
-    models |= {"MatchingConfig"} if "read_options(matching_model(present())" in ast.unparse(tree) else set()
+    models |= {"MatchingConfig"} if "read_options(matching_model(find_packages())" in ast.unparse(tree) else set()
     assert READS[stage, verb].__name__ in models
 
 

@@ -126,7 +126,7 @@ class _Reader:
         low, high = (model.jnt_range[joint] - model.qpos0[model.jnt_qposadr[joint]]).tolist()
         kind = model.jnt_type[joint]
         name = model.joint(joint).name or f"joint_{joint}"
-        made = JointModel(
+        model_joint = JointModel(
             name,
             "prismatic" if kind == mjtJoint.mjJNT_SLIDE else "revolute",
             parent,
@@ -137,7 +137,7 @@ class _Reader:
             high,
             follows=self.pairs.get(joint),
         )
-        return close_at_lower(made)
+        return close_at_lower(model_joint)
 
     def _pairs(self) -> dict[int, str]:
         """The joints that an equality makes stand like another of the same body and type, and the names of those."""

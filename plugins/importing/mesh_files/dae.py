@@ -102,10 +102,10 @@ def _triangles(polygons: ET.Element, named: dict[str, ET.Element]) -> ET.Element
     order = np.arange(len(rows))
     corners = _positions(vertex, named)[rows[:, int(vertex.get("offset", "0"))]]
     faces, _ = split(corners, [order[end - count : end] for count, end in zip(counts, ends, strict=True)])
-    made = ET.Element("triangles", {**polygons.attrib, "count": str(len(faces))})
-    made.extend(inputs)
-    ET.SubElement(made, "p").text = " ".join(map(str, rows[faces.ravel()].ravel().tolist()))
-    return made
+    triangles = ET.Element("triangles", {**polygons.attrib, "count": str(len(faces))})
+    triangles.extend(inputs)
+    ET.SubElement(triangles, "p").text = " ".join(map(str, rows[faces.ravel()].ravel().tolist()))
+    return triangles
 
 
 def _positions(vertex: ET.Element, named: dict[str, ET.Element]) -> Corners:

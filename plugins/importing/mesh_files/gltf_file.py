@@ -1,4 +1,4 @@
-"""glTF: what moves, repeats or packs a mesh is worked out on reading; what cannot be is refused or told by name."""
+"""glTF: what moves, repeats or packs a mesh is worked out on reading; what cannot be is refused or named."""
 
 import importlib.util
 import io
@@ -38,13 +38,13 @@ def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     accessors = Accessors(header, binary, files)
     lost = [f"is shown {line}" for line in _drop_lost_pictures(header, accessors, files)]
     parts, placings, meshes = Parts(header, accessors), list[Header](), list[Header]()
-    made = dict[tuple[int, tuple[float, ...]], int]()
+    placed_meshes = dict[tuple[int, tuple[float, ...]], int]()
     for one in place_meshes(header, accessors):
         key = (one.mesh, one.weights)
-        if one.joints is not None or key not in made:
-            made[key] = len(meshes)
+        if one.joints is not None or key not in placed_meshes:
+            placed_meshes[key] = len(meshes)
             meshes.append({"primitives": parts.read_triangles(one)})
-        placings.append({"mesh": made[key], "matrix": one.transform.T.ravel().tolist()})
+        placings.append({"mesh": placed_meshes[key], "matrix": one.transform.T.ravel().tolist()})
     left_out = _list_left_out(header, parts)
     header.update(meshes=meshes, nodes=placings, materials=parts.materials, scene=0)
     header["scenes"] = [{"nodes": list(range(len(placings)))}]

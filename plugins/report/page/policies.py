@@ -111,11 +111,11 @@ def _list_not_in_scenes(path: Path | None) -> dict[str, str]:
 def _pictures(assets: TaskAssets | None, used: set[str], album: Album, snapshots: Snapshots) -> list[Picture]:
     """The assets of the roles that were not drawn or are used."""
     kept = [(role, asset.asset) for role, asset in used_roles(assets, used).items()] if assets else []
-    made = [
+    thumbnails = [
         album.thumbnail(snapshots.picture(asset), f"{role_title(role)}: {asset.replace('_', ' ')}")
         for role, asset in kept
     ]
-    return [picture for picture in made if picture]
+    return [picture for picture in thumbnails if picture]
 
 
 def _target(

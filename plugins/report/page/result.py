@@ -46,8 +46,8 @@ def _verdict(row: dict[str, Any], name: str) -> str:
     if count_lacking_runs(row):
         return f"{text}, for these policies."
     seeds = f"over {row['runs']} and {row['baseline_runs']} seeds of training"
-    said = "whether cousins help cannot be said" if row["verdict"] == OPEN else f"that cousins help {row['verdict']}"
-    return f"{text}, {seeds}: {said}."
+    verdict = "whether cousins help cannot be said" if row["verdict"] == OPEN else f"that cousins help {row['verdict']}"
+    return f"{text}, {seeds}: {verdict}."
 
 
 def sentences(claims: pd.DataFrame | None, names: dict[str, str]) -> tuple[str, list[str]]:
@@ -72,13 +72,13 @@ def sentences(claims: pd.DataFrame | None, names: dict[str, str]) -> tuple[str, 
     what = target_title(first["target"], first["task"])
     line = f"success at {what[0].lower()}{what[1:]} on {over}, trained on {title(first['training_set'])} "
     again = [AGAIN] if any(map(count_lacking_runs, rows)) else []
-    said = [_verdict(row, names[row["policy"]]) for row in rows]
-    return f"{line}instead of the twin: {ends}", [*(one[0].upper() + one[1:] for one in said), *again]
+    verdicts = [_verdict(row, names[row["policy"]]) for row in rows]
+    return f"{line}instead of the twin: {ends}", [*(one[0].upper() + one[1:] for one in verdicts), *again]
 
 
 def describe_outcome(rooms: Sequence[RoomPart], models: int, results: Sequence[Result], policies: int) -> str:
     """What went in, what came out and what it is worth, in a sentence; empty without pictures."""
-    scenes = [scene for room in rooms for made in room.reconstructions for scene in made.scenes]
+    scenes = [scene for room in rooms for rebuilt in room.reconstructions for scene in rebuilt.scenes]
     checked = [scene.stable for scene in scenes if scene.stable is not None]
     text = f"{count(len(rooms), 'picture')} of {count(sum(room.objects for room in rooms), 'object')} went in; "
     text += count(len(scenes), "scene") + " of digital cousins" + f" from {count(models, 'model')}" * bool(models)
@@ -122,6 +122,6 @@ def compare_over_roles(cells: pd.DataFrame | None, claims: pd.DataFrame | None, 
         label = f"{name}: success by test asset and training set, with intervals; the numbers are in Table 3"
         roles = {name: title(name) for name in sorted(mine["test_asset"].unique(), key=set_key)}
         about, chart = "success of the policies by test asset", success_chart(mine, label, roles, "test_asset")
-        said = sentences(_of(judged, target), {str(policy): name})
-        found.append(Result(str(target), name, about, chart, *said))
+        texts = sentences(_of(judged, target), {str(policy): name})
+        found.append(Result(str(target), name, about, chart, *texts))
     return found

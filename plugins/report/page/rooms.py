@@ -152,14 +152,14 @@ def _correct(image: Path | None, scene: str, variant: str) -> str:
 
 
 def origins(files: RunFiles, name: str) -> dict[str, Provenance]:
-    """What objects, cousins and the scenes of rank 1 were made of, as far as the files hold it, by file."""
+    """Provenance of objects, cousins and the scenes of rank 1, as far as the files hold it, by file."""
     kinds: list[tuple[type[Objects | Cousins | GeneratedScene], str]] = [
         (Objects, f"extraction/{name}/objects.json"),
         (Cousins, f"matching/*/{name}/cousins.json"),
         (GeneratedScene, f"generation/*/{name}/scene_1.json"),
     ]
     found = {path: read_json(kind, path).made for kind, pattern in kinds for path in files.all(pattern)}
-    return {"/".join(path.parts[-3:]): made for path, made in found.items() if made is not None}
+    return {"/".join(path.parts[-3:]): provenance for path, provenance in found.items() if provenance is not None}
 
 
 def _findings(files: RunFiles, name: str, variant: str) -> Findings:

@@ -91,18 +91,18 @@ class Listed(NamedTuple):
     entries: list[tuple[str, str, str]]
 
 
-def doubts(room: RoomPart, made: Reconstruction | None) -> list[Listed]:
+def doubts(room: RoomPart, rebuilt: Reconstruction | None) -> list[Listed]:
     """What may be wrong and a person can mend, gravest first."""
-    correct = made.correct if made else ""
+    correct = rebuilt.correct if rebuilt else ""
     failed = [
         (f"{one} failed in {stage}", reason, correct and correct + one)
         for one, (stage, reason) in room.failures.items()
     ]
     found = [("camera", room.camera_doubt)] if room.camera_doubt else []
-    found += [(match.entry.id, doubt) for match in (made.matches if made else []) for doubt in match.doubts]
-    scenes = [scene for scene in (made.scenes if made else []) if scene.stable is False]
+    found += [(match.entry.id, doubt) for match in (rebuilt.matches if rebuilt else []) for doubt in match.doubts]
+    scenes = [scene for scene in (rebuilt.scenes if rebuilt else []) if scene.stable is False]
     found += [(f"scene of rank {scene.rank}", DoubtKind.UNSTABLE.of(what=scene.physics)) for scene in scenes]
-    objects = {match.entry.id for match in made.matches} if made else set()
+    objects = {match.entry.id for match in rebuilt.matches} if rebuilt else set()
     listed = [Listed("Failed", "name or draw it again on the correction page", failed)] if failed else []
     return listed + _group_doubts(found, correct, objects)
 
@@ -122,17 +122,19 @@ def _group_doubts(found: list[tuple[str, Doubt]], correct: str, objects: Collect
     ]
 
 
-def list_further_doubts(made: Reconstruction | None) -> list[tuple[list[int], list[Listed]]]:
+def list_further_doubts(rebuilt: Reconstruction | None) -> list[tuple[list[int], list[Listed]]]:
     """Ranks, and what may be wrong in all of their scenes beyond what is in doubt at rank 1."""
     alike: dict[tuple[tuple[str, Doubt], ...], list[int]] = {}
-    for scene in made.scenes if made else []:
+    for scene in rebuilt.scenes if rebuilt else []:
         alike.setdefault(tuple(scene.doubts), []).append(scene.rank)
-    correct = made.correct if made else ""
+    correct = rebuilt.correct if rebuilt else ""
     return [(ranks, _group_doubts([*found], correct, dict(found))) for found, ranks in alike.items() if found]
 
 
-def notes(made: Reconstruction | None) -> list[tuple[str, str]]:
+def notes(rebuilt: Reconstruction | None) -> list[tuple[str, str]]:
     """Thing by thing what is worth knowing, with nothing to do about it."""
     return [
-        (match.entry.id.replace("_", " "), note) for match in (made.matches if made else []) for note in match.notes
+        (match.entry.id.replace("_", " "), note)
+        for match in (rebuilt.matches if rebuilt else [])
+        for note in match.notes
     ]

@@ -54,16 +54,16 @@ def example(picture: Picture, rng: Rng) -> dict[str, NDArray[np.float32]]:
     centre, radius, area = boxes(true, owner)
     seen = np.where((depth > 0)[::STRIDE, ::STRIDE, None], inputs[:3, ::STRIDE, ::STRIDE].transpose(1, 2, 0), 0.0)
     offset = (centre - seen * [4.0, 4.0, 2.0]).transpose(2, 0, 1)
-    made = {
+    arrays = {
         "inputs": inputs, "owner": owner, "area": area, "offset": offset, "radius": radius,
         "known": (depth > 0)[::STRIDE, ::STRIDE],
     }  # fmt: skip
     if rng.random() < 0.5:
-        made = {name: value[..., ::-1].copy() for name, value in made.items()}
-        made["inputs"][MIRRORED] *= -1
-        made["offset"][1] *= -1
+        arrays = {name: value[..., ::-1].copy() for name, value in arrays.items()}
+        arrays["inputs"][MIRRORED] *= -1
+        arrays["offset"][1] *= -1
     kinds = {"owner": np.int64, "known": np.bool_}
-    return {name: value.astype(kinds.get(name, np.float32)) for name, value in made.items()}
+    return {name: value.astype(kinds.get(name, np.float32)) for name, value in arrays.items()}
 
 
 def boxes(points: Array, owner: NDArray[np.int64]) -> tuple[Array, Array, Array]:

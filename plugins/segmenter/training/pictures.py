@@ -97,7 +97,7 @@ def draw_pictures(
     pool: dict[str, list[Solid]], count: int, size: tuple[int, int], views: int, rng: Rng
 ) -> list[Picture]:
     """So many pictures, at most `views` of a room."""
-    made: list[Picture] = []
-    while len(made) < count:
-        made += views_of(pool, size, min(views, count - len(made)), rng)
-    return made
+    drawn: list[Picture] = []
+    while len(drawn) < count:
+        drawn += views_of(pool, size, min(views, count - len(drawn)), rng)
+    return drawn

@@ -1,4 +1,4 @@
-"""What each kind of mesh file can say, read or told: a module per suffix, with its `READER`.
+"""Readers of mesh files, which report what they leave out: a module per suffix, with its `READER`.
 
 The core has that of its own assets, OBJ; others are in packages (docs/your-models.md).
 """

@@ -56,12 +56,12 @@ def _materials(text: str, path: Path, files: MeshResolver) -> tuple[dict[str, Ma
         whole = named.strip()
         for name in [whole] if files.find(whole) or ".mtl " not in whole.lower() else whole.split():
             try:
-                more, said = materials_in(decode_text(files.get(name)), Path(name).name)
+                more, notes = materials_in(decode_text(files.get(name)), Path(name).name)
             except FileNotFoundError:
                 missing = True
                 continue
             materials |= more
-            lines += said
+            lines += notes
     unknown = sorted({name.strip() for name in USED.findall(text)} - materials.keys())
     if unknown and not missing:
         names = ", ".join(f"'{name[:60]}'" for name in unknown[:3])
