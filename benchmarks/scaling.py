@@ -26,7 +26,7 @@ from stages.contracts import Library, Objects, read_json
 from stages.contracts.library import LibraryEntry
 from stages.matching.candidates import find_candidates
 from stages.matching.codec import Codec, learn
-from stages.matching.encoders import BESIDE, make_encoder, settings_digest
+from stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
 from stages.matching.ranking import make_query, rank_models, rank_orientations
 from stages.matching.scene import Scene
 from stages.matching.store import FeatureStore, Snapshot
@@ -42,7 +42,7 @@ class Repeated:
         self.codes: dict[Snapshot, NDArray[Any]] = {}
         if compressed:
             views = [Snapshot(name, view) for name in names for view in range(len(store.yaws))]
-            self.codec = learn(np.concatenate([store.rows(view) for view in views[::20]]), 72, BESIDE)
+            self.codec = learn(np.concatenate([store.rows(view) for view in views[::20]]), 72, EXTRA_COLUMNS)
             self.codes = {view: self.codec.encode(store.rows(view)) for view in views}
 
     def rows(self, snapshot: Snapshot) -> NDArray[np.float32]:

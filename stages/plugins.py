@@ -76,8 +76,8 @@ def list_available(kind: str, packages: Sequence[str] | None = None) -> dict[str
         InputError: a package is not there, or a name is taken twice.
     """
     found: dict[str, str] = {}
-    beside = list_shipped() if packages is None else packages
-    for home in [KINDS[kind].home, *(f"{package}.{kind}" for package in beside)]:
+    packages = list_shipped() if packages is None else packages
+    for home in [KINDS[kind].home, *(f"{package}.{kind}" for package in packages)]:
         for file in sorted(folder(home).glob("*")):
             name = file.stem
             if name.startswith("_") or not _is_one(file, KINDS[kind].symbol):

@@ -203,8 +203,8 @@ def _place_model(
     shares = np.array(spot.get("spot", rng.uniform(-0.85, 0.85, 2))) + rng.uniform(-0.08, 0.08, 2)
     half = np.array(other.model.size[:2]) / 2
     x, y = middle + front * shares[0] * half[0] + left * shares[1] * half[1]
-    standing = Thing(name, model, (float(x), float(y), 0.0), wrap_angle(other.yaw + float(yaw)), other.name)
-    return _let_thing_down(standing, other, top)
+    placed = Thing(name, model, (float(x), float(y), 0.0), wrap_angle(other.yaw + float(yaw)), other.name)
+    return _let_thing_down(placed, other, top)
 
 
 def _let_thing_down(thing: Thing, carrier: Thing, top: Top) -> Thing | None:

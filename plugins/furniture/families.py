@@ -14,7 +14,7 @@ from plugins.furniture.category import Category, Fronts
 from plugins.furniture.colours import APPLIANCE, METALS, PAINTS, WOODS, pick
 from plugins.furniture.finishes import shade
 from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
-from plugins.furniture.recipe import Rng, Sampled, draw_uniform, round_size
+from plugins.furniture.recipe import Rng, Sampled, round_size, uniform
 
 IN_TURN = 24  # models of a category that vary its founders in turn, at least
 ABOUT = 2  # doors and drawers more or less, as matching's count_threshold (A.7)
@@ -48,7 +48,7 @@ def vary_founder(category: Category, founder: Sampled, generation: int, rng: Rng
     if far:
         handle = str(rng.choice(HANDLES, p=HANDLE_SHARES))
         changes |= {"handle": handle, "protrusion": STYLES[handle].protrusion, "hinge": int(rng.choice([-1, 1]))}  # type: ignore[index]
-        changes["handle_at"] = draw_uniform(rng, -0.9, 0.9)
+        changes["handle_at"] = uniform(rng, -0.9, 0.9)
         if category.fronts and recipe.column_weights is None:
             fronts = list(category.fronts) if any_fronts else _change_cells(recipe)
             major, layout = fronts[int(rng.integers(len(fronts)))]

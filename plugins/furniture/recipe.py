@@ -82,7 +82,7 @@ def sampled_by(sample: Callable[[Rng, int], Any], **bounds: Any) -> Any:
 
 def between(low: float, high: float, **bounds: Any) -> Any:
     """A number between the limits, in thousandths."""
-    return sampled_by(lambda rng, _: draw_uniform(rng, low, high), **bounds)
+    return sampled_by(lambda rng, _: uniform(rng, low, high), **bounds)
 
 
 def zero_or(low: float, high: float, **bounds: Any) -> Any:
@@ -120,7 +120,7 @@ def of(*palettes: Palette) -> Any:
     return sampled_by(lambda rng, _: pick(rng, *palettes))
 
 
-def draw_uniform(rng: Rng, low: float, high: float, digits: int = 3) -> float:
+def uniform(rng: Rng, low: float, high: float, digits: int = 3) -> float:
     """A rounded random number."""
     return round(float(rng.uniform(low, high)), digits)
 

@@ -156,10 +156,10 @@ def with_notes(found: Found, importer: Importer) -> ModelFile:
         InputError: the notes are broken, or one of the two is a link out of the user's folder, or no file.
     """
     check_inside(found.path, found.folder)
-    beside, notes = found.path.parent / "asset.json", Notes()
-    if beside.exists():
-        check_inside(beside, found.folder)
-        notes = read_json(Notes, beside)
+    path, notes = found.path.parent / "asset.json", Notes()
+    if path.exists():
+        check_inside(path, found.folder)
+        notes = read_json(Notes, path)
     category = snake_case(notes.category or found.category)
     return ModelFile(found.path, found.folder, notes, category, snake_case(f"{category}_{found.name}"), importer)
 

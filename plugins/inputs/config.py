@@ -20,14 +20,16 @@ class PhotoSection(Section):
     depth_pro: str = Field("weights/depth_pro", description="Weights of Depth Pro.")
     captions: Literal["labels", "vlm"] = Field(
         "labels",
-        description="What is looked for. labels: `labels`, all of them. vlm: what a language model that sees lists, "
-        "which then names every object again and counts its doors and drawers.",
+        description="Source of the labels to detect. labels: the key `labels`. vlm: a vision-language model lists "
+        "them, then names every detected object and counts its doors and drawers.",
     )
-    labels: list[str] = Field([], description="What is looked for without a language model; []: our categories.")
+    labels: list[str] = Field(
+        [], description="Labels to detect if no language model is used; []: the categories of the library."
+    )
     mounting: Literal["geometry", "vlm"] = Field(
         "vlm",
-        description="Who says what hangs, what stands, and at which wall (A.2). vlm: the language model of `captions: "
-        "vlm`, geometry where it has no usable answer.",
+        description="What decides which objects hang, stand, or touch which wall (A.2). vlm: the language model of "
+        "`captions: vlm`, geometry where it has no usable answer.",
     )
     box_threshold: float = Field(0.3, gt=0, lt=1, description="Least score of a box (official code: 0.3).")
     # Of two masks that overlap by more (over their union), the better box's is kept.

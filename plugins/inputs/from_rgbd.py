@@ -47,13 +47,13 @@ def run(
         out: the input folder to write (docs/scenes.md).
         rgb: the colour picture.
         depth: depth aligned to it, at any size: PNG, TIFF, PGM, EXR, NPZ, NPY.
-        recording: in the place of both, the folder of a recording: TUM, Open3D, RealSense, Record3D.
+        recording: instead of both, the folder of a recording: TUM, Open3D, RealSense, Record3D.
         number: which frame of the recording, from 0.
         unit: of the depth: auto (by files beside it, else its median), m, mm, or the number that stands for one metre.
         intrinsics: file with the colour camera's intrinsics (JSON, YAML, text); distortion in it is taken out.
-        camera: its name, in the place of a file, e.g. realsense_d435.
-        fov: its field of view over the picture's width in degrees, in the place of both.
-        matrix: fx, fy, cx, cy in pixels, in the place of all three.
+        camera: its name, instead of a file, e.g. realsense_d435.
+        fov: its field of view over the picture's width in degrees, instead of both.
+        matrix: fx, fy, cx, cy in pixels, instead of all three.
         depth_is: z: the distance along the optical axis; ray: along the ray of each pixel, as of many simulators.
         masks: COCO or labelme JSON, or a PNG of indices or colours.
         labels: names of the PNG's values, as JSON.
@@ -108,7 +108,7 @@ def run(
 
 
 def print_summary(out: Path, frame: Frame, written: Annotations | None, is_made: bool) -> None:
-    """Print what was written, and what is to be done with it; masks made here are drawn with their numbers for that."""
+    """Print what was written, and what is to be done with it; masks made here are drawn with their numbers."""
     height, width = frame.rgb.shape[:2]
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))

@@ -1,4 +1,4 @@
-"""Pictures for a page: made smaller, and written into the HTML itself."""
+"""Pictures for a page, scaled down and embedded in the HTML."""
 
 import base64
 import io
@@ -25,7 +25,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Animation:
-    """A film, and the picture that stands for it where nothing should move."""
+    """A film, and the still picture shown where nothing should move."""
 
     film: Picture
     still: Picture

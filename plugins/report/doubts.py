@@ -1,4 +1,4 @@
-"""What the files of a scene tell that may be wrong, and what is only worth knowing: for pages that report and correct.
+"""Doubts about a scene, and mere notes, from its files: for the pages of the report and of corrections.
 
 A doubt is what a person can mend. docs/errors.md lists all of them with their limits.
 """
@@ -23,14 +23,14 @@ def describe_mounting(mounting: Mounting) -> str:
 
 
 def mountings_agree(item: SceneObject) -> bool:
-    """Whether the input states of the mounting what geometry finds; the order of walls does not count."""
+    """Whether the stated mounting is the one that geometry finds; the order of walls does not count."""
     stated, measured = item.mounting, item.measured_mounting
     assert stated is not None and measured is not None
     return stated.type == measured.type and set(stated.walls) == set(measured.walls)
 
 
 class Group(NamedTuple):
-    """Doubts of one cause: what a person can do, and the things with what may be wrong with each."""
+    """Doubts of one cause: what a person can do, and the objects with the doubt about each."""
 
     cause: Cause
     mend: str
@@ -38,7 +38,7 @@ class Group(NamedTuple):
 
 
 def group_doubts(found: Collection[tuple[str, Doubt]]) -> list[Group]:
-    """Of things and a doubt each; gravest first."""
+    """Group pairs of object and doubt by cause; gravest first."""
     groups = []
     for cause, mend in MEND.items():
         items: dict[str, list[str]] = {}
@@ -53,7 +53,7 @@ def group_doubts(found: Collection[tuple[str, Doubt]]) -> list[Group]:
 def collect_doubts(
     entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects
 ) -> list[Doubt]:
-    """What may be wrong with an object and a person can mend, gravest first; not what a person says."""
+    """Doubts about an object that a person can mend, gravest first; nothing that a person has stated."""
     found = list(entry.doubts)
     found += [one for one in item.doubts if not (one.cause == "size" and "size" in item.told)]
     if item.note:
@@ -79,7 +79,7 @@ def collect_doubts(
 
 
 def collect_notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) -> list[str]:
-    """What is worth knowing of an object, and nobody needs to act on."""
+    """Notes about an object that need no action."""
     found = [entry.note] if entry.note else []
     if not entry.cousins[0].fits:
         found.append("no model fits what is seen of it: ordered by name, doors and drawers, size and place alone")

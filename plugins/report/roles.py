@@ -11,7 +11,7 @@ from stages.tables.text import cell, number
 
 
 def role_title(role: str) -> str:
-    """A role for people; random_3 is one asset, as a training set it is three; random_19 is the third of draw 2."""
+    """The title of a role. The role random_3 is one asset, the set three; random_19 is the third of draw 2."""
     rule, place, randomised = read_set(role) if is_set(role) else SetName(role, 1, False)
     if rule not in DRAWN:
         return title(role)
@@ -30,7 +30,7 @@ def by_role(chosen: TaskAssets) -> dict[str, TaskAsset]:
 
 
 def used_roles(chosen: TaskAssets, demonstrated: Iterable[str]) -> dict[str, TaskAsset]:
-    """`by_role` without what was drawn and is not demonstrated on."""
+    """`by_role` without drawn assets that have no demonstrations."""
     used = set(map(strip_randomised, demonstrated))
     return {role: asset for role, asset in by_role(chosen).items() if role in used or role not in chosen.drawn_roles()}
 

@@ -127,9 +127,9 @@ class LastRun:
         nearest = [one for one in entry.by_distance if one.asset not in ranks]
         choosable = [(one.asset, one.distance) for one in entry.cousins]
         choosable = [*choosable, *((one.asset, one.distance) for one in nearest)][:SHOWN]
-        standing = self.views.get(mask, {})
-        views = {one.asset: one.orientation.yaw for one in entry.cousins} | standing
-        other = next(iter((standing or views).values()))
+        placed = self.views.get(mask, {})
+        views = {one.asset: one.orientation.yaw for one in entry.cousins} | placed
+        other = next(iter((placed or views).values()))
         return [
             {
                 "asset": asset,

@@ -44,7 +44,7 @@ class DrawnObject(Contract):
     depth: Extent | None = None
     height: Extent | None = None
     free: bool = Field(False, description="not along an axis of the room")
-    round: bool = Field(False, description="its points are the ends of its foot, and the middle or an end of its top")
+    round: bool = Field(False, description="its points are the ends of its base, and the middle or an end of its top")
     faces: Literal["front", "left", "right", "rear"] = Field(
         "front", description="the drawn side that is its real front, as seen from the side drawn as its front"
     )

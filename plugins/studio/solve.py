@@ -18,7 +18,7 @@ from plugins.inputs.photo.metrology import (
 )
 from plugins.inputs.photo.perspective import fit_view
 from plugins.studio.project import DrawnObject, Project, Scale
-from plugins.studio.usual import STANDING, Sides, camera_factor, describe_odd, find_usual_size, is_edge_marked
+from plugins.studio.usual import CAMERA_HEIGHT, Sides, camera_factor, describe_odd, find_usual_size, is_edge_marked
 from stages.contracts.categories import sizes_of
 from stages.contracts.depth import NEAREST
 from stages.contracts.doubt import Doubt
@@ -73,7 +73,7 @@ def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]
     """The wall with its ends where it meets others.
 
     Args:
-        drawn: the stretch along the wall where its foot was drawn; a wall that crosses it in the middle cuts nothing
+        drawn: the stretch along the wall where its base was drawn; a wall that crosses it in the middle cuts nothing
         off.
     """
     (first, last), (low, high) = sorted(drawn), wall.ends
@@ -197,7 +197,7 @@ class _Room:
                 size[2] = max(center[2] + size[2] / 2 - carrier.top, size[2] / 2)
             center[2] = carrier.top + size[2] / 2
             self.boxes[item.id] = UprightBox(center, size, box.yaw)
-            self.notes.setdefault(item.id, f"its foot lay beyond what it stands on: {1 - share:.0%} nearer")
+            self.notes.setdefault(item.id, f"its base lay beyond what it stands on: {1 - share:.0%} nearer")
         return True
 
     def _ground(self, item: DrawnObject, above: tuple[str, ...]) -> float:
@@ -225,7 +225,7 @@ def _height(project: Project, view: View) -> float:
         MetrologyError: the known length cannot be measured in the picture.
     """
     scale = project.scale
-    metres = scale.metres or STANDING
+    metres = scale.metres or CAMERA_HEIGHT
     if scale.kind in ("camera", "depth"):
         return metres
     if scale.kind == "object":
@@ -244,7 +244,7 @@ def _length(view: View, scale: Scale) -> float:
     foot = view.meet_level(scale.points[0])
     if scale.kind == "floor":
         return max(float(np.linalg.norm(view.meet_level(scale.points[1]) - foot)), 1e-4)
-    away = foot / np.linalg.norm(foot)  # an upright plane that faces the camera, through the foot
+    away = foot / np.linalg.norm(foot)  # an upright plane that faces the camera, through the lower end
     top = view.meet_plane(scale.points[1], away, float(foot @ away))
     if top[2] <= 1e-4:
         raise MetrologyError("the line does not go up from the floor")
@@ -260,8 +260,8 @@ def solve(project: Project) -> Solved:
         if not NEAREST <= above <= LARGEST:
             raise MetrologyError(f"the camera would be {above:.3g} m above the floor")
     except MetrologyError as error:
-        notes["scale"] = f"{error}; the camera is taken to be {STANDING} m above the floor"
-        above = STANDING
+        notes["scale"] = f"{error}; the camera is taken to be {CAMERA_HEIGHT} m above the floor"
+        above = CAMERA_HEIGHT
     room = _Room(project, replace(view, above=above), typed=True)
     factor, usual = camera_factor(project, room.boxes), {}
     doubts: dict[str, list[Doubt]] = {}

@@ -107,13 +107,13 @@ def _kind(handle: Handle, panel: trimesh.Trimesh) -> HandleKind:
     along = int(np.argmax(np.abs(handle.axis)))
     across = 3 - along  # of y and z, the other one
     low, high = panel.bounds
-    beside = min(handle.position[across] - low[across], high[across] - handle.position[across])
-    if beside < AT_EDGE and handle.length > MOST_OF_IT * (high - low)[along]:
+    margin = min(handle.position[across] - low[across], high[across] - handle.position[across])
+    if margin < AT_EDGE and handle.length > MOST_OF_IT * (high - low)[along]:
         return "edge"
     hits = front_hits(panel)
     near = np.abs(hits[:, across] - handle.position[across]) < max(GRID, handle.width / 4)
     near &= np.abs(hits[:, along] - handle.position[along]) < handle.length / 2
     depth = (hits[near, 0] - handle.position[0]) / handle.protrusion + 1.0  # 0 at the panel, 1 at the foremost surface
-    standing = depth > 0.15
-    bent = standing & (depth < 0.8)
-    return "arch" if bent.sum() > BENT * standing.sum() else "bar"
+    raised = depth > 0.15
+    bent = raised & (depth < 0.8)
+    return "arch" if bent.sum() > BENT * raised.sum() else "bar"

@@ -46,7 +46,7 @@ def make_scene(
 
     Args:
         light: direction in which the key light shines, world frame.
-        shaded: centre and radius (metres) of what casts shadows.
+        shaded: centre (3,) and radius, metres, of the region that casts shadows.
 
     Raises:
         InputError: there is no Vulkan device to render with.
@@ -165,7 +165,7 @@ def add_block(
 
 
 def has_renderer(scene: sapien.Scene) -> bool:
-    """Whether the scene can show anything."""
+    """Whether the scene has a renderer."""
     try:
         return scene.render_system is not None
     except RuntimeError:

@@ -1,6 +1,6 @@
-"""Pictures of a robot at work for people: a lit room with a floor, the robot in its own colours, all in the frame.
+"""Pictures of the robot at work, for people: a lit room with a floor, and all of the scene in the picture.
 
-What policies see has nothing of it: a studio is a scene of its own. Episodes are recorded as poses and joint values,
+A studio is a scene of its own; policies never see it. Episodes are recorded as poses and joint values,
 which costs nothing, and only those that are shown are rendered: the stock Panda has 135,000 triangles, too many for
 the policy's camera, which sees the low-poly one.
 """
@@ -41,7 +41,7 @@ LIT = 2.2  # metres about robot and asset that cast shadows
 
 @dataclass(frozen=True)
 class Moment:
-    """Where everything is: (4, 4) poses of the roots in the world, joint values by name."""
+    """The state at one moment: (4, 4) poses of the roots in the world, joint values by name."""
 
     robot: Array
     robot_joints: Mapping[str, float]
@@ -72,7 +72,7 @@ class Recording:
 
 
 class Studio:
-    """Makes shots; made once per process, as the first picture of a scene takes seconds.
+    """Takes pictures of episodes. One per process, as the first picture of a scene takes seconds.
 
     Args:
         light: direction in which the key light shines; usually onto the front of the asset, which faces +x.
@@ -107,10 +107,10 @@ class Studio:
 
 
 class Shot:
-    """An episode in a studio, seen by a camera that stays; one at a time, to be closed before the next.
+    """An episode in a studio with a fixed camera. Close it before the next one begins.
 
     Args:
-        moments: what happens in it, for the camera to show: some moments, or those that are to be expected.
+        moments: moments of the episode, or expected ones; the camera is placed so that it shows all of them.
     """
 
     def __init__(self, studio: Studio, recording: Recording, moments: Sequence[Moment]) -> None:
@@ -200,7 +200,7 @@ def pick_evenly(items: Sequence[T], count: int) -> list[T]:
 
 
 def directions(side: float) -> list[Array]:
-    """Unit vectors (3,) from the scene to where a camera may stand, in the asset's frame, the best guess first: beside
+    """Unit vectors (3,) from the scene to where a camera may stand, in the asset's frame, the likeliest first: next to
     the robot, where no opened door is in the way; nearer to the front and higher, where more is seen into things."""
     first = 1.0 if side >= 0 else -1.0
     found = [np.array([x, y, z]) for y in (first, -first) for z in (0.45, 0.9) for x in (0.75, 1.5)]

@@ -63,11 +63,11 @@ def _draw(panel: Axes, axis: str, points: pd.DataFrame, thirds: pd.DataFrame) ->
     sets = sorted(points["training_set"].unique(), key=set_key)
     step = 0.02 * (float(points[axis].max() - points[axis].min()) or 1.0)
     for index, name in enumerate(sets):
-        beside = step * (index - (len(sets) - 1) / 2)
+        shift = step * (index - (len(sets) - 1) / 2)
         mine = points[points["training_set"] == name]
         panel.scatter(
-            mine[axis] + beside, 100 * mine["mean"], s=13, alpha=0.35, linewidths=0.6, color=colour(name),
+            mine[axis] + shift, 100 * mine["mean"], s=13, alpha=0.35, linewidths=0.6, color=colour(name),
             marker=marker(name),
         )  # fmt: skip
         line = thirds[thirds["training_set"] == name].sort_values("place")
-        draw_rates(panel, line["place"] + beside, line, name)
+        draw_rates(panel, line["place"] + shift, line, name)

@@ -96,8 +96,8 @@ def _distances(panel: Axes, cells: pd.DataFrame, name: str, missing: str, encode
     step = 0.015 * (cells["feature_distance"].max() - cells["feature_distance"].min() or 1.0)
     for index, training_set in enumerate(sets):
         line = cells[cells["training_set"] == training_set]
-        beside = step * (index - (len(sets) - 1) / 2)  # keeps the bars of different sets apart
-        draw_rates(panel, line["feature_distance"] + beside, line, training_set)
+        shift = step * (index - (len(sets) - 1) / 2)  # keeps the bars of different sets apart
+        draw_rates(panel, line["feature_distance"] + shift, line, training_set)
     names = ", ".join(title(asset) for asset in cells["test_asset"].unique())
     panel.set_xlabel(f"{distance_from_twin(encoder)}\n{names}", size=7.5)
 

@@ -32,7 +32,7 @@ from stages.tasks.initial_state import nominal_root, sample_initial_state, sampl
 from stages.tasks.movable import Movable
 from stages.tasks.observation import CameraRig, Observation, Sensing
 from stages.tasks.randomised import randomise, sample_factors
-from stages.tasks.task import Task
+from stages.tasks.task import OLD_NAMES, Task
 
 LARGEST_ID = 30_000  # of an entity: a picture holds 16 bits of it, and every change of scale takes new ones
 
@@ -65,8 +65,7 @@ class OpenTaskEnv(FilmedEnv):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        old = {"succeeded": "check_success", "opened": "measure_opening", "around": "sample_surroundings"}
-        refuse_old_names(cls, old)
+        refuse_old_names(cls, OLD_NAMES)
 
     def __init__(
         self,
@@ -213,8 +212,8 @@ class OpenTaskEnv(FilmedEnv):
         for index, seed in zip(indices, seeds, strict=True):
             setup, target = sample_initial_state(seed, self.options), self.targets[index]
             nominal = nominal_root(self.asset, self.scales[index])
-            around = None if self.room else partial(self.around, index)
-            base, root = place_robot_and_asset(setup, target, nominal, self.options, around, self.robot_shift)
+            surroundings = None if self.room else partial(self.sample_surroundings, index)
+            base, root = place_robot_and_asset(setup, target, nominal, self.options, surroundings, self.robot_shift)
             if self.room:
                 base, root = self.room.stand(base), self.room.world_from_nominal @ root
             bases.append(base)

@@ -8,7 +8,7 @@ from plugins.furniture.colours import PAINTS, STONES, TILES, WOODS, Palette, pic
 from plugins.furniture.finishes import shade
 from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
 from plugins.furniture.model import Size
-from plugins.furniture.recipe import Rng, Sampled, draw_uniform, round_size
+from plugins.furniture.recipe import Rng, Sampled, round_size, uniform
 
 Layout = list[list[str]]  # of kinds of cells; the recipe checks them
 D, P, O = ["door"], ["drawer"], ["open"]  # noqa: E741
@@ -90,7 +90,7 @@ def sample_nightstand(rng: Rng, index: int) -> Sampled:
     ]
     size = box_of(rng, (0.34, 0.44), (0.38, 0.54), (0.42, 0.64))
     base = str(rng.choice(["legs", "legs", "feet", "plinth"]))
-    p = cabinet_of(rng, [layout], base=base, base_height=draw_uniform(rng, 0.08, 0.2), drawer_weight=0.6, shelves=0)
+    p = cabinet_of(rng, [layout], base=base, base_height=uniform(rng, 0.08, 0.2), drawer_weight=0.6, shelves=0)
     return Sampled(size, p)
 
 
@@ -113,7 +113,7 @@ def sample_tv_stand(rng: Rng, index: int) -> Sampled:
         rng,
         layouts[index % 5],
         base=base,
-        base_height=draw_uniform(rng, 0.05, 0.14),
+        base_height=uniform(rng, 0.05, 0.14),
         drawer_weight=0.9,
         shelves=0,
         open_weight=0.7,
@@ -180,7 +180,7 @@ def sample_sideboard(rng: Rng, index: int) -> Sampled:
     layout = [["door"], middle, ["door"]] if index % 2 == 0 else [["door"], middle, middle[:], ["door"]]
     size = box_of(rng, (0.38, 0.50), (1.1, 1.8), (0.55, 0.85))
     base = str(rng.choice(["legs", "feet", "plinth"]))
-    return Sampled(size, cabinet_of(rng, layout, base=base, base_height=draw_uniform(rng, 0.1, 0.22)))
+    return Sampled(size, cabinet_of(rng, layout, base=base, base_height=uniform(rng, 0.1, 0.22)))
 
 
 @category(

@@ -7,7 +7,7 @@ from plugins.furniture.categories.cabinets import Layout, box_of, cabinet_of
 from plugins.furniture.category import category
 from plugins.furniture.colours import APPLIANCE, METALS, pick
 from plugins.furniture.finishes import brightness, shade
-from plugins.furniture.recipe import Rng, Sampled, draw_uniform
+from plugins.furniture.recipe import Rng, Sampled, uniform
 
 
 def _appliance(rng: Rng, layout: Layout, **changes: Any) -> Cabinet:
@@ -91,7 +91,7 @@ def sample_microwave(rng: Rng, index: int) -> Sampled:
     """A glazed door beside a control panel; stands on something."""
     size = box_of(rng, (0.34, 0.44), (0.44, 0.58), (0.26, 0.34))
     p = _appliance(
-        rng, [["door"], ["panel"]], column_weights=[draw_uniform(rng, 2.4, 4.0, digits=2), 1.0], window=True, hinge=-1,
+        rng, [["door"], ["panel"]], column_weights=[uniform(rng, 2.4, 4.0, digits=2), 1.0], window=True, hinge=-1,
         handle_at=0.0, handle_length=0.55, handle_inset=0.022, shelves=0, base="feet" if index % 2 else "none",
         base_height=0.015, board=0.015, placement="object",
     )  # fmt: skip
@@ -110,7 +110,7 @@ def sample_oven(rng: Rng, index: int) -> Sampled:
     size = box_of(rng, (0.55, 0.65), (0.55, 0.68), (0.85, 0.95) if index % 2 else (0.55, 0.65))
     p = _appliance(
         rng, layout, major="rows", window=True, handle_length=0.75, base="plinth", base_height=0.03, shelves=0,
-        panel_weight=draw_uniform(rng, 0.16, 0.28), drawer_weight=0.4,
+        panel_weight=uniform(rng, 0.16, 0.28), drawer_weight=0.4,
     )  # fmt: skip
     return Sampled(size, p)
 
@@ -120,7 +120,7 @@ def _double_oven(rng: Rng, high: bool) -> Sampled:
     size = box_of(rng, (0.56, 0.65), (0.56, 0.74), (1.15, 1.3) if high else (0.86, 0.94))
     p = _appliance(
         rng, [["panel"], ["flap"], ["flap"]], major="rows", window=True, handle_length=0.75, base="plinth",
-        base_height=0.03, shelves=0, panel_weight=draw_uniform(rng, 0.16, 0.24),
+        base_height=0.03, shelves=0, panel_weight=uniform(rng, 0.16, 0.24),
     )  # fmt: skip
     return Sampled(size, p)
 

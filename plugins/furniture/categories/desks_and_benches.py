@@ -20,12 +20,12 @@ from plugins.furniture.recipe import (
     Sampled,
     between,
     chance,
-    draw_uniform,
     in_turn,
     of,
     one_of,
     round_size,
     sampled_by,
+    uniform,
     whole,
 )
 from plugins.furniture.shapes import beam, box, cushion
@@ -43,9 +43,7 @@ class Desk(Generator):
     top_thickness: float = between(0.02, 0.04)
     leg: float = between(0.04, 0.06)
     modesty: bool = chance()  # a board at the back
-    raised: float = sampled_by(
-        lambda rng, index: draw_uniform(rng, 0.18, 0.3) if index % 3 == 2 else 0.0
-    )  # shelf on top
+    raised: float = sampled_by(lambda rng, index: uniform(rng, 0.18, 0.3) if index % 3 == 2 else 0.0)  # shelf on top
     handle: Style = one_of(*HANDLES[:4], shares=list(np.array(HANDLE_SHARES[:4]) / sum(HANDLE_SHARES[:4])))
     panel: PanelStyle = one_of("flat", "frame", "raised")
     top_colour: Coating
@@ -189,7 +187,7 @@ def sample_bench(rng: Rng, index: int) -> Sampled:
     size = round_size(rng.uniform(0.32, 0.45), rng.uniform(0.9, 1.5), rng.uniform(*tall))
     recipe = Bench.sample_parameters(rng, index, back=round(0.45 / size[2], 3) if back else 1.0)
     if recipe.seat == "padded":
-        recipe = recipe.change_parameters(thickness=draw_uniform(rng, 0.07, 0.1))
+        recipe = recipe.change_parameters(thickness=uniform(rng, 0.07, 0.1))
     return Sampled(size, recipe)
 
 

@@ -10,7 +10,7 @@ from plugins.furniture.categories.vessels import ear, hollow
 from plugins.furniture.category import category
 from plugins.furniture.colours import APPLIANCE, GLAZES, METALS, PAINTS, WOODS
 from plugins.furniture.model import FILLED, METAL, PLASTIC, Model, Part, Parts, Size, move_model
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, draw_uniform, in_turn, of, round_size
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, uniform
 from plugins.furniture.shapes import box, cushion, lathe, rod
 
 
@@ -179,6 +179,6 @@ class Jar(Generator):
 @category("jar", founders=4, like="canister, can, tin, tincan", kin="dish")
 def sample_jar(rng: Rng, index: int) -> Sampled:
     """Preserving jars, storage jars with a knob."""
-    diameter = draw_uniform(rng, 0.075, 0.13, 4)
+    diameter = uniform(rng, 0.075, 0.13, 4)
     recipe = Jar.sample_parameters(rng, index)
     return Sampled(round_size(diameter, diameter, diameter * rng.uniform(1.1, 1.9), digits=4), recipe)

@@ -8,7 +8,7 @@ from plugins.furniture.categories.turned import revolve_outline
 from plugins.furniture.category import category
 from plugins.furniture.colours import GLAZES, METALS, SHADES
 from plugins.furniture.model import CERAMIC, METAL, STEEL, WOOD, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, draw_uniform, in_turn, of
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, uniform
 from plugins.furniture.shapes import ball, lathe, rod
 from stages.contracts.library import Placement
 
@@ -73,14 +73,14 @@ def _sample_lamp(rng: Rng, index: int, share: float, feet: list[str], placement:
 @category("floor_lamp", founders=3, count=10, names="standing lamp", kin="lamp")
 def sample_floor_lamp(rng: Rng, index: int) -> Sampled:
     """Tall: disc foot or tripod."""
-    wide, tall = draw_uniform(rng, 0.32, 0.46), draw_uniform(rng, 1.35, 1.7)
-    share = draw_uniform(rng, 0.14, 0.22)
+    wide, tall = uniform(rng, 0.32, 0.46), uniform(rng, 1.35, 1.7)
+    share = uniform(rng, 0.14, 0.22)
     return Sampled((wide, wide, tall), _sample_lamp(rng, index, share, ["disc", "tripod"], "floor"))
 
 
 @category("table_lamp", founders=4, count=10, names="lamp", kin="lamp")
 def sample_table_lamp(rng: Rng, index: int) -> Sampled:
     """Turned ceramic foot or disc."""
-    wide, tall = draw_uniform(rng, 0.22, 0.34), draw_uniform(rng, 0.36, 0.58)
-    share = draw_uniform(rng, 0.35, 0.5)
+    wide, tall = uniform(rng, 0.22, 0.34), uniform(rng, 0.36, 0.58)
+    share = uniform(rng, 0.35, 0.5)
     return Sampled((wide, wide, tall), _sample_lamp(rng, index, share, ["turned", "disc", "turned"], "object"))

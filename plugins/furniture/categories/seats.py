@@ -15,11 +15,11 @@ from plugins.furniture.recipe import (
     Sampled,
     between,
     chance,
-    draw_uniform,
     in_turn,
     of,
     one_of,
     round_size,
+    uniform,
     zero_or,
 )
 from plugins.furniture.shapes import beam, box, cushion, hull, lathe, rod
@@ -183,6 +183,6 @@ class Stool(Generator):
 @category("stool", founders=3, count=10, like="footstool, ottoman", kin="seat")
 def sample_stool(rng: Rng, index: int) -> Sampled:
     """Low stools and bar stools."""
-    wide = draw_uniform(rng, 0.32, 0.42)
+    wide = uniform(rng, 0.32, 0.42)
     recipe = Stool.sample_parameters(rng, index)
-    return Sampled((wide, wide, draw_uniform(rng, 0.42, 0.75)), recipe)
+    return Sampled((wide, wide, uniform(rng, 0.42, 0.75)), recipe)

@@ -15,11 +15,11 @@ from plugins.furniture.recipe import (
     Rng,
     Sampled,
     between,
-    draw_uniform,
     fixed,
     in_turn,
     of,
     round_size,
+    uniform,
 )
 from plugins.furniture.shapes import box, cushion, hull, lathe, rim, rod, rotate
 
@@ -68,11 +68,11 @@ class Clock(Generator):
 @category("clock", founders=4, kin="flat")
 def sample_clock(rng: Rng, index: int) -> Sampled:
     """Round and square."""
-    wide = draw_uniform(rng, 0.22, 0.42)
+    wide = uniform(rng, 0.22, 0.42)
     recipe = Clock.sample_parameters(rng, index)
     if "paint 0.1" in str(recipe.face_colour):
         recipe = recipe.change_parameters(hand_colour=[0.8, 0.8, 0.78])
-    return Sampled((draw_uniform(rng, 0.03, 0.05), wide, wide), recipe)
+    return Sampled((uniform(rng, 0.03, 0.05), wide, wide), recipe)
 
 
 class Mirror(Generator):
@@ -186,5 +186,5 @@ class Candlestick(Generator):
 def sample_candlestick(rng: Rng, index: int) -> Sampled:
     """Turned holders, low and tall."""
     wide, tall = rng.uniform(0.07, 0.12), rng.uniform(0.14, 0.34)
-    radii = [1.0, *rng.uniform(0.14, 0.42, 3).round(3).tolist(), draw_uniform(rng, 0.28, 0.42)]
+    radii = [1.0, *rng.uniform(0.14, 0.42, 3).round(3).tolist(), uniform(rng, 0.28, 0.42)]
     return Sampled(round_size(wide, wide, tall), Candlestick.sample_parameters(rng, index, radii=radii))

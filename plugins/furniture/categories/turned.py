@@ -9,7 +9,7 @@ from plugins.furniture.category import category
 from plugins.furniture.colours import GLAZES, pick
 from plugins.furniture.finishes import Surface, finish_of, shade
 from plugins.furniture.model import FILLED, Model, Part, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, draw_uniform, round_size
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
 from plugins.furniture.shapes import hull, lathe
 
 
@@ -54,8 +54,8 @@ class TurnedVessel(Generator):
 @category("bottle", founders=3, count=10, like="flask", kin="dish")
 def sample_bottle(rng: Rng, index: int) -> Sampled:
     """Straight body, shoulder, neck with a cap."""
-    diameter = draw_uniform(rng, 0.06, 0.09, 4)
-    neck, shoulder = draw_uniform(rng, 0.28, 0.45), draw_uniform(rng, 0.75, 0.95)
+    diameter = uniform(rng, 0.06, 0.09, 4)
+    neck, shoulder = uniform(rng, 0.28, 0.45), uniform(rng, 0.75, 0.95)
     recipe = TurnedVessel(
         radii=[0.95, 1.0, 1.0, 1.0, shoulder, neck, neck],
         straight=False,
@@ -73,7 +73,7 @@ def sample_vase(rng: Rng, index: int) -> Sampled:
     radii = rng.uniform(0.35, 1.0, 5).round(3).tolist()
     radii[0] = max(radii[0], 0.5)
     colour = pick(rng, GLAZES)
-    diameter = draw_uniform(rng, 0.10, 0.22, 4)
+    diameter = uniform(rng, 0.10, 0.22, 4)
     recipe = TurnedVessel(
         radii=radii,
         straight=index % 4 == 3,

@@ -14,11 +14,11 @@ from plugins.furniture.recipe import (
     Rng,
     Sampled,
     between,
-    draw_uniform,
     fixed,
     in_turn,
     of,
     round_size,
+    uniform,
     zero_or,
 )
 from plugins.furniture.shapes import cushion, hull, lathe, rod, shell_pieces
@@ -68,7 +68,7 @@ def sample_bowl(rng: Rng, index: int) -> Sampled:
     size = round_size(2 * radius, 2 * radius, radius * rng.uniform(0.55, 1.15), digits=4)
     colour = pick(rng, GLAZES)
     inside = colour if rng.random() < 0.5 else pick(rng, GLAZES)
-    bulge = draw_uniform(rng, 0.3, 0.95)
+    bulge = uniform(rng, 0.3, 0.95)
     return Sampled(size, Bowl.sample_parameters(rng, index, bulge=bulge, colour=colour, inside=inside))
 
 
@@ -146,10 +146,10 @@ class Plate(Generator):
 @category("plate", founders=3, count=10, kin="dish")
 def sample_plate(rng: Rng, index: int) -> Sampled:
     """Small to large, flat to deep."""
-    diameter = draw_uniform(rng, 0.18, 0.28, 4)
+    diameter = uniform(rng, 0.18, 0.28, 4)
     colour = pick(rng, GLAZES)
     recipe = Plate.sample_parameters(rng, index, colour=colour)
-    return Sampled((diameter, diameter, draw_uniform(rng, 0.018, 0.045, 4)), recipe)
+    return Sampled((diameter, diameter, uniform(rng, 0.018, 0.045, 4)), recipe)
 
 
 class CookingPot(Generator):
@@ -185,7 +185,7 @@ class CookingPot(Generator):
 @category("cooking_pot", founders=3, count=10, names="kitchen pot, pot", kin="dish, plant")
 def sample_cooking_pot(rng: Rng, index: int) -> Sampled:
     """Low casserole to tall stock pot."""
-    diameter, lid = draw_uniform(rng, 0.18, 0.30, 4), index % 2 == 0
+    diameter, lid = uniform(rng, 0.18, 0.30, 4), index % 2 == 0
     height = diameter * rng.uniform(0.45, 0.9) * (1.3 if lid else 1.0)
     colour = pick(rng, METALS, GLAZES)
 

@@ -12,12 +12,12 @@ from plugins.furniture.recipe import (
     Generator,
     between,
     chance,
-    draw_uniform,
     fixed,
     in_turn,
     of,
     one_of,
     round_size,
+    uniform,
     whole,
     zero_or,
 )  # fmt: skip
@@ -55,7 +55,7 @@ def test_fields_are_sampled_within_their_ranges() -> None:
 
 def test_what_is_given_takes_no_random_numbers_and_a_function_is_called_in_its_turn() -> None:
     rng = np.random.default_rng(5)
-    expected = draw_uniform(rng, 0.2, 0.4)
+    expected = uniform(rng, 0.2, 0.4)
     plain, given = thing(), thing(rim=0.015)
     assert plain.wide == given.wide == expected
     assert given.legs == int(rng.integers(3, 5)), "the rim was not sampled"

@@ -19,7 +19,7 @@ DRAWING_ERROR = 0.002  # metres: less is an error of drawing
 
 
 class MetrologyError(Exception):
-    """What was drawn has no meaning in space; the message says why, for the person who drew it."""
+    """The marks fit nothing in space; the message says why, for the person who drew them."""
 
 
 def rotation_of(yaw: float, pitch: float, roll: float) -> Points:
@@ -31,7 +31,7 @@ def rotation_of(yaw: float, pitch: float, roll: float) -> Points:
 
 
 class RearCornerError(MetrologyError):
-    """The pixel of a rear corner has no meaning; all else of the box has."""
+    """The pixel of a rear corner fits nothing in space; the other pixels of the box do."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class WallPlane:
         return np.array([-self.normal[1], self.normal[0], 0.0])
 
     def reach(self, rays: ArrayLike) -> Points:
-        """Depth (...) at which rays (..., 3) from the camera meet it from before, inf where they miss it."""
+        """Depth (...) at which rays (..., 3) from the camera hit its front; inf: they miss it."""
         towards, sideways = np.asarray(rays) @ self.normal, np.asarray(rays) @ self.along
         with np.errstate(divide="ignore", invalid="ignore"):
             reach = np.where(towards < 0, self.offset / towards, np.inf)
@@ -216,10 +216,10 @@ def round_box(
     pixels: list[tuple[float, float]],
     sizes: tuple[float | None, float | None, float | None],
 ) -> UprightBox:
-    """The box around a round thing, from the left and right end of its foot, which lie beside its centre, and its top.
+    """The box around a round thing, from the left and right end of its base, level with its centre, and its top.
 
     Args:
-        pixels: two or three; without the third it is flat. If that lies farther to a side than its foot does, its top
+        pixels: two or three; without the third it is flat. If that lies farther to a side than its base does, its top
             ends there.
         sizes: width, depth and height in metres where they are known; its centre stays.
     """

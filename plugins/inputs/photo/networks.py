@@ -1,6 +1,6 @@
 """The pretrained networks, through `transformers`: boxes by labels, masks by boxes, depth.
 
-Each function loads its network and lets it go again, so that only one is in memory at a time. Pictures are prepared
+Each function loads its network and frees it, so that only one is in memory at a time. Pictures are prepared
 here as the networks' own preprocessors do it, which need torchvision.
 """
 

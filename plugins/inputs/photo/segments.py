@@ -107,7 +107,7 @@ def _guides(ends: Points, axes: NDArray[np.integer]) -> list[Guide]:
 
 
 def propose(grey: NDArray[np.uint8], prior: Perspective, seed: int = 0) -> Perspective:
-    """Guides along the three axes of the room, and the focal length that all segments speak for.
+    """Guides along the three axes of the room, and the focal length that fits all segments.
 
     Without lines that agree there are no guides, and the camera is the usual one.
 

@@ -25,7 +25,7 @@ Pixels = NDArray[np.uint8]
 
 @dataclass(frozen=True)
 class Relative:
-    """A cousin, and the number that put it in its place (empty: there is none)."""
+    """A cousin, and the number by which it was ranked (empty: there is none)."""
 
     cousin: Cousin
     number: str
@@ -103,7 +103,7 @@ def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Al
 
 
 def explain_order(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str]]:
-    """What put cousins in their order, in words, and the number of each."""
+    """How cousins were ranked, in words, and the number of each."""
     if cousins and not cousins[0].fits:
         return "no model fits what is seen: ordered by name, doors and drawers, size and place", [""] * len(cousins)
     if cousins and all(cousin.score is not None for cousin in cousins):
@@ -149,7 +149,7 @@ def crop_object(rgb: Pixels, item: SceneObject) -> Pixels:
 
 
 def fade_background(rgb: Pixels, mask: NDArray[np.bool_]) -> Pixels:
-    """The picture, half-way to white outside of the mask."""
+    """The picture, faded half-way to white outside the mask."""
     return np.where(mask[..., None], rgb, (rgb.astype(np.uint16) + 255) // 2).astype(np.uint8)
 
 

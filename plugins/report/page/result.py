@@ -20,7 +20,7 @@ from stages.tables.text import count, percent
 
 @dataclass(frozen=True)
 class Result:
-    """Of a target or a policy there: a chart; what cousins brought, in a line and in sentences."""
+    """The result of a target, or of one policy on it: a chart, a headline and sentences on what cousins brought."""
 
     target: str
     title: str
@@ -88,7 +88,7 @@ def describe_outcome(rooms: Sequence[RoomPart], models: int, results: Sequence[R
 
 
 def compare_over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: Kinds) -> list[Result]:
-    """One for every target with unseen assets, over its first set; `table` as `assets.build` gives."""
+    """A result for every target with unseen assets, over its first set; `table` as `assets.build` gives."""
     found = []
     for target, mine in table.groupby("target", sort=False) if table is not None else ():
         policies = mine[mine["training_set"] != SKILL]
@@ -113,7 +113,7 @@ def _of(claims: pd.DataFrame | None, target: object) -> pd.DataFrame | None:
 
 
 def compare_over_roles(cells: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: Kinds) -> list[Result]:
-    """One for every target and policy with rollouts on the roles of Table 3."""
+    """A result for every target and policy with rollouts on the roles of Table 3."""
     found = []
     judged = None if claims is None else claims[claims["over"] == "roles"]
     for (target, policy), mine in cells.groupby(["target", "policy"], sort=False) if cells is not None else ():

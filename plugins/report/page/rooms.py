@@ -63,7 +63,7 @@ class Reconstruction:
 
     @property
     def fewer(self) -> dict[int, list[str]]:
-        """Objects that have fewer models than there are scenes, by how many they have."""
+        """Objects with fewer different models than there are scenes, by that number."""
         found: dict[int, list[str]] = {}
         for name, models in sorted(self.distinct.items(), key=lambda item: item[1]):
             if models < len(self.scenes):
@@ -72,13 +72,13 @@ class Reconstruction:
 
     @property
     def shown(self) -> int:
-        """The rank whose picture is seen first: of cousins that are no twins, where there is one."""
+        """The rank that is shown first: one without twins, where there is one."""
         ranks = [scene.rank for scene in self.scenes if scene.picture]
         return ranks[1] if self.furnished and len(ranks) > 1 else ranks[0]
 
     @property
     def title(self) -> str:
-        """Its name, and what compared and decided in this run."""
+        """Its name, with the encoder and the judge of this run."""
         named = {"encoder": self.encoder, "judge": self.judge}
         return " · ".join([f"Variant {self.variant}", *(f"{what} {name}" for what, name in named.items() if name)])
 

@@ -84,7 +84,7 @@ def links(files: RunFiles, name: str, page: Path) -> dict[str, str]:
 
 
 class Listed(NamedTuple):
-    """Doubts of one cause: what helps, and things, what may be wrong, and the command that opens each (or nothing)."""
+    """Doubts of one cause: what helps; then for each object the doubt and the command that opens it (or nothing)."""
 
     title: str
     mend: str
@@ -92,7 +92,7 @@ class Listed(NamedTuple):
 
 
 def doubts(room: RoomPart, rebuilt: Reconstruction | None) -> list[Listed]:
-    """What may be wrong and a person can mend, gravest first."""
+    """Doubts that a person can mend, gravest first."""
     correct = rebuilt.correct if rebuilt else ""
     failed = [
         (f"{one} failed in {stage}", reason, correct and correct + one)
@@ -123,7 +123,7 @@ def _group_doubts(found: list[tuple[str, Doubt]], correct: str, objects: Collect
 
 
 def list_further_doubts(rebuilt: Reconstruction | None) -> list[tuple[list[int], list[Listed]]]:
-    """Ranks, and what may be wrong in all of their scenes beyond what is in doubt at rank 1."""
+    """Further doubts of other ranks: ranks, and the doubts that all their scenes share beyond those of rank 1."""
     alike: dict[tuple[tuple[str, Doubt], ...], list[int]] = {}
     for scene in rebuilt.scenes if rebuilt else []:
         alike.setdefault(tuple(scene.doubts), []).append(scene.rank)
@@ -132,7 +132,7 @@ def list_further_doubts(rebuilt: Reconstruction | None) -> list[tuple[list[int],
 
 
 def notes(rebuilt: Reconstruction | None) -> list[tuple[str, str]]:
-    """Thing by thing what is worth knowing, with nothing to do about it."""
+    """Notes by object that need no action."""
     return [
         (match.entry.id.replace("_", " "), note)
         for match in (rebuilt.matches if rebuilt else [])

@@ -1,4 +1,4 @@
-"""Batches of pictures as sensors see them, and what the network is to say of them."""
+"""Batches of pictures as sensors see them, with the targets of the network."""
 
 from dataclasses import dataclass
 
@@ -20,9 +20,12 @@ MIRRORED = [1, 4]  # channels of the input that change sign: y of the point and 
 
 @dataclass(frozen=True)
 class Batch:
-    """`inputs` (B, CHANNELS, H, W); of every second pixel (B, h, w) whose it is `owner`, as in `Picture`, how many
-    pixels that owner has `area`, and (B, 3, h, w) the way to its centre `offset`, and (B, h, w) the `radius` of its
-    box, metres; `known` (B, h, w): where depth is known."""
+    """Inputs and, for every second pixel, targets.
+
+    inputs: (B, CHANNELS, H, W). owner: (B, h, w) as in `Picture`. area: (B, h, w) pixels of that owner. offset:
+    (B, 3, h, w) metres from the pixel's point to the centre of its thing. radius: (B, h, w) of its box, metres.
+    known: (B, h, w) where depth is known.
+    """
 
     inputs: Tensor
     owner: Tensor
@@ -67,7 +70,7 @@ def example(picture: Picture, rng: Rng) -> dict[str, NDArray[np.float32]]:
 
 
 def boxes(points: Array, owner: NDArray[np.int64]) -> tuple[Array, Array, Array]:
-    """Of every pixel its thing's centre (H, W, 3) and radius (H, W), of the box of what is seen, and pixels (H, W)."""
+    """For every pixel: centre (H, W, 3) and radius (H, W) of its thing's visible box, metres; area (H, W), pixels."""
     index = np.arange(NOTHING + 1)
     counts = np.bincount(owner.ravel(), minlength=NOTHING + 1)
     low, high = np.zeros((NOTHING + 1, 3)), np.zeros((NOTHING + 1, 3))

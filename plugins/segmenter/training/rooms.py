@@ -27,7 +27,7 @@ FLOOR, WALL = 0, 1  # owners; things are numbered from 2 on
 
 @dataclass(frozen=True)
 class Placed:
-    """A solid stretched by `scale` (3,), turned by `yaw`, its foot at `position`; on the floor, a wall or a thing."""
+    """A solid stretched by `scale` (3,), turned by `yaw`, its base at `position`; on the floor, a wall or a thing."""
 
     solid: Solid
     scale: Array
@@ -66,13 +66,13 @@ class Room:
     things: list[Placed] = field(default_factory=list)
 
     def is_free(self, new: Placed, others: Sequence[Placed]) -> bool:
-        """Whether its box from above meets no other's that stands as high, and no wall."""
+        """Whether a new thing overlaps no wall and no other thing at its height, by their boxes from above."""
         corners = new.corners()
         if (corners < -1e-6).any() or (corners > self.size[:2] + 1e-6).any():
             return False
         low, high = new.position[2], new.position[2] + new.size[2]
-        beside = [o for o in others if o.position[2] < high - 0.01 and o.position[2] + o.size[2] > low + 0.01]
-        return not any(_overlap(corners, other.corners()) for other in beside)
+        level = [o for o in others if o.position[2] < high - 0.01 and o.position[2] + o.size[2] > low + 0.01]
+        return not any(_overlap(corners, other.corners()) for other in level)
 
 
 def _overlap(a: Array, b: Array) -> bool:
@@ -185,8 +185,8 @@ def _seat(room: Room, table: Placed, side: int, pool: dict[str, list[Solid]], rn
     half = table.size[side % 2] / 2
     off = half + solid.size[0] / 2 * rng.uniform(-0.3, 1.2)
     shift = rng.uniform(-0.35, 0.35) * table.size[1 - side % 2]
-    out, beside = (np.array([np.cos(t), np.sin(t)]) for t in (angle, angle + np.pi / 2))
-    point = table.position[:2] + off * out + shift * beside
+    out, along = (np.array([np.cos(t), np.sin(t)]) for t in (angle, angle + np.pi / 2))
+    point = table.position[:2] + off * out + shift * along
     new = Placed(solid, scale, angle + np.pi + rng.normal(0, 0.25), np.array([*point, 0.0]), FLOOR)
     if room.is_free(new, [thing for thing in room.things if thing is not table]):
         room.things.append(new)

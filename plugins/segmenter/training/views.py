@@ -1,4 +1,4 @@
-"""What a camera sees of a random room: depth, owners and colours, by rays."""
+"""Ray-cast views of a random room: depth, owners and colours."""
 
 from dataclasses import dataclass
 
@@ -44,7 +44,7 @@ class Seen:
 
 
 class Caster:
-    """A room as Open3D's rays see it, with the colours of all its parts drawn anew."""
+    """A room in Open3D's ray-casting scene, with randomly drawn colours."""
 
     def __init__(self, room: Room, rng: Rng) -> None:
         self.room = room
@@ -168,7 +168,7 @@ def _light(room: Room, rng: Rng) -> tuple[Array, Array, Array]:
 
 
 def look(caster: Caster, width: int, height: int, rng: Rng) -> Seen | None:
-    """A picture from somewhere in the room, a fourth of them of a table's top; None: too near to something."""
+    """A picture from a random place in the room, one in four of a table top; None: something is too near."""
     room = caster.room
     tables = [k for k, thing in enumerate(room.things) if thing.solid.kind in TABLES and thing.support == FLOOR]
     laid = [k for k in tables if any(thing.support == k + 2 for thing in room.things)]
