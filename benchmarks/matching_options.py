@@ -144,7 +144,7 @@ class Rooms:
         paths = []
         for shard in sorted((self.results / "assets/snapshots").glob("*.h5")):
             paths.append(self.folder / shard.with_suffix(".npy").name)
-            features(snapshots=shard, out=paths[-1], options=json.dumps(self.options.stored()))
+            features(snapshots=shard, out=paths[-1], options=json.dumps(self.options.keep_stored()))
         return FeatureStore(paths, settings_digest(self.options, make_encoder(self.options)))
 
     def things(self, colour: float) -> list[Thing]:

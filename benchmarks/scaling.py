@@ -52,10 +52,10 @@ class Repeated:
         rows = self.codec.decode(self.codes[original]) if self.codec else self.store.rows(original)
         return rows * np.float32(1 + 0.001 * int(copy or 0))
 
-    def wholes(self, asset: str, views: Sequence[int]) -> NDArray[np.float32]:
+    def read_wholes(self, asset: str, views: Sequence[int]) -> NDArray[np.float32]:
         """Views of a copy as wholes."""
         name, _, copy = asset.partition("-copy")
-        return self.store.wholes(name, views) * np.float32(1 + 0.001 * int(copy or 0))
+        return self.store.read_wholes(name, views) * np.float32(1 + 0.001 * int(copy or 0))
 
 
 def grow_library(library: Library, models: int) -> Library:

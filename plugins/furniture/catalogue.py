@@ -59,7 +59,7 @@ def _sample_indexed(category: str, index: int, seed: int, variations: bool = Tru
 
 
 @cache
-def opens(category: str) -> tuple[bool, bool]:
+def has_fronts(category: str) -> tuple[bool, bool]:
     """Whether founders of a category have doors (or flaps), and whether they have drawers."""
     record = CATEGORIES.get(category)
     counts = [_fronts(category, k, 0) for k in range(record.founders)] if record else []

@@ -66,7 +66,7 @@ class Solid:
             o3d.core.Tensor.from_numpy(triangles.astype(np.uint32)),
         )
 
-    def placed(self, box: UprightBox) -> Array:
+    def place_outline(self, box: UprightBox) -> Array:
         """Its outermost vertices (N, 3) when its box is `box`."""
         return self.outermost * box.size @ yaw_matrix(box.yaw).T + box.center
 

@@ -67,7 +67,7 @@ def _frames(files: RunFiles) -> dict[str, pd.DataFrame]:
     """The CSV tables of the run that have rows, by name; integers with missing values stay integers."""
     found = {}
     for name, columns in COLUMNS.items():
-        if path := files.one(f"tables/{name}.csv"):
+        if path := files.find_first(f"tables/{name}.csv"):
             table = read_table(path, columns, ["scene", "variant", "judge", *CELL, "task"])
             found[name] = table.convert_dtypes(
                 infer_objects=False, convert_string=False, convert_boolean=False, convert_floating=False
@@ -77,7 +77,7 @@ def _frames(files: RunFiles) -> dict[str, pd.DataFrame]:
 
 def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: PolicyTables) -> str:
     album, frames = Album(options.picture_width, options.picture_quality), _frames(files)
-    kinds, trainings = kinds_of(options), read_trainings(files.one("tables/trainings.csv"))
+    kinds, trainings = kinds_of(options), read_trainings(files.find_first("tables/trainings.csv"))
     notes = [*policy_notes(options), *failed_note(trainings)]
     trained = [trainings_table(trainings)] if len(trainings) else []
 
@@ -92,7 +92,7 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
     models, targets = library.collect(files, album), policies.collect(files, album, options.confidence)
     shown = rooms.collect(files, album)
     opened = [room for target in targets for room in shown if room.name == target.scene]
-    drawings = {name: (files.one(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
+    drawings = {name: (files.find_first(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
     return (
         environment("plugins.report")
         .get_template("page/page.html.jinja")
@@ -169,7 +169,9 @@ def run(
     declared = RunFiles(files, {room: path for (room, _), path in parse_comparisons(images, "--images").items()})
     facts: dict[str, Any] = {"title": title, "config_page": CONFIG_PAGE if config else "", "seed": seed, "more": more}
     facts |= {"viewer": link_to(viewer, out)}
-    facts |= {"pages": {path.stem: link_there_and_back(path, out) for path in declared.all("report/scenes/*.html")}}
+    facts |= {
+        "pages": {path.stem: link_there_and_back(path, out) for path in declared.find_all("report/scenes/*.html")}
+    }
     page = _page(declared, published, facts, settings)
     jobs = read_jobs(benchmarks, benchmarks_root)
     tables = [times_table(by_stage(jobs, STAGES)), longest_table(jobs)] if len(jobs) else []

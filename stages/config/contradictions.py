@@ -72,7 +72,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
         what = f"'{USUAL}' is what the table calls section evaluation itself"
         yield Mistake("evaluation.conditions", what, "give the condition another name", "E-CONFIG-NAME")
     for key in ("rooms", "training_sets", "held_out", "seeds"):
-        yield from _twice(f"experiment.{key}", getattr(experiment, key))
+        yield from _list_repeated(f"experiment.{key}", getattr(experiment, key))
     for key, chosen in (
         ("placements", experiment.placements),
         *((f"protocols.{name}.variants", protocol.variants or []) for name, protocol in experiment.protocols.items()),
@@ -88,13 +88,13 @@ def _names(config: "Config") -> Iterator[Mistake]:
             yield Mistake(f"experiment.placements.{variant}.ranks", "is one for all variants", "set generation.ranks")
     for name, policy in experiment.policies.items():
         for key in ("targets", "training_sets", "runs", "seeds"):
-            yield from _twice(f"experiment.policies.{name}.{key}", getattr(policy, key) or ())
+            yield from _list_repeated(f"experiment.policies.{name}.{key}", getattr(policy, key) or ())
     for name, protocol in experiment.protocols.items():
-        yield from _twice(f"experiment.protocols.{name}.seeds", protocol.seeds)
-    yield from _twice("evaluation.test_assets", config.evaluation.test_assets)
+        yield from _list_repeated(f"experiment.protocols.{name}.seeds", protocol.seeds)
+    yield from _list_repeated("evaluation.test_assets", config.evaluation.test_assets)
 
 
-def _twice(key: str, values: Iterable[object]) -> Iterator[Mistake]:
+def _list_repeated(key: str, values: Iterable[object]) -> Iterator[Mistake]:
     for value, count in Counter(values).items():
         if count > 1:
             yield Mistake(key, f"'{value}' is named {count} times", "name it once", "E-CONFIG-TWICE")

@@ -65,7 +65,7 @@ class EncoderOptions(Section):
         """The options of encoders that are not used."""
         return {"hog", "dinov2"} - {self.encoder}
 
-    def stored(self) -> dict[str, Any]:
+    def keep_stored(self) -> dict[str, Any]:
         """The options that the rows of a feature store depend on: weights are laid on them later."""
         given = getattr(self, self.encoder, None)
         if not isinstance(given, Section):
@@ -77,7 +77,7 @@ class EncoderOptions(Section):
 
     def store(self) -> str:
         """Name of the feature store: two variants share one if it holds the same for both."""
-        digest = sha256(json.dumps(self.stored(), sort_keys=True).encode()).hexdigest()
+        digest = sha256(json.dumps(self.keep_stored(), sort_keys=True).encode()).hexdigest()
         return f"{shorten_name(self.encoder)}-{digest[:8]}"
 
 

@@ -75,7 +75,7 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
 def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str]) -> dict[str, Any]:
     """The --options of a verb."""
     if (stage, verb) == ("matching", "features"):
-        return stores(config)[wildcards["store"]].stored()
+        return stores(config)[wildcards["store"]].keep_stored()
     section, reads = section_of(config, stage, wildcards), READS[stage, verb]
     if beside := {name: getattr(config, name).model_dump() for name in _sections(reads, section, config)}:
         section = reads.model_construct(**dict(section), **beside)

@@ -99,7 +99,7 @@ class ModelConstraints(RecipePart):
         wishes = [f"{name} {getattr(self, name)}" for name in type(self).model_fields if name in self.model_fields_set]
         return ", ".join(wishes) or "any size"
 
-    def fits(self, asset: Asset) -> bool:
+    def accepts(self, asset: Asset) -> bool:
         """Whether the model will do."""
         numbers = [
             (asset.doors, self.doors),

@@ -46,7 +46,7 @@ class Sight:
         """Standard deviation, metres, of the points along the ray, caused by depth noise."""
         return self.error(float(np.linalg.norm(self.points.mean(axis=0) - self.camera)))
 
-    def ends(self, yaw: float, trim: float, deviations: float) -> Array:
+    def measure_ends(self, yaw: float, trim: float, deviations: float) -> Array:
         """Lowest and highest level coordinates (2, 2) of the points along axes turned by `yaw`.
 
         Noise puts points outside the faces, so `deviations` standard deviations are taken off at both ends.
@@ -75,7 +75,7 @@ class Sight:
         """
         turn = yaw_matrix(yaw)[:2, :2]
         center, size = box.center.copy(), box.size.copy()
-        level, limits = self.points[:, :2] @ turn, self.ends(yaw, trim, END_SHIFT)
+        level, limits = self.points[:, :2] @ turn, self.measure_ends(yaw, trim, END_SHIFT)
         for axis, along in enumerate(self.ray[:2] @ turn):
             near = 1 if along < 0 else 0
             face = (

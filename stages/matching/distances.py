@@ -65,6 +65,8 @@ def measure_distances(
 ) -> list[float]:
     """Embedding distance of one asset's representative snapshot to that of each of `assets`; 0 to itself."""
     view = store.representative
-    query = Query(apply_weights(store.rows(Snapshot(asset, view)), weights), weights, store.wholes(asset, [view])[0])
+    query = Query(
+        apply_weights(store.rows(Snapshot(asset, view)), weights), weights, store.read_wholes(asset, [view])[0]
+    )
     ranking = rank(query, [Snapshot(other, view) for other in assets], range(len(assets)), store, options, 1)
     return ranking.distances.tolist()

@@ -125,7 +125,7 @@ def shortlist(
     views, factors = choose_views(store, options), whole_weights(query.weights)
     squared, _ = load_search(options.search)(
         apply_weights(query.whole[None], factors),
-        lambda number: apply_weights(store.wholes(assets[number].id, views), factors),
+        lambda number: apply_weights(store.read_wholes(assets[number].id, views), factors),
         len(assets),
         False,
     )

@@ -99,7 +99,7 @@ class FeatureStore:
         rows, codec = self._arrays[shard][starts[at] : starts[at + 1]], self._codecs[shard]
         return codec.decode(rows) if codec else rows
 
-    def wholes(self, asset: str, views: Sequence[int]) -> NDArray[np.float16]:
+    def read_wholes(self, asset: str, views: Sequence[int]) -> NDArray[np.float16]:
         """Some views of an asset, each as one vector (V, W)."""
         shard, position = self._where[asset]
         return self._wholes[shard][np.array(views) + position * (len(self.yaws) + 1)]

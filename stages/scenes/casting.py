@@ -40,7 +40,7 @@ def choose_models(
     chosen: dict[str, Asset] = {}
     left = {name: asset for name, asset in models.items() if name in free}
     for item in room.items:
-        able = [name for name, one in left.items() if one.category == item.category and item.model.fits(one)]
+        able = [name for name, one in left.items() if one.category == item.category and item.model.accepts(one)]
         if not able:
             raise InputError(
                 library,

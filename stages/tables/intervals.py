@@ -137,10 +137,10 @@ def score_interval(ours: Floats, theirs: Floats, confidence: float) -> Interval:
     (p_low, p_high), (q_low, q_high) = (wilson_of_rate(rate, len(ours), confidence) for rate in (p, q))
     phi = correlation(ours, theirs)
 
-    def added(a: float, b: float) -> float:
+    def add_in_quadrature(a: float, b: float) -> float:
         return float(np.sqrt(max(a * a - 2 * phi * a * b + b * b, 0.0)))
 
-    return Interval(p - q - added(p - p_low, q_high - q), p - q + added(p_high - p, q - q_low))
+    return Interval(p - q - add_in_quadrature(p - p_low, q_high - q), p - q + add_in_quadrature(p_high - p, q - q_low))
 
 
 def difference_interval(ours: Side, theirs: Side, options: TablesConfig, same: bool = False) -> Interval:

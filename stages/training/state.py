@@ -38,7 +38,7 @@ class TrainingState:
             self.best_step, self.best_loss = self.step, validation_loss
             self.best = copy_weights(policy.state_dict())
 
-    def due(self, every: int) -> bool:
+    def is_due(self, every: int) -> bool:
         """Whether `every` steps have passed since the last save."""
         return self.step - self.saved >= every
 

@@ -88,7 +88,7 @@ def _folder_key(path: Path) -> Any:
 
 def _curves(files: RunFiles, target: str) -> dict[str, Markup]:
     found = {}
-    for path in sorted(files.all(f"training/{target}/*/*/*/*/metrics.jsonl"), key=_folder_key):
+    for path in sorted(files.find_all(f"training/{target}/*/*/*/*/metrics.jsonl"), key=_folder_key):
         step, series = losses(read_metrics(path))
         name = _policy_name(path.parent)
         if chart := line_chart(series, step, f"Loss of the policy {name}"):
@@ -97,7 +97,7 @@ def _curves(files: RunFiles, target: str) -> dict[str, Markup]:
 
 
 def _rollouts(files: RunFiles, target: str, album: Album) -> dict[str, list[FilmedAsset]]:
-    archives = sorted(files.all(f"evaluation/policies/{target}/*/*/*/*/films.zip"), key=_folder_key)
+    archives = sorted(files.find_all(f"evaluation/policies/{target}/*/*/*/*/films.zip"), key=_folder_key)
     named = {_policy_name(path.parent): path for path in archives}
     films = {name: read_films(path, f"Rollout of the policy {name},", album) for name, path in named.items()}
     return {name: cells for name, cells in films.items() if cells}
@@ -122,12 +122,14 @@ def _target(
     files: RunFiles, target: str, chosen: Path | None, album: Album, snapshots: Snapshots, confidence: float
 ) -> TargetPart:
     assets = read_json(TaskAssets, chosen) if chosen else None
-    ledgers = sorted(files.all(f"demonstrations/{target}/*/attempts.jsonl"), key=lambda path: set_key(path.parent.name))
+    ledgers = sorted(
+        files.find_all(f"demonstrations/{target}/*/attempts.jsonl"), key=lambda path: set_key(path.parent.name)
+    )
     roles = {path.parent.name for path in ledgers}
     tables = [roles_table(assets, roles, f"roles-{target}", "Assets by role.")] if assets else []
     films = [
         film for path in ledgers
-        for film in read_films(files.one(f"{target}/{path.parent.name}/films.zip"), "Demonstration", album)
+        for film in read_films(files.find_first(f"{target}/{path.parent.name}/films.zip"), "Demonstration", album)
     ]  # fmt: skip
     return TargetPart(
         target=target,
@@ -140,15 +142,15 @@ def _target(
         films=films,
         curves=_curves(files, target),
         rollouts=_rollouts(files, target, album),
-        in_scenes=read_films(files.one(f"{target}/in_scene/films.zip"), "Demonstration in the scene", album),
-        not_in_scenes=_list_not_in_scenes(files.one(f"demonstrations/{target}/in_scene/in_scene.json")),
+        in_scenes=read_films(files.find_first(f"{target}/in_scene/films.zip"), "Demonstration in the scene", album),
+        not_in_scenes=_list_not_in_scenes(files.find_first(f"demonstrations/{target}/in_scene/in_scene.json")),
     )
 
 
 def collect(files: RunFiles, album: Album, confidence: float) -> list[TargetPart]:
     """Every target of the run."""
-    snapshots = Snapshots(files.all("assets/snapshots/shard_*.h5"))
-    chosen = {path.parent.name: path for path in files.all("experiment/*/*/assets.json")}
+    snapshots = Snapshots(files.find_all("assets/snapshots/shard_*.h5"))
+    chosen = {path.parent.name: path for path in files.find_all("experiment/*/*/assets.json")}
     named = [
         *chosen,
         *files.names("demonstrations/*/*/attempts.jsonl", 1),

@@ -124,9 +124,9 @@ def _scene(scene: GeneratedScene, found: Findings, picture: Picture | None) -> R
 
 def _evidence(files: RunFiles, room: str, found: Findings, image: Path | None) -> Evidence:
     """What the run has of a room beside its objects."""
-    path, objects = files.one(f"extraction/{room}/objects.json"), found.objects
+    path, objects = files.find_first(f"extraction/{room}/objects.json"), found.objects
     assert path is not None and objects is not None
-    masks, clouds = (files.one(f"extraction/{room}/{name}") for name in ("masks.png", "clouds.npz"))
+    masks, clouds = (files.find_first(f"extraction/{room}/{name}") for name in ("masks.png", "clouds.npz"))
     rgb = read_rgb(image) if image else None
     return Evidence(
         objects,
@@ -158,15 +158,15 @@ def origins(files: RunFiles, name: str) -> dict[str, Provenance]:
         (Cousins, f"matching/*/{name}/cousins.json"),
         (GeneratedScene, f"generation/*/{name}/scene_1.json"),
     ]
-    found = {path: read_json(kind, path).made for kind, pattern in kinds for path in files.all(pattern)}
+    found = {path: read_json(kind, path).made for kind, pattern in kinds for path in files.find_all(pattern)}
     return {"/".join(path.parts[-3:]): provenance for path, provenance in found.items() if provenance is not None}
 
 
 def _findings(files: RunFiles, name: str, variant: str) -> Findings:
     return Findings.read(
-        files.one(f"extraction/{name}/objects.json"),
-        files.one(f"matching/{variant}/{name}/cousins.json"),
-        files.all(f"generation/{variant}/{name}/scene_*.json"),
+        files.find_first(f"extraction/{name}/objects.json"),
+        files.find_first(f"matching/{variant}/{name}/cousins.json"),
+        files.find_all(f"generation/{variant}/{name}/scene_*.json"),
     )
 
 
@@ -178,13 +178,15 @@ def _reconstruction(
     if cousins and found.objects:
         evidence = _evidence(files, name, found, image)
         matches = [match(entry, item, evidence, album, snapshots) for entry, item in found.matched]
-    alt, view = f"Reconstruction of {title(name)} from cousins of rank", files.one(f"{folder}/view.glb")
+    alt, view = f"Reconstruction of {title(name)} from cousins of rank", files.find_first(f"{folder}/view.glb")
     return Reconstruction(
         variant=variant,
         encoder=shorten_name(cousins.encoder) if cousins else "",
         judge=_judge(cousins) if cousins else "",
         scenes=[
-            _scene(scene, found, album.maybe(files.one(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}"))
+            _scene(
+                scene, found, album.maybe(files.find_first(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}")
+            )
             for scene in found.scenes
         ],
         matches=matches,
@@ -208,7 +210,7 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
         name=name,
         title=label.capitalize(),
         input=album.maybe(files.images.get(name), f"Input picture of {label}"),
-        overview=album.maybe(files.one(f"extraction/{name}/overview.png"), f"What extraction found in {label}"),
+        overview=album.maybe(files.find_first(f"extraction/{name}/overview.png"), f"What extraction found in {label}"),
         objects=len(next(iter(found.values())).seen),
         failures=failures,
         reconstructions=[
@@ -221,7 +223,7 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
 
 def collect(files: RunFiles, album: Album) -> list[RoomPart]:
     """Every room of the run, in order."""
-    snapshots = Snapshots(files.all("assets/snapshots/shard_*.h5"))
+    snapshots = Snapshots(files.find_all("assets/snapshots/shard_*.h5"))
     patterns = ("extraction/*/objects.json", "generation/*/*/scene_*.json")
     names = {*files.images, *(name for pattern in patterns for name in files.names(pattern, 0))}
     return [_room(files, name, album, snapshots) for name in sorted(names, key=sort_key)]

@@ -34,7 +34,7 @@ class InputFacts:
 
 def input_facts(files: RunFiles, name: str, camera: Path, album: Album) -> InputFacts:
     """What is known of the camera and the room."""
-    path = files.one(f"extraction/{name}/objects.json")
+    path = files.find_first(f"extraction/{name}/objects.json")
     note = read_json(Camera, camera).note
     if path is None:
         return InputFacts([], None, "")
@@ -79,7 +79,7 @@ def links(files: RunFiles, name: str, page: Path) -> dict[str, str]:
     """The scenes (GLB), and what the stages found (JSON): name -> link from the page."""
     patterns = [f"generation/*/{name}/scene_*.glb", f"extraction/{name}/objects.json"]
     patterns += [f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json"]
-    paths = [path for pattern in patterns for path in files.all(pattern)]
+    paths = [path for pattern in patterns for path in files.find_all(pattern)]
     return {"/".join(path.parts[-4:]): quote(os.path.relpath(path, page.parent)) for path in paths}
 
 

@@ -307,7 +307,7 @@ def test_losses_and_charts() -> None:
 
 
 def test_snapshots_are_cut_out_at_the_nearest_yaw(made: Path) -> None:
-    library = Snapshots(RunFiles(declared(made)["files"]).all("assets/snapshots/shard_*.h5"))  # type: ignore[arg-type]
+    library = Snapshots(RunFiles(declared(made)["files"]).find_all("assets/snapshots/shard_*.h5"))  # type: ignore[arg-type]
     cut = library.picture("bowl_03", yaw=6.2)
     assert cut is not None and cut.mode == "RGBA" and cut.width == cut.height == 16  # 14 pixels and a margin
     assert library.picture("no_such_asset") is None

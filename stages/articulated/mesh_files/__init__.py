@@ -12,7 +12,7 @@ from trimesh import Scene
 from stages.articulated.mesh_resolver import MeshResolver
 
 
-def no_direction(path: Path) -> str:
+def state_no_direction(path: Path) -> str:
     """Files of most kinds do not say what is up."""
     return ""
 
@@ -25,4 +25,4 @@ class MeshReader(NamedTuple):
     """
 
     read: Callable[[Path, MeshResolver], tuple[Scene, list[str]]]
-    up: Callable[[Path], str] = no_direction
+    up: Callable[[Path], str] = state_no_direction
