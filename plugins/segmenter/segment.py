@@ -12,6 +12,7 @@ from scipy.spatial import Delaunay, QhullError
 
 from plugins.segmenter.joining import join_pixels
 from plugins.segmenter.network import BACKGROUND, FLOOR, STRIDE, THING, Segmenter, load, network_input
+from plugins.segmenter.upsampling import upsample_labels
 from stages.geometry.cameras import back_project, scale_intrinsics
 from stages.geometry.frames import apply, rigid
 from stages.geometry.levels import find_ground
@@ -27,7 +28,7 @@ TOP = 0.3  # share of a piece that is level, at one height, if its top is looked
 MOST_TOPS = 3  # that are looked at again; chosen for time
 OFF_TOP = 0.012  # share of the distance by which a thing rises above the top that it stands on; chosen
 LEVEL = 0.95  # cosine between up and the normal of a level top
-ON_WALL = 0.03  # metres off a wall's plane, at 3 m
+ON_WALL = 0.06  # metres off a wall's plane, at 3 m
 
 
 @dataclass(frozen=True)
@@ -98,22 +99,19 @@ def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array, m
     kind = prediction.classes.argmax(axis=0)
     labels = join_pixels(kind == THING, prediction.same, prediction.votes, prediction.radius)
     labels = drop_small(look_again(labels, small, colour, matrix, frame))
-    things: dict[int, float] = {}
-    values: NDArray[np.uint16] = np.zeros(labels.shape, np.uint16)
-    for label in range(labels.max() + 1):
-        piece = labels == label
-        if (score := score_piece(piece, prediction)) >= LEAST_SCORE:
-            things[len(things) + 1] = score
-            values[piece] = len(things)
-    floor = len(things) + 1 if (kind == FLOOR).any() else None
-    values[(kind == FLOOR) & (values == 0)] = floor or 0
-    values = np.asarray(cv2.resize(values, (width, height), interpolation=cv2.INTER_NEAREST), np.uint16)
-    kind = cv2.resize(kind.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
-    behind = (kind == BACKGROUND) & (depth > 0) & (values == 0)
-    walls = mask_walls(apply(frame, whole), depth > 0, behind, float(frame[2, 3]))
-    for number, wall in enumerate(walls):
-        values[wall] = len(things) + 2 + number
-    return Pieces(values, things, floor, [len(things) + 2 + number for number in range(len(walls))])
+    scores = [score_piece(labels == label, prediction) for label in range(labels.max() + 1)]
+    kept = [label for label, score in enumerate(scores) if score >= LEAST_SCORE]
+    floor, behind = len(kept) + 1, len(kept) + 2
+    values = np.select([kind == FLOOR, kind == BACKGROUND], [floor, behind], 0).astype(np.uint16)
+    for value, label in enumerate(kept, 1):
+        values[labels == label] = value
+    values = upsample_labels(values, depth, rgb)
+    walls = mask_walls(apply(frame, whole), depth > 0, values == behind, float(frame[2, 3]))
+    values[values == behind] = 0
+    for value, wall in enumerate(walls, behind):
+        values[wall] = value
+    things = {value: scores[label] for value, label in enumerate(kept, 1)}
+    return Pieces(values, things, floor if (kind == FLOOR).any() else None, list(range(behind, behind + len(walls))))
 
 
 def score_piece(piece: Mask, prediction: Prediction) -> float:
@@ -185,10 +183,12 @@ def _find_above(points: Array, top: Mask) -> Mask:
 def mask_walls(points: Array, known: Mask, behind: Mask, camera_height: float) -> list[Mask]:
     """The pixels (H, W) of each wall plane in points (H, W, 3), level frame; `behind`: the candidates."""
     planes = find_walls(points[known], behind[known], camera_height, np.random.default_rng(0))
-    masks, free = [], behind.copy()
+    masks, free = [], behind & known
+    size = 2 * (known.shape[1] // 160) + 1
     for normal, offset, _ in planes:
         distance = np.linalg.norm(points - [0, 0, camera_height], axis=-1)
-        wall = free & (np.abs(points @ normal - offset) < ON_WALL * np.maximum(1, distance / 3))
+        near = free & (np.abs(points @ normal - offset) < ON_WALL * np.maximum(1, distance / 3))
+        wall = free & (cv2.medianBlur(near.astype(np.uint8), size) > 0)
         masks.append(wall)
         free &= ~wall
     return [mask for mask in masks if mask.any()]

@@ -41,7 +41,7 @@ def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path, monkeypatch:
     recording = task.recording([closed, opened])
     shot = Shot(studio, recording, recording.moments)
     pictures = [shot.picture(moment) for moment in recording.moments]
-    assert shot._hand_seen(shot.world_from_camera) > HAND_SHARE
+    assert shot._measure_hand_seen(shot.world_from_camera) > HAND_SHARE
     assert (studio.camera.render(shot.world_from_camera).depth > 0).all(), "floor and wall fill the picture"
     shot.close()
     assert all(picture.shape == (360, 480, 3) for picture in pictures) and (pictures[0] != pictures[1]).any()
