@@ -106,7 +106,7 @@ GOOD = "one,a.png,a_depth.png,,k.json,,,,,,masks.json,,,,"
         ("two,a.png,a_depth.png,,realsens,,,,,,masks.json,,,,", "camera", "realsense_d435"),
         ("two,a.png,a_depth.png,,,,,,,,masks.json,,,,", "camera", "what camera took the picture"),
         ("two,a.png,a_depth.png,,,600,,320,240,,masks.json,,,,", "camera", "fx, fy, cx and cy"),
-        ("two,a.png,a_depth.png,,k.json,,,,,60,masks.json,,,,", "camera", "told in two ways"),
+        ("two,a.png,a_depth.png,,k.json,,,,,60,masks.json,,,,", "camera", "given in two ways"),
         ("two,a.png,a_depth.png,,,,,,,170,masks.json,,,,", "fov", "less than or equal to 135 (got '170')"),
         ("two,a.png,a_depth.png,,,6x,6,3,2,,masks.json,,,,", "fx", "valid number"),
         ("two,a.png,,m,,,,,,,,,,,", "unit", "picture without depth"),
