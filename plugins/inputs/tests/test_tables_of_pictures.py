@@ -114,7 +114,7 @@ GOOD = "one,a.png,a_depth.png,,k.json,,,,,,masks.json,,,,"
         ("two,a.png,,,,,,,,,,,,recording,", "recording", "leave out image and depth"),
         ("two,,,,,,,,,,,,many/attic,,", "folder", "no folder ../data/many/attic"),
         ("two,,,,,,,,,,,,many/notes,,", "folder", "../data/many/notes has no depth.npz"),
-        ("two,,,,,,,,,60,,,many/hall,,", "fov", "beside a folder"),
+        ("two,,,,,,,,,60,,,many/hall,,", "fov", "given together with a folder"),
         ("two tables,,,,,,,,,,,,many/hall,,", "scene", "'two tables' is no name"),
         (",,,,,,,,,,,,many/hall,,", "scene", "'' is no name"),
     ],
