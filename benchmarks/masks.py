@@ -50,26 +50,26 @@ def frame_of(folder: Path) -> Frame:
     return Frame(rgb, depth, matrix)
 
 
-def overlaps(exact: NDArray[np.uint16], made: NDArray[np.uint16]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """IoU (E, M) of every exact mask with every made one, and which share of each made one lies in it; by value."""
-    both = np.zeros((int(exact.max()) + 1, int(made.max()) + 1))
-    np.add.at(both, (exact.ravel(), made.ravel()), 1)
+def overlaps(exact: NDArray[np.uint16], cut: NDArray[np.uint16]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """IoU (E, M) of every exact mask with every mask that was cut, and the share of the latter inside; by value."""
+    both = np.zeros((int(exact.max()) + 1, int(cut.max()) + 1))
+    np.add.at(both, (exact.ravel(), cut.ravel()), 1)
     areas, sizes = both.sum(axis=1, keepdims=True), both.sum(axis=0, keepdims=True)
     return both / np.maximum(areas + sizes - both, 1), both / np.maximum(sizes, 1)
 
 
 def measure(folder: Path, make: Callable[[Frame], Labelled]) -> tuple[list[Thing], int, int, int, float]:
-    """The named things of a picture, how many pieces were made, how many of them can be judged, how many are a thing,
+    """The named things of a picture, how many pieces were cut, how many of them can be judged, how many are a thing,
     and seconds. A piece most of which shows what nobody named, neither thing nor floor nor wall, cannot be judged."""
     exact = cv2.imread(str(folder / "exact.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
     start = time.process_time()
     try:
-        made = make(frame_of(folder))
+        cut = make(frame_of(folder))
     except InputError:
-        made = Labelled(np.zeros_like(exact), {})
+        cut = Labelled(np.zeros_like(exact), {})
     seconds = time.process_time() - start
-    pieces = [value for value, label in made.labels.items() if label not in ("floor", WALL)]
-    values = np.where(np.isin(made.values, pieces), made.values, 0).astype(np.uint16)
+    pieces = [value for value, label in cut.labels.items() if label not in ("floor", WALL)]
+    values = np.where(np.isin(cut.values, pieces), cut.values, 0).astype(np.uint16)
     iou, inside = overlaps(exact, values)
     named = [thing for thing in read(folder).things if thing.named]
     found = []
