@@ -14,7 +14,7 @@ Labels = NDArray[np.int64]
 
 VOTES = 1.0  # what votes for the same centre add to the log-odds that two pixels are of one thing; chosen
 MOST = 6.0  # of the log-odds of a pair, either way: no pair alone decides
-JOINED = -0.5  # mean log-odds above which regions are joined; chosen
+JOINED = -1.0  # mean log-odds above which regions are joined; chosen
 
 
 def join_pixels(free: NDArray[np.bool_], same: Array, votes: Array, radius: Array, least: float = JOINED) -> Labels:
@@ -22,7 +22,8 @@ def join_pixels(free: NDArray[np.bool_], same: Array, votes: Array, radius: Arra
 
     Args:
         free: (H, W) pixels of things.
-        same: (len(NEIGHBOURS), H, W) log-odds that the pixel is of the same thing as its neighbour.
+        same: (k * len(NEIGHBOURS), H, W) log-odds that the pixel is of the same thing as its neighbour; then as those
+            twice as far, and so on.
         votes: (H, W, 3) where it says its thing's centre is, metres; NaN: its depth is unknown.
         radius: (H, W) of its thing's box, metres.
         least: mean log-odds of a link from which two regions are joined.
@@ -30,13 +31,14 @@ def join_pixels(free: NDArray[np.bool_], same: Array, votes: Array, radius: Arra
     number = np.full(free.shape, -1)
     number[free] = np.arange(free.sum())
     firsts, seconds, scores = [], [], []
-    for channel, (rows, columns) in enumerate(NEIGHBOURS):
+    for channel, log_odds in enumerate(same):
+        rows, columns = (2 ** (channel // len(NEIGHBOURS)) * step for step in NEIGHBOURS[channel % len(NEIGHBOURS)])
         one, other = _pair(number, rows, columns)
         kept = (one >= 0) & (other >= 0)
         here, there = _pair(votes, rows, columns)
         gap = np.linalg.norm(here - there, axis=-1) / np.minimum(*_pair(radius, rows, columns))
         agree = np.nan_to_num(VOTES * (1 - 2 * gap).clip(-2.0))
-        score = _pair(same[channel], rows, columns)[0].clip(-MOST, MOST) + agree
+        score = _pair(log_odds, rows, columns)[0].clip(-MOST, MOST) + agree
         firsts.append(one[kept])
         seconds.append(other[kept])
         scores.append(score[kept])

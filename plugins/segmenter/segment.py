@@ -1,6 +1,6 @@
 """Cut a picture with depth into things, floor and walls: the network, joining, and a second look at level tops."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 import cv2
@@ -46,7 +46,7 @@ class Prediction:
     """What the network predicts for a picture, at half its size (h, w).
 
     classes: probabilities of floor, background and thing, (3, h, w).
-    same: log-odds that a pixel is of the same thing as each neighbour, (neighbours, h, w).
+    same: log-odds that a pixel is of the same thing as each neighbour, (k * neighbours, h, w), see `join_pixels`.
     votes: the centre that each pixel votes for, (h, w, 3), metres, level frame; NaN without depth.
     radius: of the thing, (h, w), metres.
     """
@@ -64,7 +64,24 @@ def network() -> Segmenter:
 
 
 def predict(depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame: Array) -> Prediction:
-    """Run the network on a picture of about `WIDTH` pixels, see `network_input`."""
+    """Run the network on a picture of about `WIDTH` pixels, and on the same at half its size; see `network_input`.
+
+    At half its size large things stay whole: classes are averaged, neighbours of both count.
+    """
+    fine = _predict_once(depth, rgb, intrinsics, frame)
+    half = depth[::2, ::2]
+    size = half.shape[::-1]
+    colour = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), np.uint8)
+    matrix = scale_intrinsics(intrinsics, size[0] / depth.shape[1], size[1] / depth.shape[0])
+    coarse = _predict_once(half, colour, matrix, frame)
+    classes, same = (
+        np.stack([cv2.resize(layer, fine.radius.shape[::-1], interpolation=cv2.INTER_LINEAR) for layer in layers])
+        for layers in (coarse.classes, coarse.same)
+    )
+    return replace(fine, classes=(fine.classes + classes) / 2, same=np.concatenate([fine.same, same]))
+
+
+def _predict_once(depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame: Array) -> Prediction:
     inputs = network_input(depth, rgb, intrinsics, frame)
     with torch.inference_mode():
         x = torch.from_numpy(inputs[None]).contiguous(memory_format=torch.channels_last)
