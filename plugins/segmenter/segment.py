@@ -41,9 +41,14 @@ class Pieces:
 
 
 @dataclass(frozen=True)
-class Said:
-    """What the network says of a picture (h, w), half its size: class shares (3, h, w), log-odds of being the same as
-    each neighbour, votes (h, w, 3), NaN without depth, and radius (h, w), metres, level frame."""
+class Prediction:
+    """What the network predicts for a picture, at half its size (h, w).
+
+    classes: probabilities of floor, background and thing, (3, h, w).
+    same: log-odds that a pixel is of the same thing as each neighbour, (neighbours, h, w).
+    votes: the centre that each pixel votes for, (h, w, 3), metres, level frame; NaN without depth.
+    radius: of the thing, (h, w), metres.
+    """
 
     classes: Array
     same: Array
@@ -57,17 +62,17 @@ def network() -> Segmenter:
     return load()
 
 
-def ask(depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame: Array) -> Said:
+def predict(depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame: Array) -> Prediction:
     """Run the network on a picture of about `WIDTH` pixels, see `network_input`."""
     inputs = network_input(depth, rgb, intrinsics, frame)
     with torch.inference_mode():
         x = torch.from_numpy(inputs[None]).contiguous(memory_format=torch.channels_last)
-        said = network()(x)[0].double().numpy()
-    shown = np.exp(said[:3] - said[:3].max(axis=0))
+        output = network()(x)[0].double().numpy()
+    shown = np.exp(output[:3] - output[:3].max(axis=0))
     points = apply(frame, back_project(depth, intrinsics))[::STRIDE, ::STRIDE]
     known = (depth > 0)[::STRIDE, ::STRIDE, None]
-    votes = np.where(known, points + said[3:6].transpose(1, 2, 0), np.nan)
-    return Said(shown / shown.sum(axis=0), said[7:], votes, np.exp(said[6].clip(-4.0, 2.0)))
+    votes = np.where(known, points + output[3:6].transpose(1, 2, 0), np.nan)
+    return Prediction(shown / shown.sum(axis=0), output[7:], votes, np.exp(output[6].clip(-4.0, 2.0)))
 
 
 def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array, max_tilt: float) -> Pieces | None:
@@ -89,15 +94,15 @@ def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array, m
     small = cv2.resize(depth, size, interpolation=cv2.INTER_NEAREST).astype(float)
     colour = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), np.uint8)
     matrix = scale_intrinsics(intrinsics, size[0] / width, size[1] / height)
-    said = ask(small, colour, matrix, frame)
-    kind = said.classes.argmax(axis=0)
-    labels = join_pixels(kind == THING, said.same, said.votes, said.radius)
+    prediction = predict(small, colour, matrix, frame)
+    kind = prediction.classes.argmax(axis=0)
+    labels = join_pixels(kind == THING, prediction.same, prediction.votes, prediction.radius)
     labels = drop_small(look_again(labels, small, colour, matrix, frame))
     things: dict[int, float] = {}
     values: NDArray[np.uint16] = np.zeros(labels.shape, np.uint16)
     for label in range(labels.max() + 1):
         piece = labels == label
-        if (score := score_piece(piece, said)) >= LEAST_SCORE:
+        if (score := score_piece(piece, prediction)) >= LEAST_SCORE:
             things[len(things) + 1] = score
             values[piece] = len(things)
     floor = len(things) + 1 if (kind == FLOOR).any() else None
@@ -111,19 +116,19 @@ def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array, m
     return Pieces(values, things, floor, [len(things) + 2 + number for number in range(len(walls))])
 
 
-def score_piece(piece: Mask, said: Said) -> float:
+def score_piece(piece: Mask, prediction: Prediction) -> float:
     """How sure it is that a piece (h, w) is a thing, and that its pixels are one: 0 to 1."""
-    inside = (1 / (1 + np.exp(-said.same[:4])))[:, piece].mean()
-    return float(said.classes[THING][piece].mean() * inside)
+    inside = (1 / (1 + np.exp(-prediction.same[:4])))[:, piece].mean()
+    return float(prediction.classes[THING][piece].mean() * inside)
 
 
 def drop_small(labels: NDArray[np.int64]) -> NDArray[np.int64]:
     """The pieces (h, w) of some size, their holes filled, numbered anew from 0 on; -1: none."""
     counts = np.bincount(labels[labels >= 0], minlength=1)
-    made = np.full_like(labels, -1)
+    kept = np.full_like(labels, -1)
     for number, label in enumerate(np.argsort(-counts, kind="stable")[: int((counts >= LEAST_PIXELS).sum())]):
-        made[binary_fill_holes(labels == label) & ((labels < 0) | (labels == label))] = number
-    return made
+        kept[binary_fill_holes(labels == label) & ((labels < 0) | (labels == label))] = number
+    return kept
 
 
 def look_again(
@@ -133,7 +138,7 @@ def look_again(
 
     Args:
         labels: of `join_pixels`, at half the picture's size.
-        depth: (H, W), likewise `rgb`, as of `ask`.
+        depth: (H, W), likewise `rgb`, as of `predict`.
         intrinsics: (3, 3) pixels.
         frame: floor_from_camera (4, 4).
     """
@@ -148,13 +153,13 @@ def look_again(
         if counts[label] < 10 * LEAST_PIXELS or top is None or looked == MOST_TOPS:
             continue
         looked += 1
-        said = ask(depth, rgb, intrinsics, rigid(np.eye(3), [0, 0, -top]) @ frame)
+        prediction = predict(depth, rgb, intrinsics, rigid(np.eye(3), [0, 0, -top]) @ frame)
         on_top = np.abs(points[..., 2] - top) < OFF_TOP * depth[::STRIDE, ::STRIDE]
         over = known & _above(points, piece & upward & on_top)
         over &= (labels == label) | (labels < 0)
         over &= points[..., 2] > top + OFF_TOP * depth[::STRIDE, ::STRIDE]
-        over &= said.classes.argmax(axis=0) == THING
-        again = join_pixels(over, said.same, said.votes, said.radius)
+        over &= prediction.classes.argmax(axis=0) == THING
+        again = join_pixels(over, prediction.same, prediction.votes, prediction.radius)
         labels[again >= 0] = again[again >= 0] + labels.max() + 1
     return labels
 

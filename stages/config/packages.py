@@ -26,7 +26,7 @@ class Package:
         section: of config.yaml that its verbs read.
         shards: of the section `assets`, the shards of models that its rules add to the library, by name.
         verbs: its commands that rules call, and what each reads of the config (None: nothing).
-        sections: of config.yaml that belong to it, by name, as pydantic fields.
+        sections: of config.yaml that belong to it, and further keys, by name, as pydantic fields.
         widens: sections of the core to which it adds keys, by name.
         expand: of what a config gives, the same with what files say that it names, and `Mistake`s in these.
         of_run: of the whole config, that of the run which it asks for.
@@ -42,7 +42,7 @@ class Package:
     draws: Mapping[str, str] = field(default_factory=dict)
     shards: Callable[[Any], Mapping[str, Any]] = lambda assets: {}
     verbs: Mapping[str, type[Section] | None] = field(default_factory=dict)
-    sections: Mapping[str, tuple[type[Section], Any]] = field(default_factory=dict)
+    sections: Mapping[str, tuple[Any, Any]] = field(default_factory=dict)
     widens: Mapping[str, type[Section]] = field(default_factory=dict)
     expand: Callable[[dict[str, Any]], tuple[dict[str, Any], list[Any]]] = lambda given: (given, [])
     of_run: Callable[[Any], Any] = lambda config: config
