@@ -46,7 +46,11 @@ def make_pool(models: int, seed: int) -> dict[str, list[Solid]]:
 
 def views_of(pool: dict[str, list[Solid]], size: tuple[int, int], views: int, rng: Rng) -> Iterator[Picture]:
     """Pictures of one random room, at most so many."""
-    room = furnish(pool, rng)
+    return pictures_in(furnish(pool, rng), size, views, rng)
+
+
+def pictures_in(room: Room, size: tuple[int, int], views: int, rng: Rng) -> Iterator[Picture]:
+    """Pictures of a room, at most so many; an owner n of its pixels is `room.things[n - 2]`."""
     caster = Caster(room, rng)
     for _ in range(views):
         seen = look(caster, *size, rng)
