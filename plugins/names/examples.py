@@ -10,7 +10,7 @@ from plugins.furniture.catalogue import CATEGORIES
 from plugins.names.observed import Observed, observe
 from plugins.segmenter.training.pictures import LARGE, NOTHING, Picture, make_pool, pictures_in
 from plugins.segmenter.training.rooms import Room, furnish
-from plugins.segmenter.training.sensor import photograph, sense_depth, tilt
+from plugins.segmenter.training.sensor import photograph, sense_depth, tilt_frame
 from plugins.segmenter.training.solids import Rng
 
 LEAST = 80  # pixels of a mask in a picture of 320 x 240
@@ -43,7 +43,7 @@ def draw_examples(each: int, models: int, seed: int, rooms: int) -> list[Example
 
 def look_at(picture: Picture, room: Room, counts: Counter[str], each: int, rng: Rng) -> list[Example]:
     """The things of a picture of whose category there are less than `each`."""
-    depth, frame, rgb = sense_depth(picture, rng), tilt(picture.frame.astype(float), rng), picture.rgb
+    depth, frame, rgb = sense_depth(picture, rng), tilt_frame(picture.frame.astype(float), rng), picture.rgb
     changed = photograph(rgb, rng)
     rgb = changed if np.ptp(changed) > 0 else rgb  # at times a sensor has no colour at all
     found = []

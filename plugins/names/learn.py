@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 
 from plugins.names.examples import Example, draw_examples
 from plugins.names.propose import FEET, TABLE, Array, Table, say
-from stages.contracts.files import atomic
+from stages.contracts.files import write_atomically
 
 SHRINK = 0.1  # of the covariance of looks towards its mean variance; chosen
 DISTRUST = 0.5  # of the weight of looks: rooms that are rendered are easier; chosen on 24 things of 5 real pictures
@@ -60,7 +60,7 @@ def choose_weights(table: Table, examples: list[Example]) -> Array:
 def write_table(out: Path, table: Table) -> None:
     """Write the table, numbers as float32."""
     numbers = {name: values.astype(np.float32) for name, values in vars(table).items() if name != "names"}
-    with atomic(out) as path, path.open("wb") as file:
+    with write_atomically(out) as path, path.open("wb") as file:
         np.savez(file, allow_pickle=False, names=table.names, **numbers)
 
 

@@ -13,6 +13,7 @@ const HINTS = {
   select: 'Click what is wrong, in the picture or in a list. B draws a box around what is missing.',
   box: 'Press at one corner of the thing, let go at the opposite one.',
   outline: 'Click around what is seen of it; Enter closes the outline.',
+  join: 'Click what is a part of the chosen thing.',
 };
 const chosen = () => (state.chosen ? find(state.chosen) : null);
 const boxOf = (item) => item.around ?? state.solved?.regions[item.id]?.box;
@@ -57,24 +58,24 @@ function heldAs(item) {
 }
 
 function button(item, text) {
-  const made = document.createElement('button');
-  made.type = 'button';
-  made.textContent = text;
-  made.setAttribute('aria-pressed', String(state.chosen === item.id));
-  made.classList.toggle('changed', altered(item));
-  if (altered(item)) made.title = 'changed: the next run makes it anew';
-  made.addEventListener('click', () => { state.chosen = item.id; changed(); });
-  return made;
+  const result = document.createElement('button');
+  result.type = 'button';
+  result.textContent = text;
+  result.setAttribute('aria-pressed', String(state.chosen === item.id));
+  result.classList.toggle('changed', altered(item));
+  if (altered(item)) result.title = 'changed: the next run makes it anew';
+  result.addEventListener('click', () => { state.chosen = item.id; changed(); });
+  return result;
 }
 function proposal(item, text) {
-  const made = document.createElement('button');
-  made.type = 'button';
-  made.textContent = text;
-  made.setAttribute('aria-pressed', String(item.named && item.label === text));
-  made.addEventListener('click', () => edit(() => Object.assign(item, { label: text, named: true })));
-  return made;
+  const result = document.createElement('button');
+  result.type = 'button';
+  result.textContent = text;
+  result.setAttribute('aria-pressed', String(item.named && item.label === text));
+  result.addEventListener('click', () => edit(() => Object.assign(item, { label: text, named: true })));
+  return result;
 }
-// What a person said of a thing since the page was opened: its doubts are of what was made before.
+// Whether a person has changed a thing since the page was opened: its doubts are about the last run.
 const altered = (item) => state.before.get(item.mask) !== JSON.stringify(item);
 function line(...parts) {
   const entry = document.createElement('li');
@@ -85,10 +86,10 @@ function line(...parts) {
 function doubts() {
   const all = things().flatMap((item) => (made(item).doubts ?? []).map((doubt, k) => ({ item, doubt, placed: k < made(item).grave })));
   all.sort((one, other) => other.placed - one.placed); // what is odd about where and how large it stands comes first
-  const told = all.map(({ item, doubt }) => line(button(item, `${nameOf(item)}: ${doubt}`)));
-  get('in-doubt').hidden = !told.length;
-  get('in-doubt').querySelector('summary').textContent = `In doubt: ${told.length}`;
-  get('in-doubt').querySelector('ul').replaceChildren(...told);
+  const lines = all.map(({ item, doubt }) => line(button(item, `${nameOf(item)}: ${doubt}`)));
+  get('in-doubt').hidden = !lines.length;
+  get('in-doubt').querySelector('summary').textContent = `In doubt: ${lines.length}`;
+  get('in-doubt').querySelector('ul').replaceChildren(...lines);
 }
 
 function panel() {
@@ -128,14 +129,14 @@ function panel() {
   front(item);
   placement(item, things().filter((other) => other !== item && !alike(other).includes(item)), nameOf);
 }
-// What a thing is said to stand on, and what is beneath that; what it is said to be like, and so on.
+// The things that carry a thing, from the next one down; likewise what it is like.
 const chain = (item, key) => { const next = item && byMask(item[key]); return next ? [next, ...chain(next, key)] : []; };
 const above = (item) => chain(item, 'on');
 const alike = (item) => chain(item, 'like');
 
 function add(region) {
   const mask = Math.max(state.free - 1, ...state.project.objects.map((item) => item.mask)) + 1, id = `drawn_${mask}`;
-  edit((project) => project.objects.push({ id, mask, label: null, named: false, around: null, outline: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null, ...region }));
+  edit((project) => project.objects.push({ id, mask, label: null, named: false, around: null, outline: [], joins: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null, ...region }));
   state.chosen = id;
   choose('select');
   get('label').focus();
@@ -148,14 +149,21 @@ function close() {
   if (!chosen()) add({ outline });
   else { edit(() => { chosen().outline = outline; }); choose('select'); }
 }
+function leaveOut(project, mask) {
+  project.objects = project.objects.filter((item) => item.mask !== mask);
+  for (const item of project.objects) for (const key of ['on', 'like']) if (item[key] === mask) item[key] = null;
+}
 function remove() {
-  edit((project) => {
-    const { mask } = chosen();
-    project.objects = project.objects.filter((item) => item.mask !== mask);
-    for (const item of project.objects) for (const key of ['on', 'like']) if (item[key] === mask) item[key] = null;
-  });
+  edit((project) => leaveOut(project, chosen().mask));
   state.chosen = null;
   changed();
+}
+function join(part) {
+  edit((project) => {
+    chosen().joins.push(part.mask, ...part.joins);
+    leaveOut(project, part.mask);
+  });
+  choose('select');
 }
 const round = (value) => Math.round(10 * value) / 10;
 function setBox(item, corners) {
@@ -177,7 +185,10 @@ svg.addEventListener('pointerdown', (event) => {
     else state.draft = { kind: 'outline', points: [at, at] };
   } else {
     const handle = event.target.dataset?.handle, id = event.target.closest('[data-object]')?.dataset.object;
-    if (handle) Object.assign(press, { kind: 'corner', handle, from: boxOf(chosen()) });
+    if (state.tool === 'join') {
+      press.kind = 'join';
+      if (chosen() && id && id !== state.chosen) join(find(id));
+    } else if (handle) Object.assign(press, { kind: 'corner', handle, from: boxOf(chosen()) });
     else if (id) { Object.assign(press, { kind: state.chosen === id && !ROOM.includes(find(id).label) ? 'body' : 'choose', from: boxOf(find(id)) }); state.chosen = id; }
   }
   changed();
@@ -231,6 +242,7 @@ document.addEventListener('keydown', (event) => {
   const item = chosen(), box = item && boxOf(item);
   if (key === 'b') { state.chosen = null; choose('box'); }
   else if (key === 'o') choose('outline');
+  else if (key === 'j' && item) choose('join');
   else if (key === 'Escape') { if (state.tool === 'select') state.chosen = null; choose('select'); }
   else if (key === 'Enter' && state.draft?.kind === 'outline') close();
   else if ((key === 'Delete' || key === 'Backspace') && item) remove();

@@ -38,6 +38,7 @@ class Correction(Contract):
         None, description="opposite corners of what shows it; cut out of the picture"
     )
     outline: list[Pixel] = Field([], max_length=1000, description="the pixels that show it")
+    joins: list[MaskValue] = Field([], max_length=1000, description="masks that show further parts of it")
     articulated: bool | None = None
     doors: Panels | None = None
     drawers: Panels | None = None
@@ -75,16 +76,18 @@ class Corrections(Document):
     objects: list[Correction] = Field([], max_length=1000)
 
     @model_validator(mode="after")
-    def _resolvable(self) -> "Corrections":
+    def _check_references(self) -> "Corrections":
         check_unique("objects: mask values", [item.mask for item in self.objects])
+        joined = [mask for item in self.objects for mask in item.joins]
+        check_unique("objects: masks that are joined", [*joined, *(item.mask for item in self.objects if item.joins)])
         check_supports(self._chain("on"), (FLOOR,))
         check_supports(self._chain("like"), (FLOOR,))
         return self
 
     def _chain(self, key: str) -> dict[str, str]:
-        """From mask value to mask value, as text; what nobody said ends at the floor."""
-        said = {str(item.mask): str(getattr(item, key)) for item in self.objects if getattr(item, key) is not None}
-        return {name: FLOOR for name in said.values() if name != FLOOR} | said
+        """From mask value to mask value, as text; a thing of which nothing is stated stands on the floor."""
+        stated = {str(item.mask): str(getattr(item, key)) for item in self.objects if getattr(item, key) is not None}
+        return {name: FLOOR for name in stated.values() if name != FLOOR} | stated
 
     def read_by(self, stage: Reader) -> "Corrections":
         """What concerns a stage, and nothing else."""
@@ -98,5 +101,5 @@ def corrections_of(paths: tuple[Path, ...], stage: Reader) -> dict[int, Correcti
     Raises:
         InputError: it is broken.
     """
-    said = [read_json(Corrections, path, "mend or delete it").read_by(stage) for path in paths]
-    return {item.mask: item for one in said for item in one.objects}
+    found = [read_json(Corrections, path, "mend or delete it").read_by(stage) for path in paths]
+    return {item.mask: item for one in found for item in one.objects}
