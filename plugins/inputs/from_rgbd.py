@@ -16,6 +16,7 @@ from plugins.inputs.rgbd.layouts import find_view
 from plugins.inputs.rgbd.lens import straighten_frame
 from plugins.inputs.rgbd.mask_files import read_upright_masks
 from plugins.inputs.rgbd.mask_shapes import list_remarks
+from plugins.inputs.rgbd.naming import name_things
 from plugins.inputs.rgbd.pieces import cut_frame
 from plugins.inputs.rgbd.views import View, read_view
 from plugins.inputs.rgbd.write import write_frame
@@ -57,8 +58,8 @@ def run(
         depth_is: z: the distance along the optical axis; ray: along the ray of each pixel, as of many simulators.
         masks: COCO or labelme JSON, or a PNG of indices or colours.
         labels: names of the PNG's values, as JSON.
-        clusters: make masks of what stands on a table or floor, by depth alone, to be named by you.
-        auto: make masks of things, floor and walls by a network; its weights are not shipped yet (plugins/segmenter).
+        clusters: make masks of what stands on a table or floor, by depth alone; names are proposed.
+        auto: make masks of things, floor and walls by a network, named likewise; its weights are not shipped yet.
     """
     if clusters and auto:
         raise InputError("--clusters, --auto", "both make masks.", "give one of them", code="E-OPTION-CONFLICT")
@@ -100,9 +101,9 @@ def run(
     if frame.masks is not None:
         frame = replace(frame, depth=remove_edges(frame.depth, frame.masks.values))
     elif clusters:
-        frame = replace(frame, masks=make_clusters(frame.depth, frame.intrinsics))
+        frame = name_things(replace(frame, masks=make_clusters(frame.depth, frame.intrinsics)))
     elif auto:
-        frame = replace(frame, masks=cut_frame(frame))
+        frame = name_things(replace(frame, masks=cut_frame(frame)))
     written = write_frame(out, frame, doubt)
     print_summary(out, frame, written, is_made=(clusters or auto) and masks is None)
 
@@ -122,7 +123,7 @@ def print_summary(out: Path, frame: Frame, written: Annotations | None, is_made:
         shown = [frame.masks.values == value for value in frame.masks.labels]
         with write_atomically(out / "numbers.png") as path:
             cv2.imwrite(str(path), draw_numbers(frame.rgb, shown)[..., ::-1])
-        print(f"{out / 'annotations.json'}: say in it what each object is: numbers.png shows which mask it has; "
+        print(f"{out / 'annotations.json'}: names are proposed; put them right in it: numbers.png shows the masks; "
               f"or in the browser: python -m plugins.studio annotate {out}")  # fmt: skip
     if opens := [item.label for item in written.objects if item.articulated]:
         print(f"{out / 'annotations.json'}: say in it how many doors and drawers there are: {', '.join(opens)}")

@@ -67,6 +67,14 @@ function button(item, text) {
   result.addEventListener('click', () => { state.chosen = item.id; changed(); });
   return result;
 }
+function proposal(item, text) {
+  const result = document.createElement('button');
+  result.type = 'button';
+  result.textContent = text;
+  result.setAttribute('aria-pressed', String(item.named && item.label === text));
+  result.addEventListener('click', () => edit(() => Object.assign(item, { label: text, named: true })));
+  return result;
+}
 // Whether a person has changed a thing since the page was opened: its doubts are about the last run.
 const altered = (item) => state.before.get(item.mask) !== JSON.stringify(item);
 function line(...parts) {
@@ -101,6 +109,7 @@ function panel() {
   get('object').hidden = !item;
   if (!item) return;
   for (const id of ['label', 'doors', 'drawers']) if (document.activeElement !== get(id)) get(id).value = item[id] ?? (id === 'label' ? '' : 0);
+  get('proposals').replaceChildren(...(state.proposals[item.mask] ?? []).map((text) => proposal(item, text)));
   get('own-doubts').replaceChildren(...(made(item).doubts ?? []).map((doubt) => { const entry = line(doubt); entry.className = 'note'; return entry; }));
   get('articulated').checked = item.articulated || item.doors + item.drawers > 0;
   get('thing').hidden = ROOM.includes(item.label);
@@ -127,7 +136,7 @@ const alike = (item) => chain(item, 'like');
 
 function add(region) {
   const mask = Math.max(state.free - 1, ...state.project.objects.map((item) => item.mask)) + 1, id = `drawn_${mask}`;
-  edit((project) => project.objects.push({ id, mask, label: null, around: null, outline: [], joins: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null, ...region }));
+  edit((project) => project.objects.push({ id, mask, label: null, named: false, around: null, outline: [], joins: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null, ...region }));
   state.chosen = id;
   choose('select');
   get('label').focus();
@@ -267,7 +276,7 @@ function bind() {
 
 async function start() {
   const answer = await ask('start');
-  Object.assign(state, { project: answer.project, made: answer.made, free: answer.free, known: answer.known, chosen: answer.chosen });
+  Object.assign(state, { project: answer.project, made: answer.made, proposals: answer.proposals, free: answer.free, known: answer.known, chosen: answer.chosen });
   state.before = new Map(answer.project.objects.map((item) => [item.mask, JSON.stringify(item)]));
   get('made').hidden = !answer.pictured;
   get('command').textContent = answer.command;

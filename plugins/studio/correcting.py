@@ -130,6 +130,7 @@ class Correcting:
             "made": self.made.describe_things(),
             "pictured": self.made.picture is not None,
             "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in ids.values() else None),
+            "proposals": {item.mask: item.proposals for item in self.given.annotations.objects},
             "known": list(self.found),
             "free": int(max(self.given.masks.max(), *self.found, *ids)) + 1,
             "command": self.command(),

@@ -5,6 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.corrections import MEASURED, Correction
+from stages.contracts.doubt import Doubt
 from stages.contracts.fronts import count_fronts
 from stages.contracts.scenes import Annotation, Annotations, Held
 from stages.contracts.types import FLOOR, WALL, Pixel
@@ -148,11 +149,18 @@ def correct_masks(
                 box=before.box if before else None,
                 guessed=bool(before and before.guessed),
                 front=before.front if before else None,
+                doubts=doubt_name(item, before) if before else [],
             )
         )
     if not objects:
         return None, masks, notes
     return Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls), masks, notes
+
+
+def doubt_name(item: Correction, before: Annotation) -> list[Doubt]:
+    """The doubts about its name that are left after a correction."""
+    said = item.named or item.label != before.label
+    return [] if said else [one for one in before.doubts if one.cause == "name"]
 
 
 def find_corners(mask: NDArray[np.bool_]) -> tuple[Pixel, Pixel] | None:

@@ -33,6 +33,7 @@ class Correction(Contract):
     mask: MaskValue = Field(description="its value in masks.png; one that is not in there: a thing that was not found")
     gone: bool = Field(False, description="it is no thing of its own")
     label: Text | None = Field(None, description="floor and wall mean what they say")
+    named: bool = Field(False, description="a person says its name, be it the one that was proposed: it is not doubted")
     around: tuple[Pixel, Pixel] | None = Field(
         None, description="opposite corners of what shows it; cut out of the picture"
     )

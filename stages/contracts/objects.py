@@ -118,7 +118,7 @@ class SceneObject(Contract):
     support: str | None = Field(None, description="'floor' or the id of what carries it, where a person says so")
     told: list[Literal["mounting", "size"]] = Field([], description="what else a person says of it: nobody doubts that")
     doubts: list[Doubt] = Field(
-        [], exclude_if=lambda found: not found, description="what of its box the input doubts itself"
+        [], exclude_if=lambda found: not found, description="what of its name or box the input doubts itself"
     )
 
 

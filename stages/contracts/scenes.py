@@ -86,7 +86,12 @@ class Annotation(Contract):
         "has a `box` and faces nowhere is round",
     )
     doubts: list[Doubt] = Field(
-        [], exclude_if=lambda found: not found, description="what of `box` was guessed or put right, as drawn by hand"
+        [],
+        exclude_if=lambda found: not found,
+        description="of its name, if that was proposed; what of `box` was guessed or put right, as drawn by hand",
+    )
+    proposals: list[Text] = Field(
+        [], max_length=10, exclude_if=lambda found: not found, description="names proposed for it, the surest first"
     )
 
     @model_validator(mode="after")

@@ -36,6 +36,8 @@ def find_candidates(item: SceneObject, library: Library, text: TextEncoder, opti
     pool = [entry for entry in library.assets if not item.articulated or entry.doors + entry.drawers > 0]
     doubt = find_doubt(item.label, [entry.category for entry in pool], text)
     near = find_nearest_categories(item.label, [entry.category for entry in pool], len(pool), text)
+    if doubt and near:
+        doubt += f"; nearest: {', '.join(name for name, _ in near[:3])}"
     ordered = [CategoryMatch(category=name, distance=distance) for name, distance in near]
     categories = ordered[: options.k_cat]
     if pool and not categories:

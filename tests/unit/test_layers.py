@@ -15,6 +15,10 @@ ON_OTHERS = {  # few, each for a reason
     ("patchnet", "furniture"),  # its training draws furniture
     ("segmenter", "furniture"),  # its training furnishes rooms
     ("inputs", "segmenter"),  # masks that nobody gave
+    ("inputs", "names"),  # and their names
+    ("names", "efficientnet"),  # how things look
+    ("names", "furniture"),  # it learns from our models
+    ("names", "segmenter"),  # in its rooms
     ("exports", "mujoco"),  # MJCF is MuJoCo's format
     ("inputs", "pretrained"),  # the same way to read weights
     ("patchnet", "pretrained"),

@@ -12,7 +12,8 @@ from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates, find_candidates
 from stages.matching.text_encoders import find_nearest_categories, make_text_encoder
-from stages.matching.text_encoders.lexical import TextEncoder, split_words
+from stages.matching.text_encoders.lexical import KNOWN, MEANINGS, TextEncoder, split_words
+from stages.matching.wordnet import explain, read_heads, read_senses
 
 LEXICAL = TextEncoder(MatchingConfig())
 CATEGORIES = [
@@ -108,6 +109,56 @@ def test_letters_are_no_meaning_and_what_is_not_understood_is_doubted(
     assert doubt in LEXICAL.doubt(label, LIBRARY_CATEGORIES)
 
 
+@pytest.mark.parametrize(
+    ("label", "expected"),
+    [
+        *(("rocker", "chair"), ("wing chair", "armchair"), ("four-poster", "bed"), ("escritoire", "desk")),
+        *(("highboys", "chest_of_drawers"), ("credenza", "sideboard"), ("old coffee pot", "kettle"), ("wok", "pan")),
+        *(("wine glass", "mug"), ("stockpot", "cooking_pot"), ("microwave oven", "microwave"), ("pail", "trash_can")),
+        *(("briefcase", "box"), ("portrait", "picture"), ("wristwatch", "clock"), ("hob", "oven")),
+    ],
+)
+def test_wordnet_says_what_other_words_mean(label: str, expected: str) -> None:
+    assert find_nearest_categories(label, LIBRARY_CATEGORIES, 3, LEXICAL)[0][0] == expected
+    assert LEXICAL.doubt(label, LIBRARY_CATEGORIES) == ""
+
+
+def test_a_word_of_the_library_is_not_explained() -> None:
+    assert [name for name, _ in find_nearest_categories("wok", ["pan", "wok"], 1, LEXICAL)] == ["wok"]
+    assert [name for name, _ in find_nearest_categories("wok", ["pan", "plate"], 1, LEXICAL)] == ["pan"]
+
+
+NOUNS = """\
+  1 notice
+00000001 06 n 01 chair 0 000 | a seat
+00000002 06 n 02 rocker 0 rocking_chair 0 001 @ 00000001 n 0000 | it rocks
+00000003 18 n 01 rocker 0 000 | a musician
+00000004 06 n 01 rock_music 0 001 @ 00000003 n 0000 | not a thing
+00000005 06 n 01 deck_chair 0 001 @ 00000001 n 0000 | its last word says it
+"""
+INDEX = """\
+  1 notice
+chair n 1 1 @ 1 0 00000001
+deck_chair n 1 1 @ 1 0 00000005
+rocker n 2 1 @ 2 0 00000003 00000002
+rocking_chair n 1 1 @ 1 0 00000002
+rock_music n 1 1 @ 1 0 00000004
+"""
+
+
+def test_words_are_explained_by_the_nearest_head_above_their_sense_as_a_thing(tmp_path: Path) -> None:
+    (tmp_path / "data.noun").write_text(NOUNS)
+    (tmp_path / "index.noun").write_text(INDEX)
+    assert explain(*read_senses(tmp_path), {"chair": ["chair"]}) == {"chair": ["rocker"]}
+
+
+def test_every_head_of_the_table_is_a_known_word_and_its_words_are_not() -> None:
+    assert len(MEANINGS) > 500
+    heads = {split_words(head)[-1] for head in MEANINGS.values()}
+    assert heads <= KNOWN and not KNOWN & MEANINGS.keys()
+    assert set(MEANINGS.values()) == read_heads().keys()
+
+
 def test_a_category_of_ones_own_is_known() -> None:
     assert LEXICAL.doubt("espresso machine", ["espresso_machine", "table"]) == ""
     assert [name for name, _ in find_nearest_categories("globe", ["globe", "wardrobe"], 2, LEXICAL)] == ["globe"]
@@ -187,6 +238,11 @@ def test_a_threshold_without_candidates_is_widened_visibly_but_never_to_assets_w
     assert names(many) == ["cabinet_1"] and many.note == "count_threshold widened from 1 to 5"
     table = found({"label": "table", "articulated": True, "drawers": 1})
     assert "table_0" not in names(table) and "no category of the library is called 'table'" in table.doubt
+
+
+def test_a_word_in_doubt_says_what_is_nearest() -> None:
+    mixer = found({"label": "washer"})
+    assert mixer.doubt.endswith("called 'washer': taken by its kind, picture and size; nearest: fridge")
 
 
 def test_candidates_that_are_too_few_grow_by_counts_and_by_categories_in_order() -> None:

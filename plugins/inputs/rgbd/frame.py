@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.inputs.rgbd.upright import Turn, is_stretched
+from plugins.names.propose import Proposal
 from stages.contracts import InputError
 from stages.geometry.cameras import scale_intrinsics
 
@@ -22,10 +23,12 @@ def is_nothing(label: str) -> bool:
 
 @dataclass(frozen=True)
 class Labelled:
-    """values (H, W) uint16, 0: nothing; what each value is called, e.g. {1: "mug", 2: "floor"}."""
+    """values (H, W) uint16, 0: nothing; what each value is called, e.g. {1: "mug", 2: "floor"}; the names that were
+    proposed for it, if any were, surest first."""
 
     values: NDArray[np.uint16]
     labels: dict[int, str]
+    proposals: dict[int, list[Proposal]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -58,7 +61,7 @@ def fit_frame(frame: Frame) -> Frame:
         )
     shrunk = max(1.0, max(width, height) / LONGEST_SIDE)
     size = round(width / shrunk), round(height / shrunk)
-    masks = frame.masks and Labelled(_resize_nearest(frame.masks.values, size), frame.masks.labels)
+    masks = frame.masks and replace(frame.masks, values=_resize_nearest(frame.masks.values, size))
     rgb = frame.rgb if shrunk == 1 else np.asarray(cv2.resize(frame.rgb, size, interpolation=cv2.INTER_AREA))
     intrinsics = scale_intrinsics(frame.intrinsics, size[0] / width, size[1] / height)
     depth = _resize_nearest(frame.depth, size)

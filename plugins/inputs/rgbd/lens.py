@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from plugins.inputs.rgbd.camera_files import contents, find_first, has_camera, simplify_name
 from plugins.inputs.rgbd.cameras import Matrix, read_intrinsics
-from plugins.inputs.rgbd.frame import Frame, Labelled
+from plugins.inputs.rgbd.frame import Frame
 from stages.contracts import InputError
 from stages.geometry.cameras import make_intrinsics
 
@@ -172,7 +172,7 @@ def straighten_frame(frame: Frame) -> Frame:
     if not (lens.fisheye or lens.distortion.any()):
         return frame
     target = _choose_pinhole(lens, frame.rgb.shape[1], frame.rgb.shape[0], "intrinsics")
-    masks = frame.masks and Labelled(_remap(target, frame.masks.values, lens, cv2.INTER_NEAREST), frame.masks.labels)
+    masks = frame.masks and replace(frame.masks, values=_remap(target, frame.masks.values, lens, cv2.INTER_NEAREST))
     return replace(
         frame,
         rgb=_remap(target, frame.rgb, lens, cv2.INTER_LINEAR),

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from plugins.inputs.own_scene import write_config
 from plugins.inputs.rgbd.clusters import TILT
 from plugins.inputs.rgbd.frame import Frame, Labelled, fit_frame, is_nothing
+from plugins.names.propose import Proposal
 from stages.contracts import Annotations, Camera, InputError
+from stages.contracts.doubt import Doubt, DoubtKind
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
 from stages.geometry.estimate import TRIM
@@ -40,7 +42,11 @@ def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
     values[np.isin(values, [value for value, label in kinds.items() if is_nothing(label)])] = 0
     objects = [
         Annotation(
-            mask=value, label=masks.labels[value].strip(), articulated=bool(OPENS & set(re.split(r"\W+", label)))
+            mask=value,
+            label=masks.labels[value].strip(),
+            articulated=bool(OPENS & set(re.split(r"\W+", label))),
+            doubts=doubt_name(masks.proposals.get(value, [])),
+            proposals=[one.name for one in masks.proposals.get(value, [])],
         )
         for value, label in kinds.items()
         if label not in FLOORS | WALLS and not is_nothing(label)
@@ -51,6 +57,16 @@ def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
         )
     walls = [value for value, label in kinds.items() if label in WALLS]
     return values, Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls)
+
+
+def doubt_name(proposals: list[Proposal]) -> list[Doubt]:
+    """That the surest of names is not sure."""
+    if not proposals or proposals[0].probability >= DoubtKind.NAME.threshold:
+        return []
+    first, *others = proposals
+    return [
+        DoubtKind.NAME.of(name=first.name, share=100 * first.probability, others=" or ".join(o.name for o in others))
+    ]
 
 
 def write_frame(folder: Path, frame: Frame, doubt: str = "") -> Annotations | None:

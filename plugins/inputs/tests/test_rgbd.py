@@ -16,9 +16,17 @@ from plugins.inputs import from_rgbd
 from plugins.inputs.rgbd.cameras import intrinsics_of_camera, read_intrinsics
 from plugins.inputs.rgbd.clusters import make_clusters
 from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
+from plugins.inputs.rgbd.frame import Labelled
 from plugins.inputs.rgbd.mask_files import read_labelled
+from plugins.inputs.rgbd.write import make_annotations
+from plugins.names.propose import Proposal
+from plugins.studio.masks import Cutter, correct_masks
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Camera, InputError, read_json
+from stages.contracts.categories import known_categories
+from stages.contracts.category import find_category
+from stages.contracts.corrections import Correction
+from stages.contracts.objects import object_ids
 from stages.contracts.scene_input import read_scene_input
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import reconstruct
@@ -115,7 +123,9 @@ def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace, room: tu
     np.save(near, 0.4 * room[1])
     from_rgbd.run(out=out, rgb=files.color, depth=near, intrinsics=files.K, clusters=True)
     given = read_scene_input(out)
-    assert [item.label for item in given.annotations.objects] == ["object", "object"]
+    for item in given.annotations.objects:
+        assert item.label == item.proposals[0] and len(set(item.proposals)) == 3
+        assert all(find_category(name, known_categories()) for name in item.proposals)
     assert given.annotations.floor is None, "extraction finds the ground"
     shown, plain = (cv2.imread(str(out / name)) for name in ("numbers.png", "rgb.png"))
     assert (shown != plain)[given.masks > 0].any() and (shown == plain).mean() > 0.9
@@ -124,8 +134,24 @@ def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace, room: tu
     assert columns[0] < columns[1]
     found = boxes_of(out)
     assert found["up"] == pytest.approx(0.4 * (1.6 - TABLE.top), abs=0.003)  # the table top is the ground
-    assert sorted(found["object_1"].size) == pytest.approx(sorted(0.4 * np.array(BOX.size)), abs=0.016)
-    assert found["object_2"].size[2] == pytest.approx(0.4 * CAN.size[2], abs=0.003)
+    box, can = (found[name] for name in object_ids(item.label for item in given.annotations.objects))
+    assert sorted(box.size) == pytest.approx(sorted(0.4 * np.array(BOX.size)), abs=0.016)
+    assert can.size[2] == pytest.approx(0.4 * CAN.size[2], abs=0.003)
+
+
+def test_a_name_that_is_not_sure_is_doubted_until_it_is_said() -> None:
+    sure, unsure = [Proposal("mug", 0.95), Proposal("jar", 0.01)], [Proposal("jar", 0.4), Proposal("mug", 0.3)]
+    values = np.repeat(np.arange(3, dtype=np.uint16)[:, None], 4, axis=1)
+    masks = Labelled(values, {1: "mug", 2: "jar"}, {1: sure, 2: unsure})
+    _, written = make_annotations(masks)
+    assert [item.proposals for item in written.objects] == [["mug", "jar"], ["jar", "mug"]]
+    named, (doubt,) = (item.doubts for item in written.objects)
+    assert named == []
+    assert doubt.cause == "name" and doubt.what == "called jar by looks, size and height, 40 % sure; else mug"
+    for said, left in (({"doors": 0}, [doubt]), ({"named": True}, []), ({"label": "vase"}, [])):
+        change = {2: Correction.model_validate({"mask": 2, **said})}
+        corrected, _, _ = correct_masks(written, values, change, Cutter(np.zeros((3, 4, 3), np.uint8)))
+        assert corrected is not None and corrected.objects[1].doubts == left
 
 
 def test_a_ceiling_is_no_table() -> None:

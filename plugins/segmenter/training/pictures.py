@@ -45,8 +45,12 @@ def make_pool(models: int, seed: int) -> dict[str, list[Solid]]:
 
 
 def views_of(pool: dict[str, list[Solid]], size: tuple[int, int], views: int, rng: Rng) -> Iterator[Picture]:
-    """At most `count` pictures of one random room."""
-    room = furnish(pool, rng)
+    """At most `views` pictures of one random room."""
+    return pictures_in(furnish(pool, rng), size, views, rng)
+
+
+def pictures_in(room: Room, size: tuple[int, int], views: int, rng: Rng) -> Iterator[Picture]:
+    """At most `views` pictures of a room; an owner n of its pixels is `room.things[n - 2]`."""
     caster = Caster(room, rng)
     for _ in range(views):
         seen = look(caster, *size, rng)

@@ -125,6 +125,26 @@ def test_from_a_doubt_to_another_model_in_two_clicks(opened: Any, session: Corre
     assert [line for line in low if not line.startswith("text ")] == []
 
 
+def test_a_proposed_name_is_taken_by_a_click(browser: Any, tmp_path: Path) -> None:  # noqa: F811
+    folder = write_room(tmp_path / "kitchen", BOXES, ["cabinet", "cabinet"])
+    given = json.loads((folder / "annotations.json").read_text())
+    given["objects"][0]["proposals"] = ["cabinet", "fridge", "oven"]
+    (folder / "annotations.json").write_text(json.dumps(given))
+    session = Correcting(folder, ["mug"], tmp_path / "results", "kitchen", None, "cabinet_1")
+    with watched(browser, session, "#over polygon") as page:
+        names = page.locator("#proposals button")
+        assert names.all_text_contents() == ["cabinet", "fridge", "oven"]
+        assert page.locator("#proposals button[aria-pressed=true]").count() == 0
+        names.nth(0).click()
+        assert _told(page, session) == {CABINET: {"named": True}}
+        names.nth(1).click()
+        assert _told(page, session) == {CABINET: {"label": "fridge", "named": True}}
+        assert page.locator("#proposals button[aria-pressed=true]").text_content() == "fridge"
+        assert page.locator("#label").input_value() == "fridge"
+        page.locator("#objects button").nth(1).click()
+        assert names.count() == 0
+
+
 def test_a_room_is_put_right_from_its_doubt_on_and_made_again(opened: Any, session: Correcting) -> None:
     """Nine actions; of what comes of them extraction reads all but the model, which generation reads."""
     page, results = opened, session.folder.parent / "results"

@@ -1,8 +1,12 @@
-"""Text encoder `lexical`: labels and categories compared by words, kinds of things and letters."""
+"""Text encoder `lexical`: labels and categories compared by words, kinds of things and letters.
+
+Words that no list here has are taken for those that WordNet says they are kinds of (stages/matching/wordnet.py).
+"""
 
 import re
 from collections.abc import Sequence
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,19 +19,18 @@ from stages.contracts.categories import known_categories
 # Words for the same thing that are no category of the library, or head several: each counts as the first of its line.
 # Single words, singular. Those of one category are in its row (stages/contracts/categories).
 SYNONYMS = """
-cabinet cupboard sideboard credenza buffet hutch vanity
+cabinet cupboard sideboard hutch vanity
 drawer dresser commode bureau tallboy
 lamp light lantern sconce
-plant houseplant flower flowerpot planter cactus
+plant houseplant flower flowerpot planter cactus fern bonsai
 rug carpet mat
-oven stove cooker range
+oven stove cooker range hob cooktop
 sofa sectional divan
-bed daybed futon
-stool pouf pouffe hassock barstool
+bed cot daybed futon
+stool barstool
 book magazine
 box suitcase trunk
-mug tumbler
-jug pitcher carafe
+jug pitcher
 """
 # Other words of the kinds of things: a label of no category finds its kin, not the first of the alphabet.
 KINDS = {
@@ -35,7 +38,7 @@ KINDS = {
     "appliance": "washer dryer machine printer",
     "seat": "seat",
     "table": "counter countertop workbench island",
-    "dish": "dish pot glass jug",
+    "dish": "dish pot jug",
     "flat": "board keyboard whiteboard blackboard tablet",
     "lamp": "lamp chandelier",
     "box": "bag backpack radio stereo speaker",
@@ -53,6 +56,13 @@ for row in known_categories().values():
             CANONICAL.setdefault(word.replace(" ", ""), head)
         for kind in row.kin:
             GROUPS.setdefault(kind, set()).add(head)
+MEANINGS_FILE = Path(__file__).with_name("wordnet.txt")  # a word that is known, and words that are kinds of it
+MEANINGS = {
+    word: first
+    for first, *others in map(str.split, MEANINGS_FILE.read_text(encoding="utf-8").splitlines())
+    for word in others
+    if first != "#"
+}
 LEAST_SIMILARITY = 0.03  # similarity below this is a few letters by chance; chosen
 KNOWN = set(CANONICAL).union(*GROUPS.values())
 LIKE_SPELLING = 0.85  # likeness of spelling from which on a word may be a known one with a letter wrong; chosen
@@ -100,16 +110,20 @@ def understand(label: str, categories: Sequence[str]) -> Understood:
     named = [word for name in categories for word in split_words(name)]
     known = KNOWN.union(named)
     tokens = split_words(ASIDE.split(label)[0])
+    if (pair := "".join(tokens[-2:])) in MEANINGS.keys() - known:  # "dutch oven"
+        tokens[-2:] = [pair]
     while len(tokens) > 1 and tokens[-1] in FILLERS - known:
         tokens.pop()
     if not tokens:
         return Understood([], f"the label '{label}' is no word: taken by picture and size alone")
+    said = tokens[-1]
+    tokens = [part for word in tokens for part in ([word] if word in known else split_words(MEANINGS.get(word, word)))]
     last = tokens[-1]
     if last in known:
         shared = {CANONICAL.get(word, word) for word in named}.union(map("".join, map(split_words, categories)))
         if CANONICAL.get(last, last) in shared:
             return Understood(tokens, "")
-        return Understood([last], f"no category of the library is called '{last}': taken by its kind, picture and size")
+        return Understood([last], f"no category of the library is called '{said}': taken by its kind, picture and size")
     if near := get_close_matches(last, sorted(known), n=1, cutoff=LIKE_SPELLING):
         return Understood([*tokens[:-1], near[0]], f"the word '{last}' is not known: taken for '{near[0]}'")
     return Understood([], f"the word '{last}' is not known: taken by picture and size alone")

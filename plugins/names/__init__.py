@@ -1,0 +1,1 @@
+"""Names that are proposed for the things that masks show, with probabilities."""

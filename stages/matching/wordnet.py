@@ -1,0 +1,177 @@
+"""`python -m stages.matching.wordnet FOLDER`: write text_encoders/wordnet.txt, which explains words by those we know.
+
+`wok`: a pan. A word counts by its first sense that is an artefact, else a publication or picture. `FOLDER` has
+data.noun and index.noun of WordNet 3.0 (Debian: wordnet-base).
+"""
+
+import hashlib
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from stages.matching.text_encoders.lexical import KNOWN, MEANINGS_FILE, split_words
+
+# Categories and words of lexical.py, each with words of WordNet for it; `bowl#3`: its third sense, not its first as an
+# artefact. The last two are kinds of things.
+HEADS = """
+armchair armchair
+basket basket hamper#2
+bed bed baby_bed
+bench bench
+book book book#1
+bookshelf bookcase etagere
+bottle bottle
+bowl bowl bowl#3
+box box baggage briefcase
+cabinet cabinet
+candlestick candlestick
+chair chair
+chest_of_drawers chest_of_drawers
+clock clock timepiece
+cooking_pot pot casserole crock_pot pressure_cooker tureen
+desk desk
+fridge refrigerator
+jar jar
+kettle teapot coffeepot samovar teakettle
+lamp lamp lamp#2
+laptop laptop portable_computer
+microwave microwave
+mirror mirror
+mug mug cup drinking_vessel glass
+oven oven stove
+pan pan griddle
+picture picture graphic_art photograph
+plate plate#4 platter saucer tray
+shelf shelf
+sideboard buffet
+sofa sofa
+stool stool footstool ottoman#3
+table table
+television television#3
+trash_can bin bucket wastepaper_basket
+vase vase
+wall_shelf mantel
+wardrobe wardrobe
+bag bag
+dish crockery cooking_utensil
+"""
+KINDS = ("bag", "dish")
+FILES = (6, 10)  # noun.artifact, noun.communication
+LEAST = 3  # letters of a word
+LICENSE = """
+This software and database is being provided to you, the LICENSEE, by
+Princeton University under the following license.  By obtaining, using
+and/or copying this software and database, you agree that you have
+read, understood, and will comply with these terms and conditions.:
+
+Permission to use, copy, modify and distribute this software and
+database and its documentation for any purpose and without fee or
+royalty is hereby granted, provided that you agree to comply with
+the following copyright notice and statements, including the disclaimer,
+and that the same appear on ALL copies of the software, database and
+documentation, including modifications that you make for internal
+use or for distribution.
+
+WordNet 3.0 Copyright 2006 by Princeton University.  All rights reserved.
+
+THIS SOFTWARE AND DATABASE IS PROVIDED "AS IS" AND PRINCETON
+UNIVERSITY MAKES NO REPRESENTATIONS OR WARRANTIES, EXPRESS OR
+IMPLIED.  BY WAY OF EXAMPLE, BUT NOT LIMITATION, PRINCETON
+UNIVERSITY MAKES NO REPRESENTATIONS OR WARRANTIES OF MERCHANT-
+ABILITY OR FITNESS FOR ANY PARTICULAR PURPOSE OR THAT THE USE
+OF THE LICENSED SOFTWARE, DATABASE OR DOCUMENTATION WILL NOT
+INFRINGE ANY THIRD PARTY PATENTS, COPYRIGHTS, TRADEMARKS OR
+OTHER RIGHTS.
+
+The name of Princeton University or Princeton may not be used in
+advertising or publicity pertaining to distribution of the software
+and/or database.  Title to copyright in this software, database and
+any associated documentation shall at all times remain with
+Princeton University and LICENSEE agrees to preserve same.
+"""
+
+
+class Sense(NamedTuple):
+    """A synset: the number of its file, and the synsets above it."""
+
+    file: int
+    above: list[str]
+
+
+def read_senses(folder: Path) -> tuple[dict[str, Sense], dict[str, list[str]]]:
+    """The synsets by their offset, and the offsets of each noun's senses, the most frequent first."""
+    senses: dict[str, Sense] = {}
+    for line in _lines(folder / "data.noun"):
+        offset, file, _, words, *rest = line.partition("|")[0].split()
+        pointers = rest[2 * int(words, 16) + 1 :]
+        above = [pointers[at + 1] for at in range(0, len(pointers), 4) if pointers[at] == "@"]
+        senses[offset] = Sense(int(file), above)
+    nouns = {}
+    for line in _lines(folder / "index.noun"):
+        word, _, count, *rest = line.split()
+        nouns[word] = rest[-int(count) :]
+    return senses, nouns
+
+
+def _lines(file: Path) -> list[str]:
+    return [line for line in file.read_text(encoding="ascii").splitlines() if not line.startswith("  ")]
+
+
+def read_heads() -> dict[str, list[str]]:
+    """The words of WordNet for each of our own."""
+    rows = [line.split() for line in HEADS.strip().splitlines()]
+    return {head: words for head, *words in rows}
+
+
+def explain(
+    senses: Mapping[str, Sense], nouns: Mapping[str, list[str]], ours: Mapping[str, list[str]]
+) -> dict[str, list[str]]:
+    """The words that are explained, one or two joined, by the word of `ours` that explains them."""
+
+    def senses_of(word: str) -> list[str]:
+        """Those as an artefact, else as a publication or picture, or the one whose number is given."""
+        word, _, number = word.partition("#")
+        own = nouns.get(word, [])
+        if number:
+            return [own[int(number) - 1]]
+        return next(filter(None, ([one for one in own if senses[one].file == file] for file in FILES)), [])
+
+    heads = {senses_of(word)[0]: head for head, words in ours.items() for word in words}
+
+    def head_of(sense: str) -> str | None:
+        """The nearest head above a sense."""
+        level = [sense]
+        while level:
+            if found := [heads[one] for one in level if one in heads]:
+                return found[0]
+            level = [above for one in level for above in senses[one].above]
+        return None
+
+    explained: dict[str, list[str]] = {}
+    for word in nouns:
+        tokens = split_words(word)
+        found = [head_of(sense) for sense in senses_of(word)]
+        if not found or found[0] is None or len(tokens) not in (1, 2) or not "".join(tokens).isalpha():
+            continue
+        if "".join(tokens) in KNOWN or min(map(len, tokens)) < LEAST:
+            continue
+        *_, last = tokens
+        says = {head_of(sense) for sense in senses_of(last)[:1]}
+        if len(tokens) == 2 and (says & set(found) or (last in KNOWN and found[0] in KINDS)):
+            continue  # the last word says it
+        explained.setdefault(found[0], []).append("".join(tokens))
+    return {head: sorted(set(words)) for head, words in sorted(explained.items())}
+
+
+def run(folder: Path, out: Path = MEANINGS_FILE) -> None:
+    """Write the table: a head and its words in a line."""
+    lines = [f"{head} {' '.join(words)}" for head, words in explain(*read_senses(folder), read_heads()).items()]
+    digest = hashlib.sha256((folder / "data.noun").read_bytes()).hexdigest()
+    notice = f"From data.noun of WordNet 3.0 (sha256 {digest}) by stages/matching/wordnet.py.\n\n{LICENSE}"
+    head = "".join(f"# {line}".rstrip() + "\n" for line in notice.strip().splitlines())
+    out.write_text(head + "\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    run(Path(sys.argv[1]))
