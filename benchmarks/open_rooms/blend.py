@@ -144,8 +144,8 @@ def _pieces(thing: Block, mesh: Block) -> Iterator[Piece]:
 def _material(thing: Block, mesh: Block, number: int) -> Block | None:
     for owner in (mesh, thing):
         table = owner.follow("mat")
-        wanted = [] if table is None else np.frombuffer(table.data, thing.file.pointer)[number : number + 1]
-        if len(wanted) and (found := thing.file.blocks.get(int(wanted[0]))):
+        addresses = np.frombuffer(b"" if table is None else table.data, thing.file.pointer)
+        if number < len(addresses) and (found := thing.file.blocks.get(int(addresses[number]))):
             return found
     return None
 

@@ -316,7 +316,13 @@ def blended(path: Path, moved: float) -> None:
     """A .blend of 64 bits: a quad, 2 by 1, and a triangle; their object hangs on another and is `moved` in x."""
     structs = {
         "ID": [("char", "name[66]")],
-        "Object": [("ID", "id"), ("float", "obmat[4][4]"), ("Object", "*parent"), ("Mesh", "*data")],
+        "Object": [
+            ("ID", "id"),
+            ("float", "obmat[4][4]"),
+            ("Object", "*parent"),
+            ("Mesh", "*data"),
+            ("Material", "**mat"),
+        ],
         "Mesh": [("ID", "id"), ("MVert", "*mvert"), ("MFace", "*mface"), ("MTFace", "*mtface"), ("Material", "**mat")],
         "MVert": [("float", "co[3]"), ("short", "no[3]")],
         "MFace": [("int", "v1"), ("int", "v2"), ("int", "v3"), ("int", "v4"), ("short", "mat_nr")],
@@ -325,7 +331,7 @@ def blended(path: Path, moved: float) -> None:
         "MTex": [("char", "none")],
     }
     sizes = {"char": 1, "short": 2, "int": 4, "float": 4, "ID": 66, "MVert": 18, "MFace": 18, "MTFace": 32, "MTex": 1}
-    sizes |= {"Object": 66 + 64 + 16, "Mesh": 66 + 32, "Material": 66 + 12 + 18 * 8}
+    sizes |= {"Object": 66 + 64 + 24, "Mesh": 66 + 32, "Material": 66 + 12 + 18 * 8}
     types, fields = list(sizes), sorted({name for rows in structs.values() for _, name in rows})
 
     def words(code: bytes, items: list[str]) -> bytes:
@@ -347,8 +353,8 @@ def blended(path: Path, moved: float) -> None:
     points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
     uv = struct.pack("<8f", 0, 0, 1, 0, 1, 1, 0, 1)
     blocks = [
-        (1, "Object", 1, named("OBtable") + np.eye(4, dtype="<f4").tobytes() + struct.pack("<QQ", 0, 0)),
-        (2, "Object", 1, named("OBtop") + place.tobytes() + struct.pack("<QQ", 1, 3)),
+        (1, "Object", 1, named("OBtable") + np.eye(4, dtype="<f4").tobytes() + struct.pack("<QQQ", 0, 0, 0)),
+        (2, "Object", 1, named("OBtop") + place.tobytes() + struct.pack("<QQQ", 1, 3, 0)),
         (3, "Mesh", 1, named("MEtop") + struct.pack("<4Q", 4, 5, 6, 7)),
         (4, "MVert", 4, b"".join(struct.pack("<3f3h", *point, 0, 0, 0) for point in points)),
         (5, "MFace", 2, struct.pack("<4ih", 0, 1, 2, 3, 0) + struct.pack("<4ih", 0, 1, 2, 0, 1)),
@@ -391,6 +397,23 @@ def test_groups_of_an_obj_get_their_looks(tmp_path: Path) -> None:
     assert wood.picture is not None and wood.picture[0, 0].tolist() == [10, 200, 30, 255]
     assert wood.uv is not None and orange.picture is None
     assert orange.colour == pytest.approx((1, 128 / 255, 0), abs=0.01)
+
+
+def test_pictures_are_the_right_way_up_on_what_mujoco_reads(tmp_path: Path) -> None:
+    folder = tmp_path / "sai_mujoco/assets/envs/kitchen/v0/box"
+    folder.mkdir(parents=True)
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0.5 0.125\n"
+    faces = "".join(f"f {a}/1 {b}/1 {c}/1\n" for a, b, c in ((1, 3, 2), (1, 2, 4), (1, 4, 3), (2, 3, 4)))
+    (folder / "box.obj").write_text(corners + faces)
+    (folder / "model.xml").write_text(
+        '<mujoco><asset><mesh name="m" file="box.obj"/><texture name="t" type="2d" builtin="flat" width="8" height="8"'
+        '/><material name="m" texture="t"/></asset><worldbody><body><geom type="mesh" mesh="m" material="m"/></body>'
+        "</worldbody></mujoco>"
+    )
+    (part,) = packs.Model("sai", "box", "box", (), "", "none", "", 2.0, tmp_path).parts
+    assert part.uv is not None and part.picture is not None
+    assert part.uv == pytest.approx(np.tile([0.5, 0.125], (12, 1)))
+    assert np.ptp(part.vertices, axis=0) == pytest.approx([2, 2, 2])
 
 
 def test_another_package_is_refused(tmp_path: Path) -> None:
