@@ -70,8 +70,8 @@ rule draw_scenes:
     resources:
         **needs(2000, 10),
     params:
-        **verb("generation", "draw", uses=drawn_by(CONFIG.packages, "generation")),
-        look=drawn_by(CONFIG.packages, "generation"),
+        **verb("generation", "draw", uses=list_drawers(CONFIG.packages, "generation")),
+        look=list_drawers(CONFIG.packages, "generation"),
         out=subpath(output.comparison, parent=True),
     shell:
         "{params.command} --scenes {input.scenes:q} --objects {input.objects:q} --image {input.image:q} "

@@ -146,8 +146,8 @@ rule draw_cousins:
     resources:
         **needs(1000, 10),
     params:
-        **verb("matching", "draw", uses=drawn_by(CONFIG.packages, "matching")),
-        in_place=drawn_by(CONFIG.packages, "matching"),
+        **verb("matching", "draw", uses=list_drawers(CONFIG.packages, "matching")),
+        in_place=list_drawers(CONFIG.packages, "matching"),
     shell:
         "{params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
         "--snapshots {input.snapshots:q} --library {input.library:q} --in-place {params.in_place} "

@@ -23,7 +23,7 @@ class Block:
     data: bytes
     count: int
 
-    def many(self, name: str, kind: str, width: int = 1) -> NDArray[np.generic]:
+    def read_field(self, name: str, kind: str, width: int = 1) -> NDArray[np.generic]:
         """`width` numbers of a numpy `kind` from the start of a field, of all structs: (count, width)."""
         size, fields = self.file.structs[self.kind]
         start, item = fields[name], np.dtype(kind).itemsize
@@ -32,7 +32,7 @@ class Block:
 
     def follow(self, name: str, index: int = 0) -> "Block | None":
         """What the `index`-th pointer from a field on points to."""
-        return self.file.blocks.get(int(self.many(name, self.file.pointer, index + 1)[0, index]))
+        return self.file.blocks.get(int(self.read_field(name, self.file.pointer, index + 1)[0, index]))
 
     @property
     def name(self) -> str:
@@ -54,16 +54,16 @@ class Blend:
             at += head.size
             found.append((code.rstrip(b"\0"), address, kind, count, data[at : at + size]))
             at += size
-        names, self.structs = _described(next(body for code, *_, body in found if code == b"DNA1"), 8 if wide else 4)
+        names, self.structs = _read_structs(next(body for code, *_, body in found if code == b"DNA1"), 8 if wide else 4)
         self.blocks = {where: Block(self, names[kind], body, count) for _, where, kind, count, body in found if where}
         self.objects = [block for block in self.blocks.values() if block.kind == "Object"]
 
 
-def _described(data: bytes, pointer: int) -> tuple[list[str], dict[str, tuple[int, dict[str, int]]]]:
+def _read_structs(data: bytes, pointer: int) -> tuple[list[str], dict[str, tuple[int, dict[str, int]]]]:
     """The block DNA1: types by the index of their struct, and sizes and fields of all structs."""
     at = 8
 
-    def words() -> list[str]:
+    def read_words() -> list[str]:
         nonlocal at
         count = struct.unpack_from("<I", data, at)[0]
         pieces = data[at + 4 :].split(b"\0", count)[:count]
@@ -71,7 +71,7 @@ def _described(data: bytes, pointer: int) -> tuple[list[str], dict[str, tuple[in
         at += -at % 4 + 4
         return [piece.decode() for piece in pieces]
 
-    names, types = words(), words()
+    names, types = read_words(), read_words()
     sizes = struct.unpack_from(f"<{len(types)}H", data, at)
     at += 2 * len(types)
     at += -at % 4 + 4
@@ -103,45 +103,45 @@ class Piece:
     picture: NDArray[np.uint8] | None
 
 
-def pieces(path: Path, name: str) -> Iterator[Piece]:
+def read_pieces(path: Path, name: str) -> Iterator[Piece]:
     """The mesh of an object and of what hangs on it."""
-    file = _opened(path)
+    file = _open_blend(path)
     for thing in file.objects:
         above: Block | None = thing
         while above is not None and above.name != name:
             above = above.follow("parent")
         mesh = thing.follow("data")
         if above is not None and mesh is not None and mesh.kind == "Mesh":
-            yield from _pieces(thing, mesh)
+            yield from _split_mesh(thing, mesh)
 
 
 @lru_cache(maxsize=4)
-def _opened(path: Path) -> Blend:
+def _open_blend(path: Path) -> Blend:
     return Blend(path)
 
 
-def _pieces(thing: Block, mesh: Block) -> Iterator[Piece]:
+def _split_mesh(thing: Block, mesh: Block) -> Iterator[Piece]:
     points, faces = mesh.follow("mvert"), mesh.follow("mface")
     if points is None or faces is None:
         return
-    world = thing.many("obmat", "<f4", 16).reshape(4, 4).astype(float)  # rows are axes
-    vertices = points.many("co", "<f4", 3).astype(float) @ world[:3, :3] + world[3, :3]
-    quads = faces.many("v1", "<u4", 4).astype(np.int64)
+    world = thing.read_field("obmat", "<f4", 16).reshape(4, 4).astype(float)  # rows are axes
+    vertices = points.read_field("co", "<f4", 3).astype(float) @ world[:3, :3] + world[3, :3]
+    quads = faces.read_field("v1", "<u4", 4).astype(np.int64)
     mapped = mesh.follow("mtface")
-    uv = None if mapped is None else mapped.many("uv", "<f4", 8).reshape(-1, 4, 2).astype(float)
-    numbers = faces.many("mat_nr", "<i2")[:, 0]
+    uv = None if mapped is None else mapped.read_field("uv", "<f4", 8).reshape(-1, 4, 2).astype(float)
+    numbers = faces.read_field("mat_nr", "<i2")[:, 0]
     for number in np.unique(numbers):
         of = np.flatnonzero(numbers == number)
         index = np.repeat(of, 2)
         corner = np.tile(CORNERS, (len(of), 1))
         keep = ~((corner[:, 2] == 3) & (quads[index, 3] == 0))
         index, corner = index[keep], corner[keep]
-        colour, picture = _looks(_material(thing, mesh, int(number)))
+        colour, picture = _read_looks(_find_material(thing, mesh, int(number)))
         corners = vertices[quads[index[:, None], corner]]
         yield Piece(corners, None if uv is None else uv[index[:, None], corner], colour, picture)
 
 
-def _material(thing: Block, mesh: Block, number: int) -> Block | None:
+def _find_material(thing: Block, mesh: Block, number: int) -> Block | None:
     for owner in (mesh, thing):
         table = owner.follow("mat")
         addresses = np.frombuffer(b"" if table is None else table.data, thing.file.pointer)
@@ -150,10 +150,10 @@ def _material(thing: Block, mesh: Block, number: int) -> Block | None:
     return None
 
 
-def _looks(material: Block | None) -> tuple[tuple[float, float, float], NDArray[np.uint8] | None]:
+def _read_looks(material: Block | None) -> tuple[tuple[float, float, float], NDArray[np.uint8] | None]:
     if material is None:
         return (0.7, 0.7, 0.7), None
-    red, green, blue = (float(material.many(channel, "<f4")[0, 0]) for channel in "rgb")
+    red, green, blue = (float(material.read_field(channel, "<f4")[0, 0]) for channel in "rgb")
     for slot in range(18):
         layer = material.follow("mtex", slot)
         texture = layer and layer.follow("tex")

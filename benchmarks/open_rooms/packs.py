@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from trimesh.visual.material import SimpleMaterial
 
-from benchmarks.open_rooms.blend import Piece, pieces
+from benchmarks.open_rooms.blend import Piece, read_pieces
 
 HERE = Path(__file__).parent
 HALVES = {
@@ -129,7 +129,7 @@ class Model:
         x, y, z = np.ptp(np.concatenate([part.vertices for part in self.parts]), axis=0)
         return float(x), float(y), float(z)
 
-    def _catalogued(self) -> list[Part]:
+    def _read_catalogued(self) -> list[Part]:
         """Of Sweet Home 3D: the OBJ turned as its catalogue says and stretched to the size there."""
         entry = catalogue(self.folder, self.pack)[self.name]
         path = self.folder / CATALOGUES[self.pack][0] / entry["model"].lstrip("/")
@@ -138,9 +138,9 @@ class Model:
             rotation[:3, :3] = np.array(entry["modelRotation"].split(), dtype=float).reshape(3, 3)
         parts = list(_obj(path, rotation))
         points = np.concatenate([part.vertices for part in parts])
-        told = np.array([float(entry[key]) for key in ("depth", "width", "height")]) / 100
-        scale = told / np.ptp(points, axis=0)
-        return [_mapped(part, np.diag([*scale, 1.0])) for part in parts]
+        stated = np.array([float(entry[key]) for key in ("depth", "width", "height")]) / 100
+        scale = stated / np.ptp(points, axis=0)
+        return [_transform_part(part, np.diag([*scale, 1.0])) for part in parts]
 
     def _mjcf(self) -> list[Part]:
         """Of a MuJoCo file: what is seen of its first body, as it stands there."""
@@ -153,35 +153,35 @@ class Model:
         seen = [g for g in geoms if world.geom_contype[g] == 0 and world.geom_conaffinity[g] == 0] or geoms
         return [_geom(world, data, g) for g in seen]
 
-    def _blend(self) -> list[Part]:
+    def _read_blend(self) -> list[Part]:
         """Of Blender: an object of a file, with what hangs on it."""
         file, name = self.name.split("/")
-        return [_piece(piece) for piece in pieces(self.folder / BLENDS[self.pack].format(file), name)]
+        return [_convert_piece(piece) for piece in read_pieces(self.folder / BLENDS[self.pack].format(file), name)]
 
     def _read(self) -> list[Part]:
         if self.pack in MJCF:
             return self._mjcf()
         if self.pack in BLENDS:
-            return self._blend()
+            return self._read_blend()
         if self.pack in OBJS:
             return list(_obj(next(self.folder.glob(OBJS[self.pack].format(self.name))), np.eye(4), ordered=False))
-        return self._catalogued()
+        return self._read_catalogued()
 
 
 @lru_cache(maxsize=32)
 def _parts(model: Model) -> list[Part]:
     turn, parts = FRAMES[model.frame] @ np.diag([*[model.scale] * 3, 1.0]), model._read()
-    return _placed(parts if np.array_equal(turn, np.eye(4)) else [_mapped(part, turn) for part in parts])
+    return _stand_parts(parts if np.array_equal(turn, np.eye(4)) else [_transform_part(part, turn) for part in parts])
 
 
-def _piece(piece: Piece) -> Part:
+def _convert_piece(piece: Piece) -> Part:
     uv = None if piece.uv is None else piece.uv.reshape(-1, 2)
     triangles = np.arange(3 * len(piece.corners)).reshape(-1, 3)
     picture = None if uv is None else piece.picture
     return Part(piece.corners.reshape(-1, 3), triangles, None, uv, piece.colour, picture, 1.0)
 
 
-def _mapped(part: Part, transform: NDArray[np.float64]) -> Part:
+def _transform_part(part: Part, transform: NDArray[np.float64]) -> Part:
     normals = None
     if part.normals is not None:
         normals = part.normals @ np.linalg.inv(transform[:3, :3])
@@ -191,12 +191,12 @@ def _mapped(part: Part, transform: NDArray[np.float64]) -> Part:
     return Part(vertices, faces, normals, part.uv, part.colour, part.picture, part.opacity)
 
 
-def _placed(parts: list[Part]) -> list[Part]:
+def _stand_parts(parts: list[Part]) -> list[Part]:
     points = np.concatenate([part.vertices for part in parts])
     low, high = points.min(axis=0), points.max(axis=0)
     shift = np.eye(4)
     shift[:3, 3] = -np.array([*(low + high)[:2] / 2, low[2]])
-    return [_mapped(part, shift) for part in parts]
+    return [_transform_part(part, shift) for part in parts]
 
 
 def _opacities(path: Path) -> dict[str, float]:
@@ -233,7 +233,7 @@ def _obj(path: Path, rotation: NDArray[np.float64], ordered: bool = True) -> Ite
             None if image is None or min(image.size) < 3 else np.array(image.convert("RGBA")),
             opacities.get(str(material.name), 1.0),
         )
-        yield _mapped(part, TO_OURS @ rotation)
+        yield _transform_part(part, TO_OURS @ rotation)
 
 
 def _geom(world: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Part:
@@ -277,7 +277,7 @@ def catalogue(folder: Path, pack: str) -> dict[str, dict[str, str]]:
 @cache
 def kinds() -> dict[str, Kind]:
     """The table of kinds.yaml."""
-    return {name: Kind(**said) for name, said in yaml.safe_load((HERE / "kinds.yaml").read_text()).items()}
+    return {name: Kind(**fields) for name, fields in yaml.safe_load((HERE / "kinds.yaml").read_text()).items()}
 
 
 def models(folder: Path, half: str) -> list[Model]:

@@ -14,7 +14,7 @@ from matplotlib.ticker import NullLocator
 from plugins.studies.choice import Choice
 from plugins.studies.choice_report import share
 from plugins.studies.coverage import HEIGHT, WIDTH
-from stages.contracts import atomic
+from stages.contracts import write_atomically
 from stages.contracts.policies import TaskAsset
 from stages.experiment.draw import representatives
 
@@ -36,7 +36,7 @@ def write_picture(path: Path, choice: Choice, pool: Sequence[TaskAsset], snapsho
         axes.set_title(f"{number + 1}  {model.asset}", fontsize=8)
         if model.asset in views:
             axes.imshow(views[model.asset])
-    with atomic(path) as temporary:
+    with write_atomically(path) as temporary:
         figure.savefig(temporary, format="png", dpi=110, metadata={"Software": None})
     plt.close(figure)
 

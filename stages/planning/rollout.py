@@ -1,4 +1,4 @@
-"""Candidate motions, tried out through the very IK that executes actions: which can be followed without a touch."""
+"""Candidate motions, simulated with the same IK that executes actions, to find those without a collision."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ def find_feasible(
     """Index of the first candidate that the arm can follow from `joints` (7,) and that touches nothing.
 
     Args:
-        spare: radians that every joint is to keep to its limits all the way; if none does, that which keeps most.
+        spare: radians that every joint should keep from its limits; if no candidate does, the one that keeps most.
     """
     best, widest = None, -np.inf
     for start in range(0, len(candidates), BATCH):
@@ -75,10 +75,10 @@ def can_hold(
 ) -> Array:
     """(N,) whether the arm, near its `joints` (7,), can hold the hand at poses (N, 4, 4) without touching anything.
 
-    Cheaper than a whole candidate: it leaves out useless poses before those are tried.
+    It is cheaper than a whole candidate, and rules out useless poses early.
 
     Args:
-        stretch: the state that robot and object then are in; its path is not looked at.
+        stretch: the state of robot and object; its path is ignored.
     """
     across = int(np.ceil(np.ptp([chain.lower, chain.upper], axis=0).max() / MAX_JOINT_STEP))  # of the widest range
     q = track(chain, np.tile(joints, (len(poses), 1)), poses, across)

@@ -12,10 +12,10 @@ from stages.tables import asset_panels, assets, claims, policy_tables, table3
 from stages.tables.cells import CELL, ROW
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table
-from stages.tables.methods import Kinds, beside_ours, first_policies, kinds_of, read_rollouts
+from stages.tables.methods import Kinds, first_policies, join_published, kinds_of, read_rollouts
 from stages.tables.policy_figures import figure4, figure9
 from stages.tables.policy_notes import policy_notes
-from stages.tables.pooling import pooled
+from stages.tables.pooling import pool_rollouts
 from stages.tables.rows import published_policies, published_runs
 from stages.tables.trainings import failed_note, read_trainings
 from stages.tables.writing import write, write_csv
@@ -43,7 +43,7 @@ def collect(
     """The frames of some rollouts (as `read_pooled` gives them); cells in `asked` without rollouts are `not run`."""
     ours = pd.concat([asked[KNOWN], rollouts[KNOWN]]).drop_duplicates()
     paper, per_run = (
-        beside_ours(table, ours, options) for table in (published_policies(published), published_runs(published))
+        join_published(table, ours, options) for table in (published_policies(published), published_runs(published))
     )
     runs = table3.build(rollouts, pd.concat([asked, paper])[[*CELL, "task"]].drop_duplicates(), options)
     return PolicyResults(
@@ -88,7 +88,7 @@ def role_tables(found: PolicyResults, options: PolicyTables, kinds: Kinds, notes
 def write_figures(out: Path, rollouts: pd.DataFrame, found: PolicyResults, options: PolicyTables) -> None:
     """Write figure4 and figure9 (.svg, .png)."""
     points = asset_panels.points(rollouts)
-    over_assets = (points, asset_panels.thirds(rollouts, options)) if len(points) else None
+    over_assets = (points, asset_panels.tabulate_thirds(rollouts, options)) if len(points) else None
     with style():
         save(figure4(found.cells, found.published, over_assets, options.encoder), out, "figure4")
         save(figure9(found.cells, found.published), out, "figure9")
@@ -117,7 +117,7 @@ def run(
     """
     settings = read_options(PolicyTables, options)
     rows, kinds = read_rollouts(rollouts, settings), kinds_of(settings)
-    episodes = pooled(rows, settings)
+    episodes = pool_rollouts(rows, settings)
     found = collect(episodes, published, settings)
     notes = [*policy_notes(settings), *failed_note(read_trainings(trainings))]
     tables = asset_tables(found, settings, kinds, notes) or [policy_tables.assets_table(found.assets, settings)]

@@ -13,7 +13,7 @@ from plugins.look.surfaces import Seen, estimate_light, find_bounds, find_surfac
 from stages.contracts import GeneratedScene, Objects
 from stages.contracts.look import ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Mounting, SceneObject, Wall
-from stages.generation.painting import furnish, usual_look
+from stages.generation.painting import furnish, make_usual_look
 from stages.generation.placed import Placed
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at
@@ -166,6 +166,6 @@ def test_scenes_are_drawn_in_the_look_of_their_picture_if_the_package_is_on(tmp_
 
 
 def test_without_the_package_the_light_is_the_usual_one() -> None:
-    look = usual_look()
+    look = make_usual_look()
     assert look.light_from == "default" and look.surfaces == []
     assert np.cross(look.light, ROOM_LIGHT) == pytest.approx(np.zeros(3), abs=1e-5)
