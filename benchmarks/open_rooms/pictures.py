@@ -70,7 +70,7 @@ def read(folder: Path) -> Picture:
 
 
 def folders(root: Path, half: str = "") -> list[Path]:
-    """The pictures that are there, of one half or of both."""
+    """The pictures that are there, of one half or of all."""
     found = [folder / "room.json" for folder in sorted((root / "pictures").glob("*"))]
     halves = {path.parent: json.loads(path.read_text())["half"] for path in found if path.is_file()}
     return [folder for folder, which in halves.items() if half in ("", which)]

@@ -76,7 +76,9 @@ def plans() -> dict[str, dict[str, Any]]:
 
 def names(half: str) -> list[str]:
     """All rooms of a half."""
-    return [f"{half.replace('_', '-')}_{kind}_{k + 1}" for kind, plan in plans().items() for k in range(plan["draws"])]
+    return [
+        f"{half.replace('_', '-')}_{kind}_{k + 1}" for kind, plan in plans().items() for k in range(plan["draws"][half])
+    ]
 
 
 def mirror_plan(plan: dict[str, Any]) -> dict[str, Any]:

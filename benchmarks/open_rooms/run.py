@@ -63,7 +63,7 @@ def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...],
     Args:
         root: folder of `render`.
         results: folder with the default library and its features.
-        half: of the pictures; both if empty.
+        half: of the pictures; all if empty.
         only: in the names of pictures.
         masks: exact, drawn.
         rows: of `ROWS`.

@@ -12,7 +12,7 @@ MEASURES = ["sensible", "size", "place", "yaw", "carrier", "stable", "panels", "
 WHOLE = 0.5  # share of a thing that shows, from which on it counts as seen whole
 FAULTS = ["held", "floats", "behind", "too_large"]
 OPTIONS = TablesConfig()
-HALVES = {"work": "to work on", "held_out": "looked at once"}
+HALVES = {"work": "to work on", "held_out": "looked at once", "third": "not looked at yet"}
 
 
 def _side(rows: pd.DataFrame, measure: str) -> pd.DataFrame:

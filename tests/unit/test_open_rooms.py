@@ -1,16 +1,20 @@
 """The benchmark on other people's rooms: layout, sensor, outlines and score. Nothing is rendered."""
 
 import csv
+import struct
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from numpy.typing import NDArray
+from PIL import Image
 from shapely import Point
 
-from benchmarks.open_rooms import packs, pictures, rooms, score, sensor, tables, views
+from benchmarks.open_rooms import blend, fetch, packs, pictures, rooms, score, sensor, tables, views
 from plugins.furniture.catalogue import CATEGORIES
+from stages.contracts import InputError
 from stages.contracts.library import FrontPanel, Joint
 from stages.geometry.boxes import UprightBox, footprint
 from tests.unit.generation_scenes import asset
@@ -284,3 +288,135 @@ def test_other_versions_of_the_code_are_kept_beside() -> None:
     page = tables.page(rows)
     assert "| before | geometry | 2 | 100 " in page and "| this | geometry | 2 | 100 " in page
     assert page.count("| drawn | geometry | all | 1 | 2 | 2 | 100 ") == 1
+
+
+def test_every_model_is_in_one_half_and_may_be_dressed_turned_and_scaled() -> None:
+    with (packs.HERE / "models.csv").open() as file:
+        listed = list(csv.DictReader(file))
+    halves = {pack: half for half, names in packs.HALVES.items() for pack in names}
+    assert len(halves) == sum(map(len, packs.HALVES.values()))
+    ids = [model.id for half in packs.HALVES for model in packs.models(Path(), half)]
+    assert len(ids) == len(set(ids)) == len(listed)
+    for line in listed:
+        assert line["frame"] in packs.FRAMES and float(line["scale"] or 1) > 0
+        assert bool(line["looks"]) == (line["pack"] in packs.OBJS)
+    for turn in packs.FRAMES.values():
+        assert np.linalg.det(turn) == pytest.approx(1) and np.allclose(turn @ turn.T, np.eye(4))
+    third = {line["kind"] for line in listed if halves[line["pack"]] == "third"} - {"clutter"}
+    assert len(third) >= 15
+
+
+def test_a_half_has_the_rooms_that_the_plans_say() -> None:
+    assert rooms.names("work")[:4] == ["work_living_1", "work_living_2", "work_living_3", "work_lounge_1"]
+    assert len(rooms.names("work")) == len(rooms.names("held_out")) == 15
+    assert len(rooms.names("third")) == 24 and len(set(rooms.names("third"))) == 24
+
+
+def write_blend(path: Path, moved: float) -> None:
+    """A .blend of 64 bits: a quad, 2 by 1, and a triangle; their object hangs on another and is `moved` in x."""
+    structs = {
+        "ID": [("char", "name[66]")],
+        "Object": [
+            ("ID", "id"),
+            ("float", "obmat[4][4]"),
+            ("Object", "*parent"),
+            ("Mesh", "*data"),
+            ("Material", "**mat"),
+        ],
+        "Mesh": [("ID", "id"), ("MVert", "*mvert"), ("MFace", "*mface"), ("MTFace", "*mtface"), ("Material", "**mat")],
+        "MVert": [("float", "co[3]"), ("short", "no[3]")],
+        "MFace": [("int", "v1"), ("int", "v2"), ("int", "v3"), ("int", "v4"), ("short", "mat_nr")],
+        "MTFace": [("float", "uv[4][2]")],
+        "Material": [("ID", "id"), ("float", "r"), ("float", "g"), ("float", "b"), ("MTex", "*mtex[18]")],
+        "MTex": [("char", "none")],
+    }
+    sizes = {"char": 1, "short": 2, "int": 4, "float": 4, "ID": 66, "MVert": 18, "MFace": 18, "MTFace": 32, "MTex": 1}
+    sizes |= {"Object": 66 + 64 + 24, "Mesh": 66 + 32, "Material": 66 + 12 + 18 * 8}
+    types, fields = list(sizes), sorted({name for rows in structs.values() for _, name in rows})
+
+    def words(code: bytes, items: list[str]) -> bytes:
+        body = code + struct.pack("<I", len(items)) + b"".join(item.encode() + b"\0" for item in items)
+        return body + b"\0" * (-len(body) % 4)
+
+    dna = b"SDNA" + words(b"NAME", fields) + words(b"TYPE", types) + b"TLEN"
+    lengths = struct.pack(f"<{len(types)}H", *sizes.values())
+    dna += lengths + b"\0" * (-len(lengths) % 4) + b"STRC" + struct.pack("<I", len(structs))
+    for name, rows in structs.items():
+        dna += struct.pack("<HH", types.index(name), len(rows))
+        dna += b"".join(struct.pack("<HH", types.index(kind), fields.index(field)) for kind, field in rows)
+
+    def named(name: str) -> bytes:
+        return name.encode().ljust(66, b"\0")
+
+    place = np.eye(4, dtype="<f4")
+    place[3, 0] = moved
+    points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
+    uv = struct.pack("<8f", 0, 0, 1, 0, 1, 1, 0, 1)
+    blocks = [
+        (1, "Object", 1, named("OBtable") + np.eye(4, dtype="<f4").tobytes() + struct.pack("<QQQ", 0, 0, 0)),
+        (2, "Object", 1, named("OBtop") + place.tobytes() + struct.pack("<QQQ", 1, 3, 0)),
+        (3, "Mesh", 1, named("MEtop") + struct.pack("<4Q", 4, 5, 6, 7)),
+        (4, "MVert", 4, b"".join(struct.pack("<3f3h", *point, 0, 0, 0) for point in points)),
+        (5, "MFace", 2, struct.pack("<4ih", 0, 1, 2, 3, 0) + struct.pack("<4ih", 0, 1, 2, 0, 1)),
+        (6, "MTFace", 2, uv + uv),
+        (7, "ID", 1, struct.pack("<QQ", 8, 0)),
+        (8, "Material", 1, named("MAred") + struct.pack("<3f", 0.8, 0.1, 0.2) + b"\0" * 18 * 8),
+    ]
+    body = b"".join(
+        struct.pack("<4sIQII", b"DATA", len(data), where, list(structs).index(kind), count) + data
+        for where, kind, count, data in blocks
+    )
+    path.write_bytes(b"BLENDER-v262" + body + struct.pack("<4sIQII", b"DNA1", len(dna), 99, 0, 1) + dna)
+
+
+def test_meshes_are_read_out_of_a_blend(tmp_path: Path) -> None:
+    write_blend(tmp_path / "props.blend", 5.0)
+    red, plain = blend.read_pieces(tmp_path / "props.blend", "table")
+    assert red.corners.shape == (2, 3, 3) and plain.corners.shape == (1, 3, 3)  # two of a quad, one of a triangle
+    assert np.ptp(red.corners.reshape(-1, 3), axis=0) == pytest.approx([2, 1, 0])
+    assert red.corners[..., 0].min() == pytest.approx(5)
+    assert red.colour == pytest.approx((0.8, 0.1, 0.2)) and red.picture is None
+    assert red.uv is not None and red.uv[0] == pytest.approx(np.array([(0, 0), (1, 0), (1, 1)]))
+    assert not list(blend.read_pieces(tmp_path / "props.blend", "chair"))
+
+
+def test_groups_of_an_obj_get_their_looks(tmp_path: Path) -> None:
+    models, pictures_ = tmp_path / "mod/models", tmp_path / "mod/textures"
+    models.mkdir(parents=True)
+    pictures_.mkdir()
+    Image.new("RGB", (8, 8), (10, 200, 30)).save(pictures_ / "wood.png")
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\ng top\nf 1/1 2/2 3/3\ng legs\nf 1/1 3/3 2/2\n"
+    (models / "desk.obj").write_text(text)
+    fetch.paint_groups(models / "desk.obj", ["wood.png", "#ff8000"])
+    once = (models / "desk.obj").read_text()
+    fetch.paint_groups(models / "desk.obj", ["#000000"])
+    assert (models / "desk.obj").read_text() == once
+    wood, orange = sorted(
+        packs._obj(models / "desk.obj", np.eye(4), ordered=False), key=lambda part: part.picture is None
+    )
+    assert wood.picture is not None and wood.picture[0, 0].tolist() == [10, 200, 30, 255]
+    assert wood.uv is not None and orange.picture is None
+    assert orange.colour == pytest.approx((1, 128 / 255, 0), abs=0.01)
+
+
+def test_pictures_are_the_right_way_up_on_what_mujoco_reads(tmp_path: Path) -> None:
+    folder = tmp_path / "sai_mujoco/assets/envs/kitchen/v0/box"
+    folder.mkdir(parents=True)
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0.5 0.125\n"
+    faces = "".join(f"f {a}/1 {b}/1 {c}/1\n" for a, b, c in ((1, 3, 2), (1, 2, 4), (1, 4, 3), (2, 3, 4)))
+    (folder / "box.obj").write_text(corners + faces)
+    (folder / "model.xml").write_text(
+        '<mujoco><asset><mesh name="m" file="box.obj"/><texture name="t" type="2d" builtin="flat" width="8" height="8"'
+        '/><material name="m" texture="t"/></asset><worldbody><body><geom type="mesh" mesh="m" material="m"/></body>'
+        "</worldbody></mujoco>"
+    )
+    (part,) = packs.Model("sai", "box", "box", (), "", "none", "", 2.0, tmp_path).parts
+    assert part.uv is not None and part.picture is not None
+    assert part.uv == pytest.approx(np.tile([0.5, 0.125], (12, 1)))
+    assert np.ptp(part.vertices, axis=0) == pytest.approx([2, 2, 2])
+
+
+def test_another_package_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "pack-1.whl").write_bytes(b"models")
+    with pytest.raises(InputError, match="is not the package"):
+        fetch._check_digest(tmp_path, "pack-*.whl", "0" * 64)
