@@ -19,6 +19,7 @@ from stages.demonstrations.base_shifts import find_obstacle, list_base_shifts
 from stages.demonstrations.scene import run
 from stages.simulation.room import Room, read_room
 from stages.tasks.api import TaskEnv
+from tests.packages import needs
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 
@@ -117,7 +118,7 @@ def test_the_robot_stands_before_the_object_and_not_in_the_floor(library: Path, 
     ("task", "asset", "joint"),
     [
         ("drawer", "chest", "drawer_0_joint"),
-        ("put_away_bowl", "chest", "drawer_0_joint"),
+        pytest.param("put_away_bowl", "chest", "drawer_0_joint", marks=needs("bowl")),
         ("door", "oven", "door_0_joint"),
     ],
 )
@@ -135,6 +136,7 @@ def test_every_task_is_demonstrated_in_a_scene(
     assert (found.status, found.joint) == ("ok", joint), found.reason
 
 
+@needs("bowl")
 def test_what_a_task_brings_along_does_not_stand_in_furniture(library: Path, tmp_path: Path) -> None:
     stool = block("stool_1", (1.47, 0.24, 0.3), (0.3, 0.3, 0.6))
     write_json(tmp_path / "scene_1.json", scene(1, stool, target="chest"))
