@@ -213,7 +213,7 @@ def of_picture(config: Any) -> Any:
     if not config.image:
         return config
     name = scene_of(Path(config.image).with_suffix(""))
-    name = f"{name}-photo" if name in config.room_files() else name
+    name = f"{name}-photo" if name in config.rooms() else name
     only = {"rooms": [name], "inputs": {name: Picture(image=config.image)}}
     only |= {key: {} for key in ("targets", "policies", "pools", "protocols")}
     return config.model_copy(update={"experiment": config.experiment.model_copy(update=only)})

@@ -10,15 +10,14 @@ from stages.contracts.section import Section
 
 VERBS = {
     "assets": ("join", "snapshots", "draw"),
-    "scenes": ("render",),
     "extraction": ("extract", "draw"),
     "matching": ("features", "match", "distances", "draw"),
     "generation": ("generate", "draw"),
     "experiment": ("select", "pinned", "draw"),
-    "demonstrations": ("collect", "scene"),
+    "demonstrations": ("collect",),
     "training": ("train",),
     "evaluation": ("trial", "choose", "rollout", "skill", "gather", "leave_out", "score"),
-    "tables": ("scenes", "trainings", "policies"),
+    "tables": ("scenes", "policies"),
 }
 
 

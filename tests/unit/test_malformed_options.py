@@ -13,6 +13,7 @@ import pytest
 
 from plugins.furniture.catalogue import sample
 from plugins.furniture.folder import generate
+from plugins.scenes.config import ScenesConfig
 from stages.cli import main as stage
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
@@ -21,7 +22,6 @@ from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.matching import MatchingConfig
 from stages.config.packages import home_of
-from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
 from stages.contracts import InputError, read_options
 from stages.contracts.library import Recipe
