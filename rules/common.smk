@@ -54,6 +54,8 @@ ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
 FURTHER_ROOMS = set([room for room in ROOMS if room in EXPERIMENT.inputs][8:])
 REPORT_ROOMS = [room for room in ROOMS if room not in FURTHER_ROOMS]
+# Those that are drawn for people, by the package `pictures`.
+DRAWN_ROOMS = ROOMS if CONFIG.packages.get("pictures") else []
 # Variants, and that of the policy experiment; rooms by protocols, each with its variants.
 VARIANTS = list(EXPERIMENT.variants)
 MATCHING = {variant: CONFIG.matching_of(variant) for variant in VARIANTS}

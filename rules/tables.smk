@@ -11,7 +11,11 @@ rule table2:
     input:
         scores=expand("results/evaluation/scenes/{variant}/{room}/scores.csv", variant=VARIANTS, room=SCORED_ROOMS),
         robustness=expand("results/evaluation/scenes/{variant}/{scene}/scores.csv", zip, **PROTOCOL_SCENES),
-        comparisons=expand("results/generation/{variant}/{scene}/comparison.png", scene=REPORT_ROOMS, variant=VARIANTS),
+        comparisons=expand(
+            "results/generation/{variant}/{scene}/comparison.png",
+            scene=REPORT_ROOMS if DRAWN_ROOMS else [],
+            variant=VARIANTS,
+        ),
     output:
         csv=expand("results/tables/{table}.csv", table=["table2", "table2_robustness"]),
         html=in_report("results/tables/table2.html", "tables"),

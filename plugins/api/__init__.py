@@ -89,11 +89,11 @@ def make_scenes(
     Returns:
         scene_1.json, scene_2.json, ...
     """
-    from stages.config.packages import drawn_by
+    from stages.config.packages import drawn_by, verb
     from stages.config.sizes import sized
     from stages.contracts.corrections import CORRECTIONS, corrections_of
     from stages.extraction import extract
-    from stages.generation import draw, generate
+    from stages.generation import generate
     from stages.matching import match
 
     source, index, folder = Path(picture), Path(library), Path(out)
@@ -119,8 +119,9 @@ def make_scenes(
         options=_options(settings, "generation", "generate", variant=variant), corrections=corrections["generation"],
     )  # fmt: skip
     scenes = tuple(folder / f"scene_{rank}.json" for rank in range(1, settings.generation_of(variant).ranks + 1))
-    look = tuple(drawn_by(settings.packages, "generation"))
-    draw.run(scenes=scenes, objects=objects, image=image, library=index, out=folder, look=look)
+    if settings.packages.get("pictures"):
+        look = tuple(drawn_by(settings.packages, "generation"))
+        verb("pictures", "scenes")(scenes=scenes, objects=objects, image=image, library=index, out=folder, look=look)
     return list(scenes)
 
 

@@ -23,3 +23,6 @@ rule trainings:
         out=subpath(output.csv, parent=True),
     shell:
         "{params.command} --policies {input.configs:q} --out {params.out:q} 2>&1 | tee {log:q}"
+
+
+EVERYTHING += [rules.trainings.output]

@@ -109,7 +109,8 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
         return  # said above
     for name in experiment.rooms:
         if name not in rooms and name not in experiment.inputs:
-            mend = f"{nearest(name, [*rooms, *experiment.inputs])}, or a picture of yours in experiment.inputs"
+            known = nearest(name, [*rooms, *experiment.inputs]) if rooms else "packages: {scenes: true}, for ours"
+            mend = f"{known}, or a picture of yours in experiment.inputs"
             yield Mistake("experiment.rooms", f"unknown scene '{name}'", mend, "E-CONFIG-UNKNOWN")
     for name, given in experiment.inputs.items():
         key = f"experiment.inputs.{name}"

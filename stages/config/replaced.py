@@ -9,11 +9,11 @@ from stages.contracts.errors import nearest
 from stages.contracts.section import Section
 
 VERBS = {
-    "assets": ("join", "snapshots", "draw"),
-    "extraction": ("extract", "draw"),
-    "matching": ("features", "match", "distances", "draw"),
-    "generation": ("generate", "draw"),
-    "experiment": ("select", "pinned", "draw"),
+    "assets": ("join", "snapshots"),
+    "extraction": ("extract",),
+    "matching": ("features", "match", "distances"),
+    "generation": ("generate",),
+    "experiment": ("select", "pinned"),
     "demonstrations": ("collect",),
     "training": ("train",),
     "evaluation": ("trial", "choose", "rollout", "skill", "gather", "leave_out", "score"),

@@ -20,6 +20,9 @@ ON_OTHERS = {  # few, each for a reason
     ("patchnet", "pretrained"),
     ("segmenter", "pretrained"),
     ("inputs", "vlm"),  # captions may come from a language model
+    ("exports", "pictures"),  # the same GLB, room and light
+    ("look", "pictures"),
+    ("studies", "pictures"),  # assets with their roles
     ("report", "claims"),  # their tables, on the page of a run
     ("studies", "claims"),
     ("studies", "report"),  # the times of a run

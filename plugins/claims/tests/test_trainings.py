@@ -183,5 +183,5 @@ def test_the_page_of_a_study_names_them(tmp_path: Path) -> None:
 
 def test_a_run_without_policies_has_an_empty_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     trainings.run(out=tmp_path)
-    assert capsys.readouterr().err == "tables: 0 trainings, none failed\n"
+    assert capsys.readouterr().err == "claims: 0 trainings, none failed\n"
     assert len(trainings.read_trainings(tmp_path / "trainings.csv")) == 0

@@ -1,11 +1,11 @@
-"""Verb `draw`: overview.png, the picture with what extraction found in it."""
+"""Verb `objects`: overview.png, the picture with what extraction found in it."""
 
 from pathlib import Path
 
+from plugins.pictures.overview import draw_overview
 from stages.contracts import Objects, atomic, read_json
 from stages.contracts.extracted import read_object_masks
 from stages.contracts.images import check_size, read_rgb
-from stages.extraction.overview import draw_overview
 
 
 def run(*, objects: Path, image: Path, out: Path) -> None:

@@ -1,4 +1,4 @@
-"""Verb `draw`: pictures of the assets of a task, each with its role, handle and hinge."""
+"""Verb `roles`: pictures of the assets of a task, each with its role, handle and hinge."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Verb `draw`: generated scenes as pictures from the input camera, as GLB, and side by side with the input."""
+"""Verb `scenes`: generated scenes as pictures from the input camera, as GLB, and side by side with the input."""
 
 from importlib import import_module
 from pathlib import Path
@@ -7,15 +7,15 @@ from tempfile import TemporaryDirectory
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
+from plugins.pictures import glb
+from plugins.pictures.painting import furnish, usual_look
+from plugins.pictures.previews import draw_preview, draw_side_by_side, draw_thumbnail, resize_to
 from stages.cli import progress
 from stages.config.code import code_digest
 from stages.contracts import GeneratedScene, Objects, atomic, read_json, write_json
 from stages.contracts.extracted import read_metres, read_object_masks
 from stages.contracts.images import check_size, read_rgb
 from stages.contracts.library_folder import AssetFolders
-from stages.generation import glb
-from stages.generation.painting import furnish, usual_look
-from stages.generation.pictures import draw_preview, draw_side_by_side, draw_thumbnail, resize_to
 from stages.generation.scene_file import read_items
 from stages.generation.scene_models import room_of
 
@@ -76,6 +76,6 @@ def run(
 def _text(origins: dict[str, str], look: tuple[str, ...]) -> PngInfo:
     """Text chunks of a picture: what its scenes were made of, by file, and the code that drew them."""
     chunks = PngInfo()
-    for name, text in ({"code": code_digest("stages.generation.draw", *look)} | origins).items():
+    for name, text in ({"code": code_digest("plugins.pictures.scenes", *look)} | origins).items():
         chunks.add_text(name, text)
     return chunks

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stages.assets.draw import TILE, contact_sheet
+from plugins.pictures.overview import WIDTH, draw_overview
+from plugins.pictures.previews import draw_side_by_side
+from plugins.pictures.snapshots import TILE, contact_sheet
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject, Wall
-from stages.extraction.overview import WIDTH, draw_overview
-from stages.generation.pictures import draw_side_by_side
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
 LABEL = (20, 20, 20)

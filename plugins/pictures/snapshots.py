@@ -1,4 +1,4 @@
-"""Verb `draw`: contact sheets of the snapshots."""
+"""Verb `snapshots`: contact sheets of the snapshots."""
 
 from pathlib import Path
 

@@ -1,10 +1,10 @@
-"""Verb `draw`: cousins.png, each object beside its cousins."""
+"""Verb `cousins`: cousins.png, each object beside its cousins."""
 
 from importlib import import_module
 from pathlib import Path
 
+from plugins.pictures.rows_of_cousins import write_picture
 from stages.contracts import Cousins, read_json
-from stages.matching.picture import write_picture
 from stages.matching.scene import Scene
 
 
