@@ -13,7 +13,7 @@ STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yam
 UNSEEN := $(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml config/study/over_assets.yaml --
 cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(policy)/$(set)/rollouts.csv))
 
-.PHONY: help setup site wheel demo all study unseen registered second table2 photo test slurm test-cluster lint types config reference loc lock containers clean
+.PHONY: help setup site wheel demo all study unseen registered second table2 picture photo test slurm test-cluster lint types config reference loc lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -52,6 +52,9 @@ second: setup ## the second study of docs/results/design-second.md: a night of t
 table2: setup ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
 	$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table2.yaml -- table2
 	$(BIN)/python -m plugins.studies results --table 2 --configs config.yaml config/study/table2.yaml --variants b ours-geometry --out docs/results
+
+picture: setup ## a frame of yours with depth, e.g. make picture RGB=color.png DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
+	$(BIN)/snakemake --cores $(CORES) photo --config image="$(RGB)" $(if $(DEPTH),depth="$(DEPTH)") $(if $(INTRINSICS),camera="$(INTRINSICS)")
 
 photo: setup ## a picture of yours, e.g. make photo IMAGE=kitchen.jpg; needs weights: docs/your-data.md
 	$(BIN)/snakemake --cores $(CORES) photo --config image=$(IMAGE)

@@ -2,7 +2,8 @@
 #   snakemake --cores 2 all        everything that config.yaml asks for, ending in results/report/index.html
 #   snakemake --cores 2 tables     the tables; likewise: table2, library, scenes, scenes8, extraction, matching, generation,
 #                                  demonstrations, training, evaluation, figures, report; exports: data for other tools
-#   snakemake --cores 2 photo --config image=kitchen.jpg    a picture of yours; fetch: the weights that it needs
+#   snakemake --cores 2 photo --config image=color.png depth=depth.png camera=intrinsics.json    a frame of yours;
+#                                  without depth by networks, fetch: the weights that they need
 from pathlib import Path
 
 from snakemake.utils import min_version

@@ -14,15 +14,19 @@ from stages.config.packages import Package
 
 
 def find_mistakes(config: Any) -> Iterator[Mistake]:
-    """Pictures without depth, and the weights that find what they show."""
+    """Pictures that `image` names, those without depth, and the weights that find what they show."""
+    if config.image:
+        for picture in config.experiment.inputs.values():
+            yield from picture.mistakes("")
+    elif config.depth or config.camera:
+        key = "depth" if config.depth else "camera"
+        yield Mistake(key, "is said of no picture", "--config image=color.png")
     pictures = config.experiment.pictures
     if not pictures:
         return
     if config.photo.captions == "vlm" and not config.packages.get("vlm"):
         yield Mistake("photo.captions", "is read by the package vlm, which is off or not here", "packages: {vlm: true}")
     key = "image" if config.image else "experiment.inputs"
-    if config.image and not Path(config.image).is_file():
-        yield Mistake(key, f"no file {config.image}", "name a picture", "E-CONFIG-FILE")
     lacking = [
         f"photo.{name} ({folder})"
         for name, folder in config.photo.networks().items()
@@ -64,10 +68,12 @@ PACKAGE = Package(
     verbs={"estimate": PhotoConfig, "fetch": PhotoSection},
     section="photo",
     sections={
+        "depth": (str, Field("", description="Depth of the picture `image`, aligned to it.")),
+        "camera": (str, Field("", description="Its intrinsics: a file, or the camera's name (docs/your-data.md).")),
         "photo": (
             PhotoSection,
             Field(PhotoSection(), description="From one RGB picture to an input folder (A.2, A.7)."),
-        )
+        ),
     },
     widens={"experiment": PicturesExperiment},
     expand=read_sources,

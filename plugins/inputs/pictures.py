@@ -8,6 +8,7 @@ from typing import Any, Literal
 from pydantic import ConfigDict, Field, PrivateAttr, ValidationError
 
 from plugins.inputs.known_cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
+from plugins.inputs.rgbd.layouts import list_frames
 from stages.config.experiment import ExperimentConfig
 from stages.config.inputs import HOLDS, INPUT_FILES, NAME, Input, missing, scene_of
 from stages.config.mistakes import Mistake
@@ -36,9 +37,10 @@ class Picture(Input):
         le=FIELD_OF_VIEW[1],
         description="in the place of both: degrees over the picture's width",
     )
-    masks: str = Field("", description="COCO or labelme JSON, or a PNG of indices or colours")
+    masks: str = Field(
+        "", description="COCO or labelme JSON, or a PNG of indices or colours; none: a network proposes them"
+    )
     labels: str = Field("", description="what the PNG's values are called, as JSON")
-    clusters: bool = Field(False, description="in the place of `masks`: what stands on the largest level plane")
     _row: str = PrivateAttr("")
 
     @property
@@ -64,7 +66,8 @@ class Picture(Input):
     def mistakes(self, key: str) -> Iterator[Mistake]:
         """What is wrong with it; `key`: where it stands in the config, if not in a table."""
         for name, *said in self._contradictions():
-            where = f"{self._row}, column {name}" if self._row else key if name == "folder" else f"{key}.{name}"
+            where = f"{key}.{name}".lstrip(".") if name != "folder" else key
+            where = f"{self._row}, column {name}" if self._row else where
             yield Mistake(where, *said)
 
     def _contradictions(self) -> Iterator[tuple[str, ...]]:
@@ -88,8 +91,6 @@ class Picture(Input):
             yield "camera", "is told in two ways", "camera, or fx, fy, cx and cy, or fov"
         if len(self.intrinsics) in (1, 2, 3) or (self.depth and not any(told)):
             yield "camera", "nothing says what camera took the picture", "camera, or fx, fy, cx and cy, or fov"
-        if self.depth and not self.masks and not self.clusters:
-            yield "masks", "nothing says where the objects are", "masks, or clusters: true"
         for name in sorted(self.model_fields_set - {"image", "fov", "depth"} if self.alone else ()):
             yield name, "is said of a picture without depth", "say depth, or leave it out"
 
@@ -209,11 +210,19 @@ def _of_row(said: dict[str, str], where: str, folder: Path) -> Picture | Mistake
 
 
 def of_picture(config: Any) -> Any:
-    """The config with the picture of `image`, if it names one, as the one scene, without policies."""
+    """The config with the picture of `image`, or every frame of its recording, as its scenes, without policies."""
     if not config.image:
         return config
-    name = scene_of(Path(config.image).with_suffix(""))
+    path = Path(config.image)
+    name = scene_of(path.with_suffix(""))
     name = f"{name}-photo" if name in config.rooms() else name
-    only = {"rooms": [name], "inputs": {name: Picture(image=config.image)}}
+    given = {"camera": config.camera} if config.camera else {}
+    if path.is_dir():
+        frames = range(len(list_frames(path)))
+        inputs = {f"{name}-{k}": Picture(recording=config.image, number=k, **given) for k in frames}
+    else:
+        given |= {"depth": config.depth} if config.depth else {}
+        inputs = {name: Picture(image=config.image, **given)}
+    only = {"rooms": list(inputs), "inputs": inputs}
     only |= {key: {} for key in ("targets", "policies", "pools", "protocols")}
     return config.model_copy(update={"experiment": config.experiment.model_copy(update=only)})

@@ -12,6 +12,7 @@ from scipy.spatial import Delaunay, QhullError
 
 from plugins.segmenter.joining import join_pixels
 from plugins.segmenter.network import BACKGROUND, FLOOR, STRIDE, THING, Segmenter, load, network_input
+from plugins.segmenter.upsampling import upsample_labels
 from stages.geometry.cameras import back_project, scale_intrinsics
 from stages.geometry.frames import apply, rigid
 from stages.geometry.levels import find_ground
@@ -27,7 +28,7 @@ TOP = 0.3  # share of a piece that is level, at one height, if its top is looked
 MOST_TOPS = 3  # that are looked at again; chosen for time
 OFF_TOP = 0.012  # share of the distance by which a thing rises above the top that it stands on; chosen
 LEVEL = 0.95  # cosine between up and the normal of a level top
-ON_WALL = 0.03  # metres off a wall's plane, at 3 m
+ON_WALL = 0.06  # metres off a wall's plane, at 3 m
 
 
 @dataclass(frozen=True)
@@ -41,9 +42,14 @@ class Pieces:
 
 
 @dataclass(frozen=True)
-class Said:
-    """What the network says of a picture (h, w), half its size: class shares (3, h, w), log-odds of being the same as
-    each neighbour, votes (h, w, 3), NaN without depth, and radius (h, w), metres, level frame."""
+class Prediction:
+    """What the network predicts for a picture, at half its size (h, w).
+
+    classes: probabilities of floor, background and thing, (3, h, w).
+    same: log-odds that a pixel is of the same thing as each neighbour, (neighbours, h, w).
+    votes: the centre that each pixel votes for, (h, w, 3), metres, level frame; NaN without depth.
+    radius: of the thing, (h, w), metres.
+    """
 
     classes: Array
     same: Array
@@ -57,17 +63,17 @@ def network() -> Segmenter:
     return load()
 
 
-def ask(depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame: Array) -> Said:
+def predict(depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame: Array) -> Prediction:
     """Run the network on a picture of about `WIDTH` pixels, see `network_input`."""
     inputs = network_input(depth, rgb, intrinsics, frame)
     with torch.inference_mode():
         x = torch.from_numpy(inputs[None]).contiguous(memory_format=torch.channels_last)
-        said = network()(x)[0].double().numpy()
-    shown = np.exp(said[:3] - said[:3].max(axis=0))
+        output = network()(x)[0].double().numpy()
+    shown = np.exp(output[:3] - output[:3].max(axis=0))
     points = apply(frame, back_project(depth, intrinsics))[::STRIDE, ::STRIDE]
     known = (depth > 0)[::STRIDE, ::STRIDE, None]
-    votes = np.where(known, points + said[3:6].transpose(1, 2, 0), np.nan)
-    return Said(shown / shown.sum(axis=0), said[7:], votes, np.exp(said[6].clip(-4.0, 2.0)))
+    votes = np.where(known, points + output[3:6].transpose(1, 2, 0), np.nan)
+    return Prediction(shown / shown.sum(axis=0), output[7:], votes, np.exp(output[6].clip(-4.0, 2.0)))
 
 
 def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array, max_tilt: float) -> Pieces | None:
@@ -89,41 +95,38 @@ def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array, m
     small = cv2.resize(depth, size, interpolation=cv2.INTER_NEAREST).astype(float)
     colour = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), np.uint8)
     matrix = scale_intrinsics(intrinsics, size[0] / width, size[1] / height)
-    said = ask(small, colour, matrix, frame)
-    kind = said.classes.argmax(axis=0)
-    labels = join_pixels(kind == THING, said.same, said.votes, said.radius)
+    prediction = predict(small, colour, matrix, frame)
+    kind = prediction.classes.argmax(axis=0)
+    labels = join_pixels(kind == THING, prediction.same, prediction.votes, prediction.radius)
     labels = drop_small(look_again(labels, small, colour, matrix, frame))
-    things: dict[int, float] = {}
-    values: NDArray[np.uint16] = np.zeros(labels.shape, np.uint16)
-    for label in range(labels.max() + 1):
-        piece = labels == label
-        if (score := score_piece(piece, said)) >= LEAST_SCORE:
-            things[len(things) + 1] = score
-            values[piece] = len(things)
-    floor = len(things) + 1 if (kind == FLOOR).any() else None
-    values[(kind == FLOOR) & (values == 0)] = floor or 0
-    values = np.asarray(cv2.resize(values, (width, height), interpolation=cv2.INTER_NEAREST), np.uint16)
-    kind = cv2.resize(kind.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
-    behind = (kind == BACKGROUND) & (depth > 0) & (values == 0)
-    walls = mask_walls(apply(frame, whole), depth > 0, behind, float(frame[2, 3]))
-    for number, wall in enumerate(walls):
-        values[wall] = len(things) + 2 + number
-    return Pieces(values, things, floor, [len(things) + 2 + number for number in range(len(walls))])
+    scores = [score_piece(labels == label, prediction) for label in range(labels.max() + 1)]
+    kept = [label for label, score in enumerate(scores) if score >= LEAST_SCORE]
+    floor, behind = len(kept) + 1, len(kept) + 2
+    values = np.select([kind == FLOOR, kind == BACKGROUND], [floor, behind], 0).astype(np.uint16)
+    for value, label in enumerate(kept, 1):
+        values[labels == label] = value
+    values = upsample_labels(values, depth, rgb)
+    walls = mask_walls(apply(frame, whole), depth > 0, values == behind, float(frame[2, 3]))
+    values[values == behind] = 0
+    for value, wall in enumerate(walls, behind):
+        values[wall] = value
+    things = {value: scores[label] for value, label in enumerate(kept, 1)}
+    return Pieces(values, things, floor if (kind == FLOOR).any() else None, list(range(behind, behind + len(walls))))
 
 
-def score_piece(piece: Mask, said: Said) -> float:
+def score_piece(piece: Mask, prediction: Prediction) -> float:
     """How sure it is that a piece (h, w) is a thing, and that its pixels are one: 0 to 1."""
-    inside = (1 / (1 + np.exp(-said.same[:4])))[:, piece].mean()
-    return float(said.classes[THING][piece].mean() * inside)
+    inside = (1 / (1 + np.exp(-prediction.same[:4])))[:, piece].mean()
+    return float(prediction.classes[THING][piece].mean() * inside)
 
 
 def drop_small(labels: NDArray[np.int64]) -> NDArray[np.int64]:
     """The pieces (h, w) of some size, their holes filled, numbered anew from 0 on; -1: none."""
     counts = np.bincount(labels[labels >= 0], minlength=1)
-    made = np.full_like(labels, -1)
+    kept = np.full_like(labels, -1)
     for number, label in enumerate(np.argsort(-counts, kind="stable")[: int((counts >= LEAST_PIXELS).sum())]):
-        made[binary_fill_holes(labels == label) & ((labels < 0) | (labels == label))] = number
-    return made
+        kept[binary_fill_holes(labels == label) & ((labels < 0) | (labels == label))] = number
+    return kept
 
 
 def look_again(
@@ -133,7 +136,7 @@ def look_again(
 
     Args:
         labels: of `join_pixels`, at half the picture's size.
-        depth: (H, W), likewise `rgb`, as of `ask`.
+        depth: (H, W), likewise `rgb`, as of `predict`.
         intrinsics: (3, 3) pixels.
         frame: floor_from_camera (4, 4).
     """
@@ -148,13 +151,13 @@ def look_again(
         if counts[label] < 10 * LEAST_PIXELS or top is None or looked == MOST_TOPS:
             continue
         looked += 1
-        said = ask(depth, rgb, intrinsics, rigid(np.eye(3), [0, 0, -top]) @ frame)
+        prediction = predict(depth, rgb, intrinsics, rigid(np.eye(3), [0, 0, -top]) @ frame)
         on_top = np.abs(points[..., 2] - top) < OFF_TOP * depth[::STRIDE, ::STRIDE]
         over = known & _above(points, piece & upward & on_top)
         over &= (labels == label) | (labels < 0)
         over &= points[..., 2] > top + OFF_TOP * depth[::STRIDE, ::STRIDE]
-        over &= said.classes.argmax(axis=0) == THING
-        again = join_pixels(over, said.same, said.votes, said.radius)
+        over &= prediction.classes.argmax(axis=0) == THING
+        again = join_pixels(over, prediction.same, prediction.votes, prediction.radius)
         labels[again >= 0] = again[again >= 0] + labels.max() + 1
     return labels
 
@@ -180,10 +183,12 @@ def _above(points: Array, top: Mask) -> Mask:
 def mask_walls(points: Array, known: Mask, behind: Mask, camera_height: float) -> list[Mask]:
     """The pixels (H, W) of each wall plane in points (H, W, 3), level frame; `behind`: those that may be of one."""
     planes = find_walls(points[known], behind[known], camera_height, np.random.default_rng(0))
-    masks, free = [], behind.copy()
+    masks, free = [], behind & known
+    size = 2 * (known.shape[1] // 160) + 1
     for normal, offset, _ in planes:
         distance = np.linalg.norm(points - [0, 0, camera_height], axis=-1)
-        wall = free & (np.abs(points @ normal - offset) < ON_WALL * np.maximum(1, distance / 3))
+        near = free & (np.abs(points @ normal - offset) < ON_WALL * np.maximum(1, distance / 3))
+        wall = free & (cv2.medianBlur(near.astype(np.uint8), size) > 0)
         masks.append(wall)
         free &= ~wall
     return [mask for mask in masks if mask.any()]

@@ -13,6 +13,7 @@ const HINTS = {
   select: 'Click what is wrong, in the picture or in a list. B draws a box around what is missing.',
   box: 'Press at one corner of the thing, let go at the opposite one.',
   outline: 'Click around what is seen of it; Enter closes the outline.',
+  join: 'Click what is a part of the chosen thing.',
 };
 const chosen = () => (state.chosen ? find(state.chosen) : null);
 const boxOf = (item) => item.around ?? state.solved?.regions[item.id]?.box;
@@ -126,7 +127,7 @@ const alike = (item) => chain(item, 'like');
 
 function add(region) {
   const mask = Math.max(state.free - 1, ...state.project.objects.map((item) => item.mask)) + 1, id = `drawn_${mask}`;
-  edit((project) => project.objects.push({ id, mask, label: null, around: null, outline: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null, ...region }));
+  edit((project) => project.objects.push({ id, mask, label: null, around: null, outline: [], joins: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null, ...region }));
   state.chosen = id;
   choose('select');
   get('label').focus();
@@ -139,14 +140,21 @@ function close() {
   if (!chosen()) add({ outline });
   else { edit(() => { chosen().outline = outline; }); choose('select'); }
 }
+function leaveOut(project, mask) {
+  project.objects = project.objects.filter((item) => item.mask !== mask);
+  for (const item of project.objects) for (const key of ['on', 'like']) if (item[key] === mask) item[key] = null;
+}
 function remove() {
-  edit((project) => {
-    const { mask } = chosen();
-    project.objects = project.objects.filter((item) => item.mask !== mask);
-    for (const item of project.objects) for (const key of ['on', 'like']) if (item[key] === mask) item[key] = null;
-  });
+  edit((project) => leaveOut(project, chosen().mask));
   state.chosen = null;
   changed();
+}
+function join(part) {
+  edit((project) => {
+    chosen().joins.push(part.mask, ...part.joins);
+    leaveOut(project, part.mask);
+  });
+  choose('select');
 }
 const round = (value) => Math.round(10 * value) / 10;
 function setBox(item, corners) {
@@ -168,7 +176,10 @@ svg.addEventListener('pointerdown', (event) => {
     else state.draft = { kind: 'outline', points: [at, at] };
   } else {
     const handle = event.target.dataset?.handle, id = event.target.closest('[data-object]')?.dataset.object;
-    if (handle) Object.assign(press, { kind: 'corner', handle, from: boxOf(chosen()) });
+    if (state.tool === 'join') {
+      press.kind = 'join';
+      if (chosen() && id && id !== state.chosen) join(find(id));
+    } else if (handle) Object.assign(press, { kind: 'corner', handle, from: boxOf(chosen()) });
     else if (id) { Object.assign(press, { kind: state.chosen === id && !ROOM.includes(find(id).label) ? 'body' : 'choose', from: boxOf(find(id)) }); state.chosen = id; }
   }
   changed();
@@ -222,6 +233,7 @@ document.addEventListener('keydown', (event) => {
   const item = chosen(), box = item && boxOf(item);
   if (key === 'b') { state.chosen = null; choose('box'); }
   else if (key === 'o') choose('outline');
+  else if (key === 'j' && item) choose('join');
   else if (key === 'Escape') { if (state.tool === 'select') state.chosen = null; choose('select'); }
   else if (key === 'Enter' && state.draft?.kind === 'outline') close();
   else if ((key === 'Delete' || key === 'Backspace') && item) remove();

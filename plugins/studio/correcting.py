@@ -102,6 +102,7 @@ class Correcting:
         """The differences between a drawing and what was found."""
         things = {item.mask: item for item in drawing.objects}
         shown = set(np.unique(self.given.masks).tolist())
+        shown -= {mask for item in drawing.objects for mask in item.joins}
         corrections = [Correction(mask=mask, gone=True) for mask in self.found if mask in shown and mask not in things]
         for mask, item in things.items():
             before = self.found.get(mask, Correction(mask=mask))

@@ -40,12 +40,13 @@ def apply_corrections(found: dict[int, Correction], stated: dict[int, Correction
         elif given.keys() & {"doors", "drawers"}:
             given["panels"] = []  # those that were found are of other doors and drawers
         merged[mask] = merged.get(mask, Correction(mask=mask)).model_copy(update=given)
-    return {mask: item for mask, item in merged.items() if not item.gone}
+    joined = {mask for item in merged.values() if not item.gone for mask in item.joins}
+    return {mask: item for mask, item in merged.items() if not item.gone and mask not in joined}
 
 
 def is_drawn(item: Correction) -> bool:
     """Whether its pixels are not as they were found."""
-    return item.around is not None or len(item.outline) > 2
+    return item.around is not None or len(item.outline) > 2 or bool(item.joins)
 
 
 class Cutter:
@@ -107,7 +108,7 @@ def paint_masks(things: dict[int, Correction], found: NDArray[np.uint16], cut: C
         elif item.around is not None:
             shown = cut(clip_box(item.around, width, height))
         else:
-            shown = found == item.mask
+            shown = np.isin(found, [item.mask, *item.joins])
         masks[shown] = item.mask
     return masks
 

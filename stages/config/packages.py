@@ -29,7 +29,7 @@ class Package:
         verbs: its commands that rules call, and what each reads of the config (None: nothing).
         rooms: of the whole config, scenes that it makes: by name, what gives their objects, each with whether it has a
             door, a drawer; empty: not known.
-        sections: of config.yaml that belong to it, by name, as pydantic fields.
+        sections: of config.yaml that belong to it, and further keys, by name, as pydantic fields.
         widens: sections of the core to which it adds keys, by name.
         expand: of what a config gives, the same with what files say that it names, and `Mistake`s in these.
         of_run: of the whole config, that of the run which it asks for.
@@ -46,7 +46,7 @@ class Package:
     rooms: Callable[[Any], Mapping[str, Objects]] = lambda config: {}
     shards: Callable[[Any], Mapping[str, Any]] = lambda assets: {}
     verbs: Mapping[str, type[Section] | None] = field(default_factory=dict)
-    sections: Mapping[str, tuple[type[Section], Any]] = field(default_factory=dict)
+    sections: Mapping[str, tuple[Any, Any]] = field(default_factory=dict)
     widens: Mapping[str, type[Section]] = field(default_factory=dict)
     expand: Callable[[dict[str, Any]], tuple[dict[str, Any], list[Any]]] = lambda given: (given, [])
     of_run: Callable[[Any], Any] = lambda config: config

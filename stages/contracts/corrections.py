@@ -37,6 +37,7 @@ class Correction(Contract):
         None, description="opposite corners of what shows it; cut out of the picture"
     )
     outline: list[Pixel] = Field([], max_length=1000, description="the pixels that show it")
+    joins: list[MaskValue] = Field([], max_length=1000, description="masks that show further parts of it")
     articulated: bool | None = None
     doors: Panels | None = None
     drawers: Panels | None = None
@@ -76,6 +77,8 @@ class Corrections(Document):
     @model_validator(mode="after")
     def _resolvable(self) -> "Corrections":
         check_unique("objects: mask values", [item.mask for item in self.objects])
+        joined = [mask for item in self.objects for mask in item.joins]
+        check_unique("objects: masks that are joined", [*joined, *(item.mask for item in self.objects if item.joins)])
         check_supports(self._chain("on"), (FLOOR,))
         check_supports(self._chain("like"), (FLOOR,))
         return self

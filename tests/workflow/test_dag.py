@@ -280,6 +280,23 @@ def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
     assert "no file nothing.jpg" in dry_run(folder, "photo", "--config", "image=nothing.jpg").stdout
 
 
+def test_a_frame_with_depth_and_a_recording_need_no_hand(tmp_path: Path) -> None:
+    folder = make(tmp_path)
+    for name in ("frames/color/0.png", "frames/color/1.png", "frames/depth/0.png", "frames/depth/1.png", "k.json"):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).touch()
+    one = ("image=frames/color/0.png", "depth=frames/depth/0.png")
+    done = dry_run(folder, "photo", "-p", "--config", *one, "camera=k.json")
+    jobs = planned(done.stdout)
+    assert jobs["frame"] == jobs["match"] == jobs["scene_page"] == 1 and not {"estimate", "train", "room"} & set(jobs)
+    assert "--auto --out results/scenes/0/frame " in done.stdout and "--intrinsics k.json" in done.stdout
+    assert "camera: nothing says what camera took" in dry_run(folder, "photo", "--config", *one).stdout
+    assert "depth: is said of no picture" in dry_run(folder, "photo", "--config", one[1]).stdout
+    done = dry_run(folder, "photo", "--config", "image=frames", "camera=k.json")
+    assert planned(done.stdout)["frame"] == planned(done.stdout)["scene_page"] == 2
+    assert "E-RECORDING-LAYOUT" in dry_run(folder, "photo", "--config", "image=frames/color").stdout
+
+
 def test_mistakes_in_the_config_are_a_line_each(folder: Path, tmp_path: Path) -> None:
     overlay = tmp_path / "mine.yaml"
     overlay.write_text("{maching: {encoder: hog}, experiment: {rooms: [room_9]}, evaluation: {test_assets: [uncle]}}")

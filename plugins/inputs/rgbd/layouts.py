@@ -34,32 +34,48 @@ def find_view(path: Path, number: int, intrinsics: Intrinsics | None, camera_fil
     Raises:
         InputError: no known layout, no such frame, or a broken one.
     """
-    if (path / "rgb.txt").is_file() and (path / "depth.txt").is_file():
-        return _find_in_lists(path, number, intrinsics, camera_file)
+    frames = list_frames(path)
+    if not 0 <= number < len(frames):
+        what = f"{path} has {len(frames)} frames, counted from 0: there is no {number}."
+        raise InputError("--number", what, "a smaller one", code="E-RECORDING-FRAME")
+    if _is_tum(path):
+        return _find_in_lists(frames[number], intrinsics, camera_file)
+    return _find_in_folders(path, frames[number], intrinsics, camera_file)
+
+
+def list_frames(path: Path) -> list[tuple[Path, Path]]:
+    """Colour and depth of every frame of a recording, in its order.
+
+    Raises:
+        InputError: no known layout, or a broken one.
+    """
+    if _is_tum(path):
+        return _list_of_tum(path)
     colours = next((path / name for name in COLOUR if (path / name).is_dir()), None)
     if colours is not None and (path / "depth").is_dir():
-        return _find_in_folders(path, colours, number, intrinsics, camera_file)
+        return _list_in_folders(path, colours)
     what = "is no recording that is known (TUM, Open3D, RealSense, Record3D)."
     fix = "folders color and depth with intrinsics.json, or --rgb and --depth"
     raise InputError(path, what if path.exists() else "no such folder.", fix, code="E-RECORDING-LAYOUT")
 
 
-def _choose(frames: list[tuple[Path, Path]], number: int, where: Path) -> tuple[Path, Path]:
-    if not 0 <= number < len(frames):
-        what = f"{where} has {len(frames)} frames, counted from 0: there is no {number}."
-        raise InputError("--number", what, "a smaller one", code="E-RECORDING-FRAME")
-    return frames[number]
+def _is_tum(path: Path) -> bool:
+    return (path / "rgb.txt").is_file() and (path / "depth.txt").is_file()
 
 
-def _find_in_lists(path: Path, number: int, intrinsics: Intrinsics | None, camera_file: Path | None) -> View:
-    """A frame of TUM: every picture with the depth image nearest in time, 20 ms apart at most (its associate.py)."""
+def _list_of_tum(path: Path) -> list[tuple[Path, Path]]:
+    """Every picture of TUM with the depth image nearest in time, 20 ms apart at most (its associate.py)."""
     with readable(path / "rgb.txt", "list of a TUM recording"):
         colours, depths = _read_stamps(path / "rgb.txt"), _read_stamps(path / "depth.txt")
         times = np.array([stamp for stamp, _ in depths])
         nearest = [int(np.abs(times - stamp).argmin()) for stamp, _ in colours]
         both = zip(colours, nearest, strict=True)
-        pairs = [(file, depths[k][1]) for (stamp, file), k in both if abs(times[k] - stamp) <= 0.02]
-    colour, depth = _choose(pairs, number, path)
+        return [(file, depths[k][1]) for (stamp, file), k in both if abs(times[k] - stamp) <= 0.02]
+
+
+def _find_in_lists(frame: tuple[Path, Path], intrinsics: Intrinsics | None, camera_file: Path | None) -> View:
+    """A frame of TUM."""
+    colour, depth = frame
     source = "" if intrinsics else "intrinsics of TUM's tools"
     camera = intrinsics or _make_tum_intrinsics
     return View(colour, depth, camera, camera_file, camera_file, 5000.0, f"TUM, {colour.name}", source)
@@ -75,15 +91,20 @@ def _read_stamps(path: Path) -> list[tuple[float, Path]]:
     return [(float(stamp), path.parent / name) for stamp, name, *_ in lines]
 
 
-def _find_in_folders(
-    path: Path, colours: Path, number: int, intrinsics: Intrinsics | None, camera_file: Path | None
-) -> View:
-    """A frame of folders whose files have the same order."""
+def _list_in_folders(path: Path, colours: Path) -> list[tuple[Path, Path]]:
+    """Frames of folders whose files have the same order."""
     pictures, images = _list_files(colours, PICTURES), _list_files(path / "depth", DEPTH_FILES)
     if len(pictures) != len(images):
         what = f"has {len(pictures)} pictures, but {len(images)} depth images."
         raise InputError(path, what, "one depth image for each picture", code="E-RECORDING-LAYOUT")
-    colour, depth = _choose(list(zip(pictures, images, strict=True)), number, path)
+    return list(zip(pictures, images, strict=True))
+
+
+def _find_in_folders(
+    path: Path, frame: tuple[Path, Path], intrinsics: Intrinsics | None, camera_file: Path | None
+) -> View:
+    """A frame of folders, with the intrinsics of a file beside them."""
+    colour, depth = frame
     own = [one for one in sorted(path.iterdir()) if one.is_file() and "intrinsic" in one.name.lower()]
     own += [path / name for name in CAMERA_FILES if (path / name).is_file()]
     if intrinsics is None and not own:

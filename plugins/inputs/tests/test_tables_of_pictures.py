@@ -11,7 +11,7 @@ from stages.config.model import load
 from stages.config.outside import outside
 from stages.contracts import InputError
 
-HEAD = "scene,image,depth,unit,camera,fx,fy,cx,cy,fov,masks,labels,clusters,folder,recording,number"
+HEAD = "scene,image,depth,unit,camera,fx,fy,cx,cy,fov,masks,labels,folder,recording,number"
 
 
 @pytest.fixture
@@ -50,20 +50,20 @@ def test_every_row_is_a_scene_with_files_beside_the_table(data: Path) -> None:
     found = config(
         table(
             data,
-            "one,a.png,a_depth.png,5000,k.json,,,,,,masks.json,,,,,",
-            "two,a.png,a_depth.png,,realsense_d435,,,,,,,,true,,,",
+            "one,a.png,a_depth.png,5000,k.json,,,,,,masks.json,,,,",
+            "two,a.png,a_depth.png,,realsense_d435,,,,,,,,,,",
             "",
-            "three,a.png,a_depth.png,mm,,600,601,320,240,,masks.json,,,,,",
-            f"four,{data}/a.png,a_depth.png,,,,,,,69,masks.json,,,,,",
-            "five,,,,,,,,,,,,,many/hall,,",
-            "six,,,,,,,,,,,,yes,,recording,7",
+            "three,a.png,a_depth.png,mm,,600,601,320,240,,masks.json,,,,",
+            f"four,{data}/a.png,a_depth.png,,,,,,,69,masks.json,,,,",
+            "five,,,,,,,,,,,,many/hall,,",
+            "six,,,,,,,,,,,,,recording,7",
         )
     )
     assert found.rooms == ["one", "two", "three", "four", "five", "six"]
     one, two, three, four, five, six = (found.inputs[name] for name in found.rooms)
     names = {"image": "a.png", "depth": "a_depth.png", "masks": "masks.json", "camera": "k.json"}
     assert one.files() == {key: f"../data/{name}" for key, name in names.items()}
-    assert one.unit == "5000" and two.camera == "realsense_d435" and two.clusters and "camera" not in two.files()
+    assert one.unit == "5000" and two.camera == "realsense_d435" and not two.masks and "camera" not in two.files()
     assert three.intrinsics == [600, 601, 320, 240] and four.fov == 69 and four.image == f"{data}/a.png"
     assert five.place("five") == "../data/many/hall" and one.place("one") == "results/scenes/one/frame"
     assert six.files() == {"recording": "../data/recording"} and six.number == 7
@@ -79,7 +79,7 @@ def test_other_signs_between_cells(data: Path, sign: str) -> None:
 def test_a_folder_of_folders_and_lists(data: Path) -> None:
     assert config("../data/many").rooms == ["hall", "kitchen"]  # notes/ holds nothing of a scene
     assert config("../data/many/hall").inputs == {"hall": Picture(folder="../data/many/hall")}
-    both = ["../data/many", table(data, "desk,a.png,a_depth.png,,k.json,,,,,,masks.json,,,,,")]
+    both = ["../data/many", table(data, "desk,a.png,a_depth.png,,k.json,,,,,,masks.json,,,,")]
     assert config(both, ["room_1", "ha*", "desk"]).rooms == ["room_1", "desk", "hall"]
     assert lines([*both, "../data/many"]) == [
         f"../data/many/{name}: there are two scenes '{name}'. Fix: give one another name"
@@ -88,7 +88,7 @@ def test_a_folder_of_folders_and_lists(data: Path) -> None:
 
 
 def test_an_input_by_hand_may_say_what_a_row_says(data: Path) -> None:
-    frame = {"image": "../data/a.png", "depth": "../data/a_depth.png", "camera": "xtion", "clusters": True}
+    frame = {"image": "../data/a.png", "depth": "../data/a_depth.png", "camera": "xtion"}
     assert config({"desk": frame, "hall": "../data/many/hall"}).inputs["desk"].camera == "xtion"
     assert lines({"desk": frame | {"depth": "../data/b.png"}}) == [
         "experiment.inputs.desk.depth: no file ../data/b.png. Fix: correct the path"
@@ -96,29 +96,27 @@ def test_an_input_by_hand_may_say_what_a_row_says(data: Path) -> None:
     assert lines({"desk": frame | {"depht": "x"}}, ["room_1"])[0].endswith("unknown key. Fix: did you mean 'depth'?")
 
 
-GOOD = "one,a.png,a_depth.png,,k.json,,,,,,masks.json,,,,,"
+GOOD = "one,a.png,a_depth.png,,k.json,,,,,,masks.json,,,,"
 
 
 @pytest.mark.parametrize(
     ("row", "column", "words"),
     [
-        ("two,b.png,a_depth.png,,k.json,,,,,,masks.json,,,,,", "image", "no file ../data/b.png"),
-        ("two,a.png,a_depth.png,,realsens,,,,,,masks.json,,,,,", "camera", "realsense_d435"),
-        ("two,a.png,a_depth.png,,,,,,,,masks.json,,,,,", "camera", "what camera took the picture"),
-        ("two,a.png,a_depth.png,,,600,,320,240,,masks.json,,,,,", "camera", "fx, fy, cx and cy"),
-        ("two,a.png,a_depth.png,,k.json,,,,,60,masks.json,,,,,", "camera", "told in two ways"),
-        ("two,a.png,a_depth.png,,,,,,,170,masks.json,,,,,", "fov", "less than or equal to 135 (got '170')"),
-        ("two,a.png,a_depth.png,,,6x,6,3,2,,masks.json,,,,,", "fx", "valid number"),
-        ("two,a.png,a_depth.png,,k.json,,,,,,,,,,,", "masks", "clusters: true"),
-        ("two,a.png,a_depth.png,,k.json,,,,,,,,perhaps,,,", "clusters", "boolean"),
-        ("two,a.png,,m,,,,,,,,,,,,", "unit", "picture without depth"),
-        ("two,,a_depth.png,,k.json,,,,,,masks.json,,,,,", "image", "image, folder or recording"),
-        ("two,a.png,,,,,,,,,,,,,recording,", "recording", "leave out image and depth"),
-        ("two,,,,,,,,,,,,,many/attic,,", "folder", "no folder ../data/many/attic"),
-        ("two,,,,,,,,,,,,,many/notes,,", "folder", "../data/many/notes has no depth.npz"),
-        ("two,,,,,,,,,60,,,,many/hall,,", "fov", "beside a folder"),
-        ("two tables,,,,,,,,,,,,,many/hall,,", "scene", "'two tables' is no name"),
-        (",,,,,,,,,,,,,many/hall,,", "scene", "'' is no name"),
+        ("two,b.png,a_depth.png,,k.json,,,,,,masks.json,,,,", "image", "no file ../data/b.png"),
+        ("two,a.png,a_depth.png,,realsens,,,,,,masks.json,,,,", "camera", "realsense_d435"),
+        ("two,a.png,a_depth.png,,,,,,,,masks.json,,,,", "camera", "what camera took the picture"),
+        ("two,a.png,a_depth.png,,,600,,320,240,,masks.json,,,,", "camera", "fx, fy, cx and cy"),
+        ("two,a.png,a_depth.png,,k.json,,,,,60,masks.json,,,,", "camera", "told in two ways"),
+        ("two,a.png,a_depth.png,,,,,,,170,masks.json,,,,", "fov", "less than or equal to 135 (got '170')"),
+        ("two,a.png,a_depth.png,,,6x,6,3,2,,masks.json,,,,", "fx", "valid number"),
+        ("two,a.png,,m,,,,,,,,,,,", "unit", "picture without depth"),
+        ("two,,a_depth.png,,k.json,,,,,,masks.json,,,,", "image", "image, folder or recording"),
+        ("two,a.png,,,,,,,,,,,,recording,", "recording", "leave out image and depth"),
+        ("two,,,,,,,,,,,,many/attic,,", "folder", "no folder ../data/many/attic"),
+        ("two,,,,,,,,,,,,many/notes,,", "folder", "../data/many/notes has no depth.npz"),
+        ("two,,,,,,,,,60,,,many/hall,,", "fov", "beside a folder"),
+        ("two tables,,,,,,,,,,,,many/hall,,", "scene", "'two tables' is no name"),
+        (",,,,,,,,,,,,many/hall,,", "scene", "'' is no name"),
     ],
 )  # fmt: skip
 def test_a_wrong_row_is_told_by_file_row_and_column(data: Path, row: str, column: str, words: str) -> None:
@@ -145,7 +143,7 @@ def test_a_pattern_that_fits_nothing_is_no_scene(data: Path) -> None:
 
 
 def test_rows_that_are_not_asked_for_may_be_wrong(data: Path) -> None:
-    rows = table(data, GOOD, "two,b.png,a_depth.png,,k.json,,,,,,masks.json,,,,,")
+    rows = table(data, GOOD, "two,b.png,a_depth.png,,k.json,,,,,,masks.json,,,,")
     assert config(rows, ["one"]).rooms == ["one"]
 
 

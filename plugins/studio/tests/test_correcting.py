@@ -120,6 +120,22 @@ def test_a_wall_that_is_gone_holds_nothing(session: Correcting, source: Path) ->
     assert answer["ids"] == ["shelf_1", "cabinet_1", "box_1"]  # in the order of their values, as extraction has them
 
 
+def test_parts_are_joined_and_nothing_else_is_gone(session: Correcting, source: Path) -> None:
+    drawing = session.open_drawing()
+    drawing = drawing.model_copy(update={"objects": [item for item in drawing.objects if item.mask != BOX]})
+    joined = _changed(drawing, cabinet_1={"joins": [BOX]})
+    session.save(joined.model_dump(mode="json"))
+    told = corrections_of((source / CORRECTIONS,), "extraction")
+    assert told == {CABINET: Correction(mask=CABINET, joins=[BOX])}  # said once, not that the box is gone besides
+    before, seen = read_folder(source), correct_image(read_folder(source), told)
+    assert ((seen.masks == CABINET) == np.isin(before.masks, [CABINET, BOX])).all()
+    assert [item.label for item in seen.annotations.objects] == ["cabinet"]
+    again = session.open_drawing()
+    assert {item.mask for item in again.objects} == {item.mask for item in joined.objects}
+    with pytest.raises(ValueError, match="joined"):
+        Corrections(objects=[Correction(mask=1, joins=[3]), Correction(mask=2, joins=[3])])
+
+
 def test_an_outline_says_which_pixels_and_two_floors_are_one(session: Correcting, source: Path) -> None:
     square = [(10.0, 300.0), (60.0, 300.0), (60.0, 340.0), (10.0, 340.0)]
     drawing = session.open_drawing()

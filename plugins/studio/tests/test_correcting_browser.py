@@ -247,3 +247,15 @@ def test_size_support_front_and_place_are_said(opened: Any, session: Correcting)
         page.keyboard.press("Control+z")
     assert _told(page, session) == {} and not (session.folder / CORRECTIONS).exists()
     assert page.locator("#command").text_content().endswith("results/report/scenes/kitchen.html")
+
+
+def test_two_clicks_join_a_part_to_what_it_is_of(opened: Any, session: Correcting) -> None:
+    page = opened
+    page.keyboard.press("j")
+    assert "part of the chosen thing" in page.locator("#hint").text_content()
+    page.locator("[data-object=cabinet_2] polygon").first.click(force=True)
+    page.wait_for_function("() => document.querySelectorAll('#objects button').length === 3")
+    assert _told(page, session) == {CABINET: {"joins": [BOX]}}
+    page.click("#undo")
+    page.wait_for_function("() => document.querySelectorAll('#objects button').length === 4")
+    assert _told(page, session) == {}
