@@ -23,12 +23,13 @@ Row = dict[str, Any]  # target, task, policy
 class Panels(NamedTuple):
     """Panels that Figure 4 has before its own: how many, their rows (`ROW`), and what draws those of one row."""
 
-    count: int
+    columns: int
     rows: pd.DataFrame
     draw: Callable[[Sequence[Axes], Row], None]
 
 
 def of_row(table: pd.DataFrame, row: Row, training_set: str | None = None) -> pd.DataFrame:
+    """The rows of a table about one target and policy, and about one training set if it is named."""
     found = table[(table["target"] == row["target"]) & (table["policy"] == row["policy"])]
     return found if training_set is None else found[found["training_set"] == training_set]
 
@@ -66,7 +67,7 @@ def figure4(cells: pd.DataFrame, published: pd.DataFrame, more: Panels | None = 
     """
     cells = _tested(cells)
     rows = _rows(cells if more is None else pd.concat([cells, more.rows]), published)
-    first = 0 if more is None else more.count
+    first = 0 if more is None else more.columns
     columns = first + (2 if len(cells) and any(len(of_row(published, row)) for row in rows) else 1)
     width = max(4.6, 3.4 * columns)
     figure, axes = plt.subplots(
