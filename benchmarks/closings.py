@@ -6,8 +6,8 @@
 
 `roll` repeats rollouts of the workflow (same states, same outcome) without films; `--roles test` or `validation`: those
 on the unseen assets of that split. Its table has a line per episode:
-where the hand was, relative to the handle, when the gripper was first told to close; where there is a bowl to be
-picked up, relative to its middle, when that was first told beside it. `draw` has a panel per test asset
+where the hand was, relative to the handle, when the gripper was first commanded to close; where there is a bowl to be
+picked up, relative to its middle, when a close was first commanded near it. `draw` has a panel per test asset
 and training set: the front as the robot sees it, handle or bowl as a grey bar, a point per episode.
 """
 
@@ -39,7 +39,7 @@ COLOURS = {True: "#2a7fb8", False: "#d1495b"}
 
 
 class Watched:
-    """A task that notes where the hand is when it is first told to close, by asset and initial state."""
+    """A task that notes where the hand is when it is first commanded to close, by asset and initial state."""
 
     def __init__(self, task: TaskEnv, notes: dict[tuple[str, int], dict[str, Any]]) -> None:
         self.task, self.notes = task, notes
@@ -54,12 +54,12 @@ class Watched:
     def step(self, action: Any) -> Any:
         if action[6] < 0 and self.key not in self.notes:
             movable = getattr(self.task.env, "movable", None)  # of tasks with something to carry
-            found = self.closing_on(movable()) if movable else self.closing()
+            found = self.measure_hand_offset(movable()) if movable else self.measure_grasp()
             if found:
                 self.notes[self.key] = found
         return self.task.step(action)
 
-    def closing_on(self, item: "Movable") -> dict[str, Any]:
+    def measure_hand_offset(self, item: "Movable") -> dict[str, Any]:
         """The hand's place from the middle of what is to be picked up (robot base frame); {} if far from it."""
         corners = apply(item.base_from_object, item.mesh.vertices)
         low, high = corners.min(axis=0), corners.max(axis=0)
@@ -69,7 +69,7 @@ class Watched:
         wide, height = (high - low)[1:]
         return {"step": self.task.steps, "out": -across, "sideways": sideways, "up": up, "wide": wide, "high": height}
 
-    def closing(self) -> dict[str, Any]:
+    def measure_grasp(self) -> dict[str, Any]:
         """The hand's place relative to the handle's centre (metres: out of the front, sideways, up), and the handle."""
         env = self.task.env
         target, handle = env.target, env.target.handle
@@ -100,7 +100,7 @@ def roll(given: argparse.Namespace) -> None:
         with WatchingArena(folder, given.assets, given.library, EvaluationConfig(), "cpu") as arena:
             network = arena.network(given.checkpoint)
             for role in given.roles:
-                for episode in arena.episodes(network, starts(arena.plan, role, given)):
+                for episode in arena.episodes(network, list_episodes(arena.plan, role, given)):
                     asset, found = episode.asset, arena.notes.get((episode.asset.asset, episode.seed), {})
                     about = {"task": arena.plan.task, "training_set": folder.parts[-3]}
                     about |= {"policy": "/".join(folder.parts[-2:]), "role": role, "asset": asset.asset}
@@ -117,7 +117,7 @@ def roll(given: argparse.Namespace) -> None:
         )
 
 
-def starts(plan: TaskAssets, role: str, given: argparse.Namespace) -> list[Start]:
+def list_episodes(plan: TaskAssets, role: str, given: argparse.Namespace) -> list[Start]:
     """The episodes of `evaluation rollout` for a role or split."""
     if role in ("test", "validation"):
         settings = SkillOptions(split=role, assets=given.unseen, asset_rollouts=given.unseen_rollouts)

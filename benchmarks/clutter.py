@@ -53,7 +53,7 @@ class Room(NamedTuple):
     covered: float
 
 
-def furnished(kind: str, rng: np.random.Generator) -> Room:
+def furnish_carrier(kind: str, rng: np.random.Generator) -> Room:
     """A carrier with clutter and things on it."""
     low, high, hollow = CARRIERS[kind]
     depth, width, height = rng.uniform(low, high)
@@ -111,7 +111,7 @@ def _spot(
     return None
 
 
-def photographed(room: Room, rng: np.random.Generator) -> tuple[AnnotatedImage, NDArray[np.uint16]]:
+def photograph_room(room: Room, rng: np.random.Generator) -> tuple[AnnotatedImage, NDArray[np.uint16]]:
     """The room through a depth camera with masks some pixels off, and the true masks (H, W)."""
     intrinsics = intrinsics_from_fov(WIDTH, HEIGHT, np.deg2rad(50))
     target = room.boxes[0][0].center
@@ -136,12 +136,14 @@ def photographed(room: Room, rng: np.random.Generator) -> tuple[AnnotatedImage, 
         if off > 0:
             seen[cv2.dilate(own, kernel) > 0] = value
     shown = [value for value in room.labels if (seen == value).sum() >= SEEN and (masks == value).sum() >= SEEN]
-    told = Annotations(
+    annotations = Annotations(
         objects=[Annotation(mask=value, label=room.labels[value]) for value in shown], floor=FLOOR, walls=[WALL]
     )
     noise = DepthNoiseConfig(scale=0.0)
     depth = noisy_depth(depth.astype(np.float32), noise, rng)
-    return AnnotatedImage(np.zeros((HEIGHT, WIDTH, 3), np.uint8), depth, seen, intrinsics, told, USUAL_ERROR), masks
+    return AnnotatedImage(
+        np.zeros((HEIGHT, WIDTH, 3), np.uint8), depth, seen, intrinsics, annotations, USUAL_ERROR
+    ), masks
 
 
 def _hit(origin: NDArray[np.float64], rays: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
@@ -157,8 +159,8 @@ def rows_of(number: int, seed: int) -> Iterator[dict[str, object]]:
     """What came out of one room, a row per thing."""
     rng = np.random.default_rng((seed, number))
     kind = list(CARRIERS)[number % len(CARRIERS)]
-    room = furnished(kind, rng)
-    image, _ = photographed(room, rng)
+    room = furnish_carrier(kind, rng)
+    image, _ = photograph_room(room, rng)
     found = reconstruct("room", image, ExtractionConfig(depth_noise="none"), rng).objects.objects
     by_mask = {item.mask: item for item in found}
     carrier = by_mask.get(CARRIER)

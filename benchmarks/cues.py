@@ -26,10 +26,10 @@ SHIFT = 0.08  # metres
 LEAST = 3  # points of a handle in every cloud
 
 
-def answers(policy: BcRnnGmm, clouds: Tensor, proprio: Tensor, full_step: float) -> dict[str, float] | None:
+def measure_answers(policy: BcRnnGmm, clouds: Tensor, proprio: Tensor, full_step: float) -> dict[str, float] | None:
     """Sideways motion (cm per step) for what is shown of one episode's first clouds (T, P, 4); None: no handle seen.
 
-    What stands proud of the front is the handle, found in every cloud anew: points have another order in each. An
+    What protrudes from the front is the handle, found in every cloud anew: points have another order in each. An
     action of 1 moves the hand by `full_step` metres.
     """
     marked, planes = mark_handle_points(clouds)
@@ -46,7 +46,7 @@ def answers(policy: BcRnnGmm, clouds: Tensor, proprio: Tensor, full_step: float)
         mean = (mixture.logits.softmax(-1)[..., None] * mixture.means).sum(-2)[0]
         return float((mean[:, :3] @ sideways).mean()) * 100 * full_step
 
-    def moved(which: Tensor) -> float:
+    def measure_motion(which: Tensor) -> float:
         shown = marked.clone()
         shown[which] += torch.cat([SHIFT * sideways, torch.zeros(1)])
         return answer(shown) - plain
@@ -58,9 +58,9 @@ def answers(policy: BcRnnGmm, clouds: Tensor, proprio: Tensor, full_step: float)
         frame[its] = rest[torch.arange(int(its.sum())) % len(rest)]
     return {
         "no handle": abs(answer(without) - plain),
-        "handle moved": moved(handle),
-        "front moved": moved(front),
-        "both moved": moved(handle | front),
+        "handle moved": measure_motion(handle),
+        "front moved": measure_motion(front),
+        "both moved": measure_motion(handle | front),
         "handle points": float(handle.sum(1).float().mean()),
     }
 
@@ -82,7 +82,7 @@ def main() -> None:
         for start, length in zip(starts, data.lengths, strict=True):
             first = slice(start, start + min(STEPS, length))
             step = data.task_options.position_step
-            found.append(answers(policy, data.clouds[first].float(), data.proprio[first], step))
+            found.append(measure_answers(policy, data.clouds[first].float(), data.proprio[first], step))
         table = pd.DataFrame([row for row in found if row is not None])
         rows.append({"policy": "/".join(folder.parts[-3:]), "episodes": len(table), **table.mean().round(3).to_dict()})
     print(pd.DataFrame(rows).to_string(index=False))

@@ -18,8 +18,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from benchmarks.tables import table
-from plugins.report.roles import demonstrated_assets
-from plugins.studies.coverage import CURVES, Curve, forecast_mean, nearest
+from plugins.report.roles import list_demonstrated_assets
+from plugins.studies.coverage import CURVES, Curve, forecast_mean, measure_nearest
 from stages.config.experiment import ExperimentConfig
 from stages.contracts import TaskAssets, read_json
 from stages.contracts.policies import TaskAsset
@@ -42,7 +42,7 @@ def read_pairs(results: Path, assets: Path, task: str) -> pd.DataFrame:
             rows = pd.read_csv(path, usecols=["training_set", "seed", "test_asset", "asset", "family", "success"])
             rows = rows[rows.test_asset == "test"].assign(room=room)
             shown = assets_shown(plan, rows.training_set.iat[0], rows.seed.iat[0])
-            away = zip(plan.test_assets, nearest(plan.test_assets, shown), strict=True)
+            away = zip(plan.test_assets, measure_nearest(plan.test_assets, shown), strict=True)
             runs.append(rows.assign(distance=rows.asset.map({asset.asset: far for asset, far in away})))
     key = ["room", "training_set", "family", "asset", "distance"]
     return pd.concat(runs).groupby(key, sort=False).success.mean().reset_index()
@@ -51,30 +51,30 @@ def read_pairs(results: Path, assets: Path, task: str) -> pd.DataFrame:
 def assets_shown(plan: TaskAssets, training_set: str, seed: int) -> list[TaskAsset]:
     """The assets that the policies of a training set and seed learn from."""
     experiment = ExperimentConfig(held_out=plan.held_out, draws=plan.draws)
-    return demonstrated_assets(plan, experiment.roles(training_set, seed))
+    return list_demonstrated_assets(plan, experiment.roles(training_set, seed))
 
 
 def fit_curve(distances: Numbers, shares: Numbers) -> Curve:
     """The logistic curve of the greatest likelihood, by Newton's method."""
     points, weights = np.stack([np.ones_like(distances), -distances], axis=1), np.zeros(2)
     for _ in range(20):
-        expected = Curve(*weights).at(distances)
+        expected = Curve(*weights).predict(distances)
         bends = points.T @ (points * (expected * (1 - expected))[:, None])
         weights += np.linalg.solve(bends, points.T @ (shares - expected))
     return Curve(*np.round(weights, 4).tolist())
 
 
-def left_out(pairs: pd.DataFrame, groups: Iterable[str]) -> Numbers:
+def predict_left_out(pairs: pd.DataFrame, groups: Iterable[str]) -> Numbers:
     """Expected success of every pair, by a curve that is fitted on the pairs of other groups."""
     groups, expected = np.asarray(list(groups)), np.empty(len(pairs))
     for group in np.unique(groups):
         rest = pairs[(groups != group) & pairs.training_set.isin(FITTED)]
         curve = fit_curve(rest.distance.to_numpy(), rest.success.to_numpy())
-        expected[groups == group] = curve.at(pairs.distance[groups == group])
+        expected[groups == group] = curve.predict(pairs.distance[groups == group])
     return expected
 
 
-def accounted(shares: Numbers, expected: Numbers) -> float:
+def measure_r_squared(shares: Numbers, expected: Numbers) -> float:
     """The share of the variance that is accounted for; below 0: the mean would do better."""
     return float(1 - np.sum((shares - expected) ** 2) / np.sum((shares - shares.mean()) ** 2))
 
@@ -91,19 +91,19 @@ def report(task: str, pairs: pd.DataFrame) -> None:
     print(f"\n## {task}: {curve}, {len(fitted)} pairs, {fitted.family.nunique()} families")
     shares = fitted.success.to_numpy()
     ways: dict[str, Callable[[], Numbers]] = {
-        "none": lambda: curve.at(fitted.distance),
-        "families": lambda: left_out(fitted, fitted.family),
-        "rooms": lambda: left_out(fitted, fitted.room),
+        "none": lambda: curve.predict(fitted.distance),
+        "families": lambda: predict_left_out(fitted, fitted.family),
+        "rooms": lambda: predict_left_out(fitted, fitted.room),
     }
     table(
         ["left out", "variance accounted for"],
-        ([name, percent(accounted(shares, way()))] for name, way in ways.items()),
+        ([name, percent(measure_r_squared(shares, way()))] for name, way in ways.items()),
     )
     cuts = pd.cut(fitted.distance, EDGES, right=False)
     table(
         ["distance", "pairs", "measured", "curve"],
         (
-            [cut, len(part), percent(part.success.mean()), percent(curve.at(part.distance).mean())]
+            [cut, len(part), percent(part.success.mean()), percent(curve.predict(part.distance).mean())]
             for cut, part in fitted.groupby(cuts, observed=True)
         ),
     )
@@ -113,12 +113,12 @@ def report(task: str, pairs: pd.DataFrame) -> None:
         ([*key, *map(percent, shares)] for key, shares in zip(sets.index, sets.to_numpy(), strict=True)),
     )
     print(f"\nroot mean square error: {percent(error(sets))}")
-    table(["Table 3", "measured", "forecast"], elsewhere(task))
+    table(["Table 3", "measured", "forecast"], read_table3_sets(task))
 
 
 def of_sets(pairs: pd.DataFrame) -> pd.DataFrame:
     """Mean success of each room and training set, measured and expected by a curve that is fitted on other rooms."""
-    expected = pairs.assign(expected=left_out(pairs, pairs.room))
+    expected = pairs.assign(expected=predict_left_out(pairs, pairs.room))
     return expected.groupby(["room", "training_set"])[["success", "expected"]].mean()
 
 
@@ -128,7 +128,7 @@ def error(sets: pd.DataFrame) -> float:
     return float(np.sqrt(np.mean((fitted.success - fitted.expected) ** 2)))
 
 
-def elsewhere(task: str) -> Iterator[list[str]]:
+def read_table3_sets(task: str) -> Iterator[list[str]]:
     """The training sets of Table 3, a study of another library and another twin: success measured and forecast."""
     plan = read_json(TaskAssets, Path(f"config/study/assets/{task}.json"))
     rows = pd.read_csv("docs/results/assets.csv")

@@ -14,14 +14,14 @@ from pathlib import Path
 import pandas as pd
 
 from benchmarks.tables import table
-from plugins.studies.coverage import forecast_mean, nearest
+from plugins.studies.coverage import forecast_mean, measure_nearest
 from plugins.studies.forecasts import FORECAST
 from stages.config.model import Config, read_files
 from stages.contracts import TaskAssets, read_json
 from stages.tables.writing import write_csv
 
 
-def expected(config: Config) -> pd.DataFrame:
+def forecast_cells(config: Config) -> pd.DataFrame:
     """A policy a row, `FORECAST` and `distance`; targets have committed files of assets and one policy that counts."""
     return pd.DataFrame(_rows(config), columns=[*FORECAST, "distance"])
 
@@ -34,8 +34,8 @@ def _rows(config: Config) -> Iterator[tuple[object, ...]]:
         unseen = chosen.split(tests.split, tests.assets)
         for training_set, seed in product(plan.training_sets, plan.seeds):
             shown = [asset for role in experiment.roles(training_set, seed) for asset in chosen.assets_of(role, file)]
-            told = forecast_mean(task, unseen, shown)
-            yield task, name, training_set, seed, told, float(nearest(unseen, shown).mean())
+            forecast = forecast_mean(task, unseen, shown)
+            yield task, name, training_set, seed, forecast, float(measure_nearest(unseen, shown).mean())
 
 
 def main() -> None:
@@ -44,12 +44,12 @@ def main() -> None:
     parser.add_argument("--configs", type=Path, nargs="+", required=True)
     parser.add_argument("--out", type=Path, required=True)
     given = parser.parse_args()
-    cells = expected(read_files(tuple(given.configs)))
+    cells = forecast_cells(read_files(tuple(given.configs)))
     write_csv(given.out, cells)
     means = cells.groupby(["task", "training_set"], sort=False)[["forecast", "distance"]].mean()
     rows = (
-        [*key, f"{100 * told:.0f} %", f"{gap:.2f}"]
-        for key, (told, gap) in zip(means.index, means.to_numpy(), strict=True)
+        [*key, f"{100 * forecast:.0f} %", f"{gap:.2f}"]
+        for key, (forecast, gap) in zip(means.index, means.to_numpy(), strict=True)
     )
     table(["task", "training set", "forecast", "distance"], rows)
 

@@ -119,7 +119,7 @@ def extraction_rows(rooms: list[Path], seeds: int) -> Iterator[Row]:
         ]
 
 
-def timed(function: Callable[[], Any], repeats: int = 3) -> tuple[float, Any]:
+def time_fastest(function: Callable[[], Any], repeats: int = 3) -> tuple[float, Any]:
     """Milliseconds of the fastest run, and what it returns."""
     best, value = np.inf, None
     for _ in range(repeats):
@@ -148,7 +148,7 @@ def raw_clouds(rooms: list[Path]) -> list[Points]:
 Step = Callable[[Points], Any]
 
 
-def same(a: NDArray[Any], b: NDArray[Any]) -> float:
+def share_equal(a: NDArray[Any], b: NDArray[Any]) -> float:
     """Share of equal entries."""
     return float((a == b).mean())
 
@@ -158,12 +158,12 @@ STEPS: dict[str, tuple[Step, Step, Callable[[Any, Any], float]]] = {
     "outliers (scipy): same verdict": (
         lambda cloud: scipy_inliers(cloud, clouds.NEIGHBOURS, 3.0),
         lambda cloud: statistical_inliers(cloud, clouds.NEIGHBOURS, 3.0),
-        same,
+        share_equal,
     ),
     "DBSCAN (scikit-learn): same verdict": (
         lambda cloud: sklearn_dbscan(cloud, 0.08, 8) >= 0,
         lambda cloud: dbscan(cloud, 0.08, 8) >= 0,
-        same,
+        share_equal,
     ),
     "448 farthest of 2048 points (numpy): same points": (
         lambda cloud: numpy_farthest(cloud[:2048].astype(np.float32), 448),
@@ -190,7 +190,7 @@ def step_rows(rooms: list[Path]) -> Iterator[Row]:
     for name, (other, open3d, agreement) in STEPS.items():
         times, agreed = [], []
         for cloud in used:
-            (a_ms, a), (b_ms, b) = timed(partial(other, cloud)), timed(partial(open3d, cloud))
+            (a_ms, a), (b_ms, b) = time_fastest(partial(other, cloud)), time_fastest(partial(open3d, cloud))
             times.append((a_ms, b_ms))
             agreed.append(agreement(a, b))
         a_mean, b_mean = np.mean(times, axis=0)
@@ -211,7 +211,7 @@ def normal_rows(rooms: list[Path]) -> Iterator[Row]:
             views = [cut(View(picture.rgb, mask, depth, picture.intrinsics)) for depth in (picture.depth, noisy)]
             for name, function in (("ours", patch_normals), ("Open3D", open3d_normals)):
                 truth = function(views[0], GRID)
-                milliseconds, normals = timed(partial(function, views[1], GRID), 1)
+                milliseconds, normals = time_fastest(partial(function, views[1], GRID), 1)
                 both = (np.abs(truth).sum(-1) > 0) & (np.abs(normals).sum(-1) > 0)
                 angles = np.degrees(np.arccos(np.clip((truth * normals).sum(-1)[both], -1, 1)))
                 off[name].append(float(np.median(angles)))

@@ -37,7 +37,7 @@ QUALITY, WAIT = 85, 8  # of the film; pictures before it moves
 GAP, WHITE = 6, 255
 
 
-def opened(room: Room, task: str) -> Recording:
+def find_demonstration(room: Room, task: str) -> Recording:
     """The first successful demonstration in a scene."""
     still = TaskConfig(object_xy=0.0, object_yaw=0.0, scale_range=(1.0, 1.0))
     joint = load("tasks", task).suitable_joint(room.target.folder)
@@ -58,19 +58,19 @@ def smooth(moments: Sequence[Moment]) -> list[Moment]:
             found.append(
                 replace(
                     other,
-                    robot_joints=mixed(one.robot_joints, other.robot_joints, share),
-                    asset_joints=mixed(one.asset_joints, other.asset_joints, share),
+                    robot_joints=mix_joints(one.robot_joints, other.robot_joints, share),
+                    asset_joints=mix_joints(one.asset_joints, other.asset_joints, share),
                 )
             )
     return found
 
 
-def mixed(one: Mapping[str, float], other: Mapping[str, float], share: float) -> dict[str, float]:
+def mix_joints(one: Mapping[str, float], other: Mapping[str, float], share: float) -> dict[str, float]:
     """Joint values on the way from one to the other."""
     return {name: (1 - share) * value + share * other[name] for name, value in one.items()}
 
 
-def titled(picture: Image, size: tuple[int, int], text: str) -> Image:
+def add_title(picture: Image, size: tuple[int, int], text: str) -> Image:
     """A picture at its size, with a line in its corner."""
     shown = np.ascontiguousarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
     (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.5, 1)
@@ -81,23 +81,23 @@ def titled(picture: Image, size: tuple[int, int], text: str) -> Image:
 
 def pictures(results: Path, scene: str, rank: int, object: str, task: str) -> Iterator[Image]:
     """Input above scene, and beside them what the robot does."""
-    made = results / "generation/b" / scene
-    look = read_json(Look, made / "look.json")
+    folder = results / "generation/b" / scene
+    look = read_json(Look, folder / "look.json")
     with TemporaryDirectory() as cache:
-        room = read_room(made / f"scene_{rank}.json", object, results / "assets/library/library.json", Path(cache))
-        recording = opened(replace(room, look=look), task)
+        room = read_room(folder / f"scene_{rank}.json", object, results / "assets/library/library.json", Path(cache))
+        recording = find_demonstration(replace(room, look=look), task)
         moments = smooth(recording.moments)
         film = Studio(look.light, LARGE[0]).film(replace(recording, moments=moments), len(moments))
     left = [
-        titled(read_rgb(results / "scenes" / scene / "input/rgb.png"), SMALL, "1  a picture"),
+        add_title(read_rgb(results / "scenes" / scene / "input/rgb.png"), SMALL, "1  a picture"),
         np.full((GAP, SMALL[0], 3), WHITE, np.uint8),
-        titled(read_rgb(made / f"scene_{rank}.png"), SMALL, "2  a scene of its cousins"),
+        add_title(read_rgb(folder / f"scene_{rank}.png"), SMALL, "2  a scene of its cousins"),
     ]
     column = np.concatenate(left)
     size = round(column.shape[0] * LARGE[0] / LARGE[1]), column.shape[0]
     between = np.full((size[1], GAP, 3), WHITE, np.uint8)
     for picture in film:
-        yield np.concatenate([column, between, titled(picture, size, "3  a robot opens one of them")], axis=1)
+        yield np.concatenate([column, between, add_title(picture, size, "3  a robot opens one of them")], axis=1)
 
 
 def main() -> None:
@@ -110,9 +110,9 @@ def main() -> None:
     parser.add_argument("--task", default="door")
     parser.add_argument("--out", type=Path, required=True)
     given = parser.parse_args()
-    made = list(pictures(given.results, given.scene, given.rank, given.object, given.task))
-    write_film(given.out, made, FREQUENCY * BETWEEN, QUALITY)
-    cv2.imwrite(str(given.out.with_suffix(".jpg")), made[-1][..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 85])
+    frames = list(pictures(given.results, given.scene, given.rank, given.object, given.task))
+    write_film(given.out, frames, FREQUENCY * BETWEEN, QUALITY)
+    cv2.imwrite(str(given.out.with_suffix(".jpg")), frames[-1][..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 85])
 
 
 if __name__ == "__main__":

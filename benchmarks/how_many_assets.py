@@ -39,19 +39,19 @@ def successes(folder: Path, task: str, training_set: str, run: str = "lite") -> 
     return rows.sort_values(keys)["success"].to_numpy(float).reshape(*shape, rows["seed"].nunique())
 
 
-def chosen(random: np.random.Generator, among: int, count: int, draws: tuple[int, ...]) -> Float:
+def draw_weights(random: np.random.Generator, among: int, count: int, draws: tuple[int, ...]) -> Float:
     """Weights (*draws, among) of `count` that are drawn with replacement."""
     return random.multinomial(count, np.full(among, 1 / among), draws) / count
 
 
-def drawn(ours: Float, theirs: Float, objects: int, assets: int, runs: int) -> Float:
+def draw_effects(ours: Float, theirs: Float, objects: int, assets: int, runs: int) -> Float:
     """Effects (DRAWS,) that studies of so many objects, assets of each and training runs read."""
     random = np.random.default_rng(SEED)
     places = random.integers(len(ours), size=(DRAWS, objects))
-    of_assets = chosen(random, ours.shape[1], assets, places.shape)
+    of_assets = draw_weights(random, ours.shape[1], assets, places.shape)
     means = []
     for rates in (ours, theirs):
-        of_runs = chosen(random, rates.shape[3], runs, places.shape)
+        of_runs = draw_weights(random, rates.shape[3], runs, places.shape)
         means.append(np.einsum("doa,doar,dor->d", of_assets, rates.mean(2)[places], of_runs))
     return (means[0] - means[1]) / objects
 
@@ -103,7 +103,7 @@ def points(value: float) -> str:
     return f"{round(100 * value):+d}".replace("+0", "0")
 
 
-def reading(effects: Float) -> str:
+def summarise_effects(effects: Float) -> str:
     """The range of 95 % of what is read, and how often that is zero or of the wrong sign."""
     low, high = np.quantile(effects, [0.025, 0.975])
     return f"{points(low)} to {points(high)}, {100 * (effects <= 0).mean():.0f} %"
@@ -157,15 +157,15 @@ def main() -> None:
         means[task], sources[task] = float((ours - theirs).mean()), variances(ours - theirs)
         runs = ours.shape[3]
         for objects, assets in product(OBJECTS, ASSETS):
-            effects[task, objects, assets] = drawn(ours, theirs, objects, assets, runs)
+            effects[task, objects, assets] = draw_effects(ours, theirs, objects, assets, runs)
         print(f"\n{task}: {ours.shape} objects, assets, starts, runs; effect {points(means[task])}")
         by_object = (ours - theirs).mean((1, 2, 3))
         print("by object", *map(points, by_object))
-        lines = [[n, *(reading(effects[task, objects, n]) for objects in OBJECTS)] for n in ASSETS]
+        lines = [[n, *(summarise_effects(effects[task, objects, n]) for objects in OBJECTS)] for n in ASSETS]
         table(["assets", *(f"{objects} objects" for objects in OBJECTS)], lines)
         table(
             ["assets, one object", *(f"{count} runs" for count in RUNS)],
-            [[n, *(reading(drawn(ours, theirs, 1, n, count)) for count in RUNS)] for n in (3, 10, 40)],
+            [[n, *(summarise_effects(draw_effects(ours, theirs, 1, n, count)) for count in RUNS)] for n in (3, 10, 40)],
         )
     designs = {"paper's": PAPERS, "3 x 40": (3, 40, 4, 5), "16 x 40": (16, 40, 1, 2)}
     for task, found in sources.items():

@@ -50,25 +50,26 @@ def frame_of(folder: Path) -> Frame:
     return Frame(rgb, depth, matrix)
 
 
-def overlaps(exact: NDArray[np.uint16], made: NDArray[np.uint16]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """IoU (E, M) of every exact mask with every made one, and which share of each made one lies in it; by value."""
-    both = np.zeros((int(exact.max()) + 1, int(made.max()) + 1))
-    np.add.at(both, (exact.ravel(), made.ravel()), 1)
+def overlaps(exact: NDArray[np.uint16], cut: NDArray[np.uint16]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """IoU (E, M) of every exact mask with every mask that was cut, and the share of the latter inside; by value."""
+    both = np.zeros((int(exact.max()) + 1, int(cut.max()) + 1))
+    np.add.at(both, (exact.ravel(), cut.ravel()), 1)
     areas, sizes = both.sum(axis=1, keepdims=True), both.sum(axis=0, keepdims=True)
     return both / np.maximum(areas + sizes - both, 1), both / np.maximum(sizes, 1)
 
 
-def measure(folder: Path, make: Callable[[Frame], Labelled]) -> tuple[list[Thing], int, int, float]:
-    """The named things of a picture, how many pieces were made, how many of them are a thing, and seconds."""
+def measure(folder: Path, make: Callable[[Frame], Labelled]) -> tuple[list[Thing], int, int, int, float]:
+    """The named things of a picture, how many pieces were cut, how many of them can be judged, how many are a thing,
+    and seconds. A piece most of which shows what nobody named, neither thing nor floor nor wall, cannot be judged."""
     exact = cv2.imread(str(folder / "exact.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
     start = time.process_time()
     try:
-        made = make(frame_of(folder))
+        cut = make(frame_of(folder))
     except InputError:
-        made = Labelled(np.zeros_like(exact), {})
+        cut = Labelled(np.zeros_like(exact), {})
     seconds = time.process_time() - start
-    pieces = [value for value, label in made.labels.items() if label not in ("floor", WALL)]
-    values = np.where(np.isin(made.values, pieces), made.values, 0).astype(np.uint16)
+    pieces = [value for value, label in cut.labels.items() if label not in ("floor", WALL)]
+    values = np.where(np.isin(cut.values, pieces), cut.values, 0).astype(np.uint16)
     iou, inside = overlaps(exact, values)
     named = [thing for thing in read(folder).things if thing.named]
     found = []
@@ -79,10 +80,11 @@ def measure(folder: Path, make: Callable[[Frame], Labelled]) -> tuple[list[Thing
         found.append(Thing(best, thing.pixels / exact.size, thing.cut, hangs, int((held > FOUND).sum())))
     rows = [thing.number for thing in named]
     right = int((iou[rows].max(axis=0)[1:] > FOUND).sum()) if rows and iou.shape[1] > 1 else 0
-    return found, len(np.unique(values[values > 0])), right, seconds
+    judged = int((inside[1:, 1:].sum(axis=0) > 0.5).sum())
+    return found, len(np.unique(values[values > 0])), judged, right, seconds
 
 
-def summarise(things: list[Thing], pieces: int, right: int) -> dict[str, str]:
+def summarise(things: list[Thing], pieces: int, judged: int, right: int) -> dict[str, str]:
     """Columns of the table."""
 
     def recall(some: list[Thing]) -> str:
@@ -91,7 +93,7 @@ def summarise(things: list[Thing], pieces: int, right: int) -> dict[str, str]:
     return {
         "recall": recall(things),
         "pieces": str(pieces),
-        "precision": f"{right} / {pieces}",
+        "precision": f"{right} / {judged}",
         "pieces a thing": f"{np.mean([thing.pieces for thing in things]):.2f}",
         "small": recall([thing for thing in things if thing.share < SMALL]),
         "middle": recall([thing for thing in things if SMALL <= thing.share < LARGE]),
@@ -112,9 +114,9 @@ def main() -> None:
     header = ""
     for name in asked.makers:
         results = [measure(folder, MAKERS[name]) for folder in found]
-        things = [thing for each, _, _, _ in results for thing in each]
-        row = summarise(things, sum(result[1] for result in results), sum(result[2] for result in results))
-        row["CPU s a picture"] = f"{np.mean([result[3] for result in results]):.1f}"
+        things = [thing for each, *_ in results for thing in each]
+        row = summarise(things, *(sum(result[k] for result in results) for k in (1, 2, 3)))
+        row["CPU s a picture"] = f"{np.mean([result[4] for result in results]):.1f}"
         if not header:
             header = "| | " + " | ".join(row) + " |\n|" + "---|" * (len(row) + 1)
             print(f"{len(found)} pictures\n\n{header}")

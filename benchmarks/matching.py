@@ -49,7 +49,7 @@ def features(count: int, patches: int, columns: int) -> tuple[Features, Features
     return picture(), candidates
 
 
-def naive(query: Features, candidates: Features, rounds: int) -> list[tuple[int, int]]:
+def vote_by_index(query: Features, candidates: Features, rounds: int) -> list[tuple[int, int]]:
     """(picture, votes) of each round: reset, add, search, count, remove the winner."""
     left, picks = np.arange(len(candidates)), []
     index = faiss.IndexFlatL2(query.shape[1])
@@ -65,13 +65,13 @@ def naive(query: Features, candidates: Features, rounds: int) -> list[tuple[int,
     return picks
 
 
-def one_pass(query: Features, candidates: Features, rounds: int, both: bool = False) -> list[tuple[int, int]]:
+def vote_by_table(query: Features, candidates: Features, rounds: int, both: bool = False) -> list[tuple[int, int]]:
     """The same picks from one table of distances; `both`: with the way back, as matching has it by default."""
     found = distance_table(query, candidates.__getitem__, len(candidates), "torch", rounds, both)
     return [(pick.group, pick.votes) for pick in vote(found.table, np.arange(len(candidates)), rounds)]
 
 
-def timed(function: Callable[[], Any]) -> tuple[float, Any]:
+def time_once(function: Callable[[], Any]) -> tuple[float, Any]:
     """CPU seconds of one run, and what it returns."""
     since = time.process_time()
     value = function()
@@ -87,7 +87,7 @@ def sgemm() -> dict[str, float]:
         "numpy (OpenBLAS)": lambda: a.numpy() @ b.numpy(),
         "torch, `affine` (oneDNN)": lambda: affine(a, b, zero),
     }
-    return {name: timed(run)[0] for name, run in libraries.items()}
+    return {name: time_once(run)[0] for name, run in libraries.items()}
 
 
 def speeds(query: Features, candidates: Features, turns: int = 8) -> dict[str, float]:
@@ -99,7 +99,7 @@ def speeds(query: Features, candidates: Features, turns: int = 8) -> dict[str, f
         for name, seconds in sgemm().items():
             measured.setdefault(name, []).append(2e-9 * 2048**3 / seconds)
         for name in ("torch", "faiss"):
-            seconds, _ = timed(partial(load("searches", name), query, part.__getitem__, len(part), False))
+            seconds, _ = time_once(partial(load("searches", name), query, part.__getitem__, len(part), False))
             measured.setdefault(f"search `{name}`", []).append(work / seconds)
     return {name: float(np.median(rates)) for name, rates in measured.items()}
 
@@ -108,10 +108,10 @@ def comparisons(asked: argparse.Namespace) -> Iterator[list[Any]]:
     """One row per number of candidates."""
     for count in asked.candidates:
         query, candidates = features(count, asked.patches, asked.columns)
-        ours, picks = timed(partial(one_pass, query, candidates, asked.rounds))
-        theirs, expected = timed(partial(naive, query, candidates, asked.rounds))
-        again, _ = timed(partial(one_pass, query, candidates, asked.rounds))
-        mutual, _ = timed(partial(one_pass, query, candidates, asked.rounds, both=True))
+        ours, picks = time_once(partial(vote_by_table, query, candidates, asked.rounds))
+        theirs, expected = time_once(partial(vote_by_index, query, candidates, asked.rounds))
+        again, _ = time_once(partial(vote_by_table, query, candidates, asked.rounds))
+        mutual, _ = time_once(partial(vote_by_table, query, candidates, asked.rounds, both=True))
         agree = sum(a == b for a, b in zip(picks, expected, strict=True))
         ours = (ours + again) / 2
         ratio = f"**{theirs / ours:.1f}**"

@@ -32,7 +32,7 @@ from stages.matching.encoders import make_encoder, settings_digest
 from stages.matching.features import run as features
 from stages.matching.priors import list_addends
 from stages.matching.question import DIGITS
-from stages.matching.ranking import Query, apply_weights, compared_views, make_query
+from stages.matching.ranking import Query, apply_weights, choose_views, make_query
 from stages.matching.scene import Scene
 from stages.matching.search import distance_table
 from stages.matching.store import FeatureStore, Snapshot
@@ -87,7 +87,7 @@ class Thing:
         self.item, self.true, self.yaw, self.query, self.store = item, true, yaw, query, store
         self._looks: dict[Snapshot, tuple[float, float]] = {}
 
-    def looks(self, assets: list[str], views: Sequence[int], symmetric: float) -> NDArray[np.float64]:
+    def measure_distances(self, assets: list[str], views: Sequence[int], symmetric: float) -> NDArray[np.float64]:
         """Distances (assets, views); both ways are computed once."""
         asked = [Snapshot(asset, view) for asset in assets for view in views]
         new = [snapshot for snapshot in asked if snapshot not in self._looks]
@@ -111,11 +111,11 @@ class Thing:
         """As `decide_cousins` by distance."""
         candidates = find_candidates(self.item, library, TEXT, options)
         assets = [entry.id for entry in candidates.assets]
-        seen = np.sort(self.looks(assets, compared_views(self.store, options), options.symmetric), axis=1)
+        seen = np.sort(self.measure_distances(assets, choose_views(self.store, options), options.symmetric), axis=1)
         extra = [sum(more.values()) for more in list_addends(self.item, candidates, options)]
         distances = seen[:, : options.nearest_views].mean(axis=1).round(DIGITS) + extra
         ranked = [candidates.assets[number] for number in np.argsort(distances.round(DIGITS), kind="stable")]
-        turned = self.looks([ranked[0].id], range(len(self.store.yaws)), options.symmetric)[0]
+        turned = self.measure_distances([ranked[0].id], range(len(self.store.yaws)), options.symmetric)[0]
         turn = self.store.yaws[int(turned.argmin())]
         return Row(
             ranked[0].category == self.true.category,
@@ -138,13 +138,13 @@ class Rooms:
     @cached_property
     def store(self) -> FeatureStore:
         """Features of the library: those of the results, or made anew."""
-        made = self.results / "matching/features" / self.options.store()
-        if made.is_dir():
-            return FeatureStore(sorted(made.glob("*.npy")), settings_digest(self.options, make_encoder(self.options)))
+        folder = self.results / "matching/features" / self.options.store()
+        if folder.is_dir():
+            return FeatureStore(sorted(folder.glob("*.npy")), settings_digest(self.options, make_encoder(self.options)))
         paths = []
         for shard in sorted((self.results / "assets/snapshots").glob("*.h5")):
             paths.append(self.folder / shard.with_suffix(".npy").name)
-            features(snapshots=shard, out=paths[-1], options=json.dumps(self.options.stored()))
+            features(snapshots=shard, out=paths[-1], options=json.dumps(self.options.keep_stored()))
         return FeatureStore(paths, settings_digest(self.options, make_encoder(self.options)))
 
     def things(self, colour: float) -> list[Thing]:

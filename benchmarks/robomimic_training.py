@@ -113,7 +113,7 @@ def same_parameters(ours: BcRnnGmm, policy: nn.Module) -> list[tuple[nn.Paramete
     return pairs
 
 
-def joined(parts: list[Tensor | None]) -> Tensor:
+def join_tensors(parts: list[Tensor | None]) -> Tensor:
     """Tensors one below the other; none may be missing."""
     return torch.cat([part for part in parts if part is not None])
 
@@ -134,7 +134,7 @@ def batch_of(run: TrainingRun, points: int) -> dict[str, Tensor]:
     return {name: torch.as_tensor(array, dtype=torch.float32) for name, array in arrays.items()}
 
 
-def timed(step: Callable[[], object]) -> tuple[float, float]:
+def time_step(step: Callable[[], object]) -> tuple[float, float]:
     """Process and wall seconds of a step."""
     process, wall = time.process_time(), time.perf_counter()
     step()
@@ -158,7 +158,7 @@ def main() -> None:
     policy = robomimic.nets["policy"]
     pairs = same_parameters(ours, policy)
     for parameter, parts in pairs:
-        parameter.data.copy_(joined([part.data for part in parts]))
+        parameter.data.copy_(join_tensors([part.data for part in parts]))
     optimiser = torch.optim.AdamW(ours.parameters(), lr=run.learning_rate, weight_decay=0.0, fused=True)
     batch = {"obs": {key: data[key] for key in KEYS}, "actions": data["actions"], "goal_obs": None}
     ones = torch.ones(data["actions"].shape[:2])
@@ -190,7 +190,7 @@ def main() -> None:
     policy.zero_grad()
     their_loss = -policy.forward_train(batch["obs"]).log_prob(batch["actions"]).mean()
     their_loss.backward()
-    gradients = [(ours_.grad, joined([part.grad for part in parts])) for ours_, parts in pairs]
+    gradients = [(ours_.grad, join_tensors([part.grad for part in parts])) for ours_, parts in pairs]
     square = sum(float((a - b).square().sum()) for a, b in gradients if a is not None)
     norm = sum(float(b.square().sum()) for _, b in gradients)
     print(f"loss: robomimic {their_loss.item():.6f}, ours {loss.item():.6f}")
@@ -198,8 +198,8 @@ def main() -> None:
 
     theirs, mine = [], []
     for number in range(arguments.repeats):
-        theirs.append(timed(their_step))
-        mine.append(timed(our_step))
+        theirs.append(time_step(their_step))
+        mine.append(time_step(our_step))
         print(f"step {number}: robomimic {theirs[-1][1]:.2f} s, ours {mine[-1][1]:.2f} s", flush=True)
     for kind, column in (("process", 0), ("wall", 1)):
         a, b = (statistics.median(row[column] for row in rows) for rows in (theirs, mine))

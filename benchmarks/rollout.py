@@ -26,7 +26,7 @@ from stages.policies.checkpoint import load_network  # noqa: E402
 from stages.tasks.api import TaskEnv  # noqa: E402
 
 
-def timed(what: Callable[[], object], times: int) -> float:
+def time_calls(what: Callable[[], object], times: int) -> float:
     """Milliseconds of process time per call."""
     start = time.process_time()
     for _ in range(times):
@@ -34,7 +34,7 @@ def timed(what: Callable[[], object], times: int) -> float:
     return (time.process_time() - start) / times * 1e3
 
 
-def rolled_out(tasks: Sequence[TaskEnv], policy: TrainablePolicy, steps: int) -> float:
+def roll_out(tasks: Sequence[TaskEnv], policy: TrainablePolicy, steps: int) -> float:
     """Steps per second of process time, the policy in the loop; resets are not counted."""
     actor = policy.actor(len(tasks), "most_likely")
     slots = list(range(len(tasks)))
@@ -62,28 +62,28 @@ def main(steps: int, folder: Path | None) -> None:
         assets = [models / make("bottom_cabinet", index, 0, models).id for index in (0, 2)]
         tasks = [TaskEnv("door", assets[0], "door_0_joint", None, options, vary_scale=False) for _ in range(4)]
         task = tasks[0]
-        print(f"first episode, first picture   {timed(lambda: task.reset(0), 1):8.0f} ms")
-        print(f"the next environment           {timed(lambda: tasks[1].reset(0), 1):8.0f} ms")
+        print(f"first episode, first picture   {time_calls(lambda: task.reset(0), 1):8.0f} ms")
+        print(f"the next environment           {time_calls(lambda: tasks[1].reset(0), 1):8.0f} ms")
         action = np.array([0.2, 0.1, -0.1, 0.0, 0.0, 0.1, 1.0], np.float32)
         env = task.env
         task.reset(1)
         pictures = env.rig.capture(env._sensors)
-        print(f"act: IK, physics, success      {timed(lambda: task.act(action), 50):8.2f} ms")
+        print(f"act: IK, physics, success      {time_calls(lambda: task.act(action), 50):8.2f} ms")
 
         def look() -> None:
             env.scene.update_render(update_human_render_cameras=False)
             env.rig.capture(env._sensors)
 
-        print(f"picture and its way back       {timed(look, steps):8.2f} ms")
+        print(f"picture and its way back       {time_calls(look, steps):8.2f} ms")
         joints, shown = task.joints(), env.seen_ids()
-        seen = timed(lambda: env.rig.observation(joints, pictures, shown, 0), steps)
+        seen = time_calls(lambda: env.rig.observation(joints, pictures, shown, 0), steps)
         print(f"crop, farthest points, fingers {seen:8.2f} ms")
         for count in (1, 4):
-            print(f"policy in the loop, {count} envs     {rolled_out(tasks[:count], policy, steps):8.0f} steps/s")
+            print(f"policy in the loop, {count} envs     {roll_out(tasks[:count], policy, steps):8.0f} steps/s")
         varied = TaskEnv("door", assets[0], "door_0_joint", None, options)
         varied.place(0)
         seeds = iter(range(1, 1000))
-        print(f"episode at another scale       {timed(lambda: varied.place(next(seeds)), 20):8.1f} ms")
+        print(f"episode at another scale       {time_calls(lambda: varied.place(next(seeds)), 20):8.1f} ms")
 
         def exchange() -> None:
             seed = next(seeds)
@@ -92,9 +92,9 @@ def main(steps: int, folder: Path | None) -> None:
 
         exchange()
         exchange()
-        print(f"episode with another asset     {timed(exchange, 20):8.1f} ms")
-        for made in (*tasks, varied):
-            made.close()
+        print(f"episode with another asset     {time_calls(exchange, 20):8.1f} ms")
+        for task in (*tasks, varied):
+            task.close()
 
 
 if __name__ == "__main__":

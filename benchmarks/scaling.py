@@ -26,7 +26,7 @@ from stages.contracts import Library, Objects, read_json
 from stages.contracts.library import LibraryEntry
 from stages.matching.candidates import find_candidates
 from stages.matching.codec import Codec, learn
-from stages.matching.encoders import BESIDE, make_encoder, settings_digest
+from stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
 from stages.matching.ranking import make_query, rank_models, rank_orientations
 from stages.matching.scene import Scene
 from stages.matching.store import FeatureStore, Snapshot
@@ -42,7 +42,7 @@ class Repeated:
         self.codes: dict[Snapshot, NDArray[Any]] = {}
         if compressed:
             views = [Snapshot(name, view) for name in names for view in range(len(store.yaws))]
-            self.codec = learn(np.concatenate([store.rows(view) for view in views[::20]]), 72, BESIDE)
+            self.codec = learn(np.concatenate([store.rows(view) for view in views[::20]]), 72, EXTRA_COLUMNS)
             self.codes = {view: self.codec.encode(store.rows(view)) for view in views}
 
     def rows(self, snapshot: Snapshot) -> NDArray[np.float32]:
@@ -52,13 +52,13 @@ class Repeated:
         rows = self.codec.decode(self.codes[original]) if self.codec else self.store.rows(original)
         return rows * np.float32(1 + 0.001 * int(copy or 0))
 
-    def wholes(self, asset: str, views: Sequence[int]) -> NDArray[np.float32]:
+    def read_wholes(self, asset: str, views: Sequence[int]) -> NDArray[np.float32]:
         """Views of a copy as wholes."""
         name, _, copy = asset.partition("-copy")
-        return self.store.wholes(name, views) * np.float32(1 + 0.001 * int(copy or 0))
+        return self.store.read_wholes(name, views) * np.float32(1 + 0.001 * int(copy or 0))
 
 
-def grown(library: Library, models: int) -> Library:
+def grow_library(library: Library, models: int) -> Library:
     """The library with copies of its models, or cut, to so many."""
     count = len(library.assets)
     entries: list[LibraryEntry] = []
@@ -84,7 +84,7 @@ def rows(run: Path, rooms: list[str], sizes: list[int]) -> Iterator[list[Any]]:
         found = [item for item in read_json(Objects, objects).objects if item.status != "failed"]
         queries += [(item, make_query(scene.view(item), encoder)) for item in found]
     for models in sizes:
-        larger = grown(library, models)
+        larger = grow_library(library, models)
         seconds: dict[str, list[float]] = {}
         compared = []
         for item, query in queries:

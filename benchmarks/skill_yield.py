@@ -78,9 +78,9 @@ def summary(rows: list[dict[str, str]]) -> str:
             if key == "asset" and good > 0.7 * len(group):
                 continue
             causes = Counter(row["cause"] for row in group if row["success"] == "0")
-            told = ", ".join(f"{cause} {count}" for cause, count in causes.most_common())
+            failures = ", ".join(f"{cause} {count}" for cause, count in causes.most_common())
             assets = len({row["asset"] for row in group})
-            lines.append(f"| {name} | {assets} | {good} | {len(group)} | {good / len(group):.0%} | {told} |")
+            lines.append(f"| {name} | {assets} | {good} | {len(group)} | {good / len(group):.0%} | {failures} |")
         lines.append("")
     return "\n".join(lines)
 

@@ -31,7 +31,7 @@ from stages.simulation.loading import load_looks, move, remove, root_pose
 PARTS = ["SAPIEN: loading", "SAPIEN: pictures", "ours: `photograph`", "ours: packing"]
 
 
-def raw(turntable: Turntable, folder: Path, yaws: list[float]) -> dict[str, float]:
+def time_sapien(turntable: Turntable, folder: Path, yaws: list[float]) -> dict[str, float]:
     """CPU seconds of what SAPIEN alone does: loading, rendering."""
     asset, clock = read_asset(folder), time.process_time
     started = clock()
@@ -49,7 +49,7 @@ def raw(turntable: Turntable, folder: Path, yaws: list[float]) -> dict[str, floa
     return {"SAPIEN: loading": loaded - started, "SAPIEN: pictures": rendered - loaded}
 
 
-def ours(turntable: Turntable, folder: Path, yaws: list[float], file: h5py.File) -> dict[str, float]:
+def time_turntable(turntable: Turntable, folder: Path, yaws: list[float], file: h5py.File) -> dict[str, float]:
     """CPU seconds of `Turntable.photograph` and of packing."""
     clock = time.process_time
     started = clock()
@@ -60,17 +60,17 @@ def ours(turntable: Turntable, folder: Path, yaws: list[float], file: h5py.File)
     return {"ours: `photograph`": taken - started, "ours: packing": clock() - taken}
 
 
-def measured(folders: list[Path], size: int) -> dict[str, float]:
+def time_parts(folders: list[Path], size: int) -> dict[str, float]:
     """Seconds in all, by part."""
     turntable = Turntable(SnapshotOptions(image_size=size))
     yaws = [2 * math.pi * k / 24 for k in range(24)] + [-0.5]
-    raw(turntable, folders[0], yaws)  # shaders are compiled
+    time_sapien(turntable, folders[0], yaws)  # shaders are compiled
     seconds: dict[str, float] = {}
     with tempfile.TemporaryDirectory() as scratch, h5py.File(Path(scratch) / "shard.h5", "w") as file:
         for number, folder in enumerate(folders):
             parts: list[Callable[[], dict[str, float]]] = [
-                lambda: raw(turntable, folder, yaws),  # noqa: B023
-                lambda: ours(turntable, folder, yaws, file),  # noqa: B023
+                lambda: time_sapien(turntable, folder, yaws),  # noqa: B023
+                lambda: time_turntable(turntable, folder, yaws, file),  # noqa: B023
             ]
             for part in parts[:: 1 if number % 2 else -1]:
                 for name, spent in part().items():
@@ -81,7 +81,7 @@ def measured(folders: list[Path], size: int) -> dict[str, float]:
 def rows(folders: list[Path], sizes: list[int]) -> Iterator[list[Any]]:
     """One row per size of the pictures."""
     for size in sizes:
-        seconds = measured(folders, size)
+        seconds = time_parts(folders, size)
         pictures = 25 * len(folders)
         theirs = seconds["SAPIEN: loading"] + seconds["SAPIEN: pictures"]
         whole = seconds["ours: `photograph`"] + seconds["ours: packing"]

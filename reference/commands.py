@@ -94,8 +94,8 @@ def list_passed_flags(root: Path) -> dict[str, set[str]]:
     called = {}
     for part in parts:
         if found := re.search(r'\*\*verb\(\s*"(\w+)",\s*"([\w-]+)"', part):
-            said = [part[part.index("    shell:") :], *map(flags.get, re.findall(r"=(\w+_flags),", part))]
-            called[f"{found[1]} {found[2]}"] = set(re.findall(r"--[a-z][a-z0-9-]*", "".join(said)))
+            lines = [part[part.index("    shell:") :], *map(flags.get, re.findall(r"=(\w+_flags),", part))]
+            called[f"{found[1]} {found[2]}"] = set(re.findall(r"--[a-z][a-z0-9-]*", "".join(lines)))
     return called
 
 

@@ -26,9 +26,9 @@ def section(root: Path) -> str:
     }
     rows = []
     for kind in sorted(DoubtKind, key=lambda one: list(MEND).index(one.cause)):
-        said = re.sub(r":\.\d+f", "", kind.text)
+        text = re.sub(r":\.\d+f", "", kind.text)
         files = ", ".join(sorted(file for file, text in texts.items() if re.search(rf"\b{kind.name}\.of\(", text)))
-        cells = (kind.code, f"{kind.cause}: {said}", kind.compared, _limit(kind), kind.source, files)
+        cells = (kind.code, f"{kind.cause}: {text}", kind.compared, _limit(kind), kind.source, files)
         rows.append(f"| {' | '.join(cells)} |")
     mends = [f"* {cause}: {mend}." for cause, mend in MEND.items()]
     return HEAD + "\n".join([*rows, "", "What helps, by the cause:", "", *mends]) + "\n"

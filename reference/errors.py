@@ -88,8 +88,8 @@ def _faults_of(tree: ast.Module, name: str, constants: Mapping[str, Values]) -> 
         holders = names.get(code.id, []) if isinstance(code, ast.Name) else [code] if code else []
         codes = [each for holder in holders for each in _codes(holder)]
         if codes or default:
-            said = (_said(given.get(part), names, call.lineno) for part in ("where", "what", "fix"))
-            where, what, fix = (text.replace("`", "'") for text in said)
+            parts = (_said(given.get(part), names, call.lineno) for part in ("where", "what", "fix"))
+            where, what, fix = (text.replace("`", "'") for text in parts)
             says = what if where.startswith("{") else f"{where}: {what}"  # a path that is only known when it runs
             for each in codes or ["" if code or not default else default]:
                 yield Fault(each, name, call.lineno, says, fix)

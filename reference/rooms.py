@@ -34,8 +34,8 @@ def table(root: Path) -> str:
     """A row for every folder of the core, and for every package: its name and the first sentence of its docstring."""
     rows = ["| folder | what it is |", "|---|---|"]
     for file in (path for home in ("stages", "plugins") for path in sorted((root / home).glob("*/__init__.py"))):
-        said = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
-        rows.append(f"| `{file.parent.relative_to(root)}` | {said.partition(chr(10))[0]} |")
+        docstring = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+        rows.append(f"| `{file.parent.relative_to(root)}` | {docstring.partition(chr(10))[0]} |")
     return "\n".join(rows)
 
 

@@ -13,9 +13,9 @@ from stages.config.commands import check_line, command_digest, command_line, rep
 from stages.config.mistakes import check_keys
 from stages.config.model import load, with_defaults
 from stages.config.outside import container_environment
-from stages.config.packages import drawn_by, rule_files, shards_of
+from stages.config.packages import list_drawers, rule_files, shards_of
 from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, options_of, stores
-from stages.config.sizes import sized
+from stages.config.sizes import fill_counts
 from stages.contracts.errors import InputError
 from stages.contracts.training_sets import ROLE_NAME, SET_NAME
 
@@ -32,7 +32,7 @@ try:
     cover(CONFIG.plugins)
     OWN_SHARDS = shards_of(CONFIG)
     LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN_SHARDS.values())
-    CONFIG = sized(CONFIG, LIBRARY_SIZE)
+    CONFIG = fill_counts(CONFIG, LIBRARY_SIZE)
 except InputError as error:
     print(f"error: {error} [{error.code}]", file=sys.stderr)  # one line: Snakemake would add this file and its line
     sys.exit(1)
@@ -72,11 +72,11 @@ STORES = stores(CONFIG)
 TARGETS = list(EXPERIMENT.targets)
 SCENE_TARGETS = TARGETS if EXPERIMENT.in_scene and CONFIG.packages.get("in_scene") else []
 TRAINED_TARGETS = [name for name in TARGETS if EXPERIMENT.sets_of(name)]
-DEMONSTRATED = [(name, role) for name in TARGETS for role in EXPERIMENT.trained_roles(name)]
+DEMONSTRATED = [(name, role) for name in TARGETS for role in EXPERIMENT.list_trained_roles(name)]
 DEMONSTRATED = columns("target", "role", rows=DEMONSTRATED)
 CELLS = columns("target", "policy", "training_set", rows=EXPERIMENT.cells)
 # What packages add to Table 3: modules, the table of trainings that they read.
-MORE_TABLES = drawn_by(CONFIG.packages, "tables")
+MORE_TABLES = list_drawers(CONFIG.packages, "tables")
 TRAININGS = ["results/tables/trainings.csv"] if MORE_TABLES else []
 # Files of assets that the user has committed, by target.
 PINNED = {name: target.assets for name, target in EXPERIMENT.targets.items() if target.assets}

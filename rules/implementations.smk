@@ -24,7 +24,7 @@ def policy_modules(wildcards):
 
 
 def skill_modules(wildcards):
-    """The task of a target, and the simulator that it is met in."""
+    """The task of a target, and its simulator."""
     condition = wildcards.get("condition")
     simulator = (CONFIG.evaluation.under(condition) if condition else CONFIG.evaluation).simulator
     return [*task_modules(wildcards), qualify_module("simulators", simulator)]

@@ -11,21 +11,21 @@ def input_file(name):
 
 
 def picture_config(wildcards):
-    """The config.yaml beside a picture of the user's: what it says of extraction suits that picture."""
+    """The config.yaml beside a picture of the user's, with options of extraction for that picture."""
     own = EXPERIMENT.inputs.get(wildcards.scene)
     path = Path(own.place(wildcards.scene), "config.yaml") if own and not own.alone else None
     return [str(path)] if path and (not own.folder or path.is_file()) else []
 
 
 def corrections(stage):
-    """What a person says of a scene in the corrections.json beside its picture, as far as a stage reads it, as text."""
+    """A person's corrections of a scene (corrections.json beside its picture), as far as a stage reads them, as text."""
 
-    def said(wildcards):
+    def text(wildcards):
         path = Path(input_file(CORRECTIONS)(wildcards))
         found = corrections_of((path,) if path.is_file() else (), stage)
         return "".join(item.model_dump_json(exclude_defaults=True) for item in found.values())
 
-    return said
+    return text
 
 
 def corrections_file(stage):
@@ -34,7 +34,7 @@ def corrections_file(stage):
 
 
 def corrections_flags(wildcards, input):
-    """How the stage is told of it."""
+    """The flags that name the file."""
     return shlex.join(["--corrections", str(input.corrections)]) if input.corrections else ""
 
 
@@ -102,7 +102,7 @@ def policies_of(cell, pattern, **values):
     """
     plan = EXPERIMENT.plan(cell.policy)
     runs = plan.runs
-    if EXPERIMENT.chooses(cell.policy):
+    if EXPERIMENT.needs_choice(cell.policy):
         with checkpoints.choose.get(**cell._asdict()).output.chosen.open() as file:
             runs = json.load(file)["runs"]
     return expand(pattern, **cell._asdict(), run=runs, seed=plan.seeds, **values)

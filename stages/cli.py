@@ -20,7 +20,7 @@ SECONDS = 5.0  # from one line of progress to the next
 
 def main(package: str, verbs: dict[str, str]) -> None:
     """Run the verb that `sys.argv[1]` names; an `InputError` or what the system refuses becomes a line, exit code 1."""
-    from stages.contracts.errors import InputError, nearest
+    from stages.contracts.errors import InputError, suggest_nearest
     from stages.contracts.system import line_of, start_job
 
     usage = f"usage: python -m {package} VERB --help\n" + "".join(
@@ -30,7 +30,7 @@ def main(package: str, verbs: dict[str, str]) -> None:
     if not argv or argv[0] not in verbs:
         asked_for_help = bool(argv) and argv[0] in ("-h", "--help")
         if argv and not asked_for_help:
-            print(f"error: {package} has no verb '{argv[0]}'. Fix: {nearest(argv[0], verbs)}", file=sys.stderr)
+            print(f"error: {package} has no verb '{argv[0]}'. Fix: {suggest_nearest(argv[0], verbs)}", file=sys.stderr)
         print(usage, file=sys.stdout if asked_for_help else sys.stderr)
         sys.exit(0 if asked_for_help else 2)
 
@@ -56,7 +56,7 @@ def with_seeds_checked(run: Callable[..., None]) -> Callable[..., None]:
     """A verb that refuses seeds that config would, too, before it does anything."""
 
     @functools.wraps(run)
-    def checked(*args: Any, **flags: Any) -> None:
+    def run_checked(*args: Any, **flags: Any) -> None:
         from stages.contracts.errors import InputError
 
         for name, value in flags.items():
@@ -65,7 +65,7 @@ def with_seeds_checked(run: Callable[..., None]) -> Callable[..., None]:
                 raise InputError(flag, f"{value} is no seed.", f"0 to {SEEDS - 1}", code="E-SEED")
         run(*args, **flags)
 
-    return checked
+    return run_checked
 
 
 def progress(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T]:
@@ -84,10 +84,10 @@ def pacer() -> Callable[[], bool]:
     """A question that is answered with yes once in `SECONDS`, first when so many have gone by."""
     last = [time.monotonic()]
 
-    def due() -> bool:
+    def is_due() -> bool:
         if (now := time.monotonic()) - last[0] < SECONDS:
             return False
         last[0] = now
         return True
 
-    return due
+    return is_due

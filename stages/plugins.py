@@ -13,7 +13,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from stages.contracts.errors import InputError, nearest
+from stages.contracts.errors import InputError, suggest_nearest
 
 
 @dataclass(frozen=True)
@@ -76,8 +76,8 @@ def list_available(kind: str, packages: Sequence[str] | None = None) -> dict[str
         InputError: a package is not there, or a name is taken twice.
     """
     found: dict[str, str] = {}
-    beside = list_shipped() if packages is None else packages
-    for home in [KINDS[kind].home, *(f"{package}.{kind}" for package in beside)]:
+    packages = list_shipped() if packages is None else packages
+    for home in [KINDS[kind].home, *(f"{package}.{kind}" for package in packages)]:
         for file in sorted(folder(home).glob("*")):
             name = file.stem
             if name.startswith("_") or not _is_one(file, KINDS[kind].symbol):
@@ -104,21 +104,23 @@ def find(kind: str, name: str, packages: Sequence[str] | None = None, key: str =
     if name in known.values():
         return name
     if name not in known:
-        package = _ours(kind).get(name, "").partition(".")[2].partition(".")[0]
-        mend = f"packages: {{{package}: true}}, or one of {', '.join(known)}" if package else nearest(name, known)
+        package = _list_ours(kind).get(name, "").partition(".")[2].partition(".")[0]
+        mend = (
+            f"packages: {{{package}: true}}, or one of {', '.join(known)}" if package else suggest_nearest(name, known)
+        )
         raise InputError(key or kind, f"there is no '{name}'.", mend, code="E-PLUGIN-UNKNOWN")
-    return name if known[name] == _ours(kind).get(name) else known[name]
+    return name if known[name] == _list_ours(kind).get(name) else known[name]
 
 
 @cache
-def _ours(kind: str) -> dict[str, str]:
+def _list_ours(kind: str) -> dict[str, str]:
     """Modules of the implementations of the core and of the packages in this checkout, by name."""
     return list_available(kind)
 
 
 def qualify_module(kind: str, name: str) -> str:
     """Module of an implementation."""
-    return name if "." in name else _ours(kind).get(name, f"{KINDS[kind].home}.{name}")
+    return name if "." in name else _list_ours(kind).get(name, f"{KINDS[kind].home}.{name}")
 
 
 def refuse_old_names(implementation: type, names: Mapping[str, str]) -> None:

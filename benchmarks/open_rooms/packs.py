@@ -125,7 +125,7 @@ class Model:
         x, y, z = np.ptp(np.concatenate([part.vertices for part in self.parts]), axis=0)
         return float(x), float(y), float(z)
 
-    def _catalogued(self) -> list[Part]:
+    def _read_catalogued(self) -> list[Part]:
         """Of Sweet Home 3D: the OBJ turned as its catalogue says and stretched to the size there."""
         entry = catalogue(self.folder, self.pack)[self.name]
         path = self.folder / CATALOGUES[self.pack][0] / entry["model"].lstrip("/")
@@ -134,9 +134,9 @@ class Model:
             rotation[:3, :3] = np.array(entry["modelRotation"].split(), dtype=float).reshape(3, 3)
         parts = list(_obj(path, rotation))
         points = np.concatenate([part.vertices for part in parts])
-        told = np.array([float(entry[key]) for key in ("depth", "width", "height")]) / 100
-        scale = told / np.ptp(points, axis=0)
-        return [_mapped(part, np.diag([*scale, 1.0])) for part in parts]
+        stated = np.array([float(entry[key]) for key in ("depth", "width", "height")]) / 100
+        scale = stated / np.ptp(points, axis=0)
+        return [_transform_part(part, np.diag([*scale, 1.0])) for part in parts]
 
     def _mjcf(self) -> list[Part]:
         """Of a MuJoCo file: what is seen of its first body, as it stands there."""
@@ -147,15 +147,15 @@ class Model:
         mujoco.mj_forward(world, data)
         geoms = [g for g in range(world.ngeom) if world.geom_type[g] == mujoco.mjtGeom.mjGEOM_MESH]
         seen = [g for g in geoms if world.geom_contype[g] == 0 and world.geom_conaffinity[g] == 0] or geoms
-        return [_mapped(_geom(world, data, g), FRAMES[self.frame]) for g in seen]
+        return [_transform_part(_geom(world, data, g), FRAMES[self.frame]) for g in seen]
 
 
 @lru_cache(maxsize=32)
 def _parts(model: Model) -> list[Part]:
-    return _placed(model._mjcf() if model.pack in MJCF else model._catalogued())
+    return _stand_parts(model._mjcf() if model.pack in MJCF else model._read_catalogued())
 
 
-def _mapped(part: Part, transform: NDArray[np.float64]) -> Part:
+def _transform_part(part: Part, transform: NDArray[np.float64]) -> Part:
     normals = None
     if part.normals is not None:
         normals = part.normals @ np.linalg.inv(transform[:3, :3])
@@ -165,12 +165,12 @@ def _mapped(part: Part, transform: NDArray[np.float64]) -> Part:
     return Part(vertices, faces, normals, part.uv, part.colour, part.picture, part.opacity)
 
 
-def _placed(parts: list[Part]) -> list[Part]:
+def _stand_parts(parts: list[Part]) -> list[Part]:
     points = np.concatenate([part.vertices for part in parts])
     low, high = points.min(axis=0), points.max(axis=0)
     shift = np.eye(4)
     shift[:3, 3] = -np.array([*(low + high)[:2] / 2, low[2]])
-    return [_mapped(part, shift) for part in parts]
+    return [_transform_part(part, shift) for part in parts]
 
 
 def _opacities(path: Path) -> dict[str, float]:
@@ -207,7 +207,7 @@ def _obj(path: Path, rotation: NDArray[np.float64]) -> Iterator[Part]:
             None if image is None or min(image.size) < 3 else np.array(image.convert("RGBA")),
             opacities.get(str(material.name), 1.0),
         )
-        yield _mapped(part, TO_OURS @ rotation)
+        yield _transform_part(part, TO_OURS @ rotation)
 
 
 def _geom(world: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Part:
@@ -249,7 +249,7 @@ def catalogue(folder: Path, pack: str) -> dict[str, dict[str, str]]:
 @cache
 def kinds() -> dict[str, Kind]:
     """The table of kinds.yaml."""
-    return {name: Kind(**said) for name, said in yaml.safe_load((HERE / "kinds.yaml").read_text()).items()}
+    return {name: Kind(**fields) for name, fields in yaml.safe_load((HERE / "kinds.yaml").read_text()).items()}
 
 
 def models(folder: Path, half: str) -> list[Model]:

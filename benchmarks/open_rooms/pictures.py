@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchmarks.open_rooms import packs, rooms, sensor, views
 from benchmarks.open_rooms.render import photograph
-from stages.contracts import atomic
+from stages.contracts import write_atomically
 
 LEAST_PIXELS, LEAST_SEEN = 250, 0.15  # of a thing that a person would outline and name
 MASKS = ("exact", "drawn")
@@ -65,8 +65,8 @@ class Picture:
 
 def read(folder: Path) -> Picture:
     """The truth of the picture in a folder."""
-    said = json.loads((folder / "room.json").read_text())
-    return Picture(**said | {"things": [TrueThing(**thing) for thing in said["things"]]})
+    entry = json.loads((folder / "room.json").read_text())
+    return Picture(**entry | {"things": [TrueThing(**thing) for thing in entry["things"]]})
 
 
 def folders(root: Path, half: str = "") -> list[Path]:
@@ -95,11 +95,11 @@ def _make(root: Path, half: str, name: str, models: list[packs.Model], samples: 
     roll = rng.normal(0, np.deg2rad(2.5)) if device.handheld else 0.0
     pose = views.look_at(room.eye, room.look, roll)
     caster = views.Caster(views.surfaces(room))
-    seen, owner = views.seen(caster, pose, device.focal)
+    seen, owner = views.cast_view(caster, pose, device.focal)
     things = _truth(room, caster, owner, pose, device.focal, rng)
     folder = root / "pictures" / name
     folder.mkdir(parents=True, exist_ok=True)
-    depth = sensor.sensed(seen, device, rng)
+    depth = sensor.sense_depth(seen, device, rng)
     _write(folder / "depth.png", np.rint(1000 * depth).astype(np.uint16))
     k = views.intrinsics(device.focal)
     camera = {
@@ -125,12 +125,12 @@ def _make(root: Path, half: str, name: str, models: list[packs.Model], samples: 
     )
     picture = photograph(room, half, root / "packs", pose, device.focal, samples, seed)
     _write(folder / "rgb.png", np.array(picture)[..., ::-1])
-    with atomic(folder / "room.json") as path:
+    with write_atomically(folder / "room.json") as path:
         path.write_text(json.dumps(asdict(truth), indent=1))
 
 
 def _write(path: Path, pixels: NDArray[Any]) -> None:
-    with atomic(path) as file:
+    with write_atomically(path) as file:
         cv2.imwrite(str(file), pixels)
 
 
@@ -191,7 +191,7 @@ def _write_masks(
     whole |= {str(wall): "wall" for wall in walls} | {str(floor): "floor"}
     _write(folder / "exact.png", known)
     (folder / "exact.json").write_text(json.dumps(whole, indent=1))
-    drawn, joined = sensor.outlined(known, {*walls, floor}, rng)
+    drawn, joined = sensor.draw_outlines(known, {*walls, floor}, rng)
     labels = dict(whole)
     if rng.random() < ONE_WALL:
         drawn[np.isin(drawn, walls)] = walls[0]

@@ -48,9 +48,9 @@ def photograph(room: Room, half: str, packs: Path, pose: Floats, focal: float, s
         "sensor": _sensor(mi, pose, focal, samples, seed),
         **_lights(mi, room, rng),
     }
-    papered = _papered(half, packs, rng)
+    papered = _paper_room(half, packs, rng)
     for number, surface in enumerate(surfaces(room)):
-        bsdf = papered[number] if number < len(papered) else _looks(mi, surface)
+        bsdf = papered[number] if number < len(papered) else _make_material(mi, surface)
         scene[f"mesh_{number}"] = _mesh(mi, surface.part, bsdf, f"mesh_{number}")
     image = mi.render(mi.load_dict(scene), seed=seed)
     pixels = _without_fireflies(np.clip(np.array(image)[..., :3], 0, None))
@@ -110,12 +110,12 @@ def _lights(mi: Any, room: Room, rng: np.random.Generator) -> dict[str, Any]:
     }
 
 
-def _papered(half: str, packs: Path, rng: np.random.Generator) -> list[dict[str, Any]]:
+def _paper_room(half: str, packs: Path, rng: np.random.Generator) -> list[dict[str, Any]]:
     """What floor, ceiling and the four walls look like."""
     floor, wall = str(rng.choice(FLOORS[half])), str(rng.choice(WALLS[half]))
     paint = PAINTS[int(rng.integers(len(PAINTS)))]
-    on_floor = _tiled(np.array(texture(packs, half, floor)), TILE["floor"])
-    on_walls = _tiled(np.array(texture(packs, half, wall)), TILE["wall"]) if wall else _matt(paint)
+    on_floor = _tile_picture(np.array(texture(packs, half, floor)), TILE["floor"])
+    on_walls = _tile_picture(np.array(texture(packs, half, wall)), TILE["wall"]) if wall else _matt(paint)
     return [on_floor, _matt((0.88, 0.88, 0.86)), *[on_walls] * 4]
 
 
@@ -136,11 +136,11 @@ def _bitmap(picture: NDArray[np.uint8], scale: float = 1.0) -> dict[str, Any]:
     return {"type": "bitmap", "bitmap": mi.Bitmap(np.ascontiguousarray(picture)), "to_uv": turned}
 
 
-def _tiled(picture: NDArray[np.uint8], metres: float) -> dict[str, Any]:
+def _tile_picture(picture: NDArray[np.uint8], metres: float) -> dict[str, Any]:
     return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": _bitmap(picture[..., :3], metres)}}
 
 
-def _looks(mi: Any, surface: Surface) -> dict[str, Any]:
+def _make_material(mi: Any, surface: Surface) -> dict[str, Any]:
     part = surface.part
     if surface.kind == MIRROR:
         return {"type": "twosided", "bsdf": {"type": "conductor", "material": "Ag"}}

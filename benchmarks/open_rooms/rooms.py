@@ -79,7 +79,7 @@ def names(half: str) -> list[str]:
     return [f"{half.replace('_', '-')}_{kind}_{k + 1}" for kind, plan in plans().items() for k in range(plan["draws"])]
 
 
-def mirrored(plan: dict[str, Any]) -> dict[str, Any]:
+def mirror_plan(plan: dict[str, Any]) -> dict[str, Any]:
     """The same room with left and right exchanged; the models stay as they are."""
     across = plan["size"][0]
     other = {"west": "east", "east": "west", "left": "right", "right": "left"}
@@ -115,7 +115,7 @@ def furnish(kind: str, models: Sequence[Model], top: Top, rng: np.random.Generat
     """
     plan = plans()[kind]
     if rng.random() < 0.5:
-        plan = mirrored(plan)
+        plan = mirror_plan(plan)
     camera = plan["camera"]
     eye = np.array([*camera["eye"], rng.uniform(*camera.get("height", (1.15, 1.7)))])
     eye[:2] += rng.uniform(-0.2, 0.2, 2)
@@ -123,11 +123,11 @@ def furnish(kind: str, models: Sequence[Model], top: Top, rng: np.random.Generat
     room = Room(kind, tuple(plan["size"]), tuple(eye.tolist()), tuple(look.tolist()))
     for spot in plan["things"]:
         if rng.random() < spot.get("chance", 1.0):
-            room.things.extend(_furnished(spot, room, models, top, rng))
+            room.things.extend(_furnish_spot(spot, room, models, top, rng))
     return room
 
 
-def _furnished(
+def _furnish_spot(
     spot: dict[str, Any], room: Room, models: Sequence[Model], top: Top, rng: np.random.Generator
 ) -> Iterator[Thing]:
     """The thing of one spot, if it can be put there in a few tries."""
@@ -138,16 +138,16 @@ def _furnished(
     name = str(spot.get("name", spot["kinds"][0]))
     name = name if name not in there else f"{name}_{len(there)}"
     for _ in range(TRIES):
-        model = _drawn(spot, room, models, rng)
+        model = _draw_model(spot, room, models, rng)
         if model is None:
             return
-        thing = _placed(spot, name, model, room, other, top, rng)
-        if thing is not None and _free(thing, room, other if spot.get("by") else None):
+        thing = _place_model(spot, name, model, room, other, top, rng)
+        if thing is not None and _is_free(thing, room, other if spot.get("by") else None):
             yield thing
             return
 
 
-def _drawn(spot: dict[str, Any], room: Room, models: Sequence[Model], rng: np.random.Generator) -> Model | None:
+def _draw_model(spot: dict[str, Any], room: Room, models: Sequence[Model], rng: np.random.Generator) -> Model | None:
     """A model for the spot: one not used yet if there is any, small enough, wide enough."""
     if "like" in spot:
         return next((thing.model for thing in room.things if thing.name == spot["like"]), None)
@@ -165,7 +165,7 @@ def _drawn(spot: dict[str, Any], room: Room, models: Sequence[Model], rng: np.ra
     return fresh[int(rng.integers(len(fresh)))] if fresh else None
 
 
-def _placed(
+def _place_model(
     spot: dict[str, Any], name: str, model: Model, room: Room, other: Thing | None, top: Top, rng: np.random.Generator
 ) -> Thing | None:
     how = next(key for key in TURNED if key in spot)
@@ -203,11 +203,11 @@ def _placed(
     shares = np.array(spot.get("spot", rng.uniform(-0.85, 0.85, 2))) + rng.uniform(-0.08, 0.08, 2)
     half = np.array(other.model.size[:2]) / 2
     x, y = middle + front * shares[0] * half[0] + left * shares[1] * half[1]
-    standing = Thing(name, model, (float(x), float(y), 0.0), wrap_angle(other.yaw + float(yaw)), other.name)
-    return _let_down(standing, other, top)
+    placed = Thing(name, model, (float(x), float(y), 0.0), wrap_angle(other.yaw + float(yaw)), other.name)
+    return _let_thing_down(placed, other, top)
 
 
-def _let_down(thing: Thing, carrier: Thing, top: Top) -> Thing | None:
+def _let_thing_down(thing: Thing, carrier: Thing, top: Top) -> Thing | None:
     """The thing on what is beneath it; None: that is not level, or ends there."""
     under = np.array(footprint(thing.box).exterior.coords)[:4]
     middle = under.mean(axis=0)
@@ -219,7 +219,7 @@ def _let_down(thing: Thing, carrier: Thing, top: Top) -> Thing | None:
     return Thing(thing.name, thing.model, (x, y, float(heights.max())), thing.yaw, thing.support)
 
 
-def _free(thing: Thing, room: Room, tucked: Thing | None) -> bool:
+def _is_free(thing: Thing, room: Room, tucked: Thing | None) -> bool:
     """Whether it is in the room and in no other thing; a chair may be a little under its table."""
     ours = footprint(thing.box)
     across, deep = room.size

@@ -49,12 +49,12 @@ def shelves(results: Path, config: Config) -> Shelves:
     return Shelves(results / "assets/library/library.json", tuple(features), tuple(snapshots))
 
 
-def configured() -> Config:
+def make_config() -> Config:
     """The default config with a variant per row."""
-    said = Config().model_dump(mode="json")
-    said["experiment"]["variants"] = ROWS
-    said["experiment"]["policy_variant"] = "geometry"
-    return Config.model_validate(said)
+    document = Config().model_dump(mode="json")
+    document["experiment"]["variants"] = ROWS
+    document["experiment"]["policy_variant"] = "geometry"
+    return Config.model_validate(document)
 
 
 def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...], rows: tuple[str, ...]) -> None:
@@ -68,7 +68,7 @@ def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...],
         masks: exact, drawn.
         rows: of `ROWS`.
     """
-    config = configured()
+    config = make_config()
     shelf = shelves(results, config)
     for kind in masks:
         for folder in sorted(pictures.folders(root, half), key=lambda path: path.name.split("_")[::-1]):
@@ -89,7 +89,7 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
     objects = out / "extraction" / "objects.json"
     scene = folder.name.replace("-", "_")
     if not objects.is_file():
-        with _logged(out / "extraction.log"):
+        with _log_stage(out / "extraction.log"):
             from_rgbd.run(
                 out=entry,
                 rgb=folder / "rgb.png",
@@ -110,7 +110,7 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
         if not cousins.is_file():
             options = options_of(config, "matching", "match", {"variant": row})
             looks = config.matching_of(row).compares_pictures
-            with _logged(out / f"{row}.log"):
+            with _log_stage(out / f"{row}.log"):
                 cousins.parent.mkdir(exist_ok=True)
                 match.run(
                     objects=objects,
@@ -124,7 +124,7 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
         if not (scenes / "scene_1.json").is_file():
             options = options_of(config, "generation", "generate", {"variant": row})
             options |= {} if row == "geometry" else {"ranks": 1}  # the others are there to be compared with
-            with _logged(out / f"{row}_generation.log"):
+            with _log_stage(out / f"{row}_generation.log"):
                 generate.run(
                     cousins=cousins,
                     objects=objects,
@@ -138,19 +138,19 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
 def _count_panels(entry: Path, truth: pictures.Picture) -> None:
     """What `from-rgbd` leaves to people: how many doors and drawers things have."""
     path = entry / "annotations.json"
-    said = read_json(Annotations, path)
+    document = read_json(Annotations, path)
     known = {thing.number: thing for thing in truth.things}
     counted = [
         item.model_copy(update={"doors": thing.doors, "drawers": thing.drawers, "articulated": True})
         if (thing := known[item.mask]).doors + thing.drawers
         else item
-        for item in said.objects
+        for item in document.objects
     ]
-    write_json(path, said.model_copy(update={"objects": counted}))
+    write_json(path, document.model_copy(update={"objects": counted}))
 
 
 @contextlib.contextmanager
-def _logged(log: Path) -> Any:
+def _log_stage(log: Path) -> Any:
     """What a stage prints goes into a file; where one stops, the picture is left and the reason stays there."""
     since = time.process_time()
     with log.open("w") as file, contextlib.redirect_stdout(file), contextlib.redirect_stderr(file):

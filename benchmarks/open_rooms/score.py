@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 from benchmarks.open_rooms import packs, pictures
 from plugins.report.doubts import collect_doubts
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
-from stages.contracts.categories import usual_size
+from stages.contracts.categories import find_usual_size
 from stages.contracts.doubt import Doubt
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import Asset, HingeSide
@@ -34,7 +34,7 @@ FLOATS, BEHIND, TOO_LARGE = 0.03, 0.10, 2.0  # metres, metres, times the largest
 
 @dataclass(frozen=True)
 class Row:
-    """One object of one reconstructed scene. What was not asked for or cannot be said is None."""
+    """One object of one reconstructed scene. What was not asked for or cannot be known is None."""
 
     half: str
     masks: str
@@ -82,7 +82,7 @@ def size_errors(true: pictures.TrueThing, size: tuple[float, float, float], yaw:
     return np.asarray((ours[[1, 0, 2]] if quarters % 2 else ours) - truth)
 
 
-def size_right(errors: NDArray[np.float64], truth: tuple[float, float, float]) -> bool:
+def is_size_right(errors: NDArray[np.float64], truth: tuple[float, float, float]) -> bool:
     """Whether every extent is within 10 % or 3 cm."""
     return bool((np.abs(errors) <= np.maximum(SIZE_SHARE * np.array(truth), SIZE_LEAST)).all())
 
@@ -94,7 +94,7 @@ def chamfer(one: NDArray[np.float64], other: NDArray[np.float64], size: tuple[fl
     return float(distances.mean() / np.linalg.norm(size))
 
 
-def outside(box: UprightBox, room: tuple[float, float]) -> float:
+def measure_overreach(box: UprightBox, room: tuple[float, float]) -> float:
     """How far a box reaches behind the walls of a room, metres."""
     points = corners(box)[:, :2]
     return float(max((points - np.array(room)).max(), (-points).max(), 0.0))
@@ -108,19 +108,19 @@ def hinges_alike(opens: tuple[str, ...], asset: Asset) -> bool | None:
 
 
 def handles_alike(handle: str, asset: Asset) -> bool | None:
-    """Whether most of its handles are of this kind, arches as bars; None: none of these is said."""
+    """Whether most of its handles are of this kind, arches as bars; None: none of these is stated."""
     if not handle:
         return None
     kinds = Counter("bar" if joint.handle == "arch" else joint.handle for joint in asset.joints)
     return bool(kinds) and kinds.most_common(1)[0][0] == handle
 
 
-def true_carrier(true: pictures.TrueThing, ids: dict[int, str]) -> str | None:
+def find_true_carrier(true: pictures.TrueThing, ids: dict[int, str]) -> str | None:
     """What carries a thing, as a scene says it; None: that has no name in these masks."""
     return true.support if true.support in ("floor", "wall") else ids.get(int(true.support))
 
 
-def rows_of(root: Path, folder: Path, masks: str, judge: str, folders: AssetFolders) -> Iterator[Row]:
+def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: AssetFolders) -> Iterator[Row]:
     """The rows of one picture."""
     truth = pictures.read(folder)
     out = root / "results" / masks / folder.name
@@ -129,12 +129,12 @@ def rows_of(root: Path, folder: Path, masks: str, judge: str, folders: AssetFold
     scenes = sorted((out / judge).glob("scene_*.json"))
     base = {"half": truth.half, "masks": masks, "judge": judge, "picture": truth.name}
 
-    def about(thing: pictures.TrueThing, rank: int, status: str) -> Row:
+    def make_row(thing: pictures.TrueThing, rank: int, status: str) -> Row:
         return Row(**base, rank=rank, number=thing.number, label=thing.label, kind=thing.kind, model=thing.model,
                    seen=thing.seen, cut=thing.cut, status=status)  # fmt: skip
 
     if not scenes:
-        yield from (about(thing, 1, "failed") for thing in asked)
+        yield from (make_row(thing, 1, "failed") for thing in asked)
         return
     objects = read_json(Objects, out / "extraction/objects.json")
     cousins = {entry.id: entry for entry in read_json(Cousins, out / judge / "cousins.json").objects}
@@ -144,16 +144,16 @@ def rows_of(root: Path, folder: Path, masks: str, judge: str, folders: AssetFold
         placed = {item.id: item for item in scene.objects}
         for thing in asked:
             item = placed.get(ids.get(thing.number, ""))
-            row = about(thing, scene.rank, "missed" if item is None else item.status)
+            row = make_row(thing, scene.rank, "missed" if item is None else item.status)
             if item is None or item.status != "ok":
                 yield row
                 continue
             seen = next(one for one in objects.objects if one.id == item.id)
-            said = collect_doubts(cousins[item.id], seen, item, objects)
-            yield Row(**asdict(row) | _measured(truth, thing, item, scene, objects, ids, folders, said))
+            doubts = collect_doubts(cousins[item.id], seen, item, objects)
+            yield Row(**asdict(row) | _measure_thing(truth, thing, item, scene, objects, ids, folders, doubts))
 
 
-def _measured(
+def _measure_thing(
     truth: pictures.Picture,
     thing: pictures.TrueThing,
     item: PlacedObject,
@@ -161,26 +161,26 @@ def _measured(
     objects: Objects,
     ids: dict[int, str],
     folders: AssetFolders,
-    said: list[Doubt],
+    doubts: list[Doubt],
 ) -> dict[str, object]:
     box = box_in_world(item, world_from_floor(truth.pose, scene.floor_from_camera))
     errors = size_errors(thing, item.size, box.yaw)
     off = float(np.linalg.norm(np.array(box.center) - np.array(thing.position)))
     turn = None if thing.symmetry == "full" else angle_difference(box.yaw, thing.yaw, thing.symmetry)
-    carrier = true_carrier(thing, ids)
+    carrier = find_true_carrier(thing, ids)
     asset = folders.asset(item.asset)
     model = _model(thing.model, truth.half)
     check = scene.plausibility
     beneath = {one.id: one.position[2] + one.size[2] / 2 for one in scene.objects if one.status == "ok"}
     level = 0.0 if item.support == "floor" else beneath.get(item.support)
     bottom = item.position[2] - item.size[2] / 2
-    known = usual_size(item.category)
+    known = find_usual_size(item.category)
     plan = np.log([*sorted(item.size[:2]), item.size[2]])
     return {
         "asset": item.asset,
         "category": item.category,
         "sensible": item.category in packs.kinds()[thing.kind].sensible,
-        "size": size_right(errors, thing.size),
+        "size": is_size_right(errors, thing.size),
         "place": off <= PLACE,
         "yaw": None if turn is None else turn <= YAW,
         "carrier": None if carrier is None else item.support == carrier,
@@ -190,16 +190,16 @@ def _measured(
         "off_height_cm": round(100 * float(errors[2]), 1),
         "off_place_cm": round(100 * off, 1),
         "yaw_degrees": None if turn is None else round(float(np.rad2deg(turn)), 1),
-        "chamfer": round(_alike(thing.model, truth.half, folders[item.asset], tuple(thing.size)), 4),
+        "chamfer": round(_measure_chamfer(thing.model, truth.half, folders[item.asset], tuple(thing.size)), 4),
         "panels": (asset.doors, asset.drawers) == (thing.doors, thing.drawers) if thing.doors + thing.drawers else None,
         "hinges": hinges_alike(model.opens, asset),
         "handles": handles_alike(model.handle, asset),
         "support": item.support,
         "held": item.support == "unnamed",
         "floats": level is not None and bottom > level + FLOATS,
-        "behind": outside(box, truth.size) > BEHIND,
+        "behind": measure_overreach(box, truth.size) > BEHIND,
         "too_large": known is not None and bool((plan > known.high + np.log(TOO_LARGE)).any()),
-        "doubt_of_size": any(doubt.cause == "size" for doubt in said),
+        "doubt_of_size": any(doubt.cause == "size" for doubt in doubts),
     }
 
 
@@ -226,7 +226,7 @@ def _surface_of(model: str, half: str) -> NDArray[np.float64]:
 
 
 @cache
-def _alike(model: str, half: str, chosen: Path, size: tuple[float, float, float]) -> float:
+def _measure_chamfer(model: str, half: str, chosen: Path, size: tuple[float, float, float]) -> float:
     return chamfer(_surface_of(model, half), sample_surface(chosen)[:: DENSE // CHAMFER_POINTS], size)
 
 
@@ -249,7 +249,7 @@ def score(root: Path, results: Path, out: Path, version: str) -> None:
         for folder in pictures.folders(root)
         for judge in ("geometry", "hog", "no-image")
         if (root / "results" / masks / folder.name / f"{judge}.log").is_file()
-        for row in rows_of(root, folder, masks, judge, folders)
+        for row in score_scene(root, folder, masks, judge, folders)
     ]
     table = pd.DataFrame(rows).assign(version=version)
     out.mkdir(parents=True, exist_ok=True)

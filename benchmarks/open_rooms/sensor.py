@@ -49,7 +49,7 @@ class Seen:
     surface: NDArray[np.uint8]
 
 
-def sensed(seen: Seen, device: Device, rng: np.random.Generator) -> Floats:
+def sense_depth(seen: Seen, device: Device, rng: np.random.Generator) -> Floats:
     """Depth (H, W) as the device measures it, metres; 0: unknown."""
     shape = seen.depth.shape
     depth = seen.depth.copy()
@@ -57,7 +57,7 @@ def sensed(seen: Seen, device: Device, rng: np.random.Generator) -> Floats:
     depth[through] = seen.beyond[through]
     known = depth > 0
     if device.coarse > 1:
-        depth = _blended(depth, device.coarse)
+        depth = _blend_depth(depth, device.coarse)
     step = _lateral(depth, rng)
     noise = _grain(shape, device.grain, rng) * device.noise * step**2
     noisy = step * (1 + device.scale * rng.uniform(-1, 1)) + noise
@@ -93,7 +93,7 @@ def _lateral(depth: Floats, rng: np.random.Generator) -> Floats:
     return np.asarray(depth[rows, columns])
 
 
-def _blended(depth: Floats, coarse: float) -> Floats:
+def _blend_depth(depth: Floats, coarse: float) -> Floats:
     """Depth measured at every `coarse`-th pixel and blended between: smeared edges."""
     height, width = depth.shape
     small = cv2.resize(depth, (round(width / coarse), round(height / coarse)), interpolation=cv2.INTER_NEAREST)
@@ -110,7 +110,7 @@ def _shadow(depth: Floats, pixels: float) -> NDArray[np.bool_]:
     return np.asarray(lands < np.maximum.accumulate(lands, axis=1) - 0.5)
 
 
-def outlined(values: Masks, floors: set[int], rng: np.random.Generator) -> tuple[Masks, dict[int, int]]:
+def draw_outlines(values: Masks, floors: set[int], rng: np.random.Generator) -> tuple[Masks, dict[int, int]]:
     """Outlines as people and networks draw them: 3 to 5 pixels off, corners cut, thin parts missing, two things in one.
 
     Args:
@@ -123,17 +123,17 @@ def outlined(values: Masks, floors: set[int], rng: np.random.Generator) -> tuple
     """
     things = [int(v) for v in np.unique(values) if v and v not in floors]
     drawn = np.where(np.isin(values, sorted(floors)), values, 0).astype(np.uint16)
-    merged = _merged(values, things, rng)
+    merged = _merge_small(values, things, rng)
     joined = values.copy()
     for inner, outer in merged.items():
         joined[values == inner] = outer
     order = sorted(set(things) - set(merged), key=lambda v: -int((joined == v).sum()))
     for value in order:
-        drawn[_redrawn(joined == value, rng)] = value
+        drawn[_redraw_outline(joined == value, rng)] = value
     return drawn, merged
 
 
-def _merged(values: Masks, things: list[int], rng: np.random.Generator) -> dict[int, int]:
+def _merge_small(values: Masks, things: list[int], rng: np.random.Generator) -> dict[int, int]:
     """In four pictures of ten: one small thing that is part of the mask of what it touches most."""
     if rng.random() > 0.4:
         return {}
@@ -149,7 +149,7 @@ def _merged(values: Masks, things: list[int], rng: np.random.Generator) -> dict[
     return {}
 
 
-def _redrawn(mask: NDArray[np.bool_], rng: np.random.Generator) -> NDArray[np.bool_]:
+def _redraw_outline(mask: NDArray[np.bool_], rng: np.random.Generator) -> NDArray[np.bool_]:
     """One outline drawn anew: larger or smaller by up to 5 pixels, moved by up to 3, its corners cut."""
     area = int(mask.sum())
     off = int(rng.integers(-4, 6))

@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.intervals import paired, quantiles, rate_interval, rate_of, resampled, side_of
+from stages.tables.intervals import pair_sides, quantiles, rate_interval, rate_of, resample_rates, side_of
 
 MEASURES = ["sensible", "size", "place", "yaw", "carrier", "stable", "panels", "hinges", "handles"]
 WHOLE = 0.5  # share of a thing that shows, from which on it counts as seen whole
@@ -17,16 +17,16 @@ HALVES = {"work": "to work on", "held_out": "looked at once"}
 
 def _side(rows: pd.DataFrame, measure: str) -> pd.DataFrame:
     """Rows as the project's bootstrap takes them: a family per model, a place per object."""
-    said = rows.dropna(subset=[measure])
+    known = rows.dropna(subset=[measure])
     table = pd.DataFrame(
         {
             "run": "all",
             "seed": 0,
             "checkpoint": "all",
-            "family": said["model"],
-            "asset": said["model"],
-            "initial_state": said["picture"] + "/" + said["number"].astype(str),
-            "success": said[measure].astype(float),
+            "family": known["model"],
+            "asset": known["model"],
+            "initial_state": known["picture"] + "/" + known["number"].astype(str),
+            "success": known[measure].astype(float),
         }
     )
     return side_of(table)
@@ -41,9 +41,9 @@ def share(rows: pd.DataFrame, measure: str) -> str:
     return f"{100 * rate_of(side):.0f} [{100 * low:.0f}, {100 * high:.0f}]"
 
 
-def _plain(rows: pd.DataFrame, measure: str) -> str:
-    said = rows[measure].dropna().astype(float)
-    return f"{int(said.sum())}/{len(said)}" if len(said) else ""
+def _summarise_plainly(rows: pd.DataFrame, measure: str) -> str:
+    known = rows[measure].dropna().astype(float)
+    return f"{int(known.sum())}/{len(known)}" if len(known) else ""
 
 
 def table(heading: list[str], lines: Iterator[list[str]]) -> str:
@@ -72,13 +72,13 @@ def _faults(rows: pd.DataFrame) -> list[str]:
     return [f"{good}/{len(scenes)}", *(f"{int((scenes[name] > 0).sum())}" for name in FAULTS)]
 
 
-def better(rows: pd.DataFrame, judge: str) -> str:
+def compare_with_no_image(rows: pd.DataFrame, judge: str) -> str:
     """Chamfer distance of `no-image` less that of a judge, rank 1, over objects that both placed; in thousandths."""
     first = rows[rows["rank"] == 1]
-    ours, theirs = paired(*(_side(first[first["judge"] == name], "chamfer") for name in ("no-image", judge)))
+    ours, theirs = pair_sides(*(_side(first[first["judge"] == name], "chamfer") for name in ("no-image", judge)))
     if ours.empty:
         return ""
-    ((a, b),) = resampled([[ours, theirs]], OPTIONS)
+    ((a, b),) = resample_rates([[ours, theirs]], OPTIONS)
     low, high = quantiles((a - b).mean(axis=1), OPTIONS)
     return f"{1000 * (rate_of(ours) - rate_of(theirs)):+.1f} [{1000 * low:+.1f}, {1000 * high:+.1f}] of {ours.shape[1]}"
 
@@ -95,7 +95,7 @@ def _versions(rows: pd.DataFrame) -> Iterator[str]:
                 str(len(group)),
                 *_measures(group),
                 _faults(group)[0],
-                better(mine, judge) if judge == "geometry" else "",
+                compare_with_no_image(mine, judge) if judge == "geometry" else "",
             ]
             for version, mine in first.groupby("version", sort=False)
             for judge, group in mine.groupby("judge")
@@ -103,7 +103,7 @@ def _versions(rows: pd.DataFrame) -> Iterator[str]:
     )
 
 
-def _half(rows: pd.DataFrame) -> Iterator[str]:
+def _describe_half(rows: pd.DataFrame) -> Iterator[str]:
     first = rows[rows["rank"] == 1]
     whole = ~first["cut"] & (first["seen"] >= WHOLE)
     groups = [
@@ -151,7 +151,10 @@ def _half(rows: pd.DataFrame) -> Iterator[str]:
     yield "Nearer in shape than `no image`, Chamfer distance (thousandths of the diagonal, rank 1, placed by both):\n"
     yield table(
         ["masks", "geometry", "hog"],
-        ([masks, better(group, "geometry"), better(group, "hog")] for masks, group in rows.groupby("masks")),
+        (
+            [masks, compare_with_no_image(group, "geometry"), compare_with_no_image(group, "hog")]
+            for masks, group in rows.groupby("masks")
+        ),
     )
     yield "What is off (rank 1, `geometry`, placed objects): median, and 90 % are within, cm:\n"
     columns = ["off_depth_cm", "off_width_cm", "off_height_cm", "off_place_cm"]
@@ -167,7 +170,7 @@ def _half(rows: pd.DataFrame) -> Iterator[str]:
         ["kind", "objects", "placed", *MEASURES],
         (
             [str(kind).replace("_", " "), str(len(group)), str(int((group["status"] == "ok").sum())),
-             *(_plain(group, measure) for measure in MEASURES)]
+             *(_summarise_plainly(group, measure) for measure in MEASURES)]
             for kind, group in best.groupby("kind")
         ),
     )  # fmt: skip
@@ -186,6 +189,6 @@ def page(rows: pd.DataFrame) -> str:
             parts += [
                 f"## {half} ({about})\n",
                 *_versions(mine),
-                *_half(mine[mine["version"] == mine["version"].iloc[-1]]),
+                *_describe_half(mine[mine["version"] == mine["version"].iloc[-1]]),
             ]
     return "\n".join(parts)

@@ -56,13 +56,13 @@ def shell(room: Room) -> dict[str, Part]:
         "west": [(0, 0, 0), (0, y, 0), (0, y, HEIGHT), (0, 0, HEIGHT)],
         "east": [(x, y, 0), (x, 0, 0), (x, 0, HEIGHT), (x, y, HEIGHT)],
     }
-    made = {}
+    parts = {}
     for name, four in corners.items():
         points = np.array(four, dtype=float)
         side, up = np.linalg.norm(points[1] - points[0]), np.linalg.norm(points[3] - points[0])
         uv = np.array([(0, 0), (side, 0), (side, up), (0, up)], dtype=float)
-        made[name] = Part(points, np.array([(0, 1, 2), (0, 2, 3)]), None, uv, (0.9, 0.9, 0.88), None, 1.0)
-    return made
+        parts[name] = Part(points, np.array([(0, 1, 2), (0, 2, 3)]), None, uv, (0.9, 0.9, 0.88), None, 1.0)
+    return parts
 
 
 def in_room(thing: Thing) -> list[Part]:
@@ -91,7 +91,7 @@ def surfaces(room: Room) -> list[Surface]:
             dark = thing.model.kind in SCREENS and max(part.colour) < 0.25 and part.picture is None
             kind = (
                 MIRROR
-                if _facing(part, thing.yaw) > 0.5 * whole
+                if _measure_facing_area(part, thing.yaw) > 0.5 * whole
                 else GLASS
                 if part.opacity < CLEAR
                 else DARK
@@ -102,7 +102,7 @@ def surfaces(room: Room) -> list[Surface]:
     return found
 
 
-def _facing(part: Part, yaw: float) -> float:
+def _measure_facing_area(part: Part, yaw: float) -> float:
     """The area of a part that faces `yaw`: of a mirror its glass, and what it lies on."""
     a, b, c = (part.vertices[part.faces[:, k]] for k in range(3))
     areas = np.cross(b - a, c - a) / 2 @ [np.cos(yaw), np.sin(yaw), 0.0]
@@ -167,7 +167,7 @@ class Caster:
         return clear
 
 
-def seen(caster: Caster, pose: Floats, focal: float) -> tuple[Seen, NDArray[np.uint16]]:
+def cast_view(caster: Caster, pose: Floats, focal: float) -> tuple[Seen, NDArray[np.uint16]]:
     """What the camera sees, and the owner of every pixel."""
     rows, columns = np.indices((HEIGHT_PX, WIDTH))
     pixels = np.stack([columns, rows, np.ones_like(rows)], axis=-1).reshape(-1, 3)
@@ -211,6 +211,6 @@ def share_seen(
     """How much of what would be seen of a thing alone, also beyond the picture's border, is seen."""
     alone = Caster([s for s in caster.surfaces if s.owner == number])
     wide = focal / 2.5
-    _, mask = seen(alone, pose, wide)
+    _, mask = cast_view(alone, pose, wide)
     whole = float((mask > 0).sum()) * 2.5**2
     return float((owner == number).sum()) / max(whole, 1.0)

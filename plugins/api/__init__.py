@@ -29,11 +29,11 @@ def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Pa
     """
     from stages.assets import join, snapshots
     from stages.config.packages import shards_of, verb
-    from stages.config.sizes import sized
+    from stages.config.sizes import fill_counts
 
     folder, settings = Path(out), _settings(config)
     counts, theirs = settings.assets.counts, shards_of(settings)
-    settings = sized(settings, sum(counts.values()) + sum(len(shard.models) for shard in theirs.values()))
+    settings = fill_counts(settings, sum(counts.values()) + sum(len(shard.models) for shard in theirs.values()))
     for old in (path for place in (".", "snapshots", "features/*") for path in folder.glob(f"{place}/shard_*")):
         old.unlink()
     shards = (settings.assets.shards or 1) if any(counts.values()) else 0
@@ -89,19 +89,19 @@ def make_scenes(
     Returns:
         scene_1.json, scene_2.json, ...
     """
-    from stages.config.packages import drawn_by, verb
-    from stages.config.sizes import sized
+    from stages.config.packages import list_drawers, verb
+    from stages.config.sizes import fill_counts
     from stages.contracts.corrections import CORRECTIONS, corrections_of
     from stages.extraction import extract
     from stages.generation import generate
     from stages.matching import match
 
     source, index, folder = Path(picture), Path(library), Path(out)
-    settings = sized(_settings(config), len(AssetFolders(index)))
-    scene, variant = _named(source), settings.experiment.policy_variant
+    settings = fill_counts(_settings(config), len(AssetFolders(index)))
+    scene, variant = _name_scene(source), settings.experiment.policy_variant
     image, objects, cousins = source / "rgb.png", folder / "objects.json", folder / "cousins.json"
-    said = tuple(path for path in [source / CORRECTIONS] if path.is_file())
-    corrections = {stage: said if corrections_of(said, stage) else () for stage in ("extraction", "generation")}
+    files = tuple(path for path in [source / CORRECTIONS] if path.is_file())
+    corrections = {stage: files if corrections_of(files, stage) else () for stage in ("extraction", "generation")}
     extract.run(
         input=source, scene=scene, out=objects, options=_options(settings, "extraction", "extract", scene=""),
         own=tuple(path for path in [source / "config.yaml"] if path.is_file()),
@@ -120,7 +120,7 @@ def make_scenes(
     )  # fmt: skip
     scenes = tuple(folder / f"scene_{rank}.json" for rank in range(1, settings.generation_of(variant).ranks + 1))
     if settings.packages.get("pictures"):
-        look = tuple(drawn_by(settings.packages, "generation"))
+        look = tuple(list_drawers(settings.packages, "generation"))
         verb("pictures", "scenes")(scenes=scenes, objects=objects, image=image, library=index, out=folder, look=look)
     return list(scenes)
 
@@ -147,7 +147,7 @@ def _options(settings: "Config", stage: str, verb: str, **wildcards: str) -> str
     return json.dumps(options_of(settings, stage, verb, wildcards), sort_keys=True)
 
 
-def _named(picture: Path) -> str:
+def _name_scene(picture: Path) -> str:
     from stages.config.inputs import scene_of
 
     picture = picture.absolute()

@@ -34,10 +34,10 @@ def can_hold(
 ) -> Array:
     """(N,) whether the arm, near its `joints` (7,), can hold the hand at poses (N, 4, 4) without touching anything.
 
-    Cheaper than a whole candidate: it leaves out useless poses before those are tried.
+    It is cheaper than a whole candidate, and rules out useless poses early.
 
     Args:
-        stretch: the state that robot and object then are in; its path is not looked at.
+        stretch: the state of robot and object; its path is ignored.
     """
     across = int(np.ceil(np.ptp([chain.lower, chain.upper], axis=0).max() / MAX_JOINT_STEP))  # of the widest range
     q = track(chain, np.tile(joints, (len(poses), 1)), poses, across)

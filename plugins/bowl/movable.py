@@ -1,4 +1,4 @@
-"""What Pick and Place are told by a task: the object that they move, and where the task wants it."""
+"""What a task tells Pick and Place: the object that they move, and its goal."""
 
 from dataclasses import dataclass
 from typing import Literal, Protocol, runtime_checkable

@@ -41,7 +41,7 @@ class Region:
 
 
 def find_level_region(mesh: trimesh.Trimesh) -> Region | None:
-    """The level surface with the most cells among what rays from above hit first; None if nothing is level."""
+    """The largest level surface among the first hits of rays from above; None if nothing is level."""
     low, high = mesh.bounds
     axes = [np.arange(low[i] + CELL / 2, high[i], CELL) for i in (0, 1)]
     origins = np.stack(np.meshgrid(*axes, [high[2] + 0.1], indexing="ij"), axis=-1).reshape(-1, 3)

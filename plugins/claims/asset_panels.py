@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from plugins.claims.assets import judged_over, of_splits
+from plugins.claims.assets import find_judged_set, of_splits
 from stages.config.tables import TablesConfig
 from stages.tables.cells import ROW, rates
 from stages.tables.drawing import colour, draw_rates, mark_not_run, marker, rate_axis
@@ -17,22 +17,22 @@ from stages.tables.text import distance_from_twin
 AXES = ["feature_distance", "handle_length"]
 
 
-def _judged(rollouts: pd.DataFrame) -> pd.DataFrame:
+def _select_judged(rollouts: pd.DataFrame) -> pd.DataFrame:
     """The rollouts of policies on the set of assets that their task is judged over."""
     policies = of_splits(rollouts[rollouts["training_set"] != SKILL])
-    parts = [part[part["test_asset"] == judged_over(part)] for _, part in policies.groupby(ROW, sort=False)]
+    parts = [part[part["test_asset"] == find_judged_set(part)] for _, part in policies.groupby(ROW, sort=False)]
     return pd.concat(parts) if parts else policies
 
 
 def points(rollouts: pd.DataFrame) -> pd.DataFrame:
     """A row per target, policy, training set and asset: mean success over runs and states, and `AXES`."""
-    groups = _judged(rollouts).groupby([*ROW, "training_set", "asset"], sort=False)
+    groups = _select_judged(rollouts).groupby([*ROW, "training_set", "asset"], sort=False)
     return groups.agg(mean=("success", "mean"), **{axis: (axis, "first") for axis in AXES}).reset_index()
 
 
-def thirds(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
+def tabulate_thirds(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """A row per target, policy, training set, axis and third of assets along it: `place` (median), and as `rates`."""
-    found, rows = _judged(rollouts), []
+    found, rows = _select_judged(rollouts), []
     for axis in AXES:
         for _, part in found.groupby(ROW, sort=False):
             places = part.drop_duplicates("asset").set_index("asset")[axis]
@@ -63,11 +63,11 @@ def _draw(panel: Axes, axis: str, points: pd.DataFrame, thirds: pd.DataFrame) ->
     sets = sorted(points["training_set"].unique(), key=set_key)
     step = 0.02 * (float(points[axis].max() - points[axis].min()) or 1.0)
     for index, name in enumerate(sets):
-        beside = step * (index - (len(sets) - 1) / 2)
+        shift = step * (index - (len(sets) - 1) / 2)
         mine = points[points["training_set"] == name]
         panel.scatter(
-            mine[axis] + beside, 100 * mine["mean"], s=13, alpha=0.35, linewidths=0.6, color=colour(name),
+            mine[axis] + shift, 100 * mine["mean"], s=13, alpha=0.35, linewidths=0.6, color=colour(name),
             marker=marker(name),
         )  # fmt: skip
         line = thirds[thirds["training_set"] == name].sort_values("place")
-        draw_rates(panel, line["place"] + beside, line, name)
+        draw_rates(panel, line["place"] + shift, line, name)

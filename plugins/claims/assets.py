@@ -11,7 +11,7 @@ import pandas as pd
 
 from stages.config.tables import MethodTables, TablesConfig
 from stages.contracts.library import HandleKind
-from stages.tables.cells import CELL, RATE, gains, in_order, rates
+from stages.tables.cells import CELL, RATE, in_order, rates, tabulate_gains
 from stages.tables.order import SKILL, SPLITS
 from stages.tables.table3 import BASELINE, RANDOMISED
 
@@ -34,7 +34,7 @@ def of_splits(rollouts: pd.DataFrame) -> pd.DataFrame:
     return rollouts[rollouts["test_asset"].isin(SPLITS)]
 
 
-def judged_over(rollouts: pd.DataFrame) -> str:
+def find_judged_set(rollouts: pd.DataFrame) -> str:
     """What unseen assets are: the set `test`, else `validation`, else (`roles`) the roles that are held out."""
     return next((split for split in SPLITS if (rollouts["test_asset"] == split).any()), "roles")
 
@@ -59,9 +59,13 @@ def build(rollouts: pd.DataFrame, options: TablesConfig, first: Mapping[str, str
         policy=policies["policy"].where(policies["policy"] != policies["target"].map(first), FIRST)
     )
     table = rates(found, CELL, options)
-    found_gains = {"network": gains(others, ["target", "test_asset", "training_set"], "policy", FIRST, options)}
+    found_gains = {
+        "network": tabulate_gains(others, ["target", "test_asset", "training_set"], "policy", FIRST, options)
+    }
     for name, baseline in BASELINES.items():
-        found_gains[name] = gains(policies, ["target", "policy", "test_asset"], "training_set", baseline, options)
+        found_gains[name] = tabulate_gains(
+            policies, ["target", "policy", "test_asset"], "training_set", baseline, options
+        )
     for name, gained in found_gains.items():
         table = table.merge(gained[[*CELL, *ENDS]].rename(columns=FROM[name]), "left", CELL, suffixes=("", "_"))
     return table[COLUMNS]

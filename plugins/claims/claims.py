@@ -12,10 +12,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from plugins.claims.assets import judged_over
+from plugins.claims.assets import find_judged_set
 from stages.config.tables import TablesConfig
 from stages.tables.cells import ROW
-from stages.tables.intervals import Side, paired, quantiles, resampled, score_interval, side_of, unit_rates
+from stages.tables.intervals import Side, pair_sides, quantiles, resample_rates, score_interval, side_of, unit_rates
 from stages.tables.order import SKILL, SPLITS, set_key
 from stages.tables.statistics import Interval
 from stages.tables.table3 import BASELINE, RANDOMISED, TRAINED, UNSEEN
@@ -73,7 +73,7 @@ CLAIMS = {
 }
 
 
-def verdict(claim: Claim, low: float, high: float, runs: int) -> str:
+def judge_claim(claim: Claim, low: float, high: float, runs: int) -> str:
     """The verdict on a claim by the interval of its difference; `runs`: `times_trained` of the side that has fewer."""
     if runs < claim.runs:
         return OPEN
@@ -86,14 +86,14 @@ def score_floor(claim: Claim, ours: Sides, theirs: Sides, confidence: float) -> 
     The latter is Newcombe's own way from two intervals to one of a difference.
     """
 
-    def one(name: str) -> tuple[float, Interval]:
+    def bound_one(name: str) -> tuple[float, Interval]:
         units = unit_rates(ours[name]), unit_rates(theirs[name])
         return float(units[0].mean() - units[1].mean()), score_interval(*units, confidence)
 
-    middle, (low, high) = one(claim.plus)
+    middle, (low, high) = bound_one(claim.plus)
     if not claim.minus:
         return Interval(low, high)
-    other, (other_low, other_high) = one(claim.minus)
+    other, (other_low, other_high) = bound_one(claim.minus)
     down, up = np.hypot(middle - low, other_high - other), np.hypot(high - middle, other - other_low)
     return Interval(float(middle - other - down), float(middle - other + up))
 
@@ -114,14 +114,14 @@ def compare(name: str, ours: Sides, theirs: Sides, options: TablesConfig) -> dic
     low = high = float("nan")
     if claim.plus or min(runs) >= claim.runs:
         names = [key for key in ours if not claim.plus or key in (claim.plus, claim.minus)]
-        pairs = resampled([[ours[key], theirs[key]] for key in names], options)
+        pairs = resample_rates([[ours[key], theirs[key]] for key in names], options)
         sides = [claim.measure({key: pair[side] for key, pair in zip(names, pairs, strict=True)}) for side in (0, 1)]
         found = quantiles(sides[0] - sides[1], options)
         floor = score_floor(claim, ours, theirs, options.confidence) if claim.plus else found
         low, high = min(found.low, floor.low), max(found.high, floor.high)
     return {
         "ours": float(ends[0]), "theirs": float(ends[1]), "difference": float(ends[0] - ends[1]), "low": low,
-        "high": high, "runs": runs[0], "baseline_runs": runs[1], "verdict": verdict(claim, low, high, min(runs)),
+        "high": high, "runs": runs[0], "baseline_runs": runs[1], "verdict": judge_claim(claim, low, high, min(runs)),
     }  # fmt: skip
 
 
@@ -132,20 +132,20 @@ def _by_run(side: Side) -> pd.Series:
 
 def _sides(rollouts: pd.DataFrame, ours: str, theirs: str) -> tuple[Sides, Sides]:
     """Both training sets on the twin and on unseen assets, where all their policies were tested."""
-    over, tested = judged_over(rollouts), rollouts["test_asset"]
+    over, tested = find_judged_set(rollouts), rollouts["test_asset"]
     roles = ~tested.isin([BASELINE, TRAINED, *SPLITS])
     rows = {BASELINE: tested == BASELINE, UNSEEN: roles if over == "roles" else tested == over}
     sides: tuple[Sides, Sides] = ({}, {})
     for name, which in rows.items():
         found = rollouts[which]
-        pair = paired(*(side_of(found[found["training_set"] == side]) for side in (ours, theirs)))
+        pair = pair_sides(*(side_of(found[found["training_set"] == side]) for side in (ours, theirs)))
         if not pair[0].empty:
             sides[0][name], sides[1][name] = pair
     return sides
 
 
 def published_cells(published: pd.DataFrame) -> dict[tuple[str, str, str], Rates]:
-    """The paper's rates by target, policy and training set; `published` as `methods.beside_ours` gives them."""
+    """The paper's rates by target, policy and training set; `published` as `methods.join_published` gives them."""
     found: dict[tuple[str, str, str], dict[str, Any]] = {}
     for (*row, name, asset), group in published.groupby(["target", "policy", "training_set", "test_asset"]):
         found.setdefault((str(row[0]), str(row[1]), str(name)), {})[str(asset)] = group["rate"].to_numpy(dtype=float)
@@ -167,7 +167,7 @@ def answer(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfi
 
     Args:
         rollouts: rows of `Rollout`.
-        published: success of the paper's runs beside ours (`methods.beside_ours`), for the same numbers of the paper.
+        published: success of the paper's runs, from `methods.join_published`, for the same numbers of the paper.
     """
     paper, rows = published_cells(published), []
     rollouts = rollouts[rollouts["training_set"] != SKILL]
@@ -186,7 +186,7 @@ def answer(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfi
                 "training_set": most,
                 "baseline": claim.baseline,
             }
-            row["over"] = BASELINE if main == BASELINE else judged_over(mine)
+            row["over"] = BASELINE if main == BASELINE else find_judged_set(mine)
             row["assets"] = ours[main].columns.get_level_values("asset").nunique()
             row |= compare(name, ours, theirs, options)
             known = [paper.get((str(target), str(policy), side)) for side in (most, claim.baseline)]
@@ -198,7 +198,7 @@ def answer(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfi
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def _collapsed(gates: Mapping[str, NDArray[np.float64]]) -> dict[str, int]:
+def _count_collapsed(gates: Mapping[str, NDArray[np.float64]]) -> dict[str, int]:
     """Runs per training set below the share of the best; `gates`: rate of every run on what it should master."""
     best = max((float(rates.max()) for rates in gates.values()), default=0.0)
     return {name: int((rates < COLLAPSED * best).sum()) for name, rates in gates.items()}
@@ -223,9 +223,9 @@ def stability(table: pd.DataFrame, published: pd.DataFrame) -> pd.DataFrame:
             str(name): {str(a): np.asarray(g["success_rate"], dtype=float) for a, g in group.groupby("test_asset")}
             for name, group in mine.groupby("training_set")
         }
-        ours = _collapsed({name: cells[gate] for name, cells in rates.items() if gate in cells})
+        ours = _count_collapsed({name: cells[gate] for name, cells in rates.items() if gate in cells})
         known = {name: cells for (*of, name), cells in paper.items() if of == [target, policy]}
-        theirs = _collapsed({name: cells[BASELINE] for name, cells in known.items()})
+        theirs = _count_collapsed({name: cells[BASELINE] for name, cells in known.items()})
         for name in sorted(rates, key=set_key):
             tested = {asset: cell for asset, cell in rates[name].items() if asset != TRAINED}
             runs = max(len(cell) for cell in rates[name].values())
@@ -236,5 +236,5 @@ def stability(table: pd.DataFrame, published: pd.DataFrame) -> pd.DataFrame:
                 row |= {"published_runs": len(known[name][BASELINE]), "published_collapsed": theirs[name]}
                 row["published_spread"] = float(spread(known[name]))
             rows.append(row)
-    made = pd.DataFrame(rows, columns=STABILITY)
-    return made.astype(dict.fromkeys(["runs", "collapsed", "published_runs", "published_collapsed"], "Int64"))
+    stability = pd.DataFrame(rows, columns=STABILITY)
+    return stability.astype(dict.fromkeys(["runs", "collapsed", "published_runs", "published_collapsed"], "Int64"))

@@ -70,7 +70,7 @@ def make_panels(rollouts: pd.DataFrame, options: PolicyTables) -> Panels | None:
     points = asset_panels.points(rollouts)
     if points.empty:
         return None
-    thirds = asset_panels.thirds(rollouts, options)
+    thirds = asset_panels.tabulate_thirds(rollouts, options)
 
     def draw(panels: Sequence[Axes], row: Row) -> None:
         asset_panels.draw(panels, of_row(points, row), of_row(thirds, row), options.encoder)

@@ -11,7 +11,7 @@ from stages.tables.markup import Table
 from stages.tables.methods import Kinds, kind
 from stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title, title_of
 from stages.tables.rows import records
-from stages.tables.scene_tables import level
+from stages.tables.scene_tables import format_confidence
 from stages.tables.table3 import BASELINE, RANDOMISED
 from stages.tables.text import NOT_RUN, NOTHING, cell, count, interval, number, percent, points
 
@@ -93,11 +93,12 @@ def assets_table(
         rows=[row for group in groups for row in _group(group, sets, kinds or {})],
         headers=2,
         notes=[
-            f"Mean over assets ± sample standard deviation over runs, [{level(options)} interval]. No policy was "
-            "trained on an asset of these families. Intervals: bootstrap over families of assets, their initial states "
-            f"and runs, crossed ({options.bootstrap_samples} resamples, seed {options.seed}), never narrower than a "
-            "score interval with assets as units (Wilson's for rates; Newcombe's, 1998, method 10, for paired "
-            "differences). With one run an interval is about these policies only, not about training again.",
+            f"Mean over assets ± sample standard deviation over runs, [{format_confidence(options)} interval]. No "
+            "policy was trained on an asset of these families. Intervals: bootstrap over families of assets, their "
+            f"initial states and runs, crossed ({options.bootstrap_samples} resamples, seed {options.seed}), never "
+            "narrower than a score interval with assets as units (Wilson's for rates; Newcombe's, 1998, method 10, "
+            "for paired differences). With one run an interval is about these policies only, not about training "
+            "again.",
             "Minus the twin's: what training on more than the twin adds to the same kind of policy. Minus the "
             "randomised twin's: what other assets add to varying the size, friction and mass of one. Minus another "
             "kind: what the kind of policy adds on the same demonstrations. An interval that contains zero does not "
@@ -125,7 +126,7 @@ def by_handle_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         columns=["Policy", "Handle", *(title(name) for name in sets)],
         rows=rows,
         headers=2,
-        notes=[f"n: assets. Intervals ({level(options)}) as in the table over all assets."],
+        notes=[f"n: assets. Intervals ({format_confidence(options)}) as in the table over all assets."],
     )
 
 
@@ -148,13 +149,13 @@ def _sides(claim: str, ours: float, theirs: float) -> str:
     return f"{percent(ours)} against {percent(theirs)}"
 
 
-def _judged_over(row: dict[str, Any]) -> str:
+def _describe_judged(row: dict[str, Any]) -> str:
     if row["over"] == BASELINE:
         return "the twin alone"
     return title_of(row["assets"], "unseen" if row["over"] == "roles" else row["over"])
 
 
-def too_few_runs(row: dict[str, Any]) -> str:
+def count_lacking_runs(row: dict[str, Any]) -> str:
     """How many runs are lacking to judge a claim; empty: none."""
     needed = MIN_SPREAD_RUNS if row["claim"] == "steady" else MIN_RUNS
     few = min(row["runs"], row["baseline_runs"])
@@ -176,10 +177,10 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         if pd.notna(row["published_ours"]):
             sides = _sides(row["claim"], row["published_ours"], row["published_theirs"])
             paper = f"{points(row['published_difference'])}, {sides}"
-        few, sides = too_few_runs(row), _sides(row["claim"], row["ours"], row["theirs"])
+        few, sides = count_lacking_runs(row), _sides(row["claim"], row["ours"], row["theirs"])
         difference = cell(evidence(row), sides + ", of these policies" * bool(few and sides), paper)
         verdict, runs = cell(row["verdict"], few), f"{row['runs']} against {row['baseline_runs']}"
-        rows.append([row_title(row), claim_sentence(row), verdict, difference, _judged_over(row), runs])
+        rows.append([row_title(row), claim_sentence(row), verdict, difference, _describe_judged(row), runs])
     return Table(
         name="table3_claims",
         caption="Claims about policies (the paper's, and cousins against a randomised twin), and what rollouts say.",

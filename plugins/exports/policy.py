@@ -6,7 +6,7 @@ from pathlib import Path
 
 from stages.config.code import cover, source
 from stages.contracts.errors import InputError
-from stages.contracts.files import atomic, write_json
+from stages.contracts.files import write_atomically, write_json
 from stages.contracts.policy_folder import read_config
 from stages.plugins import qualify_module
 from stages.policies import Choice, handle_points
@@ -56,5 +56,5 @@ def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "
     assert code.__file__
     assert handle_points.__file__
     for source_file in (Path(code.__file__).with_name("loader.py"), Path(handle_points.__file__)):
-        with atomic(out / source_file.name) as temporary:
+        with write_atomically(out / source_file.name) as temporary:
             shutil.copyfile(source_file, temporary)

@@ -8,7 +8,7 @@ from plugins.furniture.cabinet_recipe import CabinetRecipe
 from plugins.furniture.front_cells import CellKind, FrontCell, cells
 from plugins.furniture.handles import STYLES
 from plugins.furniture.model import Model, Moving, Part, Parts, Size, part
-from plugins.furniture.panels import Front, control_panel, pulled_panel
+from plugins.furniture.panels import Front, control_panel, make_pulled_panel
 from plugins.furniture.shapes import box, rod
 
 GAP = 0.004  # between neighbouring fronts: siblings collide in PhysX
@@ -61,7 +61,7 @@ def _cabinet(p: CabinetRecipe, size: Size) -> Model:
     for cell in grid:
         parts += _dividers(cell, (x_back, x_body), inner_y, inner_z, board, p)
         if cell.kind in FRONTS:
-            moving.append(_moving(cell, p, x_front, thick, x_back + board, len(moving)))
+            moving.append(_make_moving(cell, p, x_front, thick, x_back + board, len(moving)))
         elif cell.kind == "panel":
             parts += control_panel(_front(cell, x_front, thick), p)
     return Model(parts, moving, placement=p.placement)
@@ -71,22 +71,22 @@ def _front(cell: FrontCell, x: float, thick: float) -> Front:
     return Front(x, (cell.y[0] + GAP / 2, cell.y[1] - GAP / 2), (cell.z[0] + GAP / 2, cell.z[1] - GAP / 2), thick)
 
 
-def _moving(cell: FrontCell, p: CabinetRecipe, x: float, thick: float, x_back: float, number: int) -> Moving:
+def _make_moving(cell: FrontCell, p: CabinetRecipe, x: float, thick: float, x_back: float, number: int) -> Moving:
     front = _front(cell, x, thick)
     handle = STYLES[p.handle].kind
     if cell.kind == "drawer":
-        parts = pulled_panel(front, p, "drawer", 0.0) + _tray(front, x_back, p)
+        parts = make_pulled_panel(front, p, "drawer", 0.0) + _tray(front, x_back, p)
         travel = p.reach * (x - thick - x_back)
         origin = (x - thick, sum(front.y) / 2, sum(front.z) / 2)
         return Moving(f"drawer_{number}", "drawer", parts, origin, (1.0, 0.0, 0.0), travel, handle)
     if cell.kind == "flap":  # the hinge line is the front lower edge, so that the panel clears the carcass
-        parts = pulled_panel(front, p, "flap", 0.0, glass=p.window)
+        parts = make_pulled_panel(front, p, "flap", 0.0, glass=p.window)
         origin = (x, sum(front.y) / 2, front.z[0])
         return Moving(f"door_{number}", "door", parts, origin, (0.0, 1.0, 0.0), np.pi / 2, handle)
     # The rear free corner of a thick door swings beyond its edge, by more if it is stretched: room for it.
     room = max(0.0, SWING * thick**2 / (2 * front.width) - GAP) / 2
     front = front._replace(y=(front.y[0] + room * (cell.hinge > 0), front.y[1] - room * (cell.hinge < 0)))
-    parts = pulled_panel(front, p, "door", -cell.hinge, glass=p.window)
+    parts = make_pulled_panel(front, p, "door", -cell.hinge, glass=p.window)
     edge = front.y[1] if cell.hinge > 0 else front.y[0]
     origin = (x, edge, sum(front.z) / 2)  # front outer edge: the panel never turns into its neighbour
     return Moving(f"door_{number}", "door", parts, origin, (0.0, 0.0, float(cell.hinge)), np.pi / 2, handle)

@@ -33,14 +33,14 @@ def sample(category: str, index: int, seed: int, variations: bool = True) -> Rec
         seed: of the library.
         variations: whether models after the category's founders are variations of them; else each is a founder.
     """
-    sampled, founder = _sampled(category, index, seed, variations)
+    sampled, founder = _sample_indexed(category, index, seed, variations)
     generator = next(name for name, kind in GENERATORS.items() if kind is type(sampled.recipe))
     parameters = {"size": list(sampled.size), **sampled.recipe.parameters()}
     variation_of = None if founder is None else model_name(category, founder)
     return Recipe(generator=generator, parameters=parameters, variation_of=variation_of)
 
 
-def _sampled(category: str, index: int, seed: int, variations: bool = True) -> tuple[Sampled, int | None]:
+def _sample_indexed(category: str, index: int, seed: int, variations: bool = True) -> tuple[Sampled, int | None]:
     """A model of a category, and the number of its founder; None: it is one."""
     record, rng = CATEGORIES[category], _generator(category, index, seed)
     founder = index % record.founders
@@ -59,7 +59,7 @@ def _sampled(category: str, index: int, seed: int, variations: bool = True) -> t
 
 
 @cache
-def opens(category: str) -> tuple[bool, bool]:
+def has_fronts(category: str) -> tuple[bool, bool]:
     """Whether founders of a category have doors (or flaps), and whether they have drawers."""
     record = CATEGORIES.get(category)
     counts = [_fronts(category, k, 0) for k in range(record.founders)] if record else []
@@ -70,7 +70,7 @@ def opens(category: str) -> tuple[bool, bool]:
 def leaves(category: str) -> tuple[int, int]:
     """How many doors on upright hinges, and how many flaps, the founders of a category have."""
     founders = range(CATEGORIES[category].founders if category in CATEGORIES else 0)
-    layouts = [getattr(_sampled(category, index, 0)[0].recipe, "layout", []) for index in founders]
+    layouts = [getattr(_sample_indexed(category, index, 0)[0].recipe, "layout", []) for index in founders]
     cells = [cell for layout in layouts for line in layout for cell in line]
     return cells.count("door"), cells.count("flap")
 
@@ -78,7 +78,7 @@ def leaves(category: str) -> tuple[int, int]:
 @cache
 def _fronts(category: str, index: int, seed: int) -> tuple[int, int]:
     """Doors (and flaps) and drawers of a model."""
-    return _sampled(category, index, seed)[0].recipe.fronts
+    return _sample_indexed(category, index, seed)[0].recipe.fronts
 
 
 def _generator(category: str, index: int, seed: int) -> np.random.Generator:

@@ -2,7 +2,7 @@
 
 import json
 
-from plugins.furniture.catalogue import CATEGORIES, leaves, opens, sample
+from plugins.furniture.catalogue import CATEGORIES, has_fronts, leaves, sample
 from plugins.furniture.category import Category
 from plugins.furniture.real_sizes import REAL_SIZES
 from stages.config import categories as counts
@@ -47,7 +47,7 @@ def categories_text() -> str:
 
 def counts_text() -> str:
     """The file of `stages.config.categories`: models in the default library, and what they open."""
-    lines = [f'"{name}": {json.dumps([record.count, *opens(name)])}' for name, record in CATEGORIES.items()]
+    lines = [f'"{name}": {json.dumps([record.count, *has_fronts(name)])}' for name, record in CATEGORIES.items()]
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 

@@ -36,21 +36,21 @@ def vary_founder(category: Category, founder: Sampled, generation: int, rng: Rng
     fronts of their category, or with one cell more or less than it."""
     recipe, far = founder.recipe, generation % 2 == 0
     assert isinstance(recipe, Cabinet)
-    changes: dict[str, Any] = _looks(category, rng)
+    changes: dict[str, Any] = _sample_looks(category, rng)
     # Wider and lower, or narrower and higher: a relative does not fit into its founder's box unchanged.
     spread = 0.22 if far else 0.14
     wider = float(rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.0))
     factors = rng.uniform(-1.0, 1.0), wider, -wider * rng.uniform(0.5, 1.0)
     x, y, z = (extent * math.exp(spread * factor) for extent, factor in zip(founder.size, factors, strict=True))
-    changes["handle_length"] = _between(recipe.handle_length * rng.uniform(0.7, 1.5), 0.1, 0.6)
-    changes["handle_at"] = _between(recipe.handle_at + rng.uniform(-0.25, 0.25), -1.0, 1.0)
-    changes["drawer_weight"] = _between(recipe.drawer_weight * rng.uniform(0.8, 1.3), 0.15, 0.6)
+    changes["handle_length"] = _clip_value(recipe.handle_length * rng.uniform(0.7, 1.5), 0.1, 0.6)
+    changes["handle_at"] = _clip_value(recipe.handle_at + rng.uniform(-0.25, 0.25), -1.0, 1.0)
+    changes["drawer_weight"] = _clip_value(recipe.drawer_weight * rng.uniform(0.8, 1.3), 0.15, 0.6)
     if far:
         handle = str(rng.choice(HANDLES, p=HANDLE_SHARES))
         changes |= {"handle": handle, "protrusion": STYLES[handle].protrusion, "hinge": int(rng.choice([-1, 1]))}  # type: ignore[index]
         changes["handle_at"] = uniform(rng, -0.9, 0.9)
         if category.fronts and recipe.column_weights is None:
-            fronts = list(category.fronts) if any_fronts else _resized(recipe)
+            fronts = list(category.fronts) if any_fronts else _change_cells(recipe)
             major, layout = fronts[int(rng.integers(len(fronts)))]
             across, up = _grid(recipe.major, recipe.layout)
             new_across, new_up = _grid(major, layout)
@@ -62,7 +62,7 @@ def vary_founder(category: Category, founder: Sampled, generation: int, rng: Rng
     return Sampled(round_size(x, y, z), recipe.change_parameters(**changes))
 
 
-def _looks(category: Category, rng: Rng) -> dict[str, Any]:
+def _sample_looks(category: Category, rng: Rng) -> dict[str, Any]:
     """Colours, and where it is no appliance the style of the panels."""
     front = pick(rng, APPLIANCE) if category.appliance else pick(rng, PAINTS, WOODS)
     body = shade(front, 0.82) if rng.random() < 0.6 or category.appliance else pick(rng, PAINTS, WOODS)
@@ -73,7 +73,7 @@ def _looks(category: Category, rng: Rng) -> dict[str, Any]:
     return looks | {"field_colour": shade(front, float(rng.choice([0.72, 0.85, 1.2]))), "panel": panel}
 
 
-def _resized(recipe: Cabinet) -> list[Fronts]:
+def _change_cells(recipe: Cabinet) -> list[Fronts]:
     """The recipe's fronts with one cell more or less in one of its lines."""
     found: list[Fronts] = []
     for k, line in enumerate(recipe.layout):
@@ -90,5 +90,5 @@ def _grid(major: str, layout: list[Any]) -> tuple[int, int]:
     return (len(layout), longest) if major == "columns" else (longest, len(layout))
 
 
-def _between(value: float, low: float, high: float) -> float:
+def _clip_value(value: float, low: float, high: float) -> float:
     return round(float(min(max(value, low), high)), 3)

@@ -66,7 +66,7 @@ def generate(recipe: Recipe, size: Size | None = None) -> Model:
     parameters = {key: value for key, value in recipe.parameters.items() if key != "size"}
     where = f"recipe of a {recipe.generator}"
     try:
-        return _made(GENERATORS[recipe.generator].model_validate(parameters), wanted)
+        return _generate_model(GENERATORS[recipe.generator].model_validate(parameters), wanted)
     except ValidationError as error:
         raise InputError(where, f"parameter {first_error(error)}.", code="E-RECIPE-PARAMETER") from None
     except (ValueError, IndexError, ArithmeticError, QhullError) as error:
@@ -88,12 +88,12 @@ def _size(recipe: Recipe, size: Size | None) -> Size:
     return (x, y, z)
 
 
-def _made(generator: Generator, wanted: Size) -> Model:
+def _generate_model(generator: Generator, wanted: Size) -> Model:
     """The model at a size; where its boards do not fit in, that of a size where they do, scaled."""
     for room in ROOM:
         x, y, z = np.maximum(wanted, room).tolist()
         try:
-            model = _fitted(generator, (x, y, z))
+            model = _fit_recipe(generator, (x, y, z))
         except (ValueError, IndexError, ArithmeticError, QhullError):
             if room == ROOM[-1]:
                 raise
@@ -109,7 +109,7 @@ def _is_sound(model: Model) -> bool:
     return solids and all(moving.upper > 0 for moving in model.moving)
 
 
-def _fitted(generator: Generator, wanted: Size) -> Model:
+def _fit_recipe(generator: Generator, wanted: Size) -> Model:
     aim = wanted
     for _ in range(3):  # generators miss the asked size by little (leaning legs...): aim again before scaling
         model = generator.build(aim)

@@ -92,11 +92,11 @@ def move_model(model: Model, by: Sequence[float], suffix: str = "", turn: float 
     rotation = np.eye(3)
     rotation[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
 
-    def on_joint(moving: Moving) -> Moving:
+    def move_joint(moving: Moving) -> Moving:
         a, b, c = (rotation @ moving.axis).tolist()
         return replace(moving, name=f"{moving.name}{suffix}", axis=(a, b, c))
 
-    return _mapped(model, lambda points: points @ rotation.T + np.asarray(by), on_joint)
+    return _map_points(model, lambda points: points @ rotation.T + np.asarray(by), move_joint)
 
 
 def bounds(model: Model) -> Array:
@@ -115,14 +115,14 @@ def fit_model(model: Model, size: Size) -> Model:
     if np.abs(scale - 1.0).max() < ROUNDING and np.abs(shift).max() < ROUNDING:
         return model
 
-    def on_joint(moving: Moving) -> Moving:
+    def stretch_joint(moving: Moving) -> Moving:
         stretch = float(np.abs(np.array(moving.axis)) @ scale) if moving.role == "drawer" else 1.0
         return replace(moving, upper=moving.upper * stretch)
 
-    return _mapped(model, lambda points: points * scale + shift, on_joint)
+    return _map_points(model, lambda points: points * scale + shift, stretch_joint)
 
 
-def _mapped(model: Model, at: Callable[[Array], Array], on_joint: Callable[[Moving], Moving]) -> Model:
+def _map_points(model: Model, at: Callable[[Array], Array], on_joint: Callable[[Moving], Moving]) -> Model:
     """The model with all points (N, 3) where `at` puts them, and what else changes of its joints."""
 
     def mesh(old: Trimesh) -> Trimesh:

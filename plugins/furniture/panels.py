@@ -54,7 +54,7 @@ def panel_parts(front: Front, style: str, colour: Surface, second: Surface, dens
     return [core, *[part(mesh, colour, density) for mesh in planks]]
 
 
-def pulled_panel(front: Front, p: CabinetRecipe, kind: str, free_side: float, glass: bool = False) -> list[Part]:
+def make_pulled_panel(front: Front, p: CabinetRecipe, kind: str, free_side: float, glass: bool = False) -> list[Part]:
     """A panel with its handle.
 
     Args:

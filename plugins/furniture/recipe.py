@@ -16,12 +16,12 @@ from stages.plugins import refuse_old_names
 Rng = np.random.Generator
 
 
-def _known(surface: str | list[float]) -> str | list[float]:
+def _check_surface(surface: str | list[float]) -> str | list[float]:
     finish_of(surface)
     return surface
 
 
-Coating = Annotated[str | list[float], AfterValidator(_known)]  # a material in a colour: see `finishes`
+Coating = Annotated[str | list[float], AfterValidator(_check_surface)]  # a material in a colour: see `finishes`
 
 
 class Generator(BaseModel):

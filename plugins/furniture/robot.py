@@ -26,7 +26,7 @@ def _link(name: str, parts: list[Part], origin: Matrix) -> Link:
     mass, center, inertia = mass_properties(parts)
     visuals = [_visual(part, origin, number) for number, part in enumerate(parts)]
     pieces = [
-        visual.mesh if piece is part.mesh else _shifted(piece, origin)
+        visual.mesh if piece is part.mesh else _shift_mesh(piece, origin)
         for part, visual in zip(parts, visuals, strict=True)
         for piece in part.pieces
     ]
@@ -38,7 +38,7 @@ def _visual(part: Part, origin: Matrix, number: int) -> Visual:
     slim = np.sort(part.mesh.extents)[1] < SLIM
     start = (number * GOLDEN % 1, number * GOLDEN**2 % 1)
     texture = None if slim else texture_of(part.finish)
-    return Visual(_shifted(part.mesh, origin), (*part.colour, 1.0), not part.smooth, texture, start)
+    return Visual(_shift_mesh(part.mesh, origin), (*part.colour, 1.0), not part.smooth, texture, start)
 
 
 def _joint(moving: Moving) -> JointModel:
@@ -58,7 +58,7 @@ def _joint(moving: Moving) -> JointModel:
     )
 
 
-def _shifted(mesh: Trimesh, origin: Matrix) -> Trimesh:
+def _shift_mesh(mesh: Trimesh, origin: Matrix) -> Trimesh:
     """The mesh seen from `origin`."""
     return Trimesh(mesh.vertices - origin, mesh.faces, process=False) if origin.any() else mesh
 

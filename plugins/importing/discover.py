@@ -13,7 +13,7 @@ from plugins.importing.mjcf_file import root_tag
 from plugins.importing.sandbox import run_in_fork
 from stages.contracts.categories import category_in, known_categories
 from stages.contracts.category import by_joined_name, split_words
-from stages.contracts.errors import InputError, plain
+from stages.contracts.errors import InputError, escape_control
 from stages.contracts.files import MAX_TEXT
 
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
@@ -52,17 +52,17 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
     """
     found, lines = json.loads(run_in_fork(folder, lambda: json.dumps(_discover(folder, kinds), default=str)))
     for line in lines:
-        print(plain(line), file=sys.stderr)
+        print(escape_control(line), file=sys.stderr)
     return [Found(Path(path), Path(within), category, name) for path, within, category, name in found]
 
 
 def _discover(folder: Path, kinds: Sequence[str]) -> tuple[list[Found], list[str]]:
-    """The models, and what is said of what is none, in lines."""
+    """The models, and a line for each thing that is not one."""
     if numbered := find_numbered_model(folder):
         return [partnet(numbered)], []
     unused = {path: why for path in sorted(folder.rglob("*")) if (why := explain_unusable(path, folder, kinds))}
     lines = [f"left out: {path.relative_to(folder)}: {why}" for path, why in unused.items()]
-    found = _below(folder, folder, kinds)
+    found = _find_models_below(folder, folder, kinds)
     models = [one for one in found if not is_part(one.path, folder)]
     if any(one.path.suffix.lower() not in WHOLE for one in models):
         named = find_named_meshes(folder)
@@ -98,7 +98,7 @@ def explain_unusable(path: Path, folder: Path, kinds: Sequence[str]) -> str | No
     return None
 
 
-def _usable(here: Path, folder: Path, kinds: Sequence[str]) -> list[Path]:
+def _list_usable(here: Path, folder: Path, kinds: Sequence[str]) -> list[Path]:
     """What lies in a folder and is looked at, sorted."""
     return [child for child in sorted(here.iterdir()) if explain_unusable(child, folder, kinds) is None]
 
@@ -118,10 +118,10 @@ def partnet(path: Path) -> Found:
     return Found(path, folder, read_category(folder, folder) or folder.resolve().parent.name, folder.resolve().name)
 
 
-def _below(here: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
+def _find_models_below(here: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
     """The models of a folder, or of one in it that says nothing; some may be parts of others."""
     found: list[Found] = []
-    for child in _usable(here, folder, kinds):
+    for child in _list_usable(here, folder, kinds):
         if is_model(child, folder, kinds):
             found.append(describe_single_file(child, folder))
         elif not child.is_dir():
@@ -129,18 +129,18 @@ def _below(here: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
         elif numbered := find_numbered_model(child):
             found.append(Found(numbered, folder, read_category(child, folder) or here.name, child.name))
         elif is_common(child.name):
-            found += _below(child, folder, kinds)
+            found += _find_models_below(child, folder, kinds)
         else:
-            found += _sorted_in(child, folder, kinds)
+            found += _find_in_category(child, folder, kinds)
     return found
 
 
-def _sorted_in(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
+def _find_in_category(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
     """The models of a category's folder. If its name is none of ours, but that of a model in it is, it holds various
     things: each is then of the category that its own name says."""
     shared, own = category_in(child.name), strip_name(child.name)
     found: list[Found] = []
-    for inner in _usable(child, folder, kinds):
+    for inner in _list_usable(child, folder, kinds):
         if is_model(inner, folder, kinds):
             found.append(Found(inner, folder, shared or category_in(inner.stem) or own, inner.stem))
         elif inner.is_dir() and (numbered := find_numbered_model(inner)):
@@ -181,7 +181,7 @@ def find_named_meshes(folder: Path) -> set[Path]:
 
 
 def _text(path: Path, folder: Path) -> bytes:
-    """What is in a file of text; nothing if it cannot be read, which is said when it is imported."""
+    """What is in a file of text; nothing if it cannot be read: the import reports it."""
     try:
         return read_inside(path, folder, MAX_TEXT)
     except InputError:

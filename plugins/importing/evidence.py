@@ -9,11 +9,11 @@ import numpy as np
 from plugins.importing.fronts import align_to_axes, front_direction
 from plugins.importing.hinges import Hinge, Slide, find_hinges, find_slides
 from plugins.importing.importers import Axis, Importer
-from plugins.importing.imports import in_file, turn_to_axes, usual_front
+from plugins.importing.imports import guess_front, in_file, turn_to_axes
 from plugins.importing.upright import CLEAR, FITS, FOOT, UPS, Up, choose_up, number, weigh_hinges, weigh_slides
 from stages.articulated.forward_kinematics import measure_closed_box
 from stages.articulated.model import Matrix, RobotModel
-from stages.contracts.categories import usual_size
+from stages.contracts.categories import find_usual_size
 from stages.contracts.files import Contract
 
 T = TypeVar("T")
@@ -45,7 +45,7 @@ class Evidence(Contract):
     foot: Axis | None = None
     fronts: dict[Axis, Axis] = {}
 
-    def up(self, category: str, agreed: Axis | None = None, sure: bool = False) -> Up:
+    def find_up(self, category: str, agreed: Axis | None = None, sure: bool = False) -> Up:
         """The direction up, if such files agree on one: all but exceptions (`sure`), or many of them.
 
         A direction outside of `UPS`, from a user's own importer, stays: there is no evidence about it.
@@ -62,13 +62,13 @@ class Evidence(Contract):
 
     def unit(self, category: str, up: Axis) -> float | None:
         """Metres per unit that give the model its category's usual size; None: no unit does, or no size is known."""
-        sizes, size = usual_size(category), self.order_extents(up)
+        sizes, size = find_usual_size(category), self.order_extents(up)
         return next((unit for unit in UNITS if sizes is not None and sizes.misfit(size * unit) == 0), None)
 
-    def likeliest_unit(self, category: str, up: Axis) -> float:
+    def find_unit(self, category: str, up: Axis) -> float:
         """Metres per unit of a model that would be absurd in metres: the unit that brings it nearest to its
         category's usual size, else a millimetre."""
-        sizes, size = usual_size(category), self.order_extents(up)
+        sizes, size = find_usual_size(category), self.order_extents(up)
         return min(SMALLER, key=lambda unit: sizes.misfit(size * unit) if sizes else 0.0)
 
     def order_extents(self, up: Axis) -> Matrix:
@@ -84,8 +84,8 @@ def collect_evidence(robot: RobotModel) -> Evidence:
     grounded = [up for up in UPS if abs(box[0, number(up)]) < ORIGIN * extents[number(up)]]
     fronts: dict[Axis, Axis] = {}
     for up in UPS:
-        if (facing := front_direction(align_to_axes(turn_to_axes(robot, up, usual_front(up)))[0])) is not None:
-            fronts[up] = in_file(facing[0], usual_front(up), up)
+        if (facing := front_direction(align_to_axes(turn_to_axes(robot, up, guess_front(up)))[0])) is not None:
+            fronts[up] = in_file(facing[0], guess_front(up), up)
     return Evidence(
         extents=tuple(extents.tolist()),
         hinges=tuple(find_hinges(robot)),
@@ -112,7 +112,7 @@ def find_shared_facts(
         groups.setdefault(model.kind, []).append(model)
     common, words = {}, {}
     for kind, group in sorted(groups.items()):
-        directions = [one.evidence.up(one.category) for one in group]
+        directions = [one.evidence.find_up(one.category) for one in group]
         ups = [direction.axis for direction in directions if direction.ahead >= CLEAR]
         up = _find_majority(ups)
         by_up = up or kinds[kind].up

@@ -15,14 +15,14 @@ from plugins.importing.discover import NUMBERED, Found
 from plugins.importing.evidence import UNITS, Evidence, Shared, collect_evidence
 from plugins.importing.importers import Importer
 from plugins.importing.importers.urdf import IMPORTER as URDF
-from plugins.importing.imports import ModelFile, Notes, import_file, in_one_line, usual_front, with_notes
+from plugins.importing.imports import ModelFile, Notes, guess_front, import_file, in_one_line, with_notes
 from plugins.importing.sandbox import run_in_fork
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import RobotModel
 from stages.articulated.urdf_writer import write_urdf
-from stages.contracts.categories import known_categories, usual_size
+from stages.contracts.categories import find_usual_size, known_categories
 from stages.contracts.category import describe_unusual
-from stages.contracts.errors import InputError, plain
+from stages.contracts.errors import InputError, escape_control
 from stages.contracts.files import Contract, read_json, write_json
 from stages.contracts.library import Asset, Joint
 from stages.contracts.types import LARGEST
@@ -66,9 +66,9 @@ class Examined:
     def text(self) -> str:
         """All of it, in lines."""
         if self.asset is None:
-            return plain(f"{self.source}: not used: {self.doubts[-1]}")
+            return escape_control(f"{self.source}: not used: {self.doubts[-1]}")
         lines = [f"{self.source}: {'; '.join(self.facts())}", *self.joints(), *(f"? {doubt}" for doubt in self.doubts)]
-        return plain("\n  ".join(lines))
+        return escape_control("\n  ".join(lines))
 
 
 class Read(Contract):
@@ -85,13 +85,13 @@ def read(found: Found, importer: Importer, place: Path) -> Read:
         InputError: it cannot be used.
     """
 
-    def work() -> str:
+    def examine_all() -> str:
         with in_one_line(found.path):
             robot = with_notes(found, importer).importer.read(found.path, found.folder)
             write_model(robot, place)
             return Read(remarks=robot.remarks, evidence=collect_evidence(robot)).model_dump_json()
 
-    return Read.model_validate_json(run_in_fork(found.path, work))
+    return Read.model_validate_json(run_in_fork(found.path, examine_all))
 
 
 def examine_model(
@@ -118,10 +118,10 @@ def examine_model(
     named = found if category is None else found._replace(category=category)
     try:
         answer = run_in_fork(
-            found.path, lambda: kind.dump_json(_examined(named, importer, place, work, tells, shared)).decode()
+            found.path, lambda: kind.dump_json(_examine_model(named, importer, place, work, tells, shared)).decode()
         )
     except InputError as error:
-        return Examined(found.path, place, doubts=[str(error).removeprefix(plain(f"{found.path}: "))])
+        return Examined(found.path, place, doubts=[str(error).removeprefix(escape_control(f"{found.path}: "))])
     model = kind.validate_json(answer)
     asset = model.asset
     twin = next((other for other in before if asset and other.asset and other.asset.checksum == asset.checksum), None)
@@ -132,7 +132,9 @@ def examine_model(
     return model
 
 
-def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: Evidence, shared: Shared) -> Examined:
+def _examine_model(
+    found: Found, importer: Importer, place: Path, work: Path, tells: Evidence, shared: Shared
+) -> Examined:
     model, written = Examined(found.path, place), place / "model.urdf"
     try:
         with in_one_line(found.path):
@@ -148,7 +150,9 @@ def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: 
             asset, doubts = import_file(with_notes(as_written, URDF), work)
             model.doubts += doubts
     except InputError as error:
-        model.doubts.append(str(error).removeprefix(plain(f"{found.path}: ")).removeprefix(plain(f"{written}: ")))
+        model.doubts.append(
+            str(error).removeprefix(escape_control(f"{found.path}: ")).removeprefix(escape_control(f"{written}: "))
+        )
         return model
     model.asset = asset
     if odd := describe_unusual(known_categories().get(asset.category), asset.size):
@@ -162,13 +166,13 @@ def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[No
     """The notes beside a model, completed: by what the folder's models share, else by the model's own evidence, else
     by what such files usually are. The second value has a line for everything unusual."""
     notes, kind, lines = file.notes, f"most {file.path.suffix.lower()} here", list[str]()
-    agreed, evidence = file.importer.up, tells.up(file.category, file.importer.up, file.importer.has_up)
+    agreed, evidence = file.importer.up, tells.find_up(file.category, file.importer.up, file.importer.has_up)
     up = notes.up or shared.up or evidence.axis
     if notes.up is None and (up != agreed or (shared.up and not file.importer.has_up)):
         lines.append(f"up {up} {f'as {kind}' if shared.up else f'by its {evidence.because}'}")
     elif notes.up is None and evidence.doubt:
         lines.append(f"up {up} as such files have it, though {evidence.doubt}")
-    scale, sizes = notes.scale, usual_size(file.category)
+    scale, sizes = notes.scale, find_usual_size(file.category)
     if "scale" not in notes.model_fields_set:
         if file.path.name in NUMBERED and sizes and sizes.misfit(tells.order_extents(up)):
             scale = sizes.factor(tells.order_extents(up))
@@ -178,7 +182,7 @@ def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[No
             by, largest = f"as {kind}" if shared.unit else "by its size", max(tells.extents)
             if scale * largest > LARGEST:
                 by = f"as it would be {scale * largest:.3g} m else"
-                scale = tells.likeliest_unit(file.category, up)
+                scale = tells.find_unit(file.category, up)
             if scale != 1.0:
                 lines.append(f"in {UNITS.get(scale, f'units of {scale:g} m')} {by}")
     front, opens = notes.front, tells.fronts.get(up)
@@ -189,7 +193,7 @@ def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[No
         front = shared.front
         lines.append(f"front {front} as {kind}")
     elif front is None:
-        front = usual_front(up)
+        front = guess_front(up)
         lines.append("front assumed")
     words = {
         "category": file.category,
@@ -202,7 +206,7 @@ def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[No
 
 
 def write_model(robot: RobotModel, place: Path) -> None:
-    """Write the model in its file's own frame and unit, beside notes that are there; masses that nobody told are left
+    """Write the model in its file's own frame and unit, beside notes that are there; masses that nobody stated are left
     out."""
     with atomic_folder(place) as folder:
         write_urdf(robot, folder)

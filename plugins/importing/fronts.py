@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plugins.importing.hinges import ALONG, LEAST_OUT, LEAST_TURN, THIN, list_carried_links, on_something_narrower
+from plugins.importing.hinges import ALONG, LEAST_OUT, LEAST_TURN, THIN, list_carried_links, slides_from_narrower
 from stages.articulated.attributes import list_moved_links, merge_visuals
 from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box, visual_bounds
 from stages.articulated.model import JointModel, Matrix, RobotModel
@@ -51,7 +51,7 @@ def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
     None: no joint tells.
     """
     votes: dict[tuple[float, ...], list[float]] = {}
-    for front in _fronts(_shortened(robot)).values():
+    for front in _fronts(_shorten_slides(robot)).values():
         if isinstance(front, Front):
             votes.setdefault(tuple(front.outward.tolist()), []).append(front.area)
     if not votes:
@@ -66,7 +66,7 @@ def _fronts(robot: RobotModel) -> dict[str, Front | str]:
     return {joint.name: _front(robot, joint, frames) for joint in robot.joints if joint.type != "fixed"}
 
 
-def _shortened(robot: RobotModel) -> RobotModel:
+def _shorten_slides(robot: RobotModel) -> RobotModel:
     """The model with slides that go no farther than all of it is deep, closed: a drawer stays in its body."""
     frames, depths = link_frames(robot), np.ptp(measure_closed_box(robot), axis=0)
     joints = list(robot.joints)
@@ -101,7 +101,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> F
             reach, depth = joint.upper - joint.lower, np.ptp(around @ outward)
             if front + reach - body < LEAST_OUT * reach or body - front > BEHIND * depth:
                 return "slides along what it is in"
-        if on_something_narrower(robot, joint, frames):
+        if slides_from_narrower(robot, joint, frames):
             return "slides on something narrower than itself"
     else:
         way = int(np.argmin(extents[:2]))
@@ -116,7 +116,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> F
     width, height = extents[1 - way], extents[2]
     if min(width, height) < SHORTEST:
         return "moves no front of some size"
-    if (angle := _askew(robot, links, frames, outward)) > ASKEW:
+    if (angle := _measure_skew(robot, links, frames, outward)) > ASKEW:
         return f"stands {np.rad2deg(angle):.0f} degrees askew"
     return Front(outward, float(width * height))
 
@@ -128,7 +128,7 @@ def _box(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> 
     return np.array([np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))]) if corners else None
 
 
-def _askew(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix], outward: Matrix) -> float:
+def _measure_skew(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix], outward: Matrix) -> float:
     """Angle in radians between a direction and the median normal, by area, of the front of some links."""
     looks = merge_visuals(robot, links, frames)
     if looks is None:
@@ -153,7 +153,7 @@ def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     joints: list[JointModel] = []
     fixed: dict[str, list[str]] = {}
     lines: list[str] = []
-    short = _shortened(robot)
+    short = _shorten_slides(robot)
     fronts = _fronts(short)
     for before, joint in zip(robot.joints, short.joints, strict=True):
         front = fronts.get(joint.name)

@@ -82,13 +82,13 @@ def find_slides(robot: RobotModel) -> list[Slide]:
         if not len(moving) or not len(body) or np.delete(np.ptp(moving, axis=0), along).min() < SMALL * largest:
             continue
         ahead = (moving @ axis).max() - (body @ axis).max()
-        lift = on_something_narrower(robot, joint, frames)
+        lift = slides_from_narrower(robot, joint, frames)
         if ahead > 0 if lift else ahead + reach > LEAST_OUT * reach:
             found.append(Slide(along, not lift))
     return found
 
 
-def on_something_narrower(robot: RobotModel, joint: JointModel, frames: Mapping[str, Matrix]) -> bool:
+def slides_from_narrower(robot: RobotModel, joint: JointModel, frames: Mapping[str, Matrix]) -> bool:
     """Whether what slides comes from something narrower than itself: a seat on its gas lift, no drawer in its body."""
     axis = frames[joint.child][:3, :3] @ joint.axis
     moving = seen_points(robot, list_carried_links(joint, robot.joints), frames)

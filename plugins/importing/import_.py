@@ -22,10 +22,10 @@ from plugins.importing.import_page import write_page
 from plugins.importing.imports import IMPORTERS, by_suffix, in_one_line, snake_case
 from plugins.importing.pack import complete_pack, read_pack, write_pack
 from plugins.importing.portrait import Portraits
-from plugins.importing.reach import out_of_reach
+from plugins.importing.reach import list_unreachable
 from stages.assets.snapshots import Look
 from stages.cli import progress
-from stages.contracts.errors import InputError, plain
+from stages.contracts.errors import InputError, escape_control
 
 FOREIGN = (
     ".3ds", ".blend", ".fbx", ".kinbody.xml", ".sdf", ".skp", ".usd", ".usda", ".usdc", ".usdz", ".wrl", ".xacro",
@@ -52,7 +52,7 @@ def run(folder: Path, /, *, out: Path) -> None:
         try:
             read_models[one.path] = read(one, kinds[one.path.suffix.lower()], where[one.path])
         except InputError as error:
-            line = str(error).removeprefix(plain(f"{one.path}: "))
+            line = str(error).removeprefix(escape_control(f"{one.path}: "))
             models[one.path] = Examined(one.path, where[one.path], doubts=[line])
             print(models[one.path].text(), flush=True)
     left = [one for one in found if one.path in read_models]
@@ -74,22 +74,26 @@ def run(folder: Path, /, *, out: Path) -> None:
                     with in_one_line(one.path):
                         look.check(work / model.asset.id, one.path)
                         model.picture = portraits.take(work / model.asset.id)
-                        model.doubts += out_of_reach(work / model.asset.id)
+                        model.doubts += list_unreachable(work / model.asset.id)
                 except InputError as error:
                     model.asset = None
-                    model.doubts.append(str(error).removeprefix(plain(f"{one.path}: ")))
+                    model.doubts.append(str(error).removeprefix(escape_control(f"{one.path}: ")))
             models[one.path] = model
             print(model.text(), flush=True)
     write_page(out / PAGE, folder, list(models.values()), pack, words)
-    for line in left_behind(out, set(where.values())):
+    for line in describe_left_behind(out, set(where.values())):
         print(line)
     taken = sum(model.asset is not None for model in models.values())
-    print(plain(f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}"))
+    print(
+        escape_control(
+            f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}"
+        )
+    )
     if not taken:
         raise InputError(folder, "none of its models can be used.", "see above", code="E-MODELS-UNUSABLE")
 
 
-def left_behind(out: Path, now: Collection[Path]) -> Iterator[str]:
+def describe_left_behind(out: Path, now: Collection[Path]) -> Iterator[str]:
     """What lies in `out` of models that are no longer imported, and would be used: a line if there is any.
 
     Args:
@@ -98,7 +102,9 @@ def left_behind(out: Path, now: Collection[Path]) -> Iterator[str]:
     old = sorted(path.parent for path in out.glob("*/*/asset.json") if path.parent not in now)
     if old:
         names = ", ".join(path.relative_to(out).as_posix() for path in old)
-        yield plain(f"{out}: still has models that are gone from the source, and they are used: delete {names}")
+        yield escape_control(
+            f"{out}: still has models that are gone from the source, and they are used: delete {names}"
+        )
 
 
 def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
@@ -125,8 +131,8 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
             "--out", f"{out} and {given} lie in one another.", "give a folder beside it", code="E-OUT-INSIDE"
         )
     if found := discover(given, kinds):
-        if left_out := unread(given):
-            print(plain(f"{given}: {left_out}"), file=sys.stderr)
+        if left_out := describe_unread(given):
+            print(escape_control(f"{given}: {left_out}"), file=sys.stderr)
         return found
     parts = [path for path in given.rglob("*") if is_model(path, given, kinds)]
     if parts:
@@ -135,10 +141,12 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
             given, what, "give the folder or the file of the model that they are part of", code="E-MODELS-NONE"
         )
     fix = "see docs/your-models.md for the layout"
-    raise InputError(given, f"holds no models ({', '.join(kinds)}).", unread(given) or fix, code="E-MODELS-NONE")
+    raise InputError(
+        given, f"holds no models ({', '.join(kinds)}).", describe_unread(given) or fix, code="E-MODELS-NONE"
+    )
 
 
-def unread(folder: Path) -> str:
+def describe_unread(folder: Path) -> str:
     """How many models there are of kinds that are not read, and what to do; empty: none."""
     ends = (next((end for end in FOREIGN if path.name.lower().endswith(end)), None) for path in folder.rglob("*"))
     found = Counter(end for end in ends if end)

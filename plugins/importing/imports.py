@@ -32,7 +32,7 @@ from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_tree import FLAT
 from stages.assets.snapshots import Look
 from stages.cli import progress
-from stages.contracts.errors import InputError, plain
+from stages.contracts.errors import InputError, escape_control
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Placement, Symmetry
 from stages.contracts.types import LARGEST, Mass
@@ -98,7 +98,7 @@ def named_models(folders: Sequence[Path], kinds: dict[str, Importer], taken: Ite
 def _name(found: Found, kinds: dict[str, Importer]) -> str:
     try:
         return with_notes(found, kinds[found.path.suffix.lower()]).id
-    except InputError:  # said when it is imported
+    except InputError:  # the import reports it
         return snake_case(f"{found.category}_{found.name}")
 
 
@@ -117,7 +117,7 @@ def import_models(models: dict[str, Found], kinds: dict[str, Importer], folder: 
             shutil.rmtree(folder / name, ignore_errors=True)
             continue
         for doubt in doubts:
-            print(plain(f"{found.path}: {doubt}"))
+            print(escape_control(f"{found.path}: {doubt}"))
     return assets, left_out
 
 
@@ -156,10 +156,10 @@ def with_notes(found: Found, importer: Importer) -> ModelFile:
         InputError: the notes are broken, or one of the two is a link out of the user's folder, or no file.
     """
     check_inside(found.path, found.folder)
-    beside, notes = found.path.parent / "asset.json", Notes()
-    if beside.exists():
-        check_inside(beside, found.folder)
-        notes = read_json(Notes, beside)
+    path, notes = found.path.parent / "asset.json", Notes()
+    if path.exists():
+        check_inside(path, found.folder)
+        notes = read_json(Notes, path)
     category = snake_case(notes.category or found.category)
     return ModelFile(found.path, found.folder, notes, category, snake_case(f"{category}_{found.name}"), importer)
 
@@ -225,10 +225,10 @@ def snake_case(text: str) -> str:
 
 
 def turn_upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:
-    """The model with z up, its front towards +x, in metres; and a line if it was turned without being told."""
+    """The model with z up, its front towards +x, in metres; and a line if it was turned though nobody asked."""
     notes, lines = file.notes, []
     up = notes.up or file.importer.up
-    front = notes.front or usual_front(up)
+    front = notes.front or guess_front(up)
     if front[1] == up[1]:
         what = f"front {front} and up {up} lie along one line."
         raise InputError(file.notes_path, what, "give two different axes", code="E-MODEL-AXES")
@@ -245,7 +245,7 @@ def turn_upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[s
     return robot, lines
 
 
-def usual_front(up: Axis) -> Axis:
+def guess_front(up: Axis) -> Axis:
     """The axis of a file that most models face, where `up` is up."""
     return "+z" if up == "+y" else "+y" if up[1] == "x" else "+x"
 

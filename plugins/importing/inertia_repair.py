@@ -30,8 +30,8 @@ def repair_inertias(robot: RobotModel) -> tuple[RobotModel, list[str]]:
             lines.append(
                 f"what '{joint.name}' moves weighs {given:.3g} kg in its file: taken for boards, {expected:.2g} kg"
             )
-            links |= {name: _weighing(link, boards[name]) for name, link in moving.items()}
-    impossible = [name for name, link in links.items() if _impossible(link)]
+            links |= {name: _set_mass(link, boards[name]) for name, link in moving.items()}
+    impossible = [name for name, link in links.items() if _is_impossible(link)]
     for name in impossible:
         links[name] = replace(links[name], inertia=box_inertia(links[name].collisions, links[name].mass))
     if impossible:
@@ -58,11 +58,11 @@ def _boards(link: Link) -> float:
     return board_mass(link.collisions, link.visuals)
 
 
-def _weighing(link: Link, mass: float) -> Link:
+def _set_mass(link: Link, mass: float) -> Link:
     return replace(link, mass=mass, inertia=link.inertia * (mass / link.mass), weighed=False)
 
 
-def _impossible(link: Link) -> bool:
+def _is_impossible(link: Link) -> bool:
     """Whether nothing has such an inertia: two principal moments are together at least as large as the third."""
     least, middle, most = np.linalg.eigvalsh(link.inertia)
     return bool(most > (1 + SLACK) * (least + middle))

@@ -26,7 +26,7 @@ def compile_model(path: Path, folder: Path) -> tuple[Any, Any]:
     files = Sources(path, folder).files()
     mujoco.set_mju_user_warning(lambda text: None)  # else it writes MUJOCO_LOG.TXT where the user is
     try:
-        with mujoco.MjVfs() as memory, _no_disk():
+        with mujoco.MjVfs() as memory, _forbid_disk():
             for file, data in files.items():
                 memory[str(file)] = data
             spec = mujoco.MjSpec.from_file(str(path), vfs=memory)
@@ -41,7 +41,7 @@ def compile_model(path: Path, folder: Path) -> tuple[Any, Any]:
 
 
 @contextmanager
-def _no_disk() -> Iterator[None]:
+def _forbid_disk() -> Iterator[None]:
     """Let nothing in this process open a file: what MuJoCo lacks in memory it would look for on the disk."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (0, hard))

@@ -58,7 +58,7 @@ class Sources:
         found = {path: read_inside(path, self.folder) for path in self.roots}
         for name in sorted(names):
             places = product(self.roots, sorted(directories))
-            if not (files := {file for here, directory in places for file in self._at(here, directory, name)}):
+            if not (files := {file for here, directory in places for file in self._find_file(here, directory, name)}):
                 raise explain_missing(self.path, "there is no file", name, self.path.parent, self.folder)
             found |= {file: read_inside(file, self.folder) for file in files - found.keys()}
         return found
@@ -66,9 +66,9 @@ class Sources:
     def _parts(self, element: ET.Element, here: Path) -> list[Path]:
         """The XML files that an element includes or names to attach: beside the model, or beside its own file."""
         names = _names(element) if element.tag in ("include", "model") else []
-        return [file for name in names for base in (self.path, here) for file in self._at(base, "", name)]
+        return [file for name in names for base in (self.path, here) for file in self._find_file(base, "", name)]
 
-    def _at(self, here: Path, directory: str, name: str) -> Iterator[Path]:
+    def _find_file(self, here: Path, directory: str, name: str) -> Iterator[Path]:
         """The file of a name in a directory beside a file, if there is one.
 
         Raises:

@@ -49,8 +49,8 @@ def read_pack(path: Path) -> Pack:
 def complete_pack(pack: Pack, proposed: Mapping[str, Shared], categories: Iterable[str]) -> Pack:
     """The pack, completed. What a person wrote in it counts."""
     pack = pack if pack.by_hand else Pack()
-    said = {category: category for category in sorted(set(categories))}
-    whole = Pack(kinds={**proposed, **pack.kinds}, categories={**said, **pack.categories})
+    stated = {category: category for category in sorted(set(categories))}
+    whole = Pack(kinds={**proposed, **pack.kinds}, categories={**stated, **pack.categories})
     return whole if pack != Pack() else whole.add_checksum()
 
 
@@ -66,8 +66,8 @@ def write_pack(path: Path, pack: Pack, counts: Mapping[str, str]) -> None:
         values = yaml.safe_dump(shared.model_dump(), default_flow_style=True, sort_keys=False, width=1000)
         lines.append(f"  {kind}: {values.strip()}")
     lines.append("categories:" if pack.categories else "categories: {}")
-    for said, category in pack.categories.items():
-        entry = yaml.safe_dump({said: category}, width=1000).strip()
+    for name, category in pack.categories.items():
+        entry = yaml.safe_dump({name: category}, width=1000).strip()
         lines.append(f"  {entry}{'' if category in known_categories() else '  # none of ours'}")
     lines += [f"guess: {pack.guess}"] if pack.guess else []
     write_text(path, "\n".join(lines) + "\n")

@@ -24,7 +24,7 @@ def find_touching_links(folder: Path) -> tuple[tuple[str, str], ...]:
     Raises:
         InputError: the simulator does not take the asset.
     """
-    body = _loaded(folder, timestep=1e-5)
+    body = _load_asset(folder, timestep=1e-5)
     if body is None:
         return ()
     scene, _ = body
@@ -39,7 +39,7 @@ def find_touching_links(folder: Path) -> tuple[tuple[str, str], ...]:
 
 def stuck_joints(folder: Path) -> list[str]:
     """A line for every door or drawer that a steady push does not open."""
-    body = _loaded(folder) if read_asset(folder).joints else None
+    body = _load_asset(folder) if read_asset(folder).joints else None
     if body is None:
         return []
     scene, articulation = body
@@ -77,7 +77,7 @@ def _lever(joint: Joint) -> float:
     return height if joint.panel.hinge in ("bottom", "top") else width
 
 
-def _loaded(folder: Path, **options: float) -> tuple[sapien.Scene, PhysxArticulation] | None:
+def _load_asset(folder: Path, **options: float) -> tuple[sapien.Scene, PhysxArticulation] | None:
     """The asset alone in a scene, fixed and closed; None if nothing of it moves."""
     scene = physics_scene(**options)
     body = load_asset(scene, folder, sapien.Pose(), fixed=True, name="imported")

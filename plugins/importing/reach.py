@@ -16,7 +16,7 @@ from stages.simulation.kinematics import Array
 from stages.simulation.loading import load_asset, physics_scene
 from stages.simulation.robot import REST
 from stages.simulation.target import read_target
-from stages.tasks.base_placement import MOTION, can_follow, reachable_base, success_opening
+from stages.tasks.base_placement import MOTION, can_follow, find_success_opening, reachable_base
 from stages.tasks.initial_state import (
     InitialState,
     base_pose,
@@ -34,7 +34,7 @@ def find_middle_state() -> InitialState:
     return InitialState(0, np.zeros(3), 0.0, np.zeros(2), 0.0, np.zeros(7))
 
 
-def out_of_reach(folder: Path) -> list[str]:
+def list_unreachable(folder: Path) -> list[str]:
     """A line for every door and drawer with a handle that the arm can follow in none of several starts of the skill.
 
     The starts are the undisturbed one, at the asset's own size, and the first episodes', at their scales.
@@ -46,7 +46,7 @@ def out_of_reach(folder: Path) -> list[str]:
         starts.append((sample_initial_state(seed, options), sample_scale(seed, options, options.scale_range)))
     for state, scale in starts:
         if left:
-            for name in _followed(folder, asset, set(left), state, scale, options):
+            for name in _find_followed(folder, asset, set(left), state, scale, options):
                 del left[name]
     return [
         f"{joint.role} '{name}' is not opened: in none of {len(starts)} starts can the arm follow it"
@@ -54,7 +54,7 @@ def out_of_reach(folder: Path) -> list[str]:
     ]
 
 
-def _followed(
+def _find_followed(
     folder: Path, asset: Asset, names: set[str], state: InitialState, scale: Array, options: TaskConfig
 ) -> list[str]:
     """Which of some joints the arm can follow from where the skill starts in a state."""
@@ -70,7 +70,7 @@ def _followed(
         if name not in names:
             continue
         target = read_target(body, index)
-        around, opening = Surroundings(target), success_opening(target, options)
+        around, opening = Surroundings(target), find_success_opening(target, options)
         base = base_pose(target.reference + nominal, target.side, state, options, target.flap)
         arm = REST + state.joints
         if target.side:

@@ -33,7 +33,7 @@ def run_in_fork(path: Path, work: Callable[[], str]) -> str:
         _work(path, work, ours)
     os.close(ours)
     with os.fdopen(answer, "rb") as stream:
-        said = stream.read()
+        reply = stream.read()
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if status in (-signal.SIGXCPU, -signal.SIGALRM):
         seconds = SECONDS if status == -signal.SIGXCPU else WAIT
@@ -41,7 +41,7 @@ def run_in_fork(path: Path, work: Callable[[], str]) -> str:
     if status != 0:
         what = f"crashes what reads it, or takes more than {MEGABYTES} MB of memory ({_name(status)})."
         raise InputError(path, what, SIMPLER, code="E-MODEL-CRASH")
-    error, text = json.loads(said)
+    error, text = json.loads(reply)
     if error is not None:
         where, what, fix, kind = error
         raise InputError(where, what, fix, code=kind)
@@ -54,14 +54,14 @@ def _work(path: Path, work: Callable[[], str], ours: int) -> None:
     try:
         _limit()
         try:
-            said = json.dumps([None, work()])
+            reply = json.dumps([None, work()])
         except InputError as error:
-            said = _told(error)
+            reply = _encode_error(error)
         except MemoryError:
             what = f"takes more than {MEGABYTES} MB of memory to read."
-            said = _told(InputError(path, what, SIMPLER, code="E-MODEL-MEMORY"))
+            reply = _encode_error(InputError(path, what, SIMPLER, code="E-MODEL-MEMORY"))
         with os.fdopen(ours, "wb") as stream:
-            stream.write(said.encode())
+            stream.write(reply.encode())
         code = 0
     except BaseException:
         traceback.print_exc()
@@ -71,7 +71,7 @@ def _work(path: Path, work: Callable[[], str], ours: int) -> None:
         os._exit(code)
 
 
-def _told(error: InputError) -> str:
+def _encode_error(error: InputError) -> str:
     return json.dumps([(error.where, error.what, error.fix, error.code), ""])
 
 

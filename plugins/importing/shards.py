@@ -87,7 +87,7 @@ def files_of(folder: Path, models: Sequence[Path]) -> dict[Path, list[Path]]:
     read = {}
     for model in models:
         own = lying.get(_place(model, folder), [])
-        read[model] = every if any(map(_roams, own)) else own + lying.get(None, [])
+        read[model] = every if any(map(_may_name_others, own)) else own + lying.get(None, [])
     return read
 
 
@@ -97,7 +97,7 @@ def _place(model: Path, folder: Path) -> Path:
     return folder.joinpath(*parts[: 1 if numbered else 2])
 
 
-def _roams(file: Path) -> bool:
+def _may_name_others(file: Path) -> bool:
     """Whether it may name files of other models, or is too large to tell."""
     if file.suffix.lower() not in TEXT:
         return False

@@ -34,7 +34,7 @@ def with_solid_handles(robot: RobotModel) -> tuple[RobotModel, list[str]]:
         if looks is None or not solid:
             continue
         whole: Trimesh = trimesh.util.concatenate(solid)  # type: ignore[assignment]
-        if _alike(find_handle(looks), find_handle(whole)):
+        if _are_alike(find_handle(looks), find_handle(whole)):
             continue
         for name in names:
             links[name] = replace(links[name], collisions=cut([visual.mesh for visual in links[name].visuals]))
@@ -49,7 +49,7 @@ def cut(meshes: list[Trimesh]) -> list[Trimesh]:
     return [Trimesh(**piece).convex_hull for piece in pieces if np.ptp(piece["vertices"], axis=0).min() > FLAT]
 
 
-def _alike(seen: Handle | None, solid: Handle | None) -> bool:
+def _are_alike(seen: Handle | None, solid: Handle | None) -> bool:
     """Whether the handle of the collision shape is where the visual one is."""
     if seen is None:
         return True

@@ -21,7 +21,7 @@ FORMAT = 2.5  # up is what the format says
 SELDOM = 3.5  # it is no direction of `COMMON`
 FOOT = 2.0  # the foot of what stands is at the origin's height
 FITS = 1.5  # a thing is as large as its category
-CLEAR = 1.0  # by so much a direction is told
+CLEAR = 1.0  # lead of a direction over the next that decides
 # Shares.
 NAMED = 0.05  # of panels that are called doors and are lids, or the other way round; of lids that are below
 DRAWER, LIFT = 0.02, 0.9  # of what slides like a drawer, or like a seat on its gas lift: along the direction up

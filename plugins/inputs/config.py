@@ -20,14 +20,16 @@ class PhotoSection(Section):
     depth_pro: str = Field("weights/depth_pro", description="Weights of Depth Pro.")
     captions: Literal["labels", "vlm"] = Field(
         "labels",
-        description="What is looked for. labels: `labels`, all of them. vlm: what a language model that sees lists, "
-        "which then names every object again and counts its doors and drawers.",
+        description="Source of the labels to detect. labels: the key `labels`. vlm: a vision-language model lists "
+        "them, then names every detected object and counts its doors and drawers.",
     )
-    labels: list[str] = Field([], description="What is looked for without a language model; []: our categories.")
+    labels: list[str] = Field(
+        [], description="Labels to detect if no language model is used; []: the categories of the library."
+    )
     mounting: Literal["geometry", "vlm"] = Field(
         "vlm",
-        description="Who says what hangs, what stands, and at which wall (A.2). vlm: the language model of `captions: "
-        "vlm`, geometry where it has no usable answer.",
+        description="What decides which objects hang, stand, or touch which wall (A.2). vlm: the language model of "
+        "`captions: vlm`, geometry where it has no usable answer.",
     )
     box_threshold: float = Field(0.3, gt=0, lt=1, description="Least score of a box (official code: 0.3).")
     # Of two masks that overlap by more (over their union), the better box's is kept.
@@ -39,7 +41,7 @@ class PhotoSection(Section):
         ge=FIELD_OF_VIEW[0],
         le=FIELD_OF_VIEW[1],
         description="Degrees over the picture's width. null: Depth Pro's if it is used, else by EXIF, by lines in the "
-        "picture, or that of a usual camera; which is said.",
+        "picture, or that of a usual camera, with a note in the log.",
     )
     lens: str | None = Field(
         None,
@@ -51,7 +53,7 @@ class PhotoSection(Section):
         """Folders of the networks that are used, by their keys, in the order of their use."""
         return {name: getattr(self, name) for name in ("detector", "segmenter", self.depth)}
 
-    def unread(self) -> set[str]:
+    def list_unread(self) -> set[str]:
         """The depth network that is not used, and what the way to captions does not need."""
         silent = {"labels"} if self.captions == "vlm" else {"vlm", "mounting"}
         return {"depth_anything", "depth_pro"} - {self.depth} | silent

@@ -75,7 +75,7 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
     print(line)
     things = find_things(photo.rgb, labels, settings, device)
     if asker is None:
-        print("no language model was asked: what opens is told by its label, doors and drawers are not counted")
+        print("no language model was asked: what opens follows from its label; doors and drawers are not counted")
     else:
         things = recaption(asker, photo.rgb, things, labels)
         if settings.mounting == "vlm":

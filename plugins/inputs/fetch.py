@@ -23,7 +23,7 @@ Record = dict[str, str]
 
 
 def run(*, options: str = "", sources: str = "{}", out: Path | None = None, lock: Path = LOCK) -> None:
-    """Download what is not there; what was interrupted goes on where it stopped.
+    """Download missing weights; an interrupted download is resumed.
 
     Args:
         options: JSON of the config section `photo`: which networks are used, and their folders.

@@ -1,4 +1,4 @@
-"""What rules tell the verbs of this package."""
+"""Flags that rules give to the verbs of this package."""
 
 import json
 import shlex

@@ -19,8 +19,8 @@ from plugins.inputs.rgbd.mask_shapes import list_remarks
 from plugins.inputs.rgbd.pieces import cut_frame
 from plugins.inputs.rgbd.views import View, read_view
 from plugins.inputs.rgbd.write import write_frame
-from stages.contracts import Annotations, InputError, atomic
-from stages.geometry.ray_depth import along_axis, flatter_along
+from stages.contracts import Annotations, InputError, write_atomically
+from stages.geometry.ray_depth import along_axis, find_flatter
 
 
 def run(
@@ -47,13 +47,13 @@ def run(
         out: the input folder to write (docs/scenes.md).
         rgb: the colour picture.
         depth: depth aligned to it, at any size: PNG, TIFF, PGM, EXR, NPZ, NPY.
-        recording: in the place of both, the folder of a recording: TUM, Open3D, RealSense, Record3D.
+        recording: instead of both, the folder of a recording: TUM, Open3D, RealSense, Record3D.
         number: which frame of the recording, from 0.
         unit: of the depth: auto (by files beside it, else its median), m, mm, or the number that stands for one metre.
         intrinsics: file with the colour camera's intrinsics (JSON, YAML, text); distortion in it is taken out.
-        camera: its name, in the place of a file, e.g. realsense_d435.
-        fov: its field of view over the picture's width in degrees, in the place of both.
-        matrix: fx, fy, cx, cy in pixels, in the place of all three.
+        camera: its name, instead of a file, e.g. realsense_d435.
+        fov: its field of view over the picture's width in degrees, instead of both.
+        matrix: fx, fy, cx, cy in pixels, instead of all three.
         depth_is: z: the distance along the optical axis; ray: along the ray of each pixel, as of many simulators.
         masks: COCO or labelme JSON, or a PNG of indices or colours.
         labels: names of the PNG's values, as JSON.
@@ -94,7 +94,7 @@ def run(
     if depth_is == "ray":
         frame = replace(frame, depth=along_axis(frame.depth, frame.intrinsics))
     doubt = ""
-    if flatter := flatter_along(frame.depth, frame.intrinsics):
+    if flatter := find_flatter(frame.depth, frame.intrinsics):
         doubt = f"depth in doubt: floor and walls would be flat with --depth-is {'ray' if flatter == 'ray' else 'z'}"
         print(f"{depth or recording}: {doubt}")
     if frame.masks is not None:
@@ -108,7 +108,7 @@ def run(
 
 
 def print_summary(out: Path, frame: Frame, written: Annotations | None, is_made: bool) -> None:
-    """Print what was written, and what is to be done with it; masks made here are drawn with their numbers for that."""
+    """Print what was written, and what is to be done with it; masks made here are drawn with their numbers."""
     height, width = frame.rgb.shape[:2]
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
@@ -120,7 +120,7 @@ def print_summary(out: Path, frame: Frame, written: Annotations | None, is_made:
     print(f"{out}: {len(written.objects)} objects, {len(written.walls)} walls, {floor}")
     if is_made and frame.masks is not None:
         shown = [frame.masks.values == value for value in frame.masks.labels]
-        with atomic(out / "numbers.png") as path:
+        with write_atomically(out / "numbers.png") as path:
             cv2.imwrite(str(path), draw_numbers(frame.rgb, shown)[..., ::-1])
         print(f"{out / 'annotations.json'}: say in it what each object is: numbers.png shows which mask it has; "
               f"or in the browser: python -m plugins.studio annotate {out}")  # fmt: skip

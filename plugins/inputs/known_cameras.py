@@ -1,4 +1,4 @@
-"""Cameras that are known by name: what `camera` of an input and `from-rgbd --camera` may say."""
+"""Cameras known by name: values of `camera` of an input and of `from-rgbd --camera`."""
 
 FIELD_OF_VIEW = 5, 135  # degrees over a picture's width: least and largest that are believed
 

@@ -18,7 +18,7 @@ def is_clone(folder: Path = Path()) -> bool:
 
 
 def to_run(words: str) -> str:
-    """The command line of Snakemake with some words, as it works from here: the workflow runs in its clone alone."""
+    """A Snakemake command line that works from here: the workflow runs only in its clone."""
     if is_clone():
         return f"snakemake {words}"
     home = Path(stages.__file__).resolve().parents[1]
@@ -26,7 +26,7 @@ def to_run(words: str) -> str:
 
 
 def write_config(folder: Path, **sections: dict[str, Any]) -> Path:
-    """Write `config.yaml` into an input folder: its one scene is that folder, called as it is; no policies.
+    """Write `config.yaml` into an input folder: a config with that folder as its only scene, and no policies.
 
     `snakemake --configfile folder/config.yaml -- pages` then goes from it to scenes of cousins and a page about them.
     `sections`: further keys of the config that fit the folder.

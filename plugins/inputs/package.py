@@ -39,8 +39,8 @@ def find_mistakes(config: Any) -> Iterator[Mistake]:
         )
 
 
-def needed_files(config: Any) -> list[str]:
-    """The weights that pictures need, and the ledger of what a language model said of them."""
+def list_needed_files(config: Any) -> list[str]:
+    """The weights that pictures need, and the ledger of a language model's answers about them."""
     if not config.experiment.pictures:
         return []
     ledger = [config.vlm.ledger] if config.photo.captions == "vlm" else []
@@ -78,7 +78,7 @@ PACKAGE = Package(
     widens={"experiment": PicturesExperiment},
     expand=read_sources,
     of_run=of_picture,
-    outside=needed_files,
+    outside=list_needed_files,
     keys=keys,
     mistakes=find_mistakes,
     check=check_weights,

@@ -10,9 +10,9 @@ from pydantic import ConfigDict, Field, PrivateAttr, ValidationError
 from plugins.inputs.known_cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from plugins.inputs.rgbd.layouts import list_frames
 from stages.config.experiment import ExperimentConfig
-from stages.config.inputs import HOLDS, INPUT_FILES, NAME, Input, missing, scene_of
+from stages.config.inputs import HOLDS, INPUT_FILES, NAME, Input, describe_missing, scene_of
 from stages.config.mistakes import Mistake
-from stages.contracts.errors import nearest
+from stages.contracts.errors import suggest_nearest
 
 
 class Picture(Input):
@@ -50,7 +50,7 @@ class Picture(Input):
 
     @property
     def intrinsics(self) -> list[float]:
-        """fx, fy, cx, cy, as far as they are said."""
+        """fx, fy, cx, cy, as far as they are given, pixels."""
         return [value for value in (self.fx, self.fy, self.cx, self.cy) if value is not None]
 
     def place(self, scene: str) -> str:
@@ -65,17 +65,17 @@ class Picture(Input):
 
     def mistakes(self, key: str) -> Iterator[Mistake]:
         """What is wrong with it; `key`: where it stands in the config, if not in a table."""
-        for name, *said in self._contradictions():
+        for name, *rest in self._list_contradictions():
             where = f"{key}.{name}".lstrip(".") if name != "folder" else key
             where = f"{self._row}, column {name}" if self._row else where
-            yield Mistake(where, *said)
+            yield Mistake(where, *rest)
 
-    def _contradictions(self) -> Iterator[tuple[str, ...]]:
+    def _list_contradictions(self) -> Iterator[tuple[str, ...]]:
         """Key, what is wrong with it, how to mend it, and the code if it is not the usual one."""
         if self.folder:
             for name in sorted(self.model_fields_set - {"folder"}):
-                yield name, "is said beside a folder", "leave one of them out: a folder holds everything"
-            for what in missing(Path(self.folder)):
+                yield name, "is given together with a folder", "leave one of them out: a folder holds everything"
+            for what in describe_missing(Path(self.folder)):
                 yield "folder", what, HOLDS, "E-CONFIG-FILE"
             return
         if not self.image and not self.recording:
@@ -86,13 +86,13 @@ class Picture(Input):
             if not Path(path).exists():
                 known = f", or one of {', '.join(FIELDS_OF_VIEW)}" if name == "camera" else ""
                 yield name, f"no file {path}", f"correct the path{known}", "E-CONFIG-FILE"
-        told = [bool(self.camera), bool(self.intrinsics), self.fov is not None]
-        if sum(told) > 1:
-            yield "camera", "is told in two ways", "camera, or fx, fy, cx and cy, or fov"
-        if len(self.intrinsics) in (1, 2, 3) or (self.depth and not any(told)):
+        cameras = [bool(self.camera), bool(self.intrinsics), self.fov is not None]
+        if sum(cameras) > 1:
+            yield "camera", "is given in two ways", "camera, or fx, fy, cx and cy, or fov"
+        if len(self.intrinsics) in (1, 2, 3) or (self.depth and not any(cameras)):
             yield "camera", "nothing says what camera took the picture", "camera, or fx, fy, cx and cy, or fov"
         for name in sorted(self.model_fields_set - {"image", "fov", "depth"} if self.alone else ()):
-            yield name, "is said of a picture without depth", "say depth, or leave it out"
+            yield name, "is given for a picture without depth", "give depth, or leave it out"
 
 
 def _as_written(schema: dict[str, Any]) -> None:
@@ -148,7 +148,7 @@ Found = Iterator[tuple[str, str, Picture | Mistake]]  # where it stands, the sce
 
 def _of_folder(folder: Path) -> Found:
     """A scene per folder inside that holds anything of an input folder; or the folder itself."""
-    inside = [folder] if not missing(folder) else sorted(path for path in folder.iterdir() if path.is_dir())
+    inside = [folder] if not describe_missing(folder) else sorted(path for path in folder.iterdir() if path.is_dir())
     scenes = [path for path in inside if any((path / name).is_file() for name in INPUT_FILES)]
     if not scenes:
         yield "", "", Mistake("experiment.inputs", f"{folder} has no input folder in it", HOLDS, "E-CONFIG-FILE")
@@ -171,7 +171,7 @@ def _of_table(table: Path) -> Found:
     known, head = ["scene", *Picture.model_fields], f"{table}, row 1"
     for name in columns:
         if name not in known or columns.count(name) > 1:
-            mend = nearest(name, known) if name not in known else "name it once"
+            mend = suggest_nearest(name, known) if name not in known else "name it once"
             yield "", "", Mistake(head, f"column '{name}' is not known, or there twice", mend, "E-CONFIG-UNKNOWN")
             return
     if "scene" not in columns:
@@ -179,10 +179,10 @@ def _of_table(table: Path) -> Found:
         return
     for cells in rows:
         where = f"{table}, row {rows.line_num}"
-        said = {name: cell.strip() for name, cell in zip(columns, cells, strict=False) if cell.strip()}
-        if not said:
+        cells_by_name = {name: cell.strip() for name, cell in zip(columns, cells, strict=False) if cell.strip()}
+        if not cells_by_name:
             continue
-        scene = said.pop("scene", "")
+        scene = cells_by_name.pop("scene", "")
         if len(cells) > len(columns):
             wrong = Mistake(
                 where, f"has {len(cells)} cells for {len(columns)} columns", "quote commas", "E-CONFIG-VALUE"
@@ -192,12 +192,12 @@ def _of_table(table: Path) -> Found:
             mend = "letters, digits, - and single _ inside"
             yield where, scene, Mistake(f"{where}, column scene", f"'{scene}' is no name", mend, "E-CONFIG-NAME")
         else:
-            yield where, scene, _of_row(said, where, table.parent)
+            yield where, scene, _of_row(cells_by_name, where, table.parent)
 
 
-def _of_row(said: dict[str, str], where: str, folder: Path) -> Picture | Mistake:
+def _of_row(cells_by_name: dict[str, str], where: str, folder: Path) -> Picture | Mistake:
     try:
-        plain = Picture.model_validate(said)
+        plain = Picture.model_validate(cells_by_name)
     except ValidationError as error:
         detail = error.errors()[0]
         what = f"{detail['msg'].removeprefix('Value error, ')} (got '{detail['input']}')"

@@ -119,7 +119,7 @@ def estimate_light(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array,
         dark.append(np.clip(np.median(brightness) - brightness, -DARKEST_LOG, DARKEST_LOG))
     walls = [one.normal for name, one in seen.items() if name != "floor"]
 
-    def agreement(direction: Array) -> float:
+    def score_direction(direction: Array) -> float:
         if any(direction @ normal > 0 for normal in walls):
             return -1.0
         all_origins = np.concatenate(origins)
@@ -130,13 +130,13 @@ def estimate_light(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array,
         s, d = (np.concatenate(values) for values in zip(*parts, strict=True))
         return float(s @ d / max(np.sqrt((s @ s) * (d @ d)), 1e-9))
 
-    def best(angles: list[tuple[float, float]]) -> tuple[float, float, float]:
-        return max((agreement(to_direction(*each)), *each) for each in angles)
+    def find_best(angles: list[tuple[float, float]]) -> tuple[float, float, float]:
+        return max((score_direction(to_direction(*each)), *each) for each in angles)
 
-    _, azimuth, elevation = best(list(product(AZIMUTHS, ELEVATIONS)))
+    _, azimuth, elevation = find_best(list(product(AZIMUTHS, ELEVATIONS)))
     half_a, half_e = ((grid[1] - grid[0]) / 2 for grid in (AZIMUTHS, ELEVATIONS))
     finer = product((-half_a, 0, half_a), (-half_e, 0, half_e))
-    found, *angles = best([(azimuth + a, elevation + b) for a, b in finer])
+    found, *angles = find_best([(azimuth + a, elevation + b) for a, b in finer])
     return to_direction(*angles), found
 
 

@@ -36,7 +36,7 @@ from stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
 from stages.simulation.studio import Moment, Recording
 from stages.simulation.target import Target, read_target
 from stages.tasks.api import Float, TaskEnv
-from stages.tasks.base_placement import AJAR, place_robot_and_asset, success_opening
+from stages.tasks.base_placement import AJAR, find_success_opening, place_robot_and_asset
 from stages.tasks.cameras import shoulder
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
 from stages.tasks.observation import CameraRig, Observation
@@ -71,9 +71,9 @@ class MujocoTaskEnv(TaskEnv):
         """`reset` without looking."""
         setup = sample_initial_state(seed, self.options)
         scale = sample_scale(seed, self.options, self.options.scale_range if self.vary_scale else None)
-        self._look_up(self._at_scale(self._nominal_folder(), scale))
+        self._look_up(self._scale_model(self._nominal_folder(), scale))
         at = nominal_root(self._model_asset, np.ones(3))
-        self.base, self.root = place_robot_and_asset(setup, self.target, at, self.options, self.around)
+        self.base, self.root = place_robot_and_asset(setup, self.target, at, self.options, self.sample_surroundings)
         self.rig.place({}, 0, seed)
         camera = self.base @ self.rig.pose("shoulder", 0)
         camera[:3, :3] = camera[:3, :3] @ CAMERA_FROM_IMAGE
@@ -120,7 +120,7 @@ class MujocoTaskEnv(TaskEnv):
     @property
     def success_opening(self) -> float:
         """The fraction of the target joint's range that counts as open."""
-        return success_opening(self.target, self.options)
+        return find_success_opening(self.target, self.options)
 
     def joints(self) -> Array:
         """(9,) measured joints: seven of the arm, two of the fingers."""
@@ -146,7 +146,7 @@ class MujocoTaskEnv(TaskEnv):
         self._files.close()
         super().close()
 
-    def around(self) -> Surroundings:
+    def sample_surroundings(self) -> Surroundings:
         """The object; its surfaces are sampled once."""
         return self._surroundings
 
@@ -169,7 +169,7 @@ class MujocoTaskEnv(TaskEnv):
         """Nothing stands beside the asset."""
         return []
 
-    def _at_scale(self, folder: Path, scale: Array) -> Path:
+    def _scale_model(self, folder: Path, scale: Array) -> Path:
         if (scale == 1).all():
             return folder
         out = self.sized / f"{folder.name}-{'-'.join(f'{value:.3f}' for value in scale)}"

@@ -76,7 +76,7 @@ class ModelWriter:
             self._link(element, name, model.links[link])
 
     def _joint(self, element: ET.Element, model: str, joint: JointModel) -> None:
-        """MuJoCo lets a moving link touch its parent if that is fixed to the world: it must be told not to."""
+        """MuJoCo checks contacts of a link with a parent that is fixed to the world: that pair must be excluded."""
         parent = f"{model}/{joint.parent}"
         ET.SubElement(self.contacts, "exclude", body1=parent, body2=f"{model}/{joint.child}")
         if joint.type == "fixed":
@@ -102,7 +102,7 @@ class ModelWriter:
         tensor = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
         ET.SubElement(element, "inertial", pos=text(link.center), mass=text([link.mass]), fullinertia=text(tensor))
         for surface in surfaces(link):
-            self._seen(element, f"{model}_{next(self.numbers)}", surface)
+            self._add_visual(element, f"{model}_{next(self.numbers)}", surface)
         for piece in link.collisions:
             if mesh_writer.is_box(piece):
                 box = {"pos": text(piece.bounds.mean(axis=0)), "size": text(piece.extents / 2)}
@@ -114,7 +114,7 @@ class ModelWriter:
             ET.SubElement(self.assets, "mesh", name=name, file=f"{name}.obj", inertia="shell")
             ET.SubElement(element, "geom", {"class": "collision", "type": "mesh", "mesh": name})
 
-    def _seen(self, element: ET.Element, name: str, surface: ColouredMesh) -> None:
+    def _add_visual(self, element: ET.Element, name: str, surface: ColouredMesh) -> None:
         write_obj(surface, self.folder / "meshes" / f"{name}.obj")
         ET.SubElement(self.assets, "mesh", name=name, file=f"{name}.obj", inertia="shell")
         looks = {"name": name, "rgba": text(surface.shown_colour), "specular": "0.1", "shininess": "0.1"}

@@ -50,8 +50,8 @@ def check_plugin() -> Check:
 def check_accounting(config: str) -> Check:
     """Without a database of finished jobs, squeue must remember them for a while."""
     if not setting(config, "AccountingStorageType").endswith("none"):
-        said = answer("sacctmgr", "-n", "-P", "show", "assoc", f"user={getpass.getuser()}", "format=account")
-        what = f"yes; accounts of yours: {', '.join(sorted(set(said.split()))) or 'none told'}"
+        output = answer("sacctmgr", "-n", "-P", "show", "assoc", f"user={getpass.getuser()}", "format=account")
+        what = f"yes; accounts of yours: {', '.join(sorted(set(output.split()))) or 'none listed'}"
         return Check("accounting", True, what)
     age = int(re.sub(r"\D", "", setting(config, "MinJobAge")) or 0)
     what = f"none; squeue tells for {age} s how a job ended"
@@ -78,8 +78,8 @@ def check_shared(folder: Path) -> Check:
         file.write(word := secrets.token_hex(8))
         file.flush()
         code = f"print(open({file.name!r}).read())"
-        said = answer("srun", "--ntasks=1", "--time=2", "--immediate=60", sys.executable, "-c", code, seconds=120)
-    if said == word:
+        output = answer("srun", "--ntasks=1", "--time=2", "--immediate=60", sys.executable, "-c", code, seconds=120)
+    if output == word:
         return Check("shared", True, f"a node sees {folder} and {sys.executable}")
     line = shlex.join(["srun", "--ntasks=1", "--time=2", "ls", str(folder), sys.executable])
     fix = f"clone and set up in a folder that all nodes mount, e.g. below your home; {line} says what a node lacks"

@@ -46,7 +46,7 @@ def _as_root(script: str) -> str:
     return f"bash {script}" if os.geteuid() == 0 else f"run as root: bash {script}"
 
 
-def _pinned(requirements: Path) -> dict[str, str]:
+def _read_pins(requirements: Path) -> dict[str, str]:
     """Name -> version of the pins that apply to this platform (rough: the last pin of a name wins nothing)."""
     pins: dict[str, str] = {}
     for line in requirements.read_text(encoding="utf-8").splitlines():
@@ -67,7 +67,7 @@ def check_packages() -> Check:
     """The packages that pyproject.toml asks for are there."""
     wanted = ["snakemake", "pydantic", "numpy", "scipy", "torch", "sapien", "mani-skill", "open3d-cpu", "trimesh"]
     wanted += ["h5py", "pandas"]
-    pins = _pinned(ROOT / "envs" / "requirements.txt") if (ROOT / "envs" / "requirements.txt").exists() else {}
+    pins = _read_pins(ROOT / "envs" / "requirements.txt") if (ROOT / "envs" / "requirements.txt").exists() else {}
     missing, other = [], []
     for name in wanted:
         try:
@@ -116,9 +116,9 @@ def check_containers() -> Check:
 def check_of_packages() -> list[Check]:
     """What packages beside the core may want: optional."""
     try:
-        from stages.config.packages import present
+        from stages.config.packages import find_packages
 
-        found = [package.check() for package in present().values() if package.check]
+        found = [package.check() for package in find_packages().values() if package.check]
     except ImportError:
         return [Check("packages", False, "not to be imported", needed=False)]
     return [Check(name, good, what, needed=False) for name, good, what in found]

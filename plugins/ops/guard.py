@@ -27,7 +27,7 @@ LOOKS = {"--report", "--lint", "-l", "--list-rules", "--list", "--summary", "-S"
 LOOK_EVERY = 5.0  # seconds: how often a job on another machine looks whose the folder is
 
 
-def makes_files(arguments: list[str]) -> bool:
+def asks_for_run(arguments: list[str]) -> bool:
     """Whether a command line of Snakemake asks for a run."""
     return not LOOKS & {argument.partition("=")[0] for argument in arguments}
 

@@ -31,7 +31,7 @@ def list_jobs() -> list[Job]:
     return [Job(*line.split("|", 2)) for line in done.stdout.splitlines() if line.count("|") >= 2]
 
 
-def left_over(folder: Path) -> list[str]:
+def list_left_over_jobs(folder: Path) -> list[str]:
     """Ids of the jobs that a workflow in this folder submitted."""
     return [job.id for job in list_jobs() if RUN.search(job.name) and Path(job.folder) == folder]
 
@@ -40,12 +40,12 @@ def cancel_left_over(folder: Path) -> None:
     """Cancel the jobs that a killed workflow left, and wait until they have ended. The folder must be locked."""
     if not (folder / LOGS).is_dir() or not shutil.which("squeue"):
         return
-    jobs, until = left_over(folder), time.monotonic() + PATIENCE
+    jobs, until = list_left_over_jobs(folder), time.monotonic() + PATIENCE
     if not jobs:
         return
     print(f"note: cancelling SLURM jobs that a killed run left here: {' '.join(jobs)}", file=sys.stderr)
     subprocess.run(["scancel", *jobs], check=False)
-    while left := left_over(folder):
+    while left := list_left_over_jobs(folder):
         if time.monotonic() > until:
             print(f"note: SLURM jobs {' '.join(left)} do not end; what they make is not used", file=sys.stderr)
             return

@@ -1,16 +1,16 @@
-# Runs in operation: who holds the folder, what is said on the terminal, how jobs are submitted. No rules.
+# Runs in operation: who holds the folder, what the terminal shows, how jobs are submitted. No rules.
 import sys
 
 from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
 
-from plugins.ops.guard import hold_folder, makes_files
+from plugins.ops.guard import hold_folder, asks_for_run
 from plugins.ops.scheduling import collect_less_garbage, lift_rate_limit, tune
 from stages.contracts.errors import InputError
 
 collect_less_garbage()
 
-if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryrun and makes_files(sys.argv):
+if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryrun and asks_for_run(sys.argv):
     try:
         LOCKED = hold_folder()
     except InputError as error:

@@ -13,7 +13,7 @@ from typing import Any
 from snakemake.logging import ColorizingTextHandler, DefaultFormatter, format_percentage, format_wildcards, logger
 from snakemake.settings.types import ExecMode
 
-from stages.contracts.errors import nearest
+from stages.contracts.errors import suggest_nearest
 
 SAYS_NOTHING = (
     "Select jobs to execute",
@@ -27,7 +27,7 @@ EVERY_JOB = ("Missing output files", "Input files updated by another job")  # re
 
 
 class Brief(DefaultFormatter):
-    """Snakemake's messages with a line for a job's start and one for its end; what fails is told at length."""
+    """Snakemake's messages with a line for a job's start and one for its end; failures are shown in full."""
 
     def __init__(self, like: Any, dryrun: bool) -> None:
         super().__init__(like.quiet, like.show_failed_logs)
@@ -49,7 +49,7 @@ class Brief(DefaultFormatter):
         because = " ".join("; ".join(reasons).replace(PADDING, "").split())[:200] if message["output"] else ""
         log = f", log: {', '.join(message['log'])}" if message["log"] else ""
         why = f", because: {because}" if because else ""
-        return f"{'    ' * bool(message.get('indent'))}{now()} {name}{log}{why}"
+        return f"{'    ' * bool(message.get('indent'))}{format_time()} {name}{log}{why}"
 
     def format_job_finished(self, message: dict[str, Any]) -> str:
         self.ended.append(self.jobs.get(message["job_id"], message["msg"]))
@@ -58,7 +58,7 @@ class Brief(DefaultFormatter):
     def format_progress(self, message: dict[str, Any]) -> str:
         ended, self.ended = "; ".join(self.ended), []
         percent = format_percentage(message["done"], message["total"])
-        return f"{now()} {message['done']} of {message['total']} steps ({percent}) done: {ended}"
+        return f"{format_time()} {message['done']} of {message['total']} steps ({percent}) done: {ended}"
 
 
 class Lines(ColorizingTextHandler):
@@ -67,7 +67,7 @@ class Lines(ColorizingTextHandler):
     last_msg_was_job_info = property(lambda self: True, lambda self, value: None)
 
 
-def now() -> str:
+def format_time() -> str:
     return time.strftime("[%H:%M:%S]")
 
 
@@ -75,7 +75,7 @@ def tell_nearest(record: logging.LogRecord, targets: Collection[str]) -> bool:
     """Let Snakemake say of a target that is no rule which one may be meant; it only says that there is none."""
     unknown = re.match(r"MissingRuleException:\nNo rule to produce (\w+) ", str(record.msg))
     if unknown:
-        fix = nearest(unknown[1], targets).partition("there are")[0]
+        fix = suggest_nearest(unknown[1], targets).partition("there are")[0]
         record.msg = f"error: {unknown[1]}: no such target. Fix: {fix or 'docs/running.md lists them'}"
     return True
 

@@ -134,7 +134,7 @@ def encode_all(library: list[Model], encoder: PatchEncoder) -> Encoded:
     return Encoded(snapshots, [encoder.encode(model.pictures) for model in library], cost)
 
 
-def answers(library: list[Model], patches: Encoded, weights: NDArray[np.float32]) -> list[Answer]:
+def classify_pictures(library: list[Model], patches: Encoded, weights: NDArray[np.float32]) -> list[Answer]:
     """What every picture is taken for by patches with these weights."""
     views = [[weigh_rows(each, weights) for each in model] for model in patches.snapshots]
     compared = [view for each in views for view in each[::STEP]]
@@ -193,9 +193,9 @@ def compare_rows(library: list[Model], names: Sequence[str], dinov2: str) -> dic
             encoder = make_encoder(options)
             with_depth, without = encoder.weights(True), encoder.weights(False)
             assert patches is not None
-            results[title] = answers(library, patches, without), patches.cost
+            results[title] = classify_pictures(library, patches, without), patches.cost
             if not np.array_equal(with_depth, without):
-                results[f"{title}, depth"] = answers(library, patches, with_depth), patches.cost
+                results[f"{title}, depth"] = classify_pictures(library, patches, with_depth), patches.cost
     return results
 
 

@@ -10,7 +10,7 @@ from trimesh.exchange.gltf import export_glb
 
 from stages.articulated.model import JointModel
 from stages.articulated.surfaces import ColouredMesh, surfaces
-from stages.contracts import GeneratedScene, atomic
+from stages.contracts import GeneratedScene, write_atomically
 from stages.generation.scene_models import CAMERA, Body, Room, surface_of
 from stages.geometry.cameras import OPENGL
 from stages.geometry.frames import Y_UP, rigid, yaw_matrix
@@ -36,17 +36,17 @@ def write(room: Room, out: Path, largest: int | None = None) -> None:
         scene.add_geometry(mesh, node_name=block.name, geom_name=block.name, transform=pose, metadata={"surface": kind})
     for body in room.bodies:
         _add(scene, body, largest)
-    made = room.scene
-    fov = np.degrees(2 * np.arctan([made.width / made.intrinsics[0][0] / 2, made.height / made.intrinsics[1][1] / 2]))
-    scene.camera = trimesh.scene.Camera(name=CAMERA, resolution=(made.width, made.height), fov=fov, z_far=100.0)
+    view = room.scene
+    fov = np.degrees(2 * np.arctan([view.width / view.intrinsics[0][0] / 2, view.height / view.intrinsics[1][1] / 2]))
+    scene.camera = trimesh.scene.Camera(name=CAMERA, resolution=(view.width, view.height), fov=fov, z_far=100.0)
     scene.camera_transform = Y_UP @ room.world_from_camera @ OPENGL
-    with atomic(out) as path:
+    with write_atomically(out) as path:
         path.write_bytes(
             export_glb(
                 scene,
                 include_normals=True,
                 extension_webp=largest is not None,
-                tree_postprocessor=lambda tree: _wide(tree, made),
+                tree_postprocessor=lambda tree: _set_aspect(tree, view),
             )
         )
 
@@ -61,14 +61,14 @@ def _add(scene: trimesh.Scene, body: Body, largest: int | None) -> None:
             frame_to=node,
             frame_from=body.id,
             matrix=body.frames[name],
-            metadata={"mass": round(link.mass, 4)} | _about(joints.get(name)),
+            metadata={"mass": round(link.mass, 4)} | _describe_joint(joints.get(name)),
         )
         for index, surface in enumerate(surfaces(link)):
             part = f"{node}/{index}"
             scene.add_geometry(_mesh(surface, largest), node_name=part, geom_name=part, parent_node_name=node)
 
 
-def _about(joint: JointModel | None) -> dict[str, Any]:
+def _describe_joint(joint: JointModel | None) -> dict[str, Any]:
     """What a viewer needs to move a link; the node stands where the joint is at its lower limit."""
     if joint is None or joint.type == "fixed":
         return {}
@@ -76,9 +76,9 @@ def _about(joint: JointModel | None) -> dict[str, Any]:
     return {"joint": joint.type, "axis": axis, "lower": round(joint.lower, 5), "upper": round(joint.upper, 5)}
 
 
-def _wide(tree: dict[str, Any], made: GeneratedScene) -> None:
+def _set_aspect(tree: dict[str, Any], generated: GeneratedScene) -> None:
     """The camera's aspect is that of the picture (trimesh takes the ratio of the angles)."""
-    tree["cameras"][0]["perspective"]["aspectRatio"] = made.width / made.height
+    tree["cameras"][0]["perspective"]["aspectRatio"] = generated.width / generated.height
 
 
 def _mesh(surface: ColouredMesh, largest: int | None) -> Trimesh:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from plugins.pictures.overview import draw_overview
-from stages.contracts import Objects, atomic, read_json
+from stages.contracts import Objects, read_json, write_atomically
 from stages.contracts.extracted import read_object_masks
 from stages.contracts.images import check_size, read_rgb
 
@@ -18,5 +18,5 @@ def run(*, objects: Path, image: Path, out: Path) -> None:
     """
     found, picture = read_json(Objects, objects), read_rgb(image)
     check_size(image, picture, found.width, found.height, objects.name)
-    with atomic(out) as path:
+    with write_atomically(out) as path:
         draw_overview(picture, read_object_masks(objects, found), found).save(path)

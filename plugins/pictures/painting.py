@@ -12,7 +12,7 @@ from stages.simulation.backdrop import BEYOND, add_backdrop
 from stages.simulation.rendering import make_scene
 
 
-def usual_look() -> Look:
+def make_usual_look() -> Look:
     """The look of a room whose picture nobody looked at: the usual light and colours."""
     x, y, z = (np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)).round(6).tolist()
     return Look(light=(x, y, z), light_from="default", shadow_correlation=0.0, surfaces=[])

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts import TaskAssets, read_json
-from stages.contracts.arrays import readable
-from stages.contracts.files import atomic
+from stages.contracts.arrays import explain_unreadable
+from stages.contracts.files import write_atomically
 from stages.contracts.images import COLUMNS, LETTERS, TILE
 from stages.contracts.policies import TaskAsset
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
@@ -29,7 +29,7 @@ def run(*, assets: Path, snapshots: tuple[Path, ...], out: Path, splits: Path) -
     unseen = [*plan.validation_assets, *plan.test_assets]
     views = representatives({item.asset for item in [*plan.assets, *unseen]}, snapshots)
     for picture, items in ((out, plan.assets), (splits, unseen)):
-        with atomic(picture) as path:
+        with write_atomically(picture) as path:
             sheet_of(items, views).save(path, "PNG")
 
 
@@ -59,6 +59,6 @@ def representatives(assets: set[str], snapshots: tuple[Path, ...]) -> dict[str, 
     views: dict[str, NDArray[np.uint8]] = {}
     for shard in snapshots:
         sidecar, file = open_snapshots(shard)
-        with file, readable(shard, "snapshot file", AGAIN):  # a chunk may be damaged
+        with file, explain_unreadable(shard, "snapshot file", AGAIN):  # a chunk may be damaged
             views |= {name: file["rgb"][k, -1] for k, name in enumerate(sidecar.assets) if name in assets}
     return views

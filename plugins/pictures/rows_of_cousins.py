@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from stages.contracts import Cousins, InputError, atomic
+from stages.contracts import Cousins, InputError, write_atomically
 from stages.contracts.cousins import Cousin
 from stages.contracts.images import LETTERS, TILE
 from stages.contracts.objects import SceneObject
@@ -60,7 +60,7 @@ def write_picture(
                 page.paste(Image.fromarray(_fit(placed[0])), (x, y + below))
                 draw.text((x, y + below + TILE + 2), placed[1], "black", font)
         draw.line([(margin, y + step_y - 4), (page.width - margin, y + step_y - 4)], "darkgrey")
-    with atomic(path) as temporary:
+    with write_atomically(path) as temporary:
         page.save(temporary)
 
 

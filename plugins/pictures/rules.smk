@@ -83,8 +83,8 @@ rule draw_cousins:
     resources:
         **needs(1000, 10),
     params:
-        **verb("pictures", "cousins", uses=drawn_by(CONFIG.packages, "matching")),
-        in_place=drawn_by(CONFIG.packages, "matching"),
+        **verb("pictures", "cousins", uses=list_drawers(CONFIG.packages, "matching")),
+        in_place=list_drawers(CONFIG.packages, "matching"),
     shell:
         "{params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
         "--snapshots {input.snapshots:q} --library {input.library:q} --in-place {params.in_place} "
@@ -122,8 +122,8 @@ rule draw_scenes:
     resources:
         **needs(2000, 10),
     params:
-        **verb("pictures", "scenes", uses=drawn_by(CONFIG.packages, "generation")),
-        look=drawn_by(CONFIG.packages, "generation"),
+        **verb("pictures", "scenes", uses=list_drawers(CONFIG.packages, "generation")),
+        look=list_drawers(CONFIG.packages, "generation"),
         out=subpath(output.comparison, parent=True),
     shell:
         "{params.command} --scenes {input.scenes:q} --objects {input.objects:q} --image {input.image:q} "

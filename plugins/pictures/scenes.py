@@ -8,11 +8,11 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from plugins.pictures import glb
-from plugins.pictures.painting import furnish, usual_look
+from plugins.pictures.painting import furnish, make_usual_look
 from plugins.pictures.previews import draw_preview, draw_side_by_side, draw_thumbnail, resize_to
 from stages.cli import progress
 from stages.config.code import code_digest
-from stages.contracts import GeneratedScene, Objects, atomic, read_json, write_json
+from stages.contracts import GeneratedScene, Objects, read_json, write_atomically, write_json
 from stages.contracts.extracted import read_metres, read_object_masks
 from stages.contracts.images import check_size, read_rgb
 from stages.contracts.library_folder import AssetFolders
@@ -50,7 +50,7 @@ def run(
     check_size(image, rgb, extracted.width, extracted.height, objects.name)
     seen = rgb, read_object_masks(objects, extracted), read_metres(objects, extracted)
     pictures = [("input", resize_to(rgb, width))]
-    found, origins = None if look else usual_look(), {}
+    found, origins = None if look else make_usual_look(), {}
     with TemporaryDirectory(prefix="acdc-sized-") as cache:
         for path in progress(scenes, "scenes drawn", len(scenes)):
             generated = read_json(GeneratedScene, path)
@@ -58,16 +58,16 @@ def run(
             items = read_items(generated, folders, Path(cache), path)
             found = found or import_module(look[0]).estimate_look(extracted, seen, generated, items)
             picture = draw_preview(furnish(generated, items, found), generated, width)
-            with atomic(out / f"{path.stem}.png") as temporary:
+            with write_atomically(out / f"{path.stem}.png") as temporary:
                 Image.fromarray(picture).save(temporary, pnginfo=_text({path.name: origins[path.name]}, look))
             room = room_of(generated, items, found)
             glb.write(room, out / f"{path.stem}.glb")
             if path == scenes[0]:
                 glb.write(room, out / "view.glb", VIEW_TEXTURE)
             pictures.append((f"rank {generated.rank}", picture))
-    with atomic(out / "comparison.png") as temporary:
+    with write_atomically(out / "comparison.png") as temporary:
         draw_side_by_side(pictures).save(temporary, pnginfo=_text(origins, look))
-    with atomic(out / "thumbnail.webp") as temporary:
+    with write_atomically(out / "thumbnail.webp") as temporary:
         draw_thumbnail([picture for _, picture in pictures[:2]]).save(temporary, quality=70)
     if found is not None:
         write_json(out / "look.json", found)

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from stages.contracts.arrays import readable
-from stages.contracts.files import atomic
+from stages.contracts.arrays import explain_unreadable
+from stages.contracts.files import write_atomically
 from stages.contracts.images import COLUMNS, LETTERS, TILE
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
 
@@ -20,9 +20,9 @@ def run(*, snapshots: tuple[Path, ...]) -> None:
     """
     for shard in snapshots:
         sidecar, file = open_snapshots(shard)
-        with file, readable(shard, "snapshot file", AGAIN):  # a chunk may be damaged
+        with file, explain_unreadable(shard, "snapshot file", AGAIN):  # a chunk may be damaged
             sheet = contact_sheet(file["rgb"], sidecar.assets)
-        with atomic(shard.with_suffix(".png")) as path:
+        with write_atomically(shard.with_suffix(".png")) as path:
             sheet.save(path)
 
 

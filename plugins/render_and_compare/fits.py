@@ -52,7 +52,7 @@ class Fitter:
         self.box = UprightBox(item.box.center, item.box.size, item.box.yaw)
         self.seen = observe(view, np.array(scene.floor_from_camera, dtype=float), scene.depth_error, resolution)
         self.lines = line_field(self.seen.rgb)
-        self.sight = Sight(self.seen.cloud, self.seen.eye, scene.depth_error.at)
+        self.sight = Sight(self.seen.cloud, self.seen.eye, scene.depth_error.predict)
         self.wall = next(((np.array(wall.normal), wall.offset) for wall in touched_walls(item, scene)), None)
         self._measured: dict[float, Measured] = {}
         self._fits: dict[tuple[str, float], Fit] = {}

@@ -43,7 +43,7 @@ def measure(sight: Sight, box: UprightBox, yaw: float, wall: tuple[Array, float]
         wall: normal (3,) and offset of the wall that the object reaches to, further than its points may tell.
     """
     turn = yaw_matrix(yaw)[:2, :2]
-    level = sight.ends(yaw, TRIM, OUTERMOST)
+    level = sight.measure_ends(yaw, TRIM, OUTERMOST)
     ends = np.column_stack([level, [box.bottom, box.top]])
     extent = np.maximum(ends[1] - ends[0], BIN)
     along, noise = np.append(sight.ray[:2] @ turn, 0.0), np.append(sight.noise_along(yaw), 0.0)
@@ -74,7 +74,7 @@ def lay_over(solid: Solid, measured: Measured, seen: Observation) -> UprightBox:
 
     def residuals(change: Array) -> Array:
         middle, extents = center + change[:3] * size, size * np.exp(change[3:])
-        pixels = seen.pixels(solid.placed(UprightBox(turn @ middle, extents, measured.yaw)))
+        pixels = seen.pixels(solid.place_outline(UprightBox(turn @ middle, extents, measured.yaw)))
         sides = np.concatenate([pixels.min(axis=0), pixels.max(axis=0)])
         off = (sides - seen.sides)[seen.free] / longer
         ends = np.array([middle - extents / 2, middle + extents / 2])

@@ -32,7 +32,7 @@ class InPlace:
         (fit,) = fitter.fit(solid, [fitter.floor_yaw(cousin.orientation.yaw)])
         cover = fit.picture.cover[..., None]
         rgb = fit.picture.rgb * cover + (1 - cover)  # on white
-        hidden = (fit.picture.cover > 0) & fitter.seen.hides(fit.picture.depth)
+        hidden = (fit.picture.cover > 0) & fitter.seen.find_hidden(fit.picture.depth)
         rgb = np.where(hidden[..., None], rgb / 2, rgb)
         terms = fit.terms
         caption = (

@@ -71,15 +71,15 @@ class Observation:
         image = apply(self.camera_from_floor, points) @ self.intrinsics.T
         return image[:, :2] / np.maximum(image[:, 2:], 1e-3)
 
-    def hides(self, depth: NDArray[np.floating]) -> NDArray[np.bool_]:
+    def find_hidden(self, depth: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Cells (h, w) where something else lies in front of `depth` (h, w), or the picture ends."""
-        in_front = (self.depth > 0) & (depth - self.depth > nearer_by(depth, self.depth_error)) & ~self.mask
+        in_front = (self.depth > 0) & (depth - self.depth > measure_occluder_gap(depth, self.depth_error)) & ~self.mask
         return ~self.inside | in_front
 
 
-def nearer_by(depth: NDArray[np.floating], error: DepthError) -> NDArray[np.floating]:
+def measure_occluder_gap(depth: NDArray[np.floating], error: DepthError) -> NDArray[np.floating]:
     """Metres by which what hides a thing is nearer; less may be noise of depth, or the floor that it stands on."""
-    return NEARER + REACH * error.at(depth)
+    return NEARER + REACH * error.predict(depth)
 
 
 def observe(view: View, floor_from_camera: Array, depth_error: DepthError, longest: int) -> Observation:
@@ -145,6 +145,6 @@ def free_sides(mask: NDArray[np.bool_], depth: NDArray[np.floating], error: Dept
         rows, at = np.nonzero(turned[:, first : first + band])
         own, other = distance[rows, at + first], distance[rows, first - OUTLINE]
         known = (own > 0) & (other > 0)
-        hidden = own[known] - other[known] > nearer_by(own[known], error)
+        hidden = own[known] - other[known] > measure_occluder_gap(own[known], error)
         free.append(not hidden.size or bool(hidden.mean() < 0.5))
     return np.array(free)

@@ -53,7 +53,7 @@ class Solid:
         faces = [np.asarray(visual.mesh.faces) for _, visual in pieces]
         starts = np.cumsum([0, *map(len, points[:-1])])
         vertices = np.concatenate(points)
-        self.outermost = outermost(vertices)
+        self.outermost = find_outermost(vertices)
         triangles = np.concatenate([face + start for face, start in zip(faces, starts, strict=True)])
         self._piece = np.repeat(np.arange(len(pieces)), [len(face) for face in faces])
         self._looks = [looks_of(visual) for _, visual in pieces]
@@ -66,7 +66,7 @@ class Solid:
             o3d.core.Tensor.from_numpy(triangles.astype(np.uint32)),
         )
 
-    def placed(self, box: UprightBox) -> Array:
+    def place_outline(self, box: UprightBox) -> Array:
         """Its outermost vertices (N, 3) when its box is `box`."""
         return self.outermost * box.size @ yaw_matrix(box.yaw).T + box.center
 
@@ -101,7 +101,7 @@ class Solid:
         return colours
 
 
-def outermost(points: Array) -> Array:
+def find_outermost(points: Array) -> Array:
     """The points (N, 3) that every outline is made of; all of them if they lie in a plane."""
     try:
         return points[ConvexHull(points).vertices]

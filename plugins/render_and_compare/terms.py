@@ -37,9 +37,9 @@ def compare(seen: Observation, shown: Rendering, size: ArrayLike, native: ArrayL
         return Terms(0, 0, 0, 0, distortion(size, native))
     ratio = float(np.median(seen.depth[known] / shown.depth[known]))  # the fit's distance, and the error of depth's
     outline = outline_agreement(seen, shown, ratio)
-    tolerance = DEPTH_SCALE * np.linalg.norm(np.asarray(size)) + REACH * seen.depth_error.at(seen.depth[known])
+    tolerance = DEPTH_SCALE * np.linalg.norm(np.asarray(size)) + REACH * seen.depth_error.predict(seen.depth[known])
     off = np.abs(seen.depth[known] - ratio * shown.depth[known]) / tolerance
-    shared = inner(both) if inner(both).any() else both
+    shared = erode_mask(both) if erode_mask(both).any() else both
     return Terms(
         outline,
         1 - float(np.minimum(off, 1).mean()),
@@ -51,13 +51,13 @@ def compare(seen: Observation, shown: Rendering, size: ArrayLike, native: ArrayL
 
 def outline_agreement(seen: Observation, shown: Rendering, ratio: float) -> float:
     """Intersection over union of the outlines, over the cells where the candidate could be seen."""
-    visible = ~((shown.cover > 0) & seen.hides(shown.depth * ratio))
+    visible = ~((shown.cover > 0) & seen.find_hidden(shown.depth * ratio))
     mask = seen.mask.astype(np.float32)
     union = np.maximum(mask, shown.cover)[visible].sum()
     return float(np.minimum(mask, shown.cover)[visible].sum() / union) if union else 0.0
 
 
-def inner(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def erode_mask(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Cells that do not lie at the outline."""
     return cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
 

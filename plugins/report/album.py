@@ -1,4 +1,4 @@
-"""Pictures for a page: made smaller, and written into the HTML itself."""
+"""Pictures for a page, scaled down and embedded in the HTML."""
 
 import base64
 import io
@@ -25,13 +25,13 @@ class Picture:
 
 @dataclass(frozen=True)
 class Animation:
-    """A film, and the picture that stands for it where nothing should move."""
+    """A film, and the still picture shown where nothing should move."""
 
     film: Picture
     still: Picture
 
 
-def _embedded(data: bytes, size: tuple[int, int], alt: str) -> Picture:
+def _embed_picture(data: bytes, size: tuple[int, int], alt: str) -> Picture:
     return Picture(f"data:image/webp;base64,{base64.b64encode(data).decode('ascii')}", *size, alt)
 
 
@@ -54,7 +54,7 @@ class Album:
         """A picture that is small enough."""
         buffer = io.BytesIO()
         picture.save(buffer, "WEBP", quality=self.quality, method=4)
-        return _embedded(buffer.getvalue(), picture.size, alt)
+        return _embed_picture(buffer.getvalue(), picture.size, alt)
 
     def thumbnail(self, picture: Image.Image | None, alt: str) -> Picture | None:
         """A small picture, if there is one."""
@@ -77,4 +77,4 @@ class Album:
         except (OSError, SyntaxError, ValueError) as error:
             what = f"is not a readable film ({error.__class__.__name__})."
             raise InputError(path, what, "make it again", "E-FILM-UNREADABLE") from None
-        return Animation(_embedded(path.read_bytes(), last.size, alt), self.put(last, f"{alt}: the last frame"))
+        return Animation(_embed_picture(path.read_bytes(), last.size, alt), self.put(last, f"{alt}: the last frame"))

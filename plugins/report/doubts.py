@@ -1,4 +1,4 @@
-"""What the files of a scene tell that may be wrong, and what is only worth knowing: for pages that report and correct.
+"""Doubts about a scene, and mere notes, from its files: for the pages of the report and of corrections.
 
 A doubt is what a person can mend. docs/errors.md lists all of them with their limits.
 """
@@ -23,14 +23,14 @@ def describe_mounting(mounting: Mounting) -> str:
 
 
 def mountings_agree(item: SceneObject) -> bool:
-    """Whether the input states of the mounting what geometry finds; the order of walls does not count."""
-    said, measured = item.mounting, item.measured_mounting
-    assert said is not None and measured is not None
-    return said.type == measured.type and set(said.walls) == set(measured.walls)
+    """Whether the stated mounting is the one that geometry finds; the order of walls does not count."""
+    stated, measured = item.mounting, item.measured_mounting
+    assert stated is not None and measured is not None
+    return stated.type == measured.type and set(stated.walls) == set(measured.walls)
 
 
 class Group(NamedTuple):
-    """Doubts of one cause: what a person can do, and the things with what may be wrong with each."""
+    """Doubts of one cause: what a person can do, and the objects with the doubt about each."""
 
     cause: Cause
     mend: str
@@ -38,7 +38,7 @@ class Group(NamedTuple):
 
 
 def group_doubts(found: Collection[tuple[str, Doubt]]) -> list[Group]:
-    """Of things and a doubt each; gravest first."""
+    """Group pairs of object and doubt by cause; gravest first."""
     groups = []
     for cause, mend in MEND.items():
         items: dict[str, list[str]] = {}
@@ -53,7 +53,7 @@ def group_doubts(found: Collection[tuple[str, Doubt]]) -> list[Group]:
 def collect_doubts(
     entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects
 ) -> list[Doubt]:
-    """What may be wrong with an object and a person can mend, gravest first; not what a person says."""
+    """Doubts about an object that a person can mend, gravest first; nothing that a person has stated."""
     found = list(entry.doubts)
     found += [one for one in item.doubts if not (one.cause == "size" and "size" in item.told)]
     if item.note:
@@ -69,7 +69,7 @@ def collect_doubts(
         differs = entry.cousins[0].differs if entry.cousins else ""
         return sort_by_gravity(found + ([DoubtKind.OPENINGS.of(what=differs)] if differs else []))
     found += placed.doubts
-    if "size" not in item.told and (juts := _juts(placed, item)) > DoubtKind.JUTS.threshold:
+    if "size" not in item.told and (juts := _measure_protrusion(placed, item)) > DoubtKind.JUTS.threshold:
         found.append(DoubtKind.JUTS.of(distance=100 * juts))
     if placed.moved > DoubtKind.PUSHED.threshold:
         found.append(DoubtKind.PUSHED.of(distance=100 * placed.moved))
@@ -79,7 +79,7 @@ def collect_doubts(
 
 
 def collect_notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) -> list[str]:
-    """What is worth knowing of an object, and nobody needs to act on."""
+    """Notes about an object that need no action."""
     found = [entry.note] if entry.note else []
     if not entry.cousins[0].fits:
         found.append("no model fits what is seen of it: ordered by name, doors and drawers, size and place alone")
@@ -94,7 +94,7 @@ def collect_notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject 
     return found
 
 
-def _juts(placed: PlacedObject, item: SceneObject) -> float:
+def _measure_protrusion(placed: PlacedObject, item: SceneObject) -> float:
     """Metres by which a model reaches farther to its front than what is seen of the object, as it is deeper.
 
     0: its front faces away from the camera, which stands at x = y = 0; there nothing was seen.

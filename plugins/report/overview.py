@@ -6,7 +6,7 @@ from plugins.report.page.overview import Layout, count_failures, row
 from plugins.report.report import link_there_and_back, script
 from stages.contracts.files import write_text
 from stages.tables.markup import environment
-from stages.tables.order import natural
+from stages.tables.order import sort_key
 from stages.tables.text import NOT_RUN
 
 
@@ -33,7 +33,7 @@ def run(
     """
     layout = Layout(results, logs, variant)
     links = {path.stem: link_there_and_back(path, out) for path in pages}
-    rows = [row(scene, layout, links.get(scene, "")) for scene in sorted(scenes, key=natural)]
+    rows = [row(scene, layout, links.get(scene, "")) for scene in sorted(scenes, key=sort_key)]
     page = environment("plugins.report").get_template("page/overview.html.jinja")
     waiting = sum(one.stopped is not None and one.stopped.reason == NOT_RUN for one in rows)
     stopped = sum(one.stopped is not None for one in rows) - waiting

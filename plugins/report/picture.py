@@ -45,7 +45,7 @@ def run(
         room=room,
         found=single.input_facts(declared, room.name, camera, album),
         doubts=[
-            (single.doubts(room, one), single.further_doubts(one), single.notes(one))
+            (single.doubts(room, one), single.list_further_doubts(one), single.notes(one))
             for one in (*room.reconstructions,) or (None,)
         ],
         links=single.links(declared, room.name, out),

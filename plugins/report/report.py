@@ -24,10 +24,10 @@ from stages.contracts.files import read_options, read_text, write_text
 from stages.tables import policy_tables, robustness, scene_tables, table2, table3
 from stages.tables.cells import CELL
 from stages.tables.markup import Table, environment
-from stages.tables.methods import beside_ours, kinds_of
+from stages.tables.methods import join_published, kinds_of
 from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_policies, read_table
-from stages.tables.scenes import named
+from stages.tables.scenes import parse_comparisons
 from stages.tables.text import number
 
 TIMES_PAGE, CONFIG_PAGE = "times.html", "config.yaml"
@@ -69,7 +69,7 @@ def _frames(files: RunFiles) -> dict[str, pd.DataFrame]:
     """The CSV tables of the run that have rows, by name; integers with missing values stay integers."""
     found = {}
     for name, columns in COLUMNS.items():
-        if path := files.one(f"tables/{name}.csv"):
+        if path := files.find_first(f"tables/{name}.csv"):
             table = read_table(path, columns, ["scene", "variant", "judge", *CELL, "task"])
             found[name] = table.convert_dtypes(
                 infer_objects=False, convert_string=False, convert_boolean=False, convert_floating=False
@@ -79,7 +79,7 @@ def _frames(files: RunFiles) -> dict[str, pd.DataFrame]:
 
 def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: PolicyTables) -> str:
     album, frames = Album(options.picture_width, options.picture_quality), _frames(files)
-    kinds, trainings = kinds_of(options), read_trainings(files.one("tables/trainings.csv"))
+    kinds, trainings = kinds_of(options), read_trainings(files.find_first("tables/trainings.csv"))
     notes = [*policy_notes(options), *failed_note(trainings)]
     trained = [trainings_table(trainings)] if len(trainings) else []
 
@@ -87,14 +87,14 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
         return [form(frames[name], *more)] if name in frames else []
 
     judged, cells = frames.get("table3_claims"), frames.get("table3_cells")
-    over_assets = result.over_assets(frames.get("assets"), judged, kinds)
-    by_role = result.over_roles(cells, judged, kinds)
+    over_assets = result.compare_over_assets(frames.get("assets"), judged, kinds)
+    by_role = result.compare_over_roles(cells, judged, kinds)
     first = [*over_assets, *(each for each in by_role if each.target not in {one.target for one in over_assets})]
-    paper = None if cells is None else beside_ours(published_policies(published), cells, options)
+    paper = None if cells is None else join_published(published_policies(published), cells, options)
     models, targets = library.collect(files, album), policies.collect(files, album, options.confidence)
     shown = rooms.collect(files, album)
     opened = [room for target in targets for room in shown if room.name == target.scene]
-    drawings = {name: (files.one(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
+    drawings = {name: (files.find_first(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
     return (
         environment("plugins.report")
         .get_template("page/page.html.jinja")
@@ -102,7 +102,7 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
             **facts,
             first=next(iter([*opened, *shown]), None),
             results=first,
-            came_out=result.came_out(shown, models.models if models else 0, first, len(trainings)),
+            came_out=result.describe_outcome(shown, models.models if models else 0, first, len(trainings)),
             roles=[each for each in by_role if each not in first],
             rooms=shown,
             library=models,
@@ -168,10 +168,12 @@ def run(
         options: JSON of the config section `tables`, and of what the policies are.
     """
     settings = read_options(PolicyTables, options)
-    declared = RunFiles(files, {room: path for (room, _), path in named(images, "--images").items()})
+    declared = RunFiles(files, {room: path for (room, _), path in parse_comparisons(images, "--images").items()})
     facts: dict[str, Any] = {"title": title, "config_page": CONFIG_PAGE if config else "", "seed": seed, "more": more}
     facts |= {"viewer": link_to(viewer, out)}
-    facts |= {"pages": {path.stem: link_there_and_back(path, out) for path in declared.all("report/scenes/*.html")}}
+    facts |= {
+        "pages": {path.stem: link_there_and_back(path, out) for path in declared.find_all("report/scenes/*.html")}
+    }
     page = _page(declared, published, facts, settings)
     jobs = read_jobs(benchmarks, benchmarks_root)
     tables = [times_table(by_stage(jobs, STAGES)), longest_table(jobs)] if len(jobs) else []

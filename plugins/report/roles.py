@@ -4,14 +4,14 @@ from collections import Counter
 from collections.abc import Iterable
 
 from stages.contracts.policies import TaskAsset, TaskAssets
-from stages.contracts.training_sets import DRAW, DRAWN, RANDOMISED, SetName, is_set, plain, read_set
+from stages.contracts.training_sets import DRAW, DRAWN, RANDOMISED, SetName, is_set, read_set, strip_randomised
 from stages.tables.markup import Table
 from stages.tables.order import title
 from stages.tables.text import cell, number
 
 
 def role_title(role: str) -> str:
-    """A role for people; random_3 is one asset, as a training set it is three; random_19 is the third of draw 2."""
+    """The title of a role. The role random_3 is one asset, the set three; random_19 is the third of draw 2."""
     rule, place, randomised = read_set(role) if is_set(role) else SetName(role, 1, False)
     if rule not in DRAWN:
         return title(role)
@@ -30,22 +30,22 @@ def by_role(chosen: TaskAssets) -> dict[str, TaskAsset]:
 
 
 def used_roles(chosen: TaskAssets, demonstrated: Iterable[str]) -> dict[str, TaskAsset]:
-    """`by_role` without what was drawn and is not demonstrated on."""
-    used = set(map(plain, demonstrated))
+    """`by_role` without drawn assets that have no demonstrations."""
+    used = set(map(strip_randomised, demonstrated))
     return {role: asset for role, asset in by_role(chosen).items() if role in used or role not in chosen.drawn_roles()}
 
 
-def demonstrated_assets(chosen: TaskAssets, roles: Iterable[str]) -> list[TaskAsset]:
+def list_demonstrated_assets(chosen: TaskAssets, roles: Iterable[str]) -> list[TaskAsset]:
     """The assets on which the demonstrations of some roles are collected, randomised or not."""
-    known, names = by_role(chosen), list(dict.fromkeys(map(plain, roles)))
+    known, names = by_role(chosen), list(dict.fromkeys(map(strip_randomised, roles)))
     return [*(known[name] for name in names if name in known), *(chosen.all_assets if "all" in names else [])]
 
 
 def roles_table(chosen: TaskAssets, demonstrated: Iterable[str], name: str, caption: str) -> Table:
     """A row per role; `demonstrated`: roles on which demonstrations are collected, `all` for all of `all_assets`."""
     roles = set(demonstrated)
-    handles = {handle_kind(asset) for asset in demonstrated_assets(chosen, roles)}
-    in_all = {asset.asset for asset in chosen.all_assets} if "all" in map(plain, roles) else set()
+    handles = {handle_kind(asset) for asset in list_demonstrated_assets(chosen, roles)}
+    in_all = {asset.asset for asset in chosen.all_assets} if "all" in map(strip_randomised, roles) else set()
     rows = []
     for role, asset in used_roles(chosen, roles).items():
         length = f"{100 * asset.handle_length:.0f} cm, at {100 * asset.handle_height:.0f} % of the front"

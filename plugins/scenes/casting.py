@@ -11,7 +11,7 @@ from plugins.scenes.layout import Layout, arrange
 from plugins.scenes.recipe import Room
 from stages.contracts import Asset, InputError
 
-ATTEMPTS = 400  # draws of a room before it is said not to fit; chosen for time
+ATTEMPTS = 400  # draws of a room before it is refused as one that does not fit; chosen for time
 SALT = 0x5CE7E  # keeps this draw apart from others with the same seed
 
 
@@ -40,7 +40,7 @@ def choose_models(
     chosen: dict[str, Asset] = {}
     left = {name: asset for name, asset in models.items() if name in free}
     for item in room.items:
-        able = [name for name, one in left.items() if one.category == item.category and item.model.fits(one)]
+        able = [name for name, one in left.items() if one.category == item.category and item.model.accepts(one)]
         if not able:
             raise InputError(
                 library,

@@ -45,7 +45,7 @@ def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, op
         boxes = [standing.box for standing in layout.standing.values()]
         points = np.concatenate([corners(box) for box in boxes])
         camera = frame(points, drawn.camera, options.width, options.height, MARGIN)
-        if all_seen(boxes, *camera, options.width, options.height):
+        if are_all_seen(boxes, *camera, options.width, options.height):
             return CastRoom(drawn, layout, assets)
     raise InputError(
         library, f"{room.name}: no draw of models and places fits.", "change the seed", code="E-ROOM-LAYOUT"
@@ -55,7 +55,7 @@ def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, op
 def redraw_recipe(room: Room, rng: Rng, reach: float = 1.0) -> Room:
     """The recipe, perhaps mirrored, with everything moved by up to `reach` of what is allowed."""
     mirror = bool(rng.random() < 0.5)
-    items = tuple(_moved(_mirrored(item) if mirror else item, rng, reach) for item in room.items)
+    items = tuple(_move_item(_mirror_item(item) if mirror else item, rng, reach) for item in room.items)
     stand = room.camera
     camera = CameraStand(
         azimuth=(-1 if mirror else 1) * stand.azimuth + AZIMUTH * reach * rng.uniform(-1, 1),
@@ -73,7 +73,7 @@ def colours(rng: Rng) -> dict[str, Colour]:
     return {"wall_colour": wall, "floor_colour": floor}
 
 
-def _mirrored(item: Item) -> Item:
+def _mirror_item(item: Item) -> Item:
     """Left and right exchanged."""
     place: Place = item.place
     if isinstance(place, Against):
@@ -91,7 +91,7 @@ def _mirrored(item: Item) -> Item:
     return item.model_copy(update={"place": place})
 
 
-def _moved(item: Item, rng: Rng, reach: float) -> Item:
+def _move_item(item: Item, rng: Rng, reach: float) -> Item:
     a, b, c = (reach * rng.uniform(-1, 1, 3)).tolist()
     place: Place = item.place
     if isinstance(place, Against):
@@ -107,7 +107,7 @@ def _moved(item: Item, rng: Rng, reach: float) -> Item:
     return item.model_copy(update={"place": place})
 
 
-def all_seen(
+def are_all_seen(
     boxes: Sequence[UprightBox],
     intrinsics: NDArray[np.float64],
     world_from_camera: NDArray[np.float64],

@@ -11,7 +11,7 @@ from stages.geometry.frames import apply, inverse
 Matrix = NDArray[np.float64]
 
 
-def _aimed(eye: Matrix, points: Matrix, intrinsics: Matrix) -> Matrix:
+def _aim_camera(eye: Matrix, points: Matrix, intrinsics: Matrix) -> Matrix:
     """`world_from_camera` at `eye` that has the points' picture in its centre."""
     target = points.mean(axis=0)
     centre = intrinsics[:2, 2]
@@ -44,9 +44,9 @@ def frame(points: Matrix, stand: CameraStand, width: int, height: int, margin: f
     line = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
 
     def pose(distance: float) -> Matrix:
-        return _aimed(np.array([middle[0], middle[1], stand.height]) + distance * line, points, intrinsics)
+        return _aim_camera(np.array([middle[0], middle[1], stand.height]) + distance * line, points, intrinsics)
 
-    def excess(distance: float) -> float:
+    def measure_excess(distance: float) -> float:
         """By how much of the picture's size the points stick out of the margins."""
         pixels = project(apply(inverse(pose(distance)), points), intrinsics)
         if not np.isfinite(pixels).all():
@@ -54,4 +54,4 @@ def frame(points: Matrix, stand: CameraStand, width: int, height: int, margin: f
         size = np.array([width - 1, height - 1])
         return float(np.abs(pixels / size - 0.5).max() - (0.5 - margin))
 
-    return intrinsics, pose(float(brentq(excess, a=1.0, b=30.0, xtol=1e-4)))
+    return intrinsics, pose(float(brentq(measure_excess, a=1.0, b=30.0, xtol=1e-4)))

@@ -41,7 +41,7 @@ def scale_of(centers: NDArray[np.float64]) -> float:
     return float(max(np.linalg.norm(a - b) for a, b in combinations(centers, 2)))
 
 
-def _at_wall(wall: WallName, along: float, away: float, z: float, half_width: float) -> NDArray[np.float64]:
+def _place_at_wall(wall: WallName, along: float, away: float, z: float, half_width: float) -> NDArray[np.float64]:
     """The point `along` a wall and `away` from it."""
     if wall == "back":
         return np.array([away, along, z])
@@ -53,31 +53,31 @@ def _place(item: Item, size: Size, room: Room, done: Mapping[str, PlacedItem], s
     half_width = room.half_width * stretch
     place, support = item.place, "floor"
     if isinstance(place, Beside):
-        place = _beside(place, size, room, done, stretch)
+        place = _place_beside(place, size, room, done, stretch)
     if isinstance(place, Against):
-        center = _at_wall(place.against, place.along * stretch, place.gap + depth / 2, height / 2, half_width)
+        center = _place_at_wall(place.against, place.along * stretch, place.gap + depth / 2, height / 2, half_width)
         yaw = WALL_YAW[place.against]
     elif isinstance(place, Hung):
-        center = _at_wall(place.hung, place.along * stretch, depth / 2, place.z, half_width)
+        center = _place_at_wall(place.hung, place.along * stretch, depth / 2, place.z, half_width)
         yaw, support = WALL_YAW[place.hung], "wall"
     elif isinstance(place, Floor):
         center = np.array([place.floor[0] * stretch, place.floor[1] * stretch, height / 2])
         yaw = np.deg2rad(place.yaw)
     else:
         below = done[place.on_top].box
-        free = (below.size[:2] - _turned_extent(size, np.deg2rad(place.yaw))) / 2
+        free = (below.size[:2] - _turn_extent(size, np.deg2rad(place.yaw))) / 2
         offset = yaw_matrix(below.yaw) @ [place.forward * free[0], place.right * free[1], 0]
         center = np.array([*(below.center + offset)[:2], below.top + height / 2])
         yaw, support = below.yaw + np.deg2rad(place.yaw), place.on_top
     return PlacedItem(item, UprightBox(center, np.array(size), float(yaw)), support)
 
 
-def _turned_extent(size: Size, yaw: float) -> NDArray[np.float64]:
+def _turn_extent(size: Size, yaw: float) -> NDArray[np.float64]:
     c, s = abs(np.cos(yaw)), abs(np.sin(yaw))
     return np.array([c * size[0] + s * size[1], s * size[0] + c * size[1]])
 
 
-def _beside(place: Beside, size: Size, room: Room, done: Mapping[str, PlacedItem], stretch: float) -> Against:
+def _place_beside(place: Beside, size: Size, room: Room, done: Mapping[str, PlacedItem], stretch: float) -> Against:
     """The same wall, next to the other item. Facing a side wall, `right` runs along -x (left wall) or +x."""
     other = done[place.beside]
     wall = next(name for name, yaw in WALL_YAW.items() if np.isclose(yaw, other.box.yaw))
@@ -99,17 +99,17 @@ def place_all(room: Room, sizes: Mapping[str, Size], stretch: float) -> Layout:
 def arrange(room: Room, sizes: Mapping[str, Size]) -> Layout | None:
     """The room stretched so that its scale is exact; None if these models do not fit into it."""
 
-    def excess(stretch: float) -> float:
+    def measure_excess(stretch: float) -> float:
         layout = place_all(room, sizes, stretch)
         return scale_of(np.array([standing.box.center for standing in layout.standing.values()])) - room.scale
 
-    if excess(STRETCH[0]) > 0 or excess(STRETCH[1]) < 0:
+    if measure_excess(STRETCH[0]) > 0 or measure_excess(STRETCH[1]) < 0:
         return None
-    layout = place_all(room, sizes, float(brentq(excess, *STRETCH, xtol=1e-6)))
-    return layout if fits(layout, room) else None
+    layout = place_all(room, sizes, float(brentq(measure_excess, *STRETCH, xtol=1e-6)))
+    return layout if is_valid_layout(layout, room) else None
 
 
-def fits(layout: Layout, room: Room) -> bool:
+def is_valid_layout(layout: Layout, room: Room) -> bool:
     """No two boxes overlap, all are inside the room, and what lies on something lies on it wholly."""
     standing = list(layout.standing.values())
     plans = {one.item.name: footprint(one.box) for one in standing}

@@ -10,11 +10,11 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field
 
 from stages.contracts.library import Asset
 from stages.contracts.look import Colour
-from stages.contracts.section import Positive, ordered
+from stages.contracts.section import Positive, check_range
 
 WallName = Literal["back", "left", "right"]
-Range = Annotated[tuple[float, float], AfterValidator(ordered)]
-Counts = Annotated[tuple[int, int], AfterValidator(ordered)]
+Range = Annotated[tuple[float, float], AfterValidator(check_range)]
+Counts = Annotated[tuple[int, int], AfterValidator(check_range)]
 ANY: Range = (0.0, 99.0)
 
 
@@ -99,7 +99,7 @@ class ModelConstraints(RecipePart):
         wishes = [f"{name} {getattr(self, name)}" for name in type(self).model_fields if name in self.model_fields_set]
         return ", ".join(wishes) or "any size"
 
-    def fits(self, asset: Asset) -> bool:
+    def accepts(self, asset: Asset) -> bool:
         """Whether the model will do."""
         numbers = [
             (asset.doors, self.doors),
@@ -142,7 +142,7 @@ class Room(RecipePart):
     floor_colour: Colour = (0.62, 0.45, 0.30)
 
     @model_validator(mode="after")
-    def _consistent(self) -> "Room":
+    def _check_items(self) -> "Room":
         before: dict[str, Item] = {}
         for item in self.items:
             place = item.place

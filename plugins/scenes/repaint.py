@@ -42,7 +42,7 @@ def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, se
     """
     rng = np.random.default_rng(np.random.SeedSequence((seed, SALT)))
     for _ in range(ATTEMPTS):
-        sizes = {name: _stretched(asset.size, rng) for name, asset in cast_room.assets.items()}
+        sizes = {name: _stretch_size(asset.size, rng) for name, asset in cast_room.assets.items()}
         layout = arrange(cast_room.room, sizes)
         if layout is not None:
             break
@@ -61,7 +61,7 @@ def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, se
     return replace(cast_room, room=room, layout=layout, assets=assets), Look(folders, light, gain)
 
 
-def _stretched(size: Vector, rng: Rng) -> Vector:
+def _stretch_size(size: Vector, rng: Rng) -> Vector:
     x, y, z = (np.array(size) * (1 + CHANGE * rng.uniform(-1, 1, 3))).tolist()
     return x, y, z
 

@@ -28,7 +28,7 @@ NEAREST = 0.3  # metres: what is nearer counts as far as this
 
 
 def network_input(depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame: Array) -> NDArray[np.float32]:
-    """What the network sees of a picture, (CHANNELS, H, W).
+    """The input of the network for a picture, (CHANNELS, H, W).
 
     Args:
         depth: (H, W) metres, 0: unknown.
@@ -45,7 +45,7 @@ def network_input(depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame
 
 
 def estimate_normals(points: Array, known: NDArray[np.bool_], camera: Array) -> Array:
-    """Unit normals (H, W, 3) towards the camera (3,) of points (H, W, 3), 0 where `known` (H, W) says too little."""
+    """Unit normals (H, W, 3) towards the camera (3,) of points (H, W, 3), 0 where too few are `known` (H, W)."""
     reach = max(1, round(points.shape[1] / 160))
     size = (2 * reach + 1, 2 * reach + 1)
     weight = cv2.blur(known.astype(float), size)

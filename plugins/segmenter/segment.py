@@ -33,7 +33,7 @@ ON_WALL = 0.06  # metres off a wall's plane, at 3 m
 
 @dataclass(frozen=True)
 class Pieces:
-    """`values` (H, W) uint16, 0: nothing; score by value of each thing; values of the floor and of the walls."""
+    """Masks as `values` (H, W) uint16, 0: nothing; the score of each thing by value; the values of floor and walls."""
 
     values: NDArray[np.uint16]
     things: dict[int, float]
@@ -77,7 +77,7 @@ def predict(depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame: Arra
 
 
 def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array, max_tilt: float) -> Pieces | None:
-    """Things, floor and walls of a picture; None: no ground is seen.
+    """Cut a picture into things, floor and walls; None: it shows no ground.
 
     Args:
         depth: (H, W) metres, 0: unknown.
@@ -115,13 +115,13 @@ def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array, m
 
 
 def score_piece(piece: Mask, prediction: Prediction) -> float:
-    """How sure it is that a piece (h, w) is a thing, and that its pixels are one: 0 to 1."""
+    """Confidence in [0, 1] that a piece (h, w) is a thing, and that its pixels belong together."""
     inside = (1 / (1 + np.exp(-prediction.same[:4])))[:, piece].mean()
     return float(prediction.classes[THING][piece].mean() * inside)
 
 
 def drop_small(labels: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The pieces (h, w) of some size, their holes filled, numbered anew from 0 on; -1: none."""
+    """The pieces (h, w) of at least `LEAST_PIXELS`, holes filled, largest first from 0; -1: none."""
     counts = np.bincount(labels[labels >= 0], minlength=1)
     kept = np.full_like(labels, -1)
     for number, label in enumerate(np.argsort(-counts, kind="stable")[: int((counts >= LEAST_PIXELS).sum())]):
@@ -132,7 +132,7 @@ def drop_small(labels: NDArray[np.int64]) -> NDArray[np.int64]:
 def look_again(
     labels: NDArray[np.int64], depth: Array, rgb: NDArray[np.uint8], intrinsics: Array, frame: Array
 ) -> NDArray[np.int64]:
-    """Pieces (h, w), those with a level top looked at again with the top as the floor: what stands on it comes off it.
+    """Segment pieces (h, w) with a level top again, with that top as the floor, to separate what stands on it.
 
     Args:
         labels: of `join_pixels`, at half the picture's size.
@@ -153,7 +153,7 @@ def look_again(
         looked += 1
         prediction = predict(depth, rgb, intrinsics, rigid(np.eye(3), [0, 0, -top]) @ frame)
         on_top = np.abs(points[..., 2] - top) < OFF_TOP * depth[::STRIDE, ::STRIDE]
-        over = known & _above(points, piece & upward & on_top)
+        over = known & _find_above(points, piece & upward & on_top)
         over &= (labels == label) | (labels < 0)
         over &= points[..., 2] > top + OFF_TOP * depth[::STRIDE, ::STRIDE]
         over &= prediction.classes.argmax(axis=0) == THING
@@ -163,7 +163,7 @@ def look_again(
 
 
 def find_top(heights: Array, piece: Mask, upward: Mask) -> float | None:
-    """The height of a piece's level top, metres, if `TOP` of it is level at one height; `upward`: its level pixels."""
+    """The height in metres of a piece's level top, if a share of `TOP` lies at it; `upward`: its level pixels."""
     if upward.sum() < max(2 * LEAST_PIXELS, TOP * piece.sum()):
         return None
     top = float(np.median(heights[upward]))
@@ -171,7 +171,7 @@ def find_top(heights: Array, piece: Mask, upward: Mask) -> float | None:
     return float(np.median(heights[near])) if near.sum() >= TOP * piece.sum() else None
 
 
-def _above(points: Array, top: Mask) -> Mask:
+def _find_above(points: Array, top: Mask) -> Mask:
     """Pixels (h, w) whose points (h, w, 3) are over the convex hull of the top's, from above."""
     corners = sample_points(points[top], np.random.default_rng(0))[:, :2]
     try:
@@ -181,7 +181,7 @@ def _above(points: Array, top: Mask) -> Mask:
 
 
 def mask_walls(points: Array, known: Mask, behind: Mask, camera_height: float) -> list[Mask]:
-    """The pixels (H, W) of each wall plane in points (H, W, 3), level frame; `behind`: those that may be of one."""
+    """The pixels (H, W) of each wall plane in points (H, W, 3), level frame; `behind`: the candidates."""
     planes = find_walls(points[known], behind[known], camera_height, np.random.default_rng(0))
     masks, free = [], behind & known
     size = 2 * (known.shape[1] // 160) + 1

@@ -11,7 +11,7 @@ def run(
     seed: int = 0,
     training: TrainingOptions = TrainingOptions(),  # noqa: B008 frozen
 ) -> None:
-    """Write segmenter.safetensors and metrics.jsonl; what was interrupted goes on.
+    """Write segmenter.safetensors and metrics.jsonl; an interrupted run is resumed.
 
     Args:
         out: the folder.

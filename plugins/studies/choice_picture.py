@@ -15,7 +15,7 @@ from plugins.pictures.roles import representatives
 from plugins.studies.choice import Choice
 from plugins.studies.choice_report import share
 from plugins.studies.coverage import HEIGHT, WIDTH
-from stages.contracts import atomic
+from stages.contracts import write_atomically
 from stages.contracts.policies import TaskAsset
 
 WIDTHS = (10, 15, 20, 30, 40, 60, 80, 120, 160)  # cm, on the axis
@@ -36,7 +36,7 @@ def write_picture(path: Path, choice: Choice, pool: Sequence[TaskAsset], snapsho
         axes.set_title(f"{number + 1}  {model.asset}", fontsize=8)
         if model.asset in views:
             axes.imshow(views[model.asset])
-    with atomic(path) as temporary:
+    with write_atomically(path) as temporary:
         figure.savefig(temporary, format="png", dpi=110, metadata={"Software": None})
     plt.close(figure)
 

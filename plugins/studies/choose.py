@@ -12,7 +12,7 @@ from plugins.studies.choice_report import report
 from plugins.studies.coverage import CURVES, find_isolated, forecast_mean, measure_coverage, most_covered
 from stages.contracts import InputError, read_json, write_json
 from stages.contracts.cousins import Distances
-from stages.contracts.errors import nearest
+from stages.contracts.errors import suggest_nearest
 from stages.contracts.library import Vector
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import TaskAsset
@@ -86,7 +86,7 @@ def read_away(distances: Path | None, like: str | None) -> dict[str, float]:
         raise InputError("--rule nearest", what, fix, code="E-CHOOSE-NEAREST")
     known = read_json(Distances, distances)
     if like not in known.distances:
-        what, fix = f"has no distances from {like}.", nearest(like, known.distances)
+        what, fix = f"has no distances from {like}.", suggest_nearest(like, known.distances)
         raise InputError(distances, what, fix, code="E-CHOOSE-NEAREST")
     return known.from_asset(like)
 
@@ -98,7 +98,7 @@ def read_pool(
     folders, front = AssetFolders(library), None
     if like is not None:
         if like not in folders:
-            raise InputError(library, f"has no asset {like!r}.", nearest(like, folders), code="E-LIBRARY-ASSET")
+            raise InputError(library, f"has no asset {like!r}.", suggest_nearest(like, folders), code="E-LIBRARY-ASSET")
         front, box = kind.target_joint(folders[like]), box or folders.asset(like).size
         if front is None:
             what = f"has {like!r}, which has no {kind.role} with a handle."

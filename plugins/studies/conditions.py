@@ -10,7 +10,7 @@ from stages.config.evaluation import USUAL
 from stages.config.tables import MethodTables, TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
-from stages.tables.cells import CELL, gains, in_order, rates
+from stages.tables.cells import CELL, in_order, rates, tabulate_gains
 from stages.tables.markup import Table
 from stages.tables.methods import read_pooled
 from stages.tables.order import SKILL, row_title, title
@@ -65,7 +65,9 @@ def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """
     by = [*CELL, "condition"]
     table = rates(rollouts, by, options)
-    differences = gains(rollouts, CELL, "condition", USUAL, options, same=True)[[*by, *ENDS]].rename(columns=ENDS)
+    differences = tabulate_gains(rollouts, CELL, "condition", USUAL, options, same=True)[[*by, *ENDS]].rename(
+        columns=ENDS
+    )
     merged = table.merge(differences, "left", by)[COLUMNS]
     usual_first = merged.sort_values("condition", key=lambda names: names.where(names != USUAL, ""))
     return in_order(usual_first)
@@ -76,7 +78,7 @@ def against_baselines(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataF
     within = ["target", "task", "policy", "test_asset", "condition"]
     policies = rollouts[rollouts["training_set"] != SKILL]
     parts = [
-        gains(policies, within, "training_set", baseline, options).assign(baseline=baseline)
+        tabulate_gains(policies, within, "training_set", baseline, options).assign(baseline=baseline)
         for baseline in BASELINES.values()
     ]
     return pd.concat(parts, ignore_index=True)

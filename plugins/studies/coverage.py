@@ -19,7 +19,7 @@ class Curve(NamedTuple):
     level: float
     slope: float
 
-    def at(self, distances: ArrayLike) -> NDArray[np.float64]:
+    def predict(self, distances: ArrayLike) -> NDArray[np.float64]:
         """Expected share of successes at each distance, (n,) in (0, 1); it falls with distance."""
         odds = np.exp(self.level - self.slope * np.asarray(distances, dtype=np.float64))
         return odds / (1 + odds)
@@ -45,7 +45,7 @@ def distances(unseen: Sequence[TaskAsset], shown: Sequence[TaskAsset]) -> NDArra
     return np.linalg.norm(places(unseen)[:, None] - places(shown)[None], axis=2)
 
 
-def nearest(unseen: Sequence[TaskAsset], shown: Sequence[TaskAsset]) -> NDArray[np.float64]:
+def measure_nearest(unseen: Sequence[TaskAsset], shown: Sequence[TaskAsset]) -> NDArray[np.float64]:
     """(n,) distances of unseen assets to the nearest that training shows, of which there is one at least."""
     return distances(unseen, shown).min(axis=1)
 
@@ -56,7 +56,7 @@ def forecast(task: str, unseen: Sequence[TaskAsset], shown: Sequence[TaskAsset])
     Args:
         task: one of `CURVES`.
     """
-    return CURVES[task].at(nearest(unseen, shown))
+    return CURVES[task].predict(measure_nearest(unseen, shown))
 
 
 def forecast_mean(task: str, unseen: Sequence[TaskAsset], shown: Sequence[TaskAsset]) -> float:
@@ -66,7 +66,7 @@ def forecast_mean(task: str, unseen: Sequence[TaskAsset], shown: Sequence[TaskAs
 
 def measure_coverage(assets: Sequence[TaskAsset], shown: Sequence[TaskAsset], reach: float) -> float:
     """The share of the assets that lie within a distance of one that is shown."""
-    return float((nearest(assets, shown) <= reach).mean())
+    return float((measure_nearest(assets, shown) <= reach).mean())
 
 
 class Most(NamedTuple):
@@ -80,7 +80,7 @@ def most_covered(assets: Sequence[TaskAsset], count: int, reach: float) -> Most:
     """What `count` of the assets can cover of all of them.
 
     A set covers at most what another covers, and beside that what each of its members alone would add: so after every
-    step of the greedy choice there is a bound, and the least of them is told.
+    step of the greedy choice there is a bound, and the least of them is returned.
     """
     near = distances(assets, assets) <= reach
     found, bound = np.zeros(len(assets), dtype=bool), float(len(assets))

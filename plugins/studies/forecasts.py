@@ -17,7 +17,7 @@ AGREEMENT = ["condition", "task", "cells", "measured", "forecast", "error", "cor
 BINS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
-def agreement(cells: pd.DataFrame) -> pd.DataFrame:
+def measure_agreement(cells: pd.DataFrame) -> pd.DataFrame:
     """A row with `AGREEMENT` per condition and task, over its policies that have run and have a forecast.
 
     error: mean absolute difference; slope: of measured against forecast success, 1 where the forecast is calibrated.

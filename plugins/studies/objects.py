@@ -36,7 +36,7 @@ class Estimate(NamedTuple):
 
 
 def pair_cells(ours: pd.DataFrame, theirs: pd.DataFrame) -> pd.DataFrame:
-    """`success` of ours minus theirs, where both met the same asset of the same object with the same training seed."""
+    """`success` of ours minus theirs, for the same asset of the same object and the same training seed."""
     both = ours.merge(theirs, on=ROLLOUT, suffixes=("", "_theirs"))
     return both[ROLLOUT].assign(success=both["success"].astype(float) - both["success_theirs"].astype(float))
 
@@ -66,12 +66,12 @@ def standard_error(rows: pd.DataFrame) -> float:
     weights = 1 / (len(means) * rows.groupby("object")["success"].transform("size"))
     shares = (weights * (rows["success"] - means.mean())).to_numpy()
 
-    def between(*names: str) -> float:
+    def sum_squares(*names: str) -> float:
         sums = pd.Series(shares).groupby([rows[name].to_numpy() for name in names]).sum()
         return float((sums**2).sum() * len(sums) / (len(sums) - 1))
 
-    objects = between("object")
-    return float(np.sqrt(max(objects + between("family") - between("object", "family"), objects)))
+    objects = sum_squares("object")
+    return float(np.sqrt(max(objects + sum_squares("family") - sum_squares("object", "family"), objects)))
 
 
 def resample_means(rows: pd.DataFrame, options: TablesConfig) -> NDArray[np.float64]:
@@ -87,13 +87,13 @@ def resample_means(rows: pd.DataFrame, options: TablesConfig) -> NDArray[np.floa
     for first in range(0, options.bootstrap_samples, CHUNK):
         count = min(CHUNK, options.bootstrap_samples - first)
         draws = [rng.multinomial(size, np.full(size, 1 / size), size=count).astype(float) for size in sizes]
-        sums = [_weighted(values, draws) for values in (success, cube)]
+        sums = [_sum_weighted(values, draws) for values in (success, cube)]
         found.append(np.divide(sums[0], sums[1], out=np.full(count, NAN), where=sums[1] > 0))
     means = np.concatenate(found)
     return means[~np.isnan(means)]
 
 
-def _weighted(cube: NDArray[np.float64], draws: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+def _sum_weighted(cube: NDArray[np.float64], draws: list[NDArray[np.float64]]) -> NDArray[np.float64]:
     """Sums of a cube (objects, families, runs) under draws (S, objects), (S, families), (S, runs)."""
     objects, families, runs = draws
     by_run = (objects @ cube.reshape(len(cube), -1)).reshape(-1, *cube.shape[1:])

@@ -16,7 +16,7 @@ from stages.tables.order import row_title, set_key, title
 from stages.tables.pooling import pool_of
 from stages.tables.text import NOT_RUN
 
-MET = ["target", "policy", "condition", "training_set"]
+KEYS = ["target", "policy", "condition", "training_set"]
 
 
 def policy_file(results: Path, condition: str, cell: Cell, run: str, seed: int) -> Path:
@@ -25,15 +25,15 @@ def policy_file(results: Path, condition: str, cell: Cell, run: str, seed: int) 
     return folder / Path(*cell) / f"{run}/seed_{seed}/rollouts.csv"
 
 
-def runs_that_count(config: Config, results: Path, cell: Cell) -> list[str]:
+def list_counting_runs(config: Config, results: Path, cell: Cell) -> list[str]:
     """The hyper-parameter sets that count: where trials chose, those that they chose."""
     path = results / "evaluation/trials" / Path(*cell) / "chosen.json"
-    chose = config.experiment.chooses(cell.policy) and path.is_file()
+    chose = config.experiment.needs_choice(cell.policy) and path.is_file()
     return read_json(ChosenRuns, path).runs if chose else config.experiment.plan(cell.policy).runs
 
 
 def progress_table(config: Config, results: Path) -> Table:
-    """A row per target (or pool), policy and condition, a column per training set: policies that met all targets."""
+    """A row per target (or pool), policy and condition, a column per training set: policies tested on all targets."""
     experiment = config.experiment
     pools = pool_of(policy_tables(config), experiment.targets)
     tasks = {pools[name]: experiment.task(name) for name in experiment.targets}
@@ -42,28 +42,28 @@ def progress_table(config: Config, results: Path) -> Table:
          policy_file(results, condition, cell, run, seed).is_file())
         for condition in ("", *config.evaluation.conditions)
         for cell in experiment.cells
-        for run, seed in product(runs_that_count(config, results, cell), experiment.plan(cell.policy).seeds)
+        for run, seed in product(list_counting_runs(config, results, cell), experiment.plan(cell.policy).seeds)
     ]  # fmt: skip
-    policies = pd.DataFrame(found, columns=[*MET, "run", "seed", "there"])
-    whole = policies.groupby([*MET, "run", "seed"], sort=False)["there"].all()
-    cells = whole.groupby(MET, sort=False).agg(done="sum", asked="size").reset_index()
+    policies = pd.DataFrame(found, columns=[*KEYS, "run", "seed", "there"])
+    whole = policies.groupby([*KEYS, "run", "seed"], sort=False)["there"].all()
+    cells = whole.groupby(KEYS, sort=False).agg(done="sum", asked="size").reset_index()
     sets = sorted(cells["training_set"].unique(), key=set_key)
-    rows, met = [], {USUAL}
-    for (target, policy, condition), part in cells.groupby(MET[:3], sort=False):
+    rows, tested = [], {USUAL}
+    for (target, policy, condition), part in cells.groupby(KEYS[:3], sort=False):
         if condition == USUAL or part["done"].any():
-            met.add(str(condition))
+            tested.add(str(condition))
             texts = {
                 name: f"{done} of {asked}" if done else NOT_RUN
                 for name, done, asked in zip(part["training_set"], part["done"], part["asked"], strict=True)
             }
             name = row_title({"target": target, "task": tasks[str(target)], "policy": policy})
             rows.append([name, title(str(condition)), *(texts.get(each, "") for each in sets)])
-    lacking = [title(name) for name in config.evaluation.conditions if name not in met]
+    lacking = [title(name) for name in config.evaluation.conditions if name not in tested]
     return Table(
         "progress",
         "Policies that were rolled out, of those that are asked for.",
         ["Policy", "Condition", *map(title, sets)],
         rows,
         headers=2,
-        notes=[f"Conditions that no policy has met: {', '.join(lacking)}."] if lacking else [],
+        notes=[f"Conditions without any rollout: {', '.join(lacking)}."] if lacking else [],
     )

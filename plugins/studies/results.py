@@ -9,11 +9,11 @@ import pandas as pd
 
 from plugins.claims import more, trainings
 from plugins.claims.assets import of_splits
-from plugins.report.roles import demonstrated_assets, lists_table, roles_table
+from plugins.report.roles import list_demonstrated_assets, lists_table, roles_table
 from plugins.studies import conditions
 from plugins.studies.associations import Shown, associations_table, traits
 from plugins.studies.associations import build as associate
-from plugins.studies.progress import policy_file, progress_table, runs_that_count
+from plugins.studies.progress import list_counting_runs, policy_file, progress_table
 from plugins.studies.study import cost, facts, fold_table, split_totals
 from stages.config.evaluation import USUAL
 from stages.config.model import Config, read_files
@@ -31,7 +31,7 @@ from stages.tables.methods import kinds_of, read_pooled, read_rollouts
 from stages.tables.order import SKILL, SPLITS, target_title, title
 from stages.tables.policies import collect, write_figures
 from stages.tables.policy_notes import policy_notes
-from stages.tables.pooling import pool_of, pooled
+from stages.tables.pooling import pool_of, pool_rollouts
 from stages.tables.rows import ONE_SCENE, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
 from stages.tables.scene_tables import robustness_table, scenes_table
@@ -54,7 +54,7 @@ class StudyResults(NamedTuple):
 def policies_of(config: Config, results: Path) -> Iterator[tuple[Cell, str, int]]:
     """Cell, hyper-parameters and seed of the policies of a study that count."""
     for cell in config.experiment.cells:
-        for run in runs_that_count(config, results, cell):
+        for run in list_counting_runs(config, results, cell):
             yield from ((cell, run, seed) for seed in config.experiment.plan(cell.policy).seeds)
 
 
@@ -84,12 +84,12 @@ def list_cells(config: Config) -> pd.DataFrame:
     return pd.DataFrame(cells, columns=[*table3.CELL, "task", "cloud"]).drop_duplicates()
 
 
-def _chosen(config: Config, results: Path) -> list[Table]:
+def _tabulate_trials(config: Config, results: Path) -> list[Table]:
     """The trials of the hyper-parameter sets; nothing if there were none."""
     rows = []
     for cell in config.experiment.cells:
         path = results / "evaluation/trials" / Path(*cell) / "chosen.json"
-        if config.experiment.chooses(cell.policy) and path.is_file():
+        if config.experiment.needs_choice(cell.policy) and path.is_file():
             chosen = read_json(ChosenRuns, path)
             scores = ", ".join(f"{score.run} {score.successes}/{score.episodes}" for score in chosen.scores)
             name = f"{target_title(cell.target, config.experiment.task(cell.target))}, {cell.policy}"
@@ -108,7 +108,8 @@ def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.Da
             wider, policies = config.demonstrations.randomise.extents, part[part["training_set"] != SKILL]
             sets = {
                 (name, seed): Shown(
-                    demonstrated_assets(chosen, experiment.roles(name, seed)), wider if is_randomised(name) else stretch
+                    list_demonstrated_assets(chosen, experiment.roles(name, seed)),
+                    wider if is_randomised(name) else stretch,
                 )
                 for name, seed in policies[["training_set", "seed"]].drop_duplicates().itertuples(index=False)
             }
@@ -117,16 +118,16 @@ def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.Da
     return pd.concat(parts, ignore_index=True) if parts else rollouts[:0]
 
 
-def _elsewhere(config: Config, results: Path, usual: pd.DataFrame) -> list[Table]:
-    """Success under each of `evaluation.conditions`, and there minus the baselines; nothing where none was met."""
+def _tabulate_conditions(config: Config, results: Path, usual: pd.DataFrame) -> list[Table]:
+    """Success under each of `evaluation.conditions`, and there minus the baselines; nothing where none was tested."""
     found, options = (
         {name: list(rollout_files(config, results, name)) for name in config.evaluation.conditions},
         policy_tables(config),
     )
-    met = [read_pooled(paths, options).assign(condition=name) for name, paths in found.items() if paths]
-    if not met:
+    tested = [read_pooled(paths, options).assign(condition=name) for name, paths in found.items() if paths]
+    if not tested:
         return []
-    episodes = of_splits(pd.concat([usual.assign(condition=USUAL), *met], ignore_index=True))
+    episodes = of_splits(pd.concat([usual.assign(condition=USUAL), *tested], ignore_index=True))
     return [
         conditions.conditions_table(conditions.build(episodes, options)),
         conditions.baselines_table(conditions.against_baselines(episodes, options)),
@@ -162,7 +163,7 @@ def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, s
 def _policies(config: Config, results: Path, published: Path, out: Path) -> StudyResults:
     options, trained = policy_tables(config), _trainings(config, results)
     rows, kinds = read_rollouts(list(rollout_files(config, results)), options), kinds_of(options)
-    episodes, asked = pooled(rows, options), list_cells(config)
+    episodes, asked = pool_rollouts(rows, options), list_cells(config)
     found = collect(episodes, published, options, asked)
     notes = [*policy_notes(options), *trainings.failed_note(trained)]
     beside = more.collect(found, options)
@@ -173,12 +174,12 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Stud
     tables += more.target_tables(rows, options, kinds)
     known = _with_traits(config, results, rows)
     if len(known):
-        tables.append(associations_table(associate(pooled(known, options), options)))
-    tables += _elsewhere(config, results, episodes)
+        tables.append(associations_table(associate(pool_rollouts(known, options), options)))
+    tables += _tabulate_conditions(config, results, episodes)
     for target in config.experiment.targets:
         path = results / f"experiment/{config.experiment.policy_variant}/{target}/assets.json"
         if path.is_file():
-            chosen, roles = read_json(TaskAssets, path), config.experiment.trained_roles(target)
+            chosen, roles = read_json(TaskAssets, path), config.experiment.list_trained_roles(target)
             name = target_title(target, config.experiment.task(target))
             tables.append(roles_table(chosen, roles, f"roles-{target}", f"{name}: the assets."))
             tables += lists_table(chosen, f"lists-{target}", f"{name}: sets of assets.")
@@ -188,7 +189,7 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Stud
     return StudyResults(
         title="Table 3: success over unseen assets, and by role",
         facts=_about_rollouts(config, episodes),
-        tables=[progress_table(config, results), *tables, *_chosen(config, results)],
+        tables=[progress_table(config, results), *tables, *_tabulate_trials(config, results)],
         frames={"table3": found.runs, "assets": beside.assets, "assets_by_handle": beside.by_handle},
         figures={"figure4.svg": "Figure 4", "figure9.svg": "Figure 9"},
     )

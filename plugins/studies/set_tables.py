@@ -18,10 +18,10 @@ def sets_table(table: pd.DataFrame) -> Table:
     for row in records(table):
         policies = f"{row['policies']} of {row['policies_asked']} policies"
         if row["status"] != "run":
-            rows.append([*_where(row), title(row["training_set"]), NOT_RUN, policies, ""])
+            rows.append([*_name_row(row), title(row["training_set"]), NOT_RUN, policies, ""])
             continue
         size = f"{count(row['objects'], 'object')}, {policies}, {row['families']} families"
-        rows.append([*_where(row), title(row["training_set"]), _rate(row), size, percent(row["forecast"])])
+        rows.append([*_name_row(row), title(row["training_set"]), _rate(row), size, percent(row["forecast"])])
     columns = [*WHERE, "Training set", "Unseen assets opened", "Of", "Forecast"]
     return Table("sets", "Success over unseen assets, objects alike.", columns, rows, headers=3)
 
@@ -32,7 +32,7 @@ def comparisons_table(table: pd.DataFrame) -> Table:
     for row in records(table):
         pair = f"{title(row['training_set'])} minus {title(row['baseline'])}"
         if not row["rollouts"]:
-            rows.append([*_where(row), pair, NOT_RUN, "", "", "", f"0 of {row['objects_asked']} objects"])
+            rows.append([*_name_row(row), pair, NOT_RUN, "", "", "", f"0 of {row['objects_asked']} objects"])
             continue
         verdict = f"{row['verdict']}{', preliminary' if row['preliminary'] else ''}"
         crossed = span(row["crossed_low"], row["crossed_high"]) if row["crossed_low"] == row["crossed_low"] else ""
@@ -40,7 +40,7 @@ def comparisons_table(table: pd.DataFrame) -> Table:
         forecast = "" if row["forecast"] != row["forecast"] else points(row["forecast"])
         size = f"{row['objects']} of {row['objects_asked']} objects, {row['families']} families"
         gain = cell(points(row["mean"]), _span(row["low"], row["high"]), verdict)
-        rows.append([*_where(row), pair, gain, crossed, forecast, learned, size])
+        rows.append([*_name_row(row), pair, gain, crossed, forecast, learned, size])
     return Table(
         "comparisons",
         "Training sets compared, on the same unseen assets, in percentage points.",
@@ -55,7 +55,7 @@ def comparisons_table(table: pd.DataFrame) -> Table:
     )
 
 
-def _where(row: dict[str, Any]) -> list[str]:
+def _name_row(row: dict[str, Any]) -> list[str]:
     return [task_title(row["task"]), title(row["condition"])]
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 
 from plugins.claims import trainings
 from plugins.claims.claims import FAILS, HOLDS, OPEN
-from plugins.studies.forecasts import FORECAST, agreement, agreement_table
+from plugins.studies.forecasts import FORECAST, agreement_table, measure_agreement
 from plugins.studies.objects import ROLLOUT, Estimate, estimate, pair_cells
 from plugins.studies.progress import policy_file
 from plugins.studies.set_tables import comparisons_table, sets_table
@@ -59,7 +59,7 @@ def run(
         "cells": cells,
         "sets": of_sets(cells, rollouts, config.tables),
         "comparisons": compare(cells, rollouts, config.tables),
-        "agreement": agreement(cells),
+        "agreement": measure_agreement(cells),
     }
     for name, frame in frames.items():
         write_csv(out / f"{name}.csv", frame)
@@ -134,7 +134,7 @@ def of_sets(cells: pd.DataFrame, rollouts: pd.DataFrame, options: TablesConfig) 
     for key, part in cells.groupby([*PART, "training_set"], sort=False):
         ran = part[part["status"] == "run"]
         row = dict(zip([*PART, "training_set"], key, strict=True)) | {"policies": len(ran), "policies_asked": len(part)}
-        row |= {"status": "run" if len(ran) else "not run", "forecast": over_objects(ran, "forecast")}
+        row |= {"status": "run" if len(ran) else "not run", "forecast": average_objects(ran, "forecast")}
         rows.append(row | numbers(estimate(_part(rollouts, *map(str, key)), options)))
     return pd.DataFrame(rows, columns=SETS)
 
@@ -161,13 +161,13 @@ def compare(cells: pd.DataFrame, rollouts: pd.DataFrame, options: TablesConfig) 
             found, learned = estimate(pairs, options), estimate(pairs[kept], options)
             row: dict[str, Any] = {"condition": condition, "task": task, "training_set": name, "baseline": baseline}
             row |= {"objects_asked": part["object"].nunique(), "preliminary": len(ran) < len(ours), **numbers(found)}
-            row |= {"forecast": over_objects(predicted, "forecast"), "verdict": verdict(found)}
+            row |= {"forecast": average_objects(predicted, "forecast"), "verdict": judge_difference(found)}
             row |= {"learned_mean": learned.mean, "learned_low": learned.low, "learned_high": learned.high}
             rows.append(row)
     return pd.DataFrame(rows, columns=COMPARISONS)
 
 
-def verdict(found: Estimate) -> str:
+def judge_difference(found: Estimate) -> str:
     """Whether the side opens more than its baseline, by the interval of the difference."""
     return HOLDS if found.low > 0 else FAILS if found.high < 0 else OPEN
 
@@ -177,7 +177,7 @@ def numbers(found: Estimate) -> dict[str, Any]:
     return dict(zip(ESTIMATE, [*found[:-1], *found.crossed], strict=True))
 
 
-def over_objects(rows: pd.DataFrame, column: str) -> float:
+def average_objects(rows: pd.DataFrame, column: str) -> float:
     """The mean of a column, objects alike; NaN without rows."""
     return float(rows.groupby("object")[column].mean().mean())
 

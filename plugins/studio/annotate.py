@@ -16,7 +16,7 @@ from stages.contracts import Camera, InputError, Library, read_json
 from stages.contracts.categories import known_categories
 from stages.contracts.corrections import CORRECTIONS
 from stages.contracts.depth import read_depth
-from stages.contracts.errors import nearest
+from stages.contracts.errors import suggest_nearest
 from stages.contracts.images import orientation_of
 
 MADE = ("input", "frame")  # what the folders of scenes are called that the workflow makes itself
@@ -82,7 +82,7 @@ def run(
             code="E-OPTION-CONFLICT",
         )
     else:
-        session = _drawn(read_photo(image, lens), image, out, depth, camera, library)
+        session = _open_photograph(read_photo(image, lens), image, out, depth, camera, library)
     try:
         server = PageServer(session, port)
     except OSError as error:
@@ -114,17 +114,19 @@ def _check_named(session: Correcting, results: Path, scene: str | None, choose: 
     """Refuse a scene that the last run did not make, and an object that is not in the picture."""
     runs = sorted(path.parent.name for path in (results / "extraction").glob("*/objects.json"))
     if scene is not None and runs and scene not in runs:
-        raise InputError("--scene", f"{results} has no scene '{scene}'.", nearest(scene, runs), code="E-OBJECT-MISSING")
+        raise InputError(
+            "--scene", f"{results} has no scene '{scene}'.", suggest_nearest(scene, runs), code="E-OBJECT-MISSING"
+        )
     names = [
         *(item.id for item in session.made.items.values()),
         *(thing.id for thing in session.open_drawing().objects),
     ]
     if choose is not None and choose not in names:
-        fix = nearest(choose, list(dict.fromkeys(names)))
+        fix = suggest_nearest(choose, list(dict.fromkeys(names)))
         raise InputError("--choose", f"there is no '{choose}' in the picture.", fix, code="E-OBJECT-MISSING")
 
 
-def _drawn(
+def _open_photograph(
     photo: Photo, image: Path, out: Path | None, depth: Path | None, camera: Path | None, library: Path | None
 ) -> Session:
     """A photograph that is drawn into."""

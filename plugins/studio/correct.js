@@ -58,16 +58,16 @@ function heldAs(item) {
 }
 
 function button(item, text) {
-  const made = document.createElement('button');
-  made.type = 'button';
-  made.textContent = text;
-  made.setAttribute('aria-pressed', String(state.chosen === item.id));
-  made.classList.toggle('changed', altered(item));
-  if (altered(item)) made.title = 'changed: the next run makes it anew';
-  made.addEventListener('click', () => { state.chosen = item.id; changed(); });
-  return made;
+  const result = document.createElement('button');
+  result.type = 'button';
+  result.textContent = text;
+  result.setAttribute('aria-pressed', String(state.chosen === item.id));
+  result.classList.toggle('changed', altered(item));
+  if (altered(item)) result.title = 'changed: the next run makes it anew';
+  result.addEventListener('click', () => { state.chosen = item.id; changed(); });
+  return result;
 }
-// What a person said of a thing since the page was opened: its doubts are of what was made before.
+// Whether a person has changed a thing since the page was opened: its doubts are about the last run.
 const altered = (item) => state.before.get(item.mask) !== JSON.stringify(item);
 function line(...parts) {
   const entry = document.createElement('li');
@@ -78,10 +78,10 @@ function line(...parts) {
 function doubts() {
   const all = things().flatMap((item) => (made(item).doubts ?? []).map((doubt, k) => ({ item, doubt, placed: k < made(item).grave })));
   all.sort((one, other) => other.placed - one.placed); // what is odd about where and how large it stands comes first
-  const told = all.map(({ item, doubt }) => line(button(item, `${nameOf(item)}: ${doubt}`)));
-  get('in-doubt').hidden = !told.length;
-  get('in-doubt').querySelector('summary').textContent = `In doubt: ${told.length}`;
-  get('in-doubt').querySelector('ul').replaceChildren(...told);
+  const lines = all.map(({ item, doubt }) => line(button(item, `${nameOf(item)}: ${doubt}`)));
+  get('in-doubt').hidden = !lines.length;
+  get('in-doubt').querySelector('summary').textContent = `In doubt: ${lines.length}`;
+  get('in-doubt').querySelector('ul').replaceChildren(...lines);
 }
 
 function panel() {
@@ -120,7 +120,7 @@ function panel() {
   front(item);
   placement(item, things().filter((other) => other !== item && !alike(other).includes(item)), nameOf);
 }
-// What a thing is said to stand on, and what is beneath that; what it is said to be like, and so on.
+// The things that carry a thing, from the next one down; likewise what it is like.
 const chain = (item, key) => { const next = item && byMask(item[key]); return next ? [next, ...chain(next, key)] : []; };
 const above = (item) => chain(item, 'on');
 const alike = (item) => chain(item, 'like');

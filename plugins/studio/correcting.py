@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from plugins.inputs.own_scene import is_clone, to_run
-from plugins.studio.fronts import extents, jpeg, straight_on
+from plugins.studio.fronts import extents, jpeg, rectify_front
 from plugins.studio.last_run import LastRun, read_last_run
 from plugins.studio.masks import (
     ROOM,
@@ -82,9 +82,9 @@ class Correcting:
         """
         path = self.folder / CORRECTIONS
         saved = read_json(Corrections, path, "mend or delete it").objects if path.is_file() else []
-        return self._named(apply_corrections(self.found, {item.mask: item for item in saved}))
+        return self._name_things(apply_corrections(self.found, {item.mask: item for item in saved}))
 
-    def _named(self, things: dict[int, Correction]) -> Drawing:
+    def _name_things(self, things: dict[int, Correction]) -> Drawing:
         """With ids that stay, whatever a thing is called: as found, or `drawn_<mask>`."""
         ids = dict(zip(self.found, object_ids(item.label or "" for item in self.found.values()), strict=True))
         shown = set(np.unique(self.given.masks).tolist()) | {
@@ -106,15 +106,15 @@ class Correcting:
         corrections = [Correction(mask=mask, gone=True) for mask in self.found if mask in shown and mask not in things]
         for mask, item in things.items():
             before = self.found.get(mask, Correction(mask=mask))
-            said = {
+            changes = {
                 name: value
                 for name, value in item.model_dump(exclude={"id", "mask", "gone"}, exclude_defaults=True).items()
                 if getattr(item, name) != getattr(before, name)
             }
             if before.mounting is not None and item.mounting is None:
-                said["mounting"] = MEASURED
-            if said or mask not in self.found:
-                corrections.append(Correction.model_validate({"mask": mask, **said}))
+                changes["mounting"] = MEASURED
+            if changes or mask not in self.found:
+                corrections.append(Correction.model_validate({"mask": mask, **changes}))
         return Corrections(objects=corrections)
 
     def start(self) -> Answer:
@@ -150,7 +150,7 @@ class Correcting:
         """The picture as JPEG."""
         return jpeg(self.given.rgb)
 
-    def made_picture(self) -> bytes:
+    def read_last_picture(self) -> bytes:
         """The scene of rank 1 as PNG.
 
         Raises:
@@ -163,12 +163,12 @@ class Correcting:
     def preview(self) -> bytes:
         """The saved masks over the picture, as JPEG."""
         drawing = self.open_drawing()
-        masks = self._painted(drawing)
+        masks = self._paint_drawing(drawing)
         return jpeg(
             tint_picture(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM])
         )
 
-    def _painted(self, drawing: Drawing) -> NDArray[np.uint16]:
+    def _paint_drawing(self, drawing: Drawing) -> NDArray[np.uint16]:
         return paint_masks({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)
 
     def _drawing(self, body: Any) -> Drawing:
@@ -177,7 +177,7 @@ class Correcting:
     def solve(self, body: Any) -> Answer:
         """Bounds and outlines of every region, and the sides of what stands there, as it will after the next run."""
         drawing = self._drawing(body)
-        masks = self._painted(drawing)
+        masks = self._paint_drawing(drawing)
         regions, notes = {}, {}
         for item in drawing.objects:
             mask = masks == item.mask
@@ -196,11 +196,11 @@ class Correcting:
         drawing = self._drawing(body)
         item = {one.mask: one for one in drawing.objects}[body["mask"]]
         if (known := self.made.front(item.mask, item.front)) is not None:
-            return straight_on(self.given.rgb, *known)
-        around = item.around or find_corners(self._painted(drawing) == item.mask)
+            return rectify_front(self.given.rgb, *known)
+        around = item.around or find_corners(self._paint_drawing(drawing) == item.mask)
         (x0, y0), (x1, y1) = around or ((0, 0), (1, 1))
         points = np.array([(x0, y1), (x1, y1), (x1, y0), (x0, y0)], float)
-        return straight_on(self.given.rgb, points, *extents(points))
+        return rectify_front(self.given.rgb, points, *extents(points))
 
     def save(self, body: Any) -> Answer:
         """Keep the corrections; where nothing is corrected there is no file."""

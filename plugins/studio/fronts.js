@@ -96,7 +96,7 @@ export function front(item) {
     box.open = drawn > 0;
   }
   box.hidden = !opens(item);
-  box.querySelector('summary').textContent = drawn ? `Where they are on its front: ${drawn} drawn` : 'Where they are on its front: not said';
+  box.querySelector('summary').textContent = drawn ? `Where they are on its front: ${drawn} drawn` : 'Where they are on its front: not given';
   get('lay-out').disabled = !(item.doors + item.drawers);
   get('no-panel').disabled = !panels()[at];
   for (const button of document.querySelectorAll('[data-kind]')) button.setAttribute('aria-pressed', String(button.dataset.kind === (panels()[at]?.kind ?? kind)));

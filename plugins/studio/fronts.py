@@ -28,7 +28,7 @@ def extents(points: NDArray[np.float64]) -> tuple[float, float]:
     return float(np.linalg.norm(points[1] - points[0])), float(np.linalg.norm(points[3] - points[0]))
 
 
-def straight_on(rgb: NDArray[np.uint8], pixels: NDArray[np.float64], width: float, height: float) -> dict[str, Any]:
+def rectify_front(rgb: NDArray[np.uint8], pixels: NDArray[np.float64], width: float, height: float) -> dict[str, Any]:
     """A front as the page shows it: a picture of `width` x `height` pixels; null where it looks away from the camera.
 
     Args:

@@ -46,9 +46,9 @@ class LastRun:
 
     def describe_things(self) -> dict[str, Any]:
         """What the page shows of every thing, by mask value."""
-        return {str(mask): self._about(item) for mask, item in self.items.items()}
+        return {str(mask): self._describe_object(item) for mask, item in self.items.items()}
 
-    def _about(self, item: SceneObject) -> dict[str, Any]:
+    def _describe_object(self, item: SceneObject) -> dict[str, Any]:
         entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
         found = self._doubts(item, entry, placed)
         grave = sum(isinstance(one, Doubt) and one.cause in GRAVE for one in found)
@@ -75,24 +75,24 @@ class LastRun:
             return [f"no cousins: {entry.reason}"]
         return collect_doubts(entry, item, placed, self.objects)
 
-    def faces(self, said: Correction, before: tuple[float, float]) -> list[list[list[float]]]:
+    def faces(self, correction: Correction, before: tuple[float, float]) -> list[list[list[float]]]:
         """The sides of an object of the scene of rank 1 as pixels, its front last; none if a corner is behind the
         camera.
 
         Args:
-            said: the corrections so far: the object is shown about as it will be turned, moved and sized.
-            before: how far it was moved by hand already where it stands.
+            correction: the correction so far; the object is shown turned, moved and sized by it.
+            before: (x, y) metres by which the last run had moved it already.
         """
-        placed = self.placed.get(said.mask)
+        placed = self.placed.get(correction.mask)
         if placed is None or placed.status == "failed" or self.objects is None:
             return []
         size, center = np.array(placed.size), np.array(placed.position)
-        if said.size is not None:
-            width, depth, height = said.size
+        if correction.size is not None:
+            width, depth, height = correction.size
             center[2] += 0 if placed.support == "wall" else (height - size[2]) / 2
             size = np.array([depth, width, height])
-        center[:2] += np.subtract(said.nudge or (0.0, 0.0), before)
-        points = corners(UprightBox(center, size, placed.yaw if said.front is None else said.front))
+        center[:2] += np.subtract(correction.nudge or (0.0, 0.0), before)
+        points = corners(UprightBox(center, size, placed.yaw if correction.front is None else correction.front))
         pixels = project(apply(inverse(np.array(self.objects.floor_from_camera)), points), self.objects.intrinsics)
         if not np.isfinite(pixels).all():
             return []
@@ -127,9 +127,9 @@ class LastRun:
         nearest = [one for one in entry.by_distance if one.asset not in ranks]
         choosable = [(one.asset, one.distance) for one in entry.cousins]
         choosable = [*choosable, *((one.asset, one.distance) for one in nearest)][:SHOWN]
-        standing = self.views.get(mask, {})
-        views = {one.asset: one.orientation.yaw for one in entry.cousins} | standing
-        other = next(iter((standing or views).values()))
+        placed = self.views.get(mask, {})
+        views = {one.asset: one.orientation.yaw for one in entry.cousins} | placed
+        other = next(iter((placed or views).values()))
         return [
             {
                 "asset": asset,

@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.corrections import MEASURED, Correction
-from stages.contracts.fronts import counted
+from stages.contracts.fronts import count_fronts
 from stages.contracts.scenes import Annotation, Annotations, Held
 from stages.contracts.types import FLOOR, WALL, Pixel
 from stages.geometry.masks import pixel_bounds, polygon
@@ -36,7 +36,7 @@ def apply_corrections(found: dict[int, Correction], stated: dict[int, Correction
         if item.mounting == MEASURED:
             given["mounting"] = None
         if item.panels:
-            given |= counted(item.panels)
+            given |= count_fronts(item.panels)
         elif given.keys() & {"doors", "drawers"}:
             given["panels"] = []  # those that were found are of other doors and drawers
         merged[mask] = merged.get(mask, Correction(mask=mask)).model_copy(update=given)

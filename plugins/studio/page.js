@@ -58,7 +58,7 @@ function panel() {
   fill('across', project.perspective.focal ? (2 * Math.atan(project.width / 2 / project.perspective.focal) * 180 / Math.PI).toFixed(1) : '');
   get('scale-kind').querySelector('[value=depth]').hidden = !state.depth;
   fill('scale-kind', project.scale.kind);
-  fill('scale-metres', project.scale.kind === 'depth' ? '' : project.scale.metres, 'nobody said it: 1.5');
+  fill('scale-metres', project.scale.kind === 'depth' ? '' : project.scale.metres, 'unknown: 1.5');
   const { factor } = camera;
   get('camera-doubt').hidden = !factor;
   if (factor) {

@@ -18,7 +18,7 @@ class Scale(Contract):
     kind: Literal["camera", "object", "floor", "upright", "depth"] = Field(
         "camera", description="height of the camera; a side of an object; a line on the floor or up from it; `--depth`"
     )
-    metres: Extent | None = Field(None, description="null: nobody said it; the camera is taken to be 1.5 m high")
+    metres: Extent | None = Field(None, description="null: unknown; the camera is then assumed to be 1.5 m high")
     points: tuple[Pixel, Pixel] | None = None
     object: Id | None = None
     side: Literal["width", "depth", "height"] = "height"
@@ -44,7 +44,7 @@ class DrawnObject(Contract):
     depth: Extent | None = None
     height: Extent | None = None
     free: bool = Field(False, description="not along an axis of the room")
-    round: bool = Field(False, description="its points are the ends of its foot, and the middle or an end of its top")
+    round: bool = Field(False, description="its points are the ends of its base, and the middle or an end of its top")
     faces: Literal["front", "left", "right", "rear"] = Field(
         "front", description="the drawn side that is its real front, as seen from the side drawn as its front"
     )

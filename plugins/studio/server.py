@@ -68,7 +68,7 @@ class Handler(BaseHTTPRequestHandler):
         self._json(status, {"error": why})
 
     def _fail(self, error: Exception) -> None:
-        """Say what the operating system refused; a connection that is gone is told nothing."""
+        """Report what the operating system refused, unless the connection is gone."""
         if isinstance(error, ConnectionError | TimeoutError):
             raise error
         print(f"error: {line_of(error)}", file=sys.stderr)
@@ -86,7 +86,7 @@ class Handler(BaseHTTPRequestHandler):
             elif name == "picture.jpg":
                 self._reply(200, "image/jpeg", session.picture())
             elif name == "made.png" and isinstance(session, Correcting):
-                self._reply(200, "image/png", session.made_picture())
+                self._reply(200, "image/png", session.read_last_picture())
             elif name == "start":
                 self._json(200, session.start())
             elif name == "preview.jpg":

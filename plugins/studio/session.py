@@ -15,7 +15,7 @@ from plugins.inputs.photo.metrology import View, WallPlane
 from plugins.inputs.photo.perspective import find_weak_lines, horizon, vanishing_point
 from plugins.inputs.photo.picture import Photo
 from plugins.inputs.photo.segments import propose, usual_focal
-from plugins.studio.fronts import FACES, extents, front_corners, jpeg, straight_on
+from plugins.studio.fronts import FACES, extents, front_corners, jpeg, rectify_front
 from plugins.studio.paint import find_hidden, paint
 from plugins.studio.project import PROJECT, Project
 from plugins.studio.solve import Solved
@@ -56,7 +56,7 @@ class Session:
             "close": self.close,
         }
 
-    def fresh(self) -> Project:
+    def start_drawing(self) -> Project:
         """A drawing with nothing in it but the proposed perspective."""
         height, width = self.photo.rgb.shape[:2]
         project = Project(picture=self.name, width=width, height=height, perspective=self._proposed)
@@ -72,7 +72,7 @@ class Session:
         """
         path = self.folder / PROJECT
         if not path.is_file():
-            return self.fresh()
+            return self.start_drawing()
         project = read_json(Project, path, "move it away to begin anew")
         height, width = self.photo.rgb.shape[:2]
         if (project.width, project.height) != (width, height):
@@ -92,7 +92,7 @@ class Session:
             notes.append("The focal length is known from the photograph's EXIF data.")
         return {
             "project": self.open_drawing().model_dump(mode="json"),
-            "fresh": self.fresh().model_dump(mode="json"),
+            "fresh": self.start_drawing().model_dump(mode="json"),
             "categories": self.categories,
             "folder": str(self.folder),
             "notes": notes,
@@ -145,7 +145,7 @@ class Session:
                 item.label or item.id, "has no place yet.", "mark its front first", code="E-OBJECT-UNPLACED"
             )
         points = front_corners(box, box.yaw + side_angle(item.faces))
-        return straight_on(self.photo.rgb, solved.view.project(points), *extents(points))
+        return rectify_front(self.photo.rgb, solved.view.project(points), *extents(points))
 
     def write(self, body: Any) -> Answer:
         """Keep the drawing and write the input folder."""

@@ -11,14 +11,14 @@ from plugins.inputs.photo.metrology import (
     RearCornerError,
     View,
     WallPlane,
-    hanging_box,
+    fit_hanging_box,
+    fit_standing_box,
     round_box,
-    standing_box,
     wall_plane,
 )
 from plugins.inputs.photo.perspective import fit_view
 from plugins.studio.project import DrawnObject, Project, Scale
-from plugins.studio.usual import STANDING, Sides, camera_factor, describe_odd, edge_marked, find_usual_size
+from plugins.studio.usual import CAMERA_HEIGHT, Sides, camera_factor, describe_odd, find_usual_size, is_edge_marked
 from stages.contracts.categories import sizes_of
 from stages.contracts.depth import NEAREST
 from stages.contracts.doubt import Doubt
@@ -28,7 +28,7 @@ from stages.geometry.frames import yaw_matrix
 
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
-FLAT = 0.03  # metres: how deep something on a wall is of which nobody said what it is
+FLAT = 0.03  # metres: depth of something on a wall whose kind is unknown
 
 
 @dataclass(frozen=True)
@@ -49,16 +49,16 @@ class Solved:
     doubts: dict[str, list[Doubt]] = field(default_factory=dict)
 
 
-def _depth_guessed(item: DrawnObject, hangs: bool) -> bool:
+def _is_depth_guessed(item: DrawnObject, hangs: bool) -> bool:
     """Whether nobody drew or typed how deep it is."""
     return len(item.points) < (3 if hangs else 4) and item.depth is None and not item.round
 
 
-def _guessed(item: DrawnObject, hangs: bool) -> str:
+def _list_guessed(item: DrawnObject, hangs: bool) -> str:
     """What a box has that was neither drawn nor typed."""
     if not hangs and len(item.points) < 3 and item.height is None:
         return "height is missing: mark the front's upper edge, or type it"
-    if _depth_guessed(item, hangs):
+    if _is_depth_guessed(item, hangs):
         return "depth is guessed: mark a rear corner, or type it"
     return ""
 
@@ -73,7 +73,7 @@ def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]
     """The wall with its ends where it meets others.
 
     Args:
-        drawn: the stretch along the wall where its foot was drawn; a wall that crosses it in the middle cuts nothing
+        drawn: the stretch along the wall where its base was drawn; a wall that crosses it in the middle cuts nothing
         off.
     """
     (first, last), (low, high) = sorted(drawn), wall.ends
@@ -105,15 +105,15 @@ class _Room:
                 self.walls[wall.id] = wall_plane(view, wall.a, wall.b, wall.free)
             except MetrologyError as error:
                 self.notes[wall.id] = str(error)
-        self.walls = {name: self._ended(name, project) for name in self.walls}
+        self.walls = {name: self._end_wall(name, project) for name in self.walls}
         for item in project.objects:
             self._place(item, ())
 
-    def _ended(self, name: str, project: Project) -> WallPlane:
+    def _end_wall(self, name: str, project: Project) -> WallPlane:
         """A wall as far as it reaches."""
         wall, others = self.walls[name], [other for key, other in self.walls.items() if key != name]
         line = next(line for line in project.walls if line.id == name)
-        first, last = (float(self.view.on_level(end) @ wall.along) for end in (line.a, line.b))
+        first, last = (float(self.view.meet_level(end) @ wall.along) for end in (line.a, line.b))
         return cut_off(wall, (first, last), others)
 
     def _place(self, item: DrawnObject, above: tuple[str, ...]) -> None:
@@ -123,7 +123,7 @@ class _Room:
             self.notes[item.id] = "stands on itself: choose what it stands on"
             return
         try:
-            if _depth_guessed(item, item.on in self.walls):
+            if _is_depth_guessed(item, item.on in self.walls):
                 self.guessed.add(item.id)
             try:
                 self.boxes[item.id] = self._box(item, item.points, above)
@@ -133,9 +133,9 @@ class _Room:
                 self.boxes[item.id] = self._box(item, seen, above)
                 self.notes[item.id] = f"{error}; its depth is guessed"
             if item.id in self.guessed and item.on not in self.walls:
-                self.boxes[item.id] = self._before_walls(self.boxes[item.id])
+                self.boxes[item.id] = self._trim_at_walls(self.boxes[item.id])
             if item.on in self.boxes:
-                self._onto(item, self.boxes[item.on], above)
+                self._move_onto(item, self.boxes[item.on], above)
         except MetrologyError as error:
             self.notes.setdefault(item.id, str(error))
 
@@ -143,13 +143,13 @@ class _Room:
         sizes = item.sizes if self.typed else (None, None, None)
         if item.on in self.walls:
             flat = _usual_depth(item.label) if self.typed else FLAT
-            return hanging_box(self.view, self.walls[item.on], points[:3], sizes, flat)
+            return fit_hanging_box(self.view, self.walls[item.on], points[:3], sizes, flat)
         ground = self._ground(item, above)
         if item.round:
             return round_box(self.view, ground, points, sizes)
-        return standing_box(self.view, ground, points, sizes, item.free)
+        return fit_standing_box(self.view, ground, points, sizes, item.free)
 
-    def _before_walls(self, box: UprightBox) -> UprightBox:
+    def _trim_at_walls(self, box: UprightBox) -> UprightBox:
         """The box as deep as to the wall behind its front, if it would go through it."""
         inward = yaw_matrix(box.yaw) @ [0.0, 1.0, 0.0]
         width, depth, height = box.size
@@ -162,7 +162,7 @@ class _Room:
                 depth = gap
         return UprightBox(front + inward * depth / 2, [width, depth, height], box.yaw)
 
-    def _onto(self, item: DrawnObject, carrier: UprightBox, above: tuple[str, ...]) -> None:
+    def _move_onto(self, item: DrawnObject, carrier: UprightBox, above: tuple[str, ...]) -> None:
         """Nearer along the line of sight, and smaller by as much, until its rear is over what carries it.
 
         On a level just below the eye a pixel is many centimetres: a foot that was marked little too high is far beyond,
@@ -175,20 +175,20 @@ class _Room:
         if beyond:
             self.boxes[item.id] = self._box(item, item.points[:3], above)
             self.guessed.add(item.id)
-        if not self._nearer(item, carrier):
+        if not self._can_move_nearer(item, carrier):
             what = "stands beside what it should stand on: is that deep enough, and drawn up to its worktop?"
             self.notes.setdefault(item.id, what)
         elif beyond:
             self.notes[item.id] = "its rear corner lay beyond what it stands on; its depth is guessed"
 
-    def _nearer(self, item: DrawnObject, carrier: UprightBox) -> bool:
+    def _can_move_nearer(self, item: DrawnObject, carrier: UprightBox) -> bool:
         """Whether its rear could be put over what carries it."""
         box, eye = self.boxes[item.id], np.array([0, 0, self.view.above])
         for share in np.linspace(1, NEARER, 31):
             sizes = zip(item.sizes if self.typed else (None,) * 3, box.size, strict=True)
             size = np.array([known or share * seen for known, seen in sizes])
             center = eye + share * (box.center - eye)
-            if _over(carrier, center + yaw_matrix(box.yaw) @ [0, size[1] / 2, 0]):
+            if _is_over(carrier, center + yaw_matrix(box.yaw) @ [0, size[1] / 2, 0]):
                 break
         else:
             return False
@@ -197,7 +197,7 @@ class _Room:
                 size[2] = max(center[2] + size[2] / 2 - carrier.top, size[2] / 2)
             center[2] = carrier.top + size[2] / 2
             self.boxes[item.id] = UprightBox(center, size, box.yaw)
-            self.notes.setdefault(item.id, f"its foot lay beyond what it stands on: {1 - share:.0%} nearer")
+            self.notes.setdefault(item.id, f"its base lay beyond what it stands on: {1 - share:.0%} nearer")
         return True
 
     def _ground(self, item: DrawnObject, above: tuple[str, ...]) -> float:
@@ -225,7 +225,7 @@ def _height(project: Project, view: View) -> float:
         MetrologyError: the known length cannot be measured in the picture.
     """
     scale = project.scale
-    metres = scale.metres or STANDING
+    metres = scale.metres or CAMERA_HEIGHT
     if scale.kind in ("camera", "depth"):
         return metres
     if scale.kind == "object":
@@ -241,11 +241,11 @@ def _height(project: Project, view: View) -> float:
 def _length(view: View, scale: Scale) -> float:
     """Length of a line on the floor, or straight up from it."""
     assert scale.points is not None
-    foot = view.on_level(scale.points[0])
+    foot = view.meet_level(scale.points[0])
     if scale.kind == "floor":
-        return max(float(np.linalg.norm(view.on_level(scale.points[1]) - foot)), 1e-4)
-    away = foot / np.linalg.norm(foot)  # an upright plane that faces the camera, through the foot
-    top = view.on_plane(scale.points[1], away, float(foot @ away))
+        return max(float(np.linalg.norm(view.meet_level(scale.points[1]) - foot)), 1e-4)
+    away = foot / np.linalg.norm(foot)  # an upright plane that faces the camera, through the lower end
+    top = view.meet_plane(scale.points[1], away, float(foot @ away))
     if top[2] <= 1e-4:
         raise MetrologyError("the line does not go up from the floor")
     return float(top[2])
@@ -260,8 +260,8 @@ def solve(project: Project) -> Solved:
         if not NEAREST <= above <= LARGEST:
             raise MetrologyError(f"the camera would be {above:.3g} m above the floor")
     except MetrologyError as error:
-        notes["scale"] = f"{error}; the camera is taken to be {STANDING} m above the floor"
-        above = STANDING
+        notes["scale"] = f"{error}; the camera is taken to be {CAMERA_HEIGHT} m above the floor"
+        above = CAMERA_HEIGHT
     room = _Room(project, replace(view, above=above), typed=True)
     factor, usual = camera_factor(project, room.boxes), {}
     doubts: dict[str, list[Doubt]] = {}
@@ -276,7 +276,7 @@ def solve(project: Project) -> Solved:
                 usual[item.id] = instead
                 odd += _cause(item, room)
             hangs = item.on in room.walls
-            edge, guess = edge_marked(box) if hangs else "", _guessed(item, hangs)
+            edge, guess = is_edge_marked(box) if hangs else "", _list_guessed(item, hangs)
             lines = [edge, room.notes.get(item.id, guess), odd]
             if doubted := "; ".join(filter(None, [edge, room.notes.get(item.id, guess.partition(":")[0])])):
                 moved = item.id in room.notes and item.id not in room.guessed and not edge
@@ -285,7 +285,7 @@ def solve(project: Project) -> Solved:
     return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes}, room.guessed, usual, factor, doubts)
 
 
-def _over(box: UprightBox, point: NDArray[np.float64]) -> bool:
+def _is_over(box: UprightBox, point: NDArray[np.float64]) -> bool:
     """Whether a point lies over the footprint of a box."""
     c, s = np.cos(box.yaw), np.sin(box.yaw)
     dx, dy = (point - box.center)[:2]

@@ -8,17 +8,17 @@ from plugins.studio.project import Project
 from plugins.studio.solve import Solved
 from stages.geometry.boxes import corners
 
-BEHIND = 0.05  # share of the picture's height: a foot may be marked so far above the top that it stands on
+BEHIND = 0.05  # share of the picture's height: a base may be marked so far above the top that it stands on
 WORKTOP = 0.05  # metres: how thick a worktop is, whose lower edge is easily marked in place of its upper one
 
 
 def support_at(project: Project, solved: Solved, pixel: tuple[float, float], stands: bool = False) -> str:
     """What a pixel shows that something may stand or hang on: the top of an object, a wall, else the floor.
 
-    An object that `stands` hangs on no wall, though on a counter that was drawn too shallow its foot seems to be on
+    An object that `stands` hangs on no wall, though on a counter that was drawn too shallow its base seems to be on
     the wall behind.
 
-    Marks are a few pixels off: the foot of an object at the front edge of a top is easily marked below the edge, at
+    Marks are a few pixels off: the base of an object at the front edge of a top is easily marked below the edge, at
     the rear edge up the wall; and the top itself may be marked at the lower edge of the worktop.
     """
     ray, eye = solved.view.rays(pixel), np.array([0, 0, solved.view.above])

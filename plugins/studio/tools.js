@@ -10,7 +10,7 @@ const FAR = 8; // screen pixels: a press that moves farther is a drag, whose end
 const STANDING = ['Click the lower left corner of its front.', 'Click the lower right corner of its front (Shift: not along the walls).',
   'Click its upper edge in front.', 'Click any rear corner that you see (Enter: guess its depth).'];
 const HANGING = ['', 'Click the opposite corner of its front.', 'Click a rear corner, where it meets the wall (Enter: flat).'];
-const ROUND = ['Click the left end of its foot.', 'Click the right end of its foot.', 'Click its top: in the middle, or its left or right end if it is wider there than its foot.'];
+const ROUND = ['Click the left end of its base.', 'Click the right end of its base.', 'Click its top: in the middle, or its left or right end if it is wider there than its foot.'];
 const HINTS = {
   line: ['Click one end of an edge that runs this way, as long as you can find.', 'Click its other end.'],
   wall: ['Click where this wall meets the floor.', 'Click a second place of the same edge (Shift: not along the room).'],
@@ -19,7 +19,7 @@ const HINTS = {
 };
 const IDLE = {
   camera: 'Move the ends of lines until the grid lies flat on the floor, then tell one length.',
-  walls: 'W draws a wall by its foot.', objects: 'B draws an object, R a round one. Click one to change it.', write: 'Write the folder; everything is saved as you go.',
+  walls: 'W draws a wall by its lower edge.', objects: 'B draws an object, R a round one. Click one to change it.', write: 'Write the folder; everything is saved as you go.',
 };
 
 // What it stands or hangs on, before the first click as well.
@@ -91,7 +91,7 @@ async function look(at) {
   try {
     const under = on === 'auto' ? (await ask('support', { project: state.project, pixel: at, stands: state.tool === 'round' })).on : on;
     if (state.under !== under && !state.draft && ['box', 'round'].includes(state.tool)) { state.under = under; changed(); }
-  } catch { /* said when it is clicked */ } finally { looking = false; }
+  } catch { /* reported when it is clicked */ } finally { looking = false; }
   if (later) { const next = later; later = null; look(next); }
 }
 

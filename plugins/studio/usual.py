@@ -10,13 +10,13 @@ from stages.contracts.categories import known_categories, sizes_of
 from stages.contracts.category import USUAL_SPREAD, describe_unusual, find_category
 from stages.geometry.boxes import UprightBox
 
-STANDING = 1.5  # metres: how high a camera is taken to be of which nobody said it
-SURE = np.log(1.1)  # a person who stands holds a camera 1.35 to 1.65 m high: STANDING is never better than that
+CAMERA_HEIGHT = 1.5  # metres: assumed height of a camera whose height is unknown
+SURE = np.log(1.1)  # a person who stands holds a camera 1.35 to 1.65 m high: CAMERA_HEIGHT is never better than that
 LEAST = 0.02  # metres: what hangs is wider and higher, unless one edge of it was marked
 Sides = tuple[float | None, float | None, float | None]
 
 
-def edge_marked(box: UprightBox) -> str:
+def is_edge_marked(box: UprightBox) -> str:
     """Whether an edge of a hanging object was marked instead of two opposite corners."""
     width, _, height = box.size
     if min(width, height) >= LEAST:
@@ -60,7 +60,7 @@ def camera_factor(project: Project, boxes: Mapping[str, UprightBox]) -> float | 
     """
     if project.scale.kind != "camera" or project.scale.metres is not None:
         return None
-    ranges = [found for item in project.objects if (found := _allowed(item, boxes)) is not None]
+    ranges = [found for item in project.objects if (found := _bound_factors(item, boxes)) is not None]
     if len(ranges) < 2:
         return None
     factor = float(np.median([(low + high) / 2 for low, high in ranges]))
@@ -70,7 +70,7 @@ def camera_factor(project: Project, boxes: Mapping[str, UprightBox]) -> float | 
     return float(np.exp(factor)) if wrong else None
 
 
-def _allowed(item: DrawnObject, boxes: Mapping[str, UprightBox]) -> tuple[float, float] | None:
+def _bound_factors(item: DrawnObject, boxes: Mapping[str, UprightBox]) -> tuple[float, float] | None:
     """Logarithms of the least and the largest factor that make a thing as high as a model of its category."""
     heights = sizes_of(item.label)[:, 2]
     stands = item.on == "floor"

@@ -146,7 +146,7 @@ def write_folder(
             code="E-SCENE-EMPTY",
         )
 
-    masks = np.where(np.isin(painted.masks, _used(seen, project, values)), painted.masks, 0)
+    masks = np.where(np.isin(painted.masks, _list_used(seen, project, values)), painted.masks, 0)
     frame = floor_from_camera(view)
     camera = Camera(
         width=view.width,
@@ -180,7 +180,7 @@ def write_folder(
     return Written(ids, notes)
 
 
-def _used(seen: list[DrawnObject], project: Project, values: dict[str, int]) -> list[int]:
+def _list_used(seen: list[DrawnObject], project: Project, values: dict[str, int]) -> list[int]:
     """Mask values that annotations.json names."""
     return [values[name] for name in ["floor", *(item.id for item in seen), *(wall.id for wall in project.walls)]]
 

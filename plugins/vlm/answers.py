@@ -71,7 +71,7 @@ def usage_of(reply: dict[str, Any]) -> tuple[int, int] | None:
 
 
 def response_format(kind: str, answer: type[BaseModel]) -> dict[str, Any] | None:
-    """How a server is told to answer in JSON; None: by words alone."""
+    """How a request asks the server for JSON; None: only in the words of the prompt."""
     if kind == "json_schema":
         schema = {"name": "answer", "strict": True, "schema": answer.model_json_schema()}
         return {"type": kind, "json_schema": schema}

@@ -74,7 +74,7 @@ class Asker:
                 cost=known.cost if known else 0,
             )  # fmt: skip
             self.asked += 1
-            self._converse(entry, prompt, answer)
+            self._ask_until_valid(entry, prompt, answer)
         self._silences = self._silences + 1 if entry.outcome == "unreached" else 0
         if self._silences >= SILENCES:
             what = f"does not answer ({entry.problem})."
@@ -89,7 +89,7 @@ class Asker:
             f"the ledger has {spent.requests} requests for {spent.cost:.4f}"
         )
 
-    def _converse(self, entry: Entry, prompt: Prompt, answer: type[A]) -> None:
+    def _ask_until_valid(self, entry: Entry, prompt: Prompt, answer: type[A]) -> None:
         """Ask, and ask again after a bad answer; the ledger has every exchange before the next one begins."""
         messages = prompt.messages(self.options.image_size)
         for left in range(REASKS, -1, -1):
@@ -141,7 +141,7 @@ class Asker:
             if form := response_format(FORMATS[number], answer):
                 body["response_format"] = form
             try:
-                reply = self.endpoint.post(body, lambda: self._allow(size))
+                reply = self.endpoint.post(body, lambda: self._count_request(size))
             except RefusedError as error:
                 if any(word in error.message for word in FILTERED):
                     raise UnusableError("the server's filter took the question") from None
@@ -152,7 +152,7 @@ class Asker:
         mend = "correct vlm.model or vlm.options, or lower vlm.image_size"
         raise InputError(self.options.url, f"refuses the request ({refusal}).", mend, code="E-VLM-REQUEST")
 
-    def _allow(self, size: int) -> None:
+    def _count_request(self, size: int) -> None:
         """Count a request, if the budget has one left."""
         options, spent = self.options, self.ledger.sum_costs()
         if options.max_calls is not None and spent.requests + self._sent >= options.max_calls:

@@ -52,13 +52,13 @@ class VlmConfig(Section):
     )
     max_cost: float | None = Field(10.0, ge=0, description="Likewise their cost. null: any.")
 
-    def deciding(self) -> "VlmConfig":
+    def keep_deciding(self) -> "VlmConfig":
         """What decides on the answers; where and how they are got is left at its default."""
         return VlmConfig(**self.model_dump(include={"model", "options", "image_size", "choices"}))
 
     @field_validator("url")
     @classmethod
-    def _plain(cls, url: str) -> str:
+    def _check_url(cls, url: str) -> str:
         try:
             parts = urlsplit(url)
             host, secret = parts.hostname, parts.username or parts.password or parts.query
@@ -72,7 +72,7 @@ class VlmConfig(Section):
 
     @field_validator("options")
     @classmethod
-    def _not_ours(cls, options: dict[str, Any]) -> dict[str, Any]:
+    def _check_options(cls, options: dict[str, Any]) -> dict[str, Any]:
         if taken := sorted(OURS & set(options)):
             raise ValueError(f"sets {', '.join(taken)}, which the client sets itself")
         return {name: value for name, value in options.items() if value is not None}

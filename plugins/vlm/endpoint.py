@@ -1,4 +1,4 @@
-"""One request to a chat endpoint, sent again while the server is busy; what cannot be mended by waiting is said."""
+"""One request to a chat endpoint, sent again while the server is busy; other failures are reported."""
 
 import json
 import os
@@ -17,7 +17,7 @@ from plugins.vlm.answers import LONGEST
 from plugins.vlm.config import VlmConfig
 from plugins.vlm.deadline import MAX_REPLY, response_to
 from plugins.vlm.secret import hide_key
-from stages.contracts.errors import InputError, plain
+from stages.contracts.errors import InputError, escape_control
 
 BUSY = {HTTPStatus.REQUEST_TIMEOUT, HTTPStatus.CONFLICT, HTTPStatus.TOO_EARLY, HTTPStatus.TOO_MANY_REQUESTS}
 PAUSES = (2, 4, 8, 16)  # seconds before each further attempt, if the server does not say
@@ -79,11 +79,11 @@ class Endpoint:
             allow()
             wanted = None
             try:
-                return self._once(body)
+                return self._send_once(body)
             except HTTPError as error:
                 message = self._message(error)
                 self._give_up(error.code, message)
-                wanted, why = _asked_for(error.headers), f"HTTP {error.code}: {message}".rstrip(": ")
+                wanted, why = _read_retry_after(error.headers), f"HTTP {error.code}: {message}".rstrip(": ")
                 if wanted is not None and wanted > LATER:
                     raise UnreachedError(f"{why}; not before {wanted / 3600:.3g} hours") from None
             except TimeoutError:
@@ -92,7 +92,7 @@ class Endpoint:
                 why = f"{type(error).__name__}: {self.quote_server(str(getattr(error, 'reason', error)))}"[:SHOWN]
         raise UnreachedError(why)
 
-    def _once(self, body: dict[str, Any]) -> dict[str, Any]:
+    def _send_once(self, body: dict[str, Any]) -> dict[str, Any]:
         """One attempt."""
         headers = {"Content-Type": "application/json", "Accept": "application/json"}
         if key := self.key():
@@ -152,7 +152,7 @@ class Endpoint:
 
     def quote_server(self, text: str) -> str:
         """What a server says, in one line that may be shown."""
-        return plain(self.hide_key(" ".join(text.split())[:LONGEST])[:SHOWN])
+        return escape_control(self.hide_key(" ".join(text.split())[:LONGEST])[:SHOWN])
 
     def hide_key(self, text: str) -> str:
         """Text without the key, should a server repeat it, and without halves of characters, which no file holds."""
@@ -160,7 +160,7 @@ class Endpoint:
         return hide_key(text.encode("utf-8", "replace").decode("utf-8"), key)
 
 
-def _asked_for(headers: Message) -> float | None:
+def _read_retry_after(headers: Message) -> float | None:
     """Seconds that a server asks to wait: `Retry-After` as a number or a date."""
     text = headers.get("Retry-After", "")
     try:

@@ -22,11 +22,11 @@ class Exchange(Contract):
     served_by: str = ""  # the model that the server names
     tokens_in: Count = 0
     tokens_out: Count = 0
-    estimated: bool = False  # the tokens, by us: the server told none
+    estimated: bool = False  # our estimate of the tokens: the server counts none
 
 
 class Entry(Document):
-    """What one model was asked, what it said, and what that cost."""
+    """What one model was asked, what it answered, and what that cost."""
 
     key: Text
     question: Text  # digest of `asked`, equal for all models

@@ -8,15 +8,15 @@ from plugins.vlm.config import VlmConfig
 from stages.config.packages import Package
 
 
-def models_asked(config: Any) -> list[VlmConfig]:
+def list_models_asked(config: Any) -> list[VlmConfig]:
     """The language models that variants of matching ask."""
     options = map(config.matching_of, config.experiment.variants)
-    return [each.vlm for each in options if "vlm" not in each.unread()]
+    return [each.vlm for each in options if "vlm" not in each.list_unread()]
 
 
 def keys(config: Any) -> list[str] | None:
     """The variables of their keys; None: nothing is asked."""
-    asked = [model.key_env for model in models_asked(config) if model.mode == "record"]
+    asked = [model.key_env for model in list_models_asked(config) if model.mode == "record"]
     return asked or None
 
 
@@ -33,6 +33,6 @@ PACKAGE = Package(
             ),
         )
     },
-    outside=lambda config: [model.ledger for model in models_asked(config)],
+    outside=lambda config: [model.ledger for model in list_models_asked(config)],
     keys=keys,
 )

@@ -17,30 +17,30 @@ def hide_key(text: str, key: str) -> str:
     """A text without a key; nothing of the text if the key is in it in other case, backwards, spaced, or encoded."""
     if not key:
         return text
-    text, sought = text.replace(key, HIDDEN), _squeezed(key)
+    text, sought = text.replace(key, HIDDEN), _squeeze_text(key)
     if len(sought) < SECRET:
         return text
     forms = {text, text[::-1]}
     for left in range(DEPTH, -1, -1):
-        if any(way in _squeezed(form) for form in forms for way in (sought, sought[::-1])):
+        if any(way in _squeeze_text(form) for form in forms for way in (sought, sought[::-1])):
             return HIDDEN
-        forms = {decoded for form in forms for decoded in _decoded(form)} if left else forms
+        forms = {decoded for form in forms for decoded in _decode_text(form)} if left else forms
     return text
 
 
-def _squeezed(text: str) -> str:
+def _squeeze_text(text: str) -> str:
     """Its letters and digits, small."""
     return "".join(filter(str.isalnum, unicodedata.normalize("NFKC", text))).casefold()
 
 
-def _decoded(text: str) -> Iterator[str]:
+def _decode_text(text: str) -> Iterator[str]:
     """What a text may stand for: with its escapes, or parts of it as base64 or hexadecimal digits."""
     yield html.unescape(unquote(ESCAPE.sub(_character, text)))
     run = re.sub(r"[^\w+/-]", "", text, flags=re.ASCII).replace("+", "-").replace("/", "_")
     for start in range(4):  # wherever in the text it begins
         part = run[start : len(run) - ((len(run) - start) % 4 == 1)]
         yield urlsafe_b64decode(part + "=" * (-len(part) % 4)).decode("utf-8", "ignore")
-    digits = "".join(re.findall(r"[0-9a-f]", _squeezed(text)))
+    digits = "".join(re.findall(r"[0-9a-f]", _squeeze_text(text)))
     for start in range(2):
         yield bytes.fromhex(digits[start : len(digits) - (len(digits) - start) % 2]).decode("utf-8", "ignore")
 

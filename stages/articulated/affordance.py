@@ -32,7 +32,7 @@ class Affordance(NamedTuple):
         """Share of the box's front."""
         return self.width * self.tall
 
-    def unlike(self, other: "Affordance") -> float:
+    def measure_difference(self, other: "Affordance") -> float:
         """How differently two fronts lie in the same box: 0 for the same place and extents."""
         extents = math.log(self.width / other.width), math.log(self.tall / other.tall)
         return abs(self.height - other.height) + sum(map(abs, extents))
@@ -48,15 +48,15 @@ def target_joint(folder: Path, task: Task, like: Affordance | None = None, flaps
     largest, then the one nearest to mid-height, then the first by name.
     """
     asset = read_asset(folder)
-    able = _able(asset, task, SIDES[task])
+    able = _list_affordances(asset, task, SIDES[task])
     if not able and flaps and task == "door":
-        able = _able(asset, task, FLAPS)
+        able = _list_affordances(asset, task, FLAPS)
     if not able:
         return None
     if like is not None:
 
         def difference(one: Affordance) -> tuple[bool, bool, float, str]:
-            return one.hinge != like.hinge, one.handle != like.handle, round(one.unlike(like), 3), one.joint
+            return one.hinge != like.hinge, one.handle != like.handle, round(one.measure_difference(like), 3), one.joint
 
         return min(able, key=difference)
     largest = max(one.area for one in able)
@@ -68,7 +68,7 @@ def target_joint(folder: Path, task: Task, like: Affordance | None = None, flaps
     return min((one for one in able if one.area >= LARGE * largest), key=order)
 
 
-def _able(asset: Asset, task: Task, sides: tuple[HingeSide, ...]) -> list[Affordance]:
+def _list_affordances(asset: Asset, task: Task, sides: tuple[HingeSide, ...]) -> list[Affordance]:
     return [
         _affordance(asset, joint, joint.panel)
         for joint in asset.joints

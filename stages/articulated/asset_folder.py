@@ -17,9 +17,9 @@ from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
 from stages.contracts.errors import InputError
-from stages.contracts.files import as_json, ask_before_writing, partial, read_json
+from stages.contracts.files import as_json, ask_before_writing, make_partial_path, read_json
 from stages.contracts.library import Asset, Placement, Recipe, Symmetry, Vector
-from stages.contracts.system import naming
+from stages.contracts.system import name_file_in_errors
 
 
 @dataclass(frozen=True)
@@ -122,10 +122,10 @@ def atomic_folder(out: Path) -> Iterator[Path]:
     """A temporary folder that takes the place of `out` only if the block succeeds."""
     out = Path(out)
     out.parent.mkdir(parents=True, exist_ok=True)
-    folder = partial(out)
+    folder = make_partial_path(out)
     folder.mkdir()
     try:
-        with naming(out):
+        with name_file_in_errors(out):
             yield folder
             ask_before_writing(out)
             if out.exists():

@@ -40,17 +40,19 @@ def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix],
 
 def measure_handle(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> HandleKind | None:
     """Kind of the handle on the links that a joint moves, from their shape; None: no handle, see `ungraspable`."""
-    held = _held(robot, joint, frames)
+    held = _find_handle(robot, joint, frames)
     return None if isinstance(held, str) else _kind(*held)
 
 
 def explain_ungraspable(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> str | None:
     """The reason why a gripper cannot grasp the links that a joint moves; None: it can."""
-    held = _held(robot, joint, frames)
+    held = _find_handle(robot, joint, frames)
     return held if isinstance(held, str) else None
 
 
-def _held(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> tuple[Handle, trimesh.Trimesh] | str:
+def _find_handle(
+    robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]
+) -> tuple[Handle, trimesh.Trimesh] | str:
     """The handle on the links that a joint moves, with their mesh; or the reason why a gripper cannot grasp it."""
     moving = list_moved_links(joint, robot.joints)
     mesh = merge_visuals(robot, moving, frames)
@@ -62,15 +64,15 @@ def _held(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> tu
     others = merge_visuals(robot, robot.links.keys() - set(moving), frames)
     ahead = np.array([1.0, 0.0, 0.0])
     if others is not None:
-        met, _, _ = others.ray.intersects_location([handle.position + BEHIND * ahead], [ahead], multiple_hits=False)
-        if len(met) and (room := float(met[0, 0] - handle.position[0])) < ROOM:
+        hits, _, _ = others.ray.intersects_location([handle.position + BEHIND * ahead], [ahead], multiple_hits=False)
+        if len(hits) and (room := float(hits[0, 0] - handle.position[0])) < ROOM:
             return f"{100 * room:.2g} cm before its handle stands something else"
     return handle, mesh
 
 
 def merge_visuals(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> trimesh.Trimesh | None:
     """Visual meshes of some links as one mesh in the root frame; None: they have none."""
-    meshes = [_plain(visual, frames[link]) for link in links for visual in robot.links[link].visuals]
+    meshes = [_strip_material(visual, frames[link]) for link in links for visual in robot.links[link].visuals]
     return trimesh.util.concatenate(meshes) if meshes else None  # type: ignore[return-value]
 
 
@@ -83,7 +85,7 @@ def list_moved_links(joint: JointModel, joints: Sequence[JointModel]) -> list[st
     return links
 
 
-def _plain(visual: Visual, frame: Matrix) -> trimesh.Trimesh:
+def _strip_material(visual: Visual, frame: Matrix) -> trimesh.Trimesh:
     """The mesh without its material, in the asset frame."""
     return trimesh.Trimesh(trimesh.transform_points(visual.mesh.vertices, frame), visual.mesh.faces, process=False)
 
@@ -105,13 +107,13 @@ def _kind(handle: Handle, panel: trimesh.Trimesh) -> HandleKind:
     along = int(np.argmax(np.abs(handle.axis)))
     across = 3 - along  # of y and z, the other one
     low, high = panel.bounds
-    beside = min(handle.position[across] - low[across], high[across] - handle.position[across])
-    if beside < AT_EDGE and handle.length > MOST_OF_IT * (high - low)[along]:
+    margin = min(handle.position[across] - low[across], high[across] - handle.position[across])
+    if margin < AT_EDGE and handle.length > MOST_OF_IT * (high - low)[along]:
         return "edge"
     hits = front_hits(panel)
     near = np.abs(hits[:, across] - handle.position[across]) < max(GRID, handle.width / 4)
     near &= np.abs(hits[:, along] - handle.position[along]) < handle.length / 2
     depth = (hits[near, 0] - handle.position[0]) / handle.protrusion + 1.0  # 0 at the panel, 1 at the foremost surface
-    standing = depth > 0.15
-    bent = standing & (depth < 0.8)
-    return "arch" if bent.sum() > BENT * standing.sum() else "bar"
+    raised = depth > 0.15
+    bent = raised & (depth < 0.8)
+    return "arch" if bent.sum() > BENT * raised.sum() else "bar"

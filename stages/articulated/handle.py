@@ -58,15 +58,15 @@ def find_handle(mesh: trimesh.Trimesh) -> Handle | None:
     if len(hits) < 10:
         return None
     panel = _panel_depth(hits[:, 0])
-    handle = _standing_out(hits, panel)
+    handle = _find_protrusion(hits, panel)
     if handle is None or handle.width <= WIDEST + GRID:
         return handle
     frame = _panel_depth(hits[hits[:, 0] > (panel + handle.position[0]) / 2, 0])
-    others = _standing_out(hits, frame), _standing_out(hits[hits[:, 0] < frame - BEHIND], panel)
+    others = _find_protrusion(hits, frame), _find_protrusion(hits[hits[:, 0] < frame - BEHIND], panel)
     return next((other for other in others if other is not None and other.width <= WIDEST + GRID), handle)
 
 
-def _standing_out(hits: Array, panel: float) -> Handle | None:
+def _find_protrusion(hits: Array, panel: float) -> Handle | None:
     """The most protruding feature of a panel at x = `panel`, from ray hits (N, 3)."""
     if not len(hits):
         return None

@@ -26,7 +26,7 @@ def find_inside(name: str, here: Path, folder: Path) -> Path | None:
     try:
         here = here.resolve()
         bases = [base for base in (here, *here.parents) if base.is_relative_to(folder)]
-        spellings: tuple[Callable[..., Path], ...] = (Path.joinpath, _spelt_alike)
+        spellings: tuple[Callable[..., Path], ...] = (Path.joinpath, _match_spelling)
         endings = [parts[left_out:] for left_out in range(1 if ".." in parts else len(parts))]
         for spelt, ending, base in product(spellings, endings, bases):
             found = spelt(base, *ending).resolve()
@@ -41,7 +41,7 @@ def find_inside(name: str, here: Path, folder: Path) -> Path | None:
     return None
 
 
-def _spelt_alike(base: Path, *parts: str) -> Path:
+def _match_spelling(base: Path, *parts: str) -> Path:
     """The path below a folder, with small and capital letters as they are on disk."""
     for part in parts:
         path = base / part
@@ -52,7 +52,7 @@ def _spelt_alike(base: Path, *parts: str) -> Path:
 
 
 def explain_missing(who: Path, what: str, name: str, here: Path, folder: Path) -> InputError:
-    """The complaint of `who` that no such file is in the folder; a folder above that has the file is told.
+    """The complaint of `who` that no such file is in the folder; a folder above that has the file is named.
 
     Args:
         what: what names it and what it is, e.g. "link 'door', <visual>: there is no mesh".

@@ -33,10 +33,10 @@ class MeshResolver(Resolver):  # type: ignore[misc]
         """
         found = self.find(name)
         if found is None:
-            raise self._loses(_written(name), f"is not in {self.folder.name}/")
+            raise self._note_loss(_written(name), f"is not in {self.folder.name}/")
         data = found.read_bytes()
         if found.suffix.lower() in PICTURES and (fault := fault_of(data)):
-            raise self._loses(_written(name), fault)
+            raise self._note_loss(_written(name), fault)
         return data
 
     def find(self, name: str) -> Path | None:
@@ -48,7 +48,7 @@ class MeshResolver(Resolver):  # type: ignore[misc]
         except OutsideError:
             return None
 
-    def _loses(self, name: str, why: str) -> FileNotFoundError:
+    def _note_loss(self, name: str, why: str) -> FileNotFoundError:
         self.lost.append(f"{self.path.name} is shown without '{name[:200]}', which {why}")
         return FileNotFoundError(name)
 

@@ -21,7 +21,7 @@ Role = Literal["door", "drawer"]
 
 
 class Texture(NamedTuple):
-    """A tileable picture (JPEG), told apart by its name, and the metres that it covers along a part and across."""
+    """A tileable picture (JPEG), identified by its name, and the metres that it covers along a part and across."""
 
     name: str
     image: bytes
@@ -65,7 +65,7 @@ class Link:
     mass: float
     center: Matrix
     inertia: Matrix
-    weighed: bool = False  # the mass is told, not estimated from the volume
+    weighed: bool = False  # the mass is stated, not estimated from the volume
 
     def map_linearly(self, transform: Matrix) -> "Link":
         """The link under a linear map of its frame, (4, 4); mass and inertia stay."""

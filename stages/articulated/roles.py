@@ -50,7 +50,7 @@ def contract_joints(robot: RobotModel) -> list[Joint]:
         if joint.type == "fixed" or joint.role is None:
             continue
         handle = joint.handle
-        if handle is None and joint.handle_link is not None:  # said to be there, but not of what kind
+        if handle is None and joint.handle_link is not None:  # stated, without its kind
             handle = measure_handle(robot, joint, frames)
         joints.append(
             Joint(

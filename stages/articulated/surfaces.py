@@ -43,10 +43,10 @@ def surfaces(link: Link) -> list[ColouredMesh]:
             textured.append(_textured(visual))
             continue
         colour = visual.colour or _colour(visual.mesh.visual)
-        made = split_sharp_edges(visual)
-        normals = made.normals if made.normals is not None else np.zeros_like(made.vertices)
-        plain.setdefault(colour, []).append(ColouredMesh(made.vertices, made.faces, normals, colour))
-    return [_merged(parts) for parts in plain.values()] + textured
+        pieces = split_sharp_edges(visual)
+        normals = pieces.normals if pieces.normals is not None else np.zeros_like(pieces.vertices)
+        plain.setdefault(colour, []).append(ColouredMesh(pieces.vertices, pieces.faces, normals, colour))
+    return [_merge_parts(parts) for parts in plain.values()] + textured
 
 
 def write_obj(surface: ColouredMesh, path: Path) -> None:
@@ -60,7 +60,7 @@ def write_obj(surface: ColouredMesh, path: Path) -> None:
     path.write_text("".join(lines), encoding="ascii")
 
 
-def _merged(parts: list[ColouredMesh]) -> ColouredMesh:
+def _merge_parts(parts: list[ColouredMesh]) -> ColouredMesh:
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     return ColouredMesh(
         np.concatenate([part.vertices for part in parts]),

@@ -60,7 +60,7 @@ class UrdfReader:
         """A link with what collides and its mass."""
         element, where = self.tree.links[name], f"link '{name}'"
         visuals, collisions = self._visuals(element, where), element.findall("collision")
-        shapes = [self._usable(collision, where, looks=False) for collision in collisions]
+        shapes = [self._read_usable(collision, where, looks=False) for collision in collisions]
         visuals = visuals or [visual.transform(np.eye(4)) for shape in shapes for visual in shape]
         pieces = [
             piece
@@ -83,7 +83,7 @@ class UrdfReader:
         return self._shapes(element.findall("visual"), where, looks=True)
 
     def _shapes(self, elements: Iterable[ET.Element], where: str, looks: bool) -> list[Visual]:
-        return [visual for element in elements for visual in self._usable(element, where, looks)]
+        return [visual for element in elements for visual in self._read_usable(element, where, looks)]
 
     def check_whole(self, shown: set[str]) -> None:
         """Refuse the model if links have no shape left that carry others, or are as many as those that have.
@@ -99,7 +99,7 @@ class UrdfReader:
         if lost and (carries or len(lost) >= len(shown)):
             raise next(iter(lost.values()))
 
-    def _usable(self, element: ET.Element, where: str, looks: bool) -> list[Visual]:
+    def _read_usable(self, element: ET.Element, where: str, looks: bool) -> list[Visual]:
         """What a shape looks like; nothing if it cannot be used."""
         try:
             return self._shape(element, where, looks)
@@ -182,12 +182,12 @@ class UrdfReader:
         What it does not say, or says impossibly, is that of a solid box.
         """
         try:
-            return self._stated_inertial(element, pieces, mass, where)
+            return self._read_stated_inertial(element, pieces, mass, where)
         except InputError as error:
             self._remark("weighed by its size", error)
-            return self._stated_inertial(None, pieces, mass, where)
+            return self._read_stated_inertial(None, pieces, mass, where)
 
-    def _stated_inertial(
+    def _read_stated_inertial(
         self, element: ET.Element | None, pieces: list[Trimesh], mass: float, where: str
     ) -> tuple[float, Matrix, Matrix, bool]:
         low, high = box_around(pieces)

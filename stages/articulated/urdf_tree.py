@@ -26,7 +26,7 @@ FLAT = 1e-4  # metres, or radians of a joint: a piece this thin is thickened, a 
 LOOSE = ("continuous", "floating", "planar")  # types of joints that are fixed
 
 
-def _plain(text: str) -> str:
+def _clean_xml(text: str) -> str:
     """XML without what robots' files get wrong: comments in comments, names of spaces that are declared nowhere, and
     blanks around it."""
     commented, end, rest = text.rpartition("-->")  # after the last, every search for one would read to the end
@@ -54,7 +54,7 @@ class UrdfTree:
     def __init__(self, path: Path) -> None:
         self.path, self.remarks = Path(path), list[str]()
         self.robot = self._parse()
-        self.links = self._named("link")
+        self.links = self._index_named("link")
         if not self.links:
             raise InputError(path, "has no <link>.", code="E-URDF-ELEMENT")
         if len(self.links) > MOST_LINKS:
@@ -63,17 +63,17 @@ class UrdfTree:
             raise InputError(path, f"has {shapes} shapes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
         if any(end.get("link") == WORLD for end in self.robot.findall("joint/parent")):  # some need not declare it
             self.links.setdefault(WORLD, ET.Element("link", name=WORLD))
-        elements = self._named("joint")
+        elements = self._index_named("joint")
         alone = {name: self._joint(element, name) for name, element in elements.items()}
-        joints = [self._coupled(joint, elements[name], alone) for name, joint in alone.items()]
+        joints = [self._couple_joint(joint, elements[name], alone) for name, joint in alone.items()]
         for kind in LOOSE:
             if names := [f"'{name}'" for name, element in elements.items() if element.get("type") == kind]:
                 self.remarks.append(f"fixed, as no door or drawer: {', '.join(names)} ({kind})")
-        self.root, self.joints = self._ordered(joints)
+        self.root, self.joints = self._order_joints(joints)
 
     def _parse(self) -> ET.Element:
         try:
-            text = _plain(self.path.read_text(encoding="utf-8-sig"))
+            text = _clean_xml(self.path.read_text(encoding="utf-8-sig"))
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(self.path, f"cannot be read ({error.__class__.__name__}).", code="E-XML-BROKEN") from None
         if "<!DOCTYPE" in text:  # entities: files of this machine, or more text than its memory holds
@@ -90,7 +90,7 @@ class UrdfTree:
             )
         return robot
 
-    def _named(self, tag: str) -> dict[str, ET.Element]:
+    def _index_named(self, tag: str) -> dict[str, ET.Element]:
         elements = self.robot.findall(tag)
         names = [element.get("name", "") for element in elements]
         for name, count in Counter(names).items():
@@ -160,12 +160,12 @@ class UrdfTree:
         if kind in ("fixed", *LOOSE) or element.find("mimic") is not None:
             return fixed
         try:
-            return self._moving(fixed, kind, element, where)
+            return self._make_moving(fixed, kind, element, where)
         except InputError as error:
             self.remarks.append(f"{error.what} It is fixed.")
             return fixed
 
-    def _coupled(self, joint: JointModel, element: ET.Element, alone: Mapping[str, JointModel]) -> JointModel:
+    def _couple_joint(self, joint: JointModel, element: ET.Element, alone: Mapping[str, JointModel]) -> JointModel:
         """The joint as its <mimic> moves it: like its leader, from its own zero, if it moves as far as that."""
         mimic, kind = element.find("mimic"), element.get("type", "")
         if mimic is None or kind in ("fixed", *LOOSE):
@@ -183,8 +183,8 @@ class UrdfTree:
             self.remarks.append(f"fixed: '{joint.name}', which {how}")
             return joint
         axis = self._axis(element, where) * np.sign(ratio)
-        made = replace(joint, type=leader.type, axis=axis, lower=leader.lower, upper=leader.upper, follows=leader.name)
-        return replace(made, origin=joint.origin @ made.motion(offset * np.sign(ratio)))
+        moved = replace(joint, type=leader.type, axis=axis, lower=leader.lower, upper=leader.upper, follows=leader.name)
+        return replace(moved, origin=joint.origin @ moved.motion(offset * np.sign(ratio)))
 
     def _axis(self, element: ET.Element, where: str) -> Matrix:
         axis = self.numbers(element.find("axis"), "xyz", "1 0 0", 3, where)
@@ -192,7 +192,7 @@ class UrdfTree:
             raise InputError(self.path, f"{where}: its axis is zero.", code="E-URDF-JOINT")
         return axis / np.linalg.norm(axis)
 
-    def _moving(self, fixed: JointModel, kind: str, element: ET.Element, where: str) -> JointModel:
+    def _make_moving(self, fixed: JointModel, kind: str, element: ET.Element, where: str) -> JointModel:
         if kind not in ("revolute", "prismatic"):
             raise InputError(self.path, f"{where}: type '{kind}' is not supported.", code="E-URDF-JOINT")
         axis = self._axis(element, where)
@@ -226,7 +226,7 @@ class UrdfTree:
             raise InputError(self.path, f"{where}: <{tag}> names no link of this file ('{link}').", code="E-URDF-TREE")
         return link
 
-    def _ordered(self, joints: list[JointModel]) -> tuple[str, list[JointModel]]:
+    def _order_joints(self, joints: list[JointModel]) -> tuple[str, list[JointModel]]:
         """The root, and the joints in their order in the file, put off until their parent has been placed."""
         moved_by = Counter(joint.child for joint in joints)
         for name, count in moved_by.items():

@@ -50,14 +50,16 @@ def write_urdf(robot: RobotModel, folder: Path) -> None:
 
 def as_written(robot: RobotModel) -> RobotModel:
     """The model with what collides, and the origins of its joints, to the digits that its files have."""
-    links = {name: replace(link, collisions=list(map(_rounded, link.collisions))) for name, link in robot.links.items()}
+    links = {
+        name: replace(link, collisions=list(map(_round_piece, link.collisions))) for name, link in robot.links.items()
+    }
     joints = [
         replace(joint, origin=rigid(joint.origin[:3, :3], joint.origin[:3, 3].round(5))) for joint in robot.joints
     ]
     return replace(robot, links=links, joints=joints)
 
 
-def _rounded(piece: Trimesh) -> Trimesh:
+def _round_piece(piece: Trimesh) -> Trimesh:
     if not is_box(piece):
         return Trimesh(piece.vertices.round(5), piece.faces, process=False)
     box = trimesh.creation.box(np.maximum(piece.extents, 1e-5).round(5))
@@ -129,10 +131,12 @@ def _add_joint(root: ET.Element, joint: JointModel, moving: set[str]) -> None:
     element = ET.SubElement(root, "joint", name=joint.name, type=joint.type)
     ET.SubElement(element, "parent", link=joint.parent)
     ET.SubElement(element, "child", link=joint.child)
-    ET.SubElement(element, "origin", xyz=numbers(joint.origin[:3, 3]), rpy=_precise(_roll_pitch_yaw(joint.origin)))
+    ET.SubElement(
+        element, "origin", xyz=numbers(joint.origin[:3, 3]), rpy=_format_values(_roll_pitch_yaw(joint.origin))
+    )
     if joint.type == "fixed":
         return
-    ET.SubElement(element, "axis", xyz=_precise(joint.axis))
+    ET.SubElement(element, "axis", xyz=_format_values(joint.axis))
     limits = {"lower": numbers([joint.lower]), "upper": numbers([joint.upper])}
     ET.SubElement(element, "limit", limits | {"effort": "100", "velocity": "10"})
     if joint.follows in moving:
@@ -148,5 +152,5 @@ def _roll_pitch_yaw(transform: Matrix) -> Matrix:
         return np.asarray(Rotation.from_matrix(transform[:3, :3]).as_euler("xyz"))
 
 
-def _precise(values: Matrix) -> str:
+def _format_values(values: Matrix) -> str:
     return " ".join(f"{value + 0.0:.9g}" for value in values)

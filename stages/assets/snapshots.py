@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stages.cli import progress
 from stages.config.assets import SnapshotOptions
 from stages.contracts.errors import InputError
-from stages.contracts.files import atomic, read_options, write_json
+from stages.contracts.files import read_options, write_atomically, write_json
 from stages.contracts.library import Asset, SnapshotShard
 from stages.contracts.library_folder import AssetFolders
 from stages.geometry.cameras import intrinsics_from_fov, look_at
@@ -34,7 +34,7 @@ def run(*, library: Path, out: Path, options: str = "{}") -> None:
     yaws = [2 * math.pi * k / config.n_snap for k in range(config.n_snap)]
     turntable = Turntable(config)
     views, side = len(yaws) + 1, config.image_size
-    with atomic(out) as temporary:
+    with write_atomically(out) as temporary:
         with h5py.File(temporary, "w") as file:
             shape, picture = (len(folders), views, side, side), (1, 1, side, side)
             packed = PACKED if folders else {}  # a shard of broken models is empty, which cannot be packed
@@ -116,8 +116,8 @@ class Look:
 def check_box(asset: Asset, seen: NDArray[np.float64]) -> None:
     """Refuse an asset whose box has other extents than what is seen of it, (3,) metres."""
     if np.abs(seen - asset.size).max() > BOX_TOLERANCE * largest_extent(asset):
-        said, found = (" x ".join(f"{extent:.3g}" for extent in extents) for extents in (asset.size, seen))
-        what = f"box_min, box_max: a box of {said} m, but its meshes are {found} m."
+        stated, found = (" x ".join(f"{extent:.3g}" for extent in extents) for extents in (asset.size, seen))
+        what = f"box_min, box_max: a box of {stated} m, but its meshes are {found} m."
         raise InputError(f"asset.json of {asset.id}", what, "make it again", code="E-ASSET-STALE")
 
 

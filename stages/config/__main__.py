@@ -14,11 +14,11 @@ from stages.config.packages import home_of
 def show(files: Sequence[str]) -> int:
     """Print the whole config of a run with these files; a mistake is a line. Returns the exit code."""
     from stages.config.model import read_files
-    from stages.config.reference import manual
+    from stages.config.reference import write_yaml
     from stages.contracts.errors import InputError
 
     try:
-        print(manual(read_files([Path(file) for file in files])), end="")
+        print(write_yaml(read_files([Path(file) for file in files])), end="")
     except InputError as error:
         print(f"error: {error} [{error.code}]", file=sys.stderr)
         return 1

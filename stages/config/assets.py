@@ -70,5 +70,5 @@ class AssetsConfig(SnapshotOptions, OwnOptions, LibraryOptions):
 
     @model_validator(mode="before")
     @classmethod
-    def _none_of_ours(cls, said: Any) -> Any:
-        return {**said, "counts": {}} if isinstance(said, dict) and said.get("own_only") is True else said
+    def _empty_counts(cls, given: Any) -> Any:
+        return {**given, "counts": {}} if isinstance(given, dict) and given.get("own_only") is True else given

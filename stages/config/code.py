@@ -59,14 +59,14 @@ def _origin(module: str, name: str) -> str:
     if source(f"{module}.{name}"):
         return f"{module}.{name}"
     for node in _imports(module):
-        if isinstance(node, ast.ImportFrom) and source(origin := _imported(node, module)):
+        if isinstance(node, ast.ImportFrom) and source(origin := _resolve_import(node, module)):
             for alias in node.names:
                 if (alias.asname or alias.name) == name:
                     return _origin(origin, alias.name)
     return module
 
 
-def _imported(node: ast.ImportFrom, module: str) -> str:
+def _resolve_import(node: ast.ImportFrom, module: str) -> str:
     """The module that `from ... import` in `module` names; a leading dot is relative to its package."""
     if not node.level:
         return node.module or ""
@@ -77,13 +77,13 @@ def _imported(node: ast.ImportFrom, module: str) -> str:
 
 
 @cache
-def _needs(module: str) -> frozenset[str]:
+def _list_needs(module: str) -> frozenset[str]:
     """Modules that `module` imports or names as text, as far as they count."""
     found: set[str] = set()
     for node in _imports(module):
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and source(origin := _imported(node, module)):
+        elif isinstance(node, ast.ImportFrom) and source(origin := _resolve_import(node, module)):
             found.update(_origin(origin, alias.name) for alias in node.names)
     found.update(MODULE_NAME.findall(_text(module)))
     if "iter_modules(__path__)" in _text(module) and (path := source(module)):  # a package that imports all it has
@@ -99,7 +99,7 @@ def closure(*modules: str) -> tuple[str, ...]:
         name = queue.pop()
         if name not in seen:
             seen.add(name)
-            queue.extend(_needs(name))
+            queue.extend(_list_needs(name))
     return tuple(sorted(seen))
 
 
@@ -117,7 +117,7 @@ def code_digest(*modules: str) -> str:
 
 def forget() -> None:
     """Read the code anew for the next digest."""
-    for cached in (source, _text, _imports, _needs, code_digest):
+    for cached in (source, _text, _imports, _list_needs, code_digest):
         cached.cache_clear()
 
 

@@ -31,9 +31,9 @@ def command_digest(config: Config, stage: str, verb: str, *used: str) -> str:
 
 def check_line(outputs: Mapping[str, str | list[str]]) -> str:
     """The command that refuses files that break their contract, and keeps them aside; `outputs`: by contract."""
-    named = [word for contract, files in outputs.items() for word in (contract, *_listed(files))]
+    named = [word for contract, files in outputs.items() for word in (contract, *_as_list(files))]
     return shlex.join(["python", "-m", "stages.contracts", "--refuse", *named])
 
 
-def _listed(files: str | list[str]) -> list[str]:
+def _as_list(files: str | list[str]) -> list[str]:
     return [files] if isinstance(files, str) else files

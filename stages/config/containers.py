@@ -62,8 +62,8 @@ class ContainersConfig(Section):
 def tag() -> str:
     """Digest of the Containerfile and of what it copies; "none" where the package is installed without them."""
     recipe = ROOT / "containers/Containerfile"
-    said = recipe.read_text() if recipe.is_file() else ""
-    files = [recipe, *(ROOT / name for name in re.findall(r"^COPY (\S+)", said, re.MULTILINE))]
+    text = recipe.read_text() if recipe.is_file() else ""
+    files = [recipe, *(ROOT / name for name in re.findall(r"^COPY (\S+)", text, re.MULTILINE))]
     if not all(path.is_file() for path in files):
         return "none"
     digest = sha256()

@@ -14,7 +14,7 @@ from stages.config.mistakes import Mistake
 from stages.config.packages import packages_on
 from stages.config.pinned_assets import pinned_assets
 from stages.contracts.corrections import CORRECTIONS, corrections_of
-from stages.contracts.errors import InputError, nearest
+from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 
 if TYPE_CHECKING:
@@ -25,8 +25,8 @@ def contradictions(config: "Config") -> list[Mistake]:
     """All of them, in the order of config.yaml."""
     checks = (
         _packages, _names, _scenes, experiment.targets, experiment.pools, pinned_assets, experiment.training_sets,
-        experiment.test_assets, experiment.simulators, _library, _matching, experiment.policies, experiment.choices,
-        experiment.networks, _environment, _stages,
+        experiment.test_assets, experiment.simulators, _library, _matching, experiment.policies,
+        experiment.check_choices, experiment.networks, _environment, _stages,
     )  # fmt: skip
     return [found for check in checks for found in check(config)]
 
@@ -72,7 +72,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
         what = f"'{USUAL}' is what the table calls section evaluation itself"
         yield Mistake("evaluation.conditions", what, "give the condition another name", "E-CONFIG-NAME")
     for key in ("rooms", "training_sets", "held_out", "seeds"):
-        yield from _twice(f"experiment.{key}", getattr(experiment, key))
+        yield from _list_repeated(f"experiment.{key}", getattr(experiment, key))
     for key, chosen in (
         ("placements", experiment.placements),
         *((f"protocols.{name}.variants", protocol.variants or []) for name, protocol in experiment.protocols.items()),
@@ -88,13 +88,13 @@ def _names(config: "Config") -> Iterator[Mistake]:
             yield Mistake(f"experiment.placements.{variant}.ranks", "is one for all variants", "set generation.ranks")
     for name, policy in experiment.policies.items():
         for key in ("targets", "training_sets", "runs", "seeds"):
-            yield from _twice(f"experiment.policies.{name}.{key}", getattr(policy, key) or ())
+            yield from _list_repeated(f"experiment.policies.{name}.{key}", getattr(policy, key) or ())
     for name, protocol in experiment.protocols.items():
-        yield from _twice(f"experiment.protocols.{name}.seeds", protocol.seeds)
-    yield from _twice("evaluation.test_assets", config.evaluation.test_assets)
+        yield from _list_repeated(f"experiment.protocols.{name}.seeds", protocol.seeds)
+    yield from _list_repeated("evaluation.test_assets", config.evaluation.test_assets)
 
 
-def _twice(key: str, values: Iterable[object]) -> Iterator[Mistake]:
+def _list_repeated(key: str, values: Iterable[object]) -> Iterator[Mistake]:
     for value, count in Counter(values).items():
         if count > 1:
             yield Mistake(key, f"'{value}' is named {count} times", "name it once", "E-CONFIG-TWICE")
@@ -109,8 +109,8 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
         return  # said above
     for name in experiment.rooms:
         if name not in rooms and name not in experiment.inputs:
-            known = nearest(name, [*rooms, *experiment.inputs]) if rooms else "packages: {scenes: true}, for ours"
-            mend = f"{known}, or a picture of yours in experiment.inputs"
+            near = suggest_nearest(name, [*rooms, *experiment.inputs]) if rooms else "packages: {scenes: true}"
+            mend = f"{near}, or a picture of yours in experiment.inputs"
             yield Mistake("experiment.rooms", f"unknown scene '{name}'", mend, "E-CONFIG-UNKNOWN")
     for name, given in experiment.inputs.items():
         key = f"experiment.inputs.{name}"
@@ -154,7 +154,7 @@ def _library(config: "Config") -> Iterator[Mistake]:
 
 
 def _matching(config: "Config") -> Iterator[Mistake]:
-    """Views that were photographed, cousins for every rank, weights that lie where they are said to."""
+    """Views that were photographed, cousins for every rank, weights that lie where the config has them."""
     for variant in config.experiment.variants:
         matching = config.matching_of(variant)
         where = f"experiment.variants.{variant}" if config.experiment.variants[variant] else "matching"

@@ -10,7 +10,7 @@ USUAL = "usual"  # how tables call what section `evaluation` says, beside its `c
 
 
 class SceneOptions(Section):
-    """How a test asset is met."""
+    """How a test asset is shown."""
 
     vary_scale: bool = Field(
         False, description="rescale the test asset at random as in the demonstrations (official: no)"
@@ -28,11 +28,11 @@ class SceneOptions(Section):
 
 
 class SensingOptions(SceneOptions):
-    """How a policy sees it; the scripted skill looks at nothing."""
+    """How a policy sees a test asset; the scripted skill looks at nothing."""
 
     depth_noise: bool = Field(False, description="depth has the noise of a depth camera (Nguyen et al. 2012)")
     camera_error: tuple[NotNegative, NotNegative] = Field(
-        (0.0, 0.0), description="metres and degrees by which the camera is elsewhere than policies are told"
+        (0.0, 0.0), description="metres and degrees by which the camera is off the pose that policies assume"
     )
 
 
@@ -98,8 +98,8 @@ class EvaluationConfig(TrialOptions, RolloutOptions):
 
     conditions: dict[str, SensingOptions] = Field(
         {},
-        description="further ways in which test assets are met, by name, e.g. {mujoco: {simulator: mujoco}}: the "
-        "target `conditions` rolls every policy out in each and compares success there with success here",
+        description="further conditions of testing, by name, e.g. {mujoco: {simulator: mujoco}}: the target "
+        "`conditions` rolls every policy out under each and compares success there with success here",
     )
 
     def under(self, condition: str) -> "EvaluationConfig":

@@ -13,12 +13,12 @@ from stages.contracts.training_sets import DRAWN, RANDOMISED, RULES, drawn_role,
 
 
 class Protocol(Section):
-    """Rooms met otherwise than for Table 2: rows of its companion `table2_robustness.csv`."""
+    """The rooms of Table 2, changed: rows of its companion `table2_robustness.csv`."""
 
     seeds: list[Seed] = Field(
         [0],
         min_length=1,
-        description="Every room is met once with each: the seed of the depth noise and of what is drawn below.",
+        description="Every room is tested once with each: the seed of the depth noise and of what is drawn below.",
     )
     layout: Literal["recipe", "drawn"] = Field(
         "recipe", description="drawn: places, camera, colours and models of the room are drawn by chance."
@@ -74,7 +74,7 @@ class ExperimentConfig(Section):
     )
     protocols: dict[str, Protocol] = Field(
         {},
-        description="Rooms met otherwise, for table2_robustness: name -> {seeds, layout: drawn, finish: other, "
+        description="Variants of the rooms, for table2_robustness: name -> {seeds, layout: drawn, finish: other, "
         "unknown: true, scale_error: false, variants}, as far as they differ (docs/scenes.md).",
     )
     policy_variant: str = Field("b", description="The variant whose cousins the policy experiment uses.")
@@ -200,7 +200,7 @@ class ExperimentConfig(Section):
             for name in plan.training_sets
         ]
 
-    def chooses(self, policy: str) -> bool:
+    def needs_choice(self, policy: str) -> bool:
         """Whether a policy has more hyper-parameter sets than are trained with all seeds."""
         return len(self.plan(policy).runs) > self.best_runs
 
@@ -231,7 +231,7 @@ class ExperimentConfig(Section):
         """The training sets of all policies that open a target."""
         return sorted({name for plan in self.plans(target).values() for name in plan.training_sets})
 
-    def trained_roles(self, target: str) -> list[str]:
+    def list_trained_roles(self, target: str) -> list[str]:
         """Roles on which a target's demonstrations are collected."""
         return sorted({role for name in self.sets_of(target) for role in self.roles_of(target, name)})
 

@@ -24,7 +24,7 @@ def targets(config: "Config") -> Iterator[Mistake]:
         rooms = {}  # said above
     if experiment.targets and experiment.policy_variant not in experiment.variants:
         what = f"'{experiment.policy_variant}' is not one of experiment.variants"
-        yield _unknown("experiment.policy_variant", what, experiment.variants)
+        yield _check_known("experiment.policy_variant", what, experiment.variants)
     for name, target in experiment.targets.items():
         key, task = f"experiment.targets.{name}", experiment.task(name)
         try:
@@ -58,7 +58,7 @@ def pools(config: "Config") -> Iterator[Mistake]:
             yield Mistake(key, "is the name of a target, too", "give the pool another name", "E-CONFIG-NAME")
         for name in names:
             if name not in known:
-                yield _unknown(key, f"'{name}' is not one of experiment.targets", experiment.targets)
+                yield _check_known(key, f"'{name}' is not one of experiment.targets", experiment.targets)
             if (first := pool_of.setdefault(name, pool)) != pool:
                 yield Mistake(key, f"{name} is in the pool {first}, too", "leave it in one")
         about = {name: (experiment.task(name), config.task_of(name), experiment.share(name, "twin")) for name in known}
@@ -122,9 +122,9 @@ def simulators(config: "Config") -> Iterator[Mistake]:
     """Policies that are rolled out in a simulator that has their task."""
     for name in config.experiment.targets:
         try:
-            known = not config.experiment.sets_of(name) or config.simulated(name, config.evaluation.simulator)
+            known = not config.experiment.sets_of(name) or config.can_simulate(name, config.evaluation.simulator)
         except InputError:
-            continue  # said above
+            continue  # reported above
         if not known:
             task = config.experiment.task(name)
             simulator = shorten_name(config.evaluation.simulator)
@@ -140,14 +140,14 @@ def policies(config: "Config") -> Iterator[Mistake]:
         for run in experiment.plan(name).runs:
             if run not in known:
                 where = f"{key}.runs" if policy.runs else key
-                yield _unknown(where, f"'{run}' is not one of training.runs", known)
+                yield _check_known(where, f"'{run}' is not one of training.runs", known)
         for target in policy.targets or ():
             if target not in experiment.targets and target not in experiment.pools:
                 mend = [*experiment.targets, *experiment.pools]
-                yield _unknown(f"{key}.targets", f"'{target}' is not one of experiment.targets", mend)
+                yield _check_known(f"{key}.targets", f"'{target}' is not one of experiment.targets", mend)
 
 
-def choices(config: "Config") -> Iterator[Mistake]:
+def check_choices(config: "Config") -> Iterator[Mistake]:
     """Policies of several runs: of one kind, of which trials choose the best (paper B.4)."""
     experiment, known = config.experiment, config.training.runs
     for name in experiment.policies:
@@ -185,6 +185,6 @@ def networks(config: "Config") -> Iterator[Mistake]:
             yield Mistake(f"training.runs.{run}.keep", what, "lower it")
 
 
-def _unknown(key: str, what: str, known: Iterable[str]) -> Mistake:
+def _check_known(key: str, what: str, known: Iterable[str]) -> Mistake:
     """A name that is none of those known."""
     return Mistake(key, what, f"one of {', '.join(known) or 'none'}", "E-CONFIG-UNKNOWN")

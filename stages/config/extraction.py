@@ -48,6 +48,6 @@ class ExtractionConfig(Section):
 
     own: dict[str, dict[str, Any]] = OWN
 
-    def unread(self) -> set[str]:
+    def list_unread(self) -> set[str]:
         """The noise model, if there is no noise."""
         return {"noise"} if self.depth_noise == "none" else set()

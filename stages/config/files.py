@@ -1,4 +1,4 @@
-"""Config files, and the command line that names them: what is wrong with one is told before Snakemake reads it.
+"""Config files, and the command line that names them: mistakes are reported before Snakemake reads them.
 
 Snakemake ends with a traceback, or names no file. `profiles/default`, which it always reads first, calls `check`.
 """
@@ -25,25 +25,25 @@ def check(arguments: Sequence[str] | None = None) -> None:
     """End with one line if a command line of Snakemake, by default this process's, names a config that is none."""
     words = sys.argv[1:] if arguments is None else list(arguments)
     try:
-        files = given(words, "--configfile") + given(words, "--configfiles")
+        files = read_option(words, "--configfile") + read_option(words, "--configfiles")
         for file in files:
             if file.endswith(ENDINGS) or Path(file).exists():
                 read_file(Path(file))
             else:
                 fix = f"put targets before options, or behind --: `snakemake --configfile {files[0]} -- {file}`"
                 raise InputError(file, "is no config file; --configfile takes every word behind it.", fix, "E-WORDS")
-        for word in given(words, "--config"):
+        for word in read_option(words, "--config"):
             if "=" not in word:
                 fix = f"put targets before options, or behind --: `snakemake --config KEY=VALUE -- {word}`"
                 raise InputError(word, "is no KEY=VALUE; --config takes every word behind it.", fix, "E-WORDS")
-        for default in defaults(Path([".", *given(words, "-d"), *given(words, "--directory")][-1])):
+        for default in defaults(Path([".", *read_option(words, "-d"), *read_option(words, "--directory")][-1])):
             read_file(default)
     except InputError as error:
         print(f"error: {error} [{error.code}]", file=sys.stderr)
         sys.exit(1)
 
 
-def given(words: Sequence[str], option: str) -> list[str]:
+def read_option(words: Sequence[str], option: str) -> list[str]:
     """The words that an option takes: `--option=a`, or all up to the next option."""
     found: list[str] = []
     takes = False

@@ -45,7 +45,7 @@ class Input(Section):
 
     def mistakes(self, key: str) -> Iterator[Mistake]:
         """What is wrong with it; `key`: where it stands in the config."""
-        for what in missing(Path(self.folder)) if self.folder else ():
+        for what in describe_missing(Path(self.folder)) if self.folder else ():
             yield Mistake(key, what, HOLDS, "E-CONFIG-FILE")
 
 
@@ -54,7 +54,7 @@ def scene_of(path: Path) -> str:
     return "_".join(re.findall(r"[A-Za-z0-9-]+", path.name)).lstrip("-") or "photo"
 
 
-def missing(folder: Path) -> list[str]:
+def describe_missing(folder: Path) -> list[str]:
     """What an input folder lacks, in words."""
     if not folder.is_dir():
         return [f"no folder {folder}"]

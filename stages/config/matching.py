@@ -25,12 +25,12 @@ class HogConfig(Section):
     position_alone: float = Field(2.0, ge=0, description="Weight of a patch's place in the crop, without normals.")
 
     @model_validator(mode="after")
-    def _divides(self) -> "HogConfig":
+    def _check_grid(self) -> "HogConfig":
         if self.image_size % self.grid:
             raise ValueError(f"grid {self.grid} does not divide image_size {self.image_size}")
         return self
 
-    def unread(self) -> set[str]:
+    def list_unread(self) -> set[str]:
         """Weights, which a feature store does not depend on."""
         return {"normals", "position", "position_alone"}
 
@@ -61,23 +61,23 @@ class EncoderOptions(Section):
     dinov2: Dinov2Config = Field(Dinov2Config(), description="The encoder `dinov2`.")
     own: dict[str, dict[str, Any]] = OWN
 
-    def unread(self) -> set[str]:
+    def list_unread(self) -> set[str]:
         """The options of encoders that are not used."""
         return {"hog", "dinov2"} - {self.encoder}
 
-    def stored(self) -> dict[str, Any]:
+    def keep_stored(self) -> dict[str, Any]:
         """The options that the rows of a feature store depend on: weights are laid on them later."""
         given = getattr(self, self.encoder, None)
         if not isinstance(given, Section):
             name = shorten_name(self.encoder)
             own: dict[str, Any] = {"own": {name: self.own[name]} if name in self.own else {}}
         else:
-            own = {self.encoder: given.model_dump(mode="json", exclude=given.unread())}
+            own = {self.encoder: given.model_dump(mode="json", exclude=given.list_unread())}
         return {"encoder": self.encoder, "dimensions": self.dimensions or 0} | own
 
     def store(self) -> str:
         """Name of the feature store: two variants share one if it holds the same for both."""
-        digest = sha256(json.dumps(self.stored(), sort_keys=True).encode()).hexdigest()
+        digest = sha256(json.dumps(self.keep_stored(), sort_keys=True).encode()).hexdigest()
         return f"{shorten_name(self.encoder)}-{digest[:8]}"
 
 
@@ -186,19 +186,23 @@ class MatchingConfig(MatchingSection):
     """The section, and those of packages for their judges: what `matching match` reads."""
 
     @classmethod
-    def beside(cls) -> set[str]:
+    def list_package_sections(cls) -> set[str]:
         """The sections of packages."""
         return set(cls.model_fields) - set(MatchingSection.model_fields)
 
-    def unread(self) -> set[str]:
+    def list_unread(self) -> set[str]:
         """The options of encoders and judges that are not used; judges of yours may read all."""
         judges = {self.model_selection, self.orientation_selection}
-        silent = self.beside() - judges if all(judge == shorten_name(judge) for judge in judges) else set()
-        return super().unread() | {"clip"} - {self.text_encoder} | silent
+        silent = (
+            self.list_package_sections() - judges if all(judge == shorten_name(judge) for judge in judges) else set()
+        )
+        return super().list_unread() | {"clip"} - {self.text_encoder} | silent
 
-    def deciding(self) -> "MatchingConfig":
+    def keep_deciding(self) -> "MatchingConfig":
         """The options with those of packages as far as they decide on answers."""
-        return self.model_copy(update={name: getattr(self, name).deciding() for name in self.beside()})
+        return self.model_copy(
+            update={name: getattr(self, name).keep_deciding() for name in self.list_package_sections()}
+        )
 
 
 def matching_model(packages: Iterable[str]) -> type[MatchingConfig]:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeVar, get_args, get_origin
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from stages.contracts.errors import InputError, nearest
+from stages.contracts.errors import InputError, suggest_nearest
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -109,7 +109,7 @@ def without_removed(value: Any, annotation: Any) -> Any:
     return value
 
 
-def validated(model: type[M], given: dict[str, Any]) -> tuple[M, list[Mistake]]:
+def validate_config(model: type[M], given: dict[str, Any]) -> tuple[M, list[Mistake]]:
     """The config and its mistakes; where there is one, the config has its default instead."""
     mistakes = truths(given, model)
     given = deepcopy(given)
@@ -158,7 +158,7 @@ def _mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str) -> 
         key = prefix + ".".join(str(part) for part in path)
         text = detail["msg"].removeprefix("Value error, ")
         if detail["type"] == "extra_forbidden":
-            yield _unknown(key, str(path[-1]), _model_at(root, path[:-1]), root)
+            yield _describe_unknown_key(key, str(path[-1]), _model_at(root, path[:-1]), root)
         elif detail["type"] == "value_error":
             yield Mistake(key, text, code="E-CONFIG-VALUE")
         else:
@@ -166,26 +166,26 @@ def _mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str) -> 
             yield Mistake(key, f"{text} (got {detail['input']!r})", mend, "E-CONFIG-VALUE")
 
 
-def _unknown(key: str, name: str, model: type[BaseModel], root: type[BaseModel]) -> Mistake:
+def _describe_unknown_key(key: str, name: str, model: type[BaseModel], root: type[BaseModel]) -> Mistake:
     """A key that a section does not have: of an older config, or a typo."""
     code = "E-CONFIG-KEY"
     if name in model.__class_vars__:
         return Mistake(key, f"is no option: it is {getattr(model, name)}", "leave it out", code)
     if name in GONE:
         return Mistake(key, "is no option", GONE[name], code)
-    return Mistake(key, "unknown key", _meant(name, model, root), code)
+    return Mistake(key, "unknown key", _find_meant_key(name, model, root), code)
 
 
-def _meant(name: str, model: type[BaseModel], root: type[BaseModel]) -> str:
+def _find_meant_key(name: str, model: type[BaseModel], root: type[BaseModel]) -> str:
     """Which key was meant: the nearest by its letters, one elsewhere, one whose meaning names the word, else any."""
     if get_close_matches(name, model.model_fields, n=1, cutoff=0.6):
-        return nearest(name, model.model_fields)
+        return suggest_nearest(name, model.model_fields)
     if 0 < len(elsewhere := list(_places(name, root))) <= 3:
         return f"do you mean {' or '.join(elsewhere)}?"
     word = re.compile(rf"\b{re.escape(name.lower().rstrip('s'))}s?\b", re.IGNORECASE)
     about = {field: f"{found.description} {found.json_schema_extra}" for field, found in model.model_fields.items()}
     named = [field for field, text in about.items() if word.search(text)]
-    return f"do you mean {' or '.join(named)}?" if 0 < len(named) <= 3 else nearest(name, model.model_fields)
+    return f"do you mean {' or '.join(named)}?" if 0 < len(named) <= 3 else suggest_nearest(name, model.model_fields)
 
 
 def _places(name: str, model: type[BaseModel], path: str = "") -> Iterator[str]:

@@ -17,14 +17,14 @@ from stages.config.extraction import ExtractionConfig
 from stages.config.files import read_file
 from stages.config.generation import GenerationConfig
 from stages.config.matching import MatchingConfig, MatchingSection, matching_model
-from stages.config.mistakes import Mistake, mistakes_of, truths, validated, without_removed
-from stages.config.names import resolved
-from stages.config.packages import Objects, Package, packages_on, present, with_sections
+from stages.config.mistakes import Mistake, mistakes_of, truths, validate_config, without_removed
+from stages.config.names import resolve_names
+from stages.config.packages import Objects, Package, find_packages, packages_on, with_sections
 from stages.config.replaced import Replaced
 from stages.config.tables import TablesConfig
 from stages.config.targets import Target
 from stages.config.training import TrainingConfig
-from stages.contracts.errors import InputError, nearest
+from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.section import Section, Seed
 from stages.contracts.task_options import TaskConfig
 from stages.plugins import find, folder
@@ -41,7 +41,7 @@ class Config(Section):
         'tasks (docs/your-data.md). "": none.',
     )
     packages: dict[str, bool] = Field(
-        default_factory=lambda: dict.fromkeys(present(), True),
+        default_factory=lambda: dict.fromkeys(find_packages(), True),
         description="Packages beside the core (docs/architecture.md), and which are on.",
     )
     plugins: list[str] = Field(
@@ -73,12 +73,12 @@ class Config(Section):
 
     @field_validator("packages")
     @classmethod
-    def _all_of_them(cls, given: dict[str, bool]) -> dict[str, bool]:
+    def _fill_packages(cls, given: dict[str, bool]) -> dict[str, bool]:
         """Those that are not named are on."""
-        here = present()
+        here = find_packages()
         for name in given:
             if name not in here:
-                raise ValueError(f"there is no package '{name}'; {nearest(name, here)}")
+                raise ValueError(f"there is no package '{name}'; {suggest_nearest(name, here)}")
         return dict.fromkeys(here, True) | given
 
     @property
@@ -90,20 +90,22 @@ class Config(Section):
     def matching_of(self, variant: str) -> MatchingConfig:
         """The options of one variant: `matching` and packages' sections, with what it changes, key by key."""
         model = matching_model(
-            name for name in present() if present()[name].sections.keys() <= type(self).model_fields.keys()
+            name for name in find_packages() if find_packages()[name].sections.keys() <= type(self).model_fields.keys()
         )
-        beside = {name: getattr(self, name).model_dump() for name in model.beside()}
-        changed = merged(self.matching.model_dump() | beside, self.experiment.variants[variant])
-        return resolved(model.model_validate(changed), self.implementations, f"experiment.variants.{variant}")
+        beside = {name: getattr(self, name).model_dump() for name in model.list_package_sections()}
+        changed = merge_mappings(self.matching.model_dump() | beside, self.experiment.variants[variant])
+        return resolve_names(model.model_validate(changed), self.implementations, f"experiment.variants.{variant}")
 
     def generation_of(self, variant: str) -> GenerationConfig:
         """The placing of one variant: that of `generation` with what differs, key by key."""
         changes = self.experiment.placements.get(variant, {})
-        return GenerationConfig.model_validate(merged(self.generation.model_dump(), changes))
+        return GenerationConfig.model_validate(merge_mappings(self.generation.model_dump(), changes))
 
     def task_of(self, target: str) -> TaskConfig:
         """The task options of a target: those of `task` with what it changes, key by key."""
-        return TaskConfig.model_validate(merged(self.task.model_dump(), self.experiment.targets[target].options))
+        return TaskConfig.model_validate(
+            merge_mappings(self.task.model_dump(), self.experiment.targets[target].options)
+        )
 
     def rooms(self) -> dict[str, Objects]:
         """The rooms that packages make, by their names."""
@@ -113,7 +115,7 @@ class Config(Section):
         """The name by which a stage loads an implementation."""
         return find(kind, name, self.implementations)
 
-    def simulated(self, target: str, simulator: str) -> bool:
+    def can_simulate(self, target: str, simulator: str) -> bool:
         """Whether a simulator has a target's task: others than that of the demonstrations have those of one skill."""
         task = self.experiment.task(target)
         return simulator == "maniskill" or len(load_plugin("tasks", self.implementation("tasks", task)).skills) == 1
@@ -121,12 +123,12 @@ class Config(Section):
     def targets_under(self, condition: str) -> list[str]:
         """The targets whose task the simulator of a condition has."""
         simulator = self.evaluation.under(condition).simulator
-        return [target for target in self.experiment.targets if self.simulated(target, simulator)]
+        return [target for target in self.experiment.targets if self.can_simulate(target, simulator)]
 
 
-def merged(base: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
+def merge_mappings(base: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
     """`base` with `changes`; mappings in mappings are merged, everything else is replaced."""
-    both = {key: merged(base[key], value) for key, value in changes.items() if _mappings(base.get(key), value)}
+    both = {key: merge_mappings(base[key], value) for key, value in changes.items() if _mappings(base.get(key), value)}
     return base | changes | both
 
 
@@ -136,7 +138,7 @@ def _mappings(*values: Any) -> bool:
 
 def with_defaults(config: dict[str, Any]) -> dict[str, Any]:
     """A config with all that it leaves out, as far down as names go: it need only hold what differs."""
-    return merged(complete()().model_dump(mode="json"), config)
+    return merge_mappings(complete()().model_dump(mode="json"), config)
 
 
 def read_files(files: Iterable[Path]) -> Config:
@@ -145,7 +147,7 @@ def read_files(files: Iterable[Path]) -> Config:
     Raises:
         InputError: a file cannot be read, or the config has mistakes.
     """
-    return load(with_defaults(reduce(merged, map(read_file, files), {})))
+    return load(with_defaults(reduce(merge_mappings, map(read_file, files), {})))
 
 
 def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
@@ -164,11 +166,11 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
     for package in on.values():
         config, found = package.expand(config)
         unread += found
-    valid, mistakes = validated(model, without_removed(config, model))
+    valid, mistakes = validate_config(model, without_removed(config, model))
     mistakes += unread
     wrong = [mistake.key for mistake in mistakes] + (["experiment.rooms"] if unread else [])
     valid = valid.model_copy(update={"plugins": _packages(valid.plugins, mistakes)})
-    valid = resolved(valid, valid.implementations, "", mistakes)
+    valid = resolve_names(valid, valid.implementations, "", mistakes)
     mistakes += _overlays(valid)
     rooms = valid.experiment.model_copy(update={"rooms": valid.experiment.named()})
     valid = valid.model_copy(update={"experiment": rooms})
@@ -187,19 +189,19 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
 
 def complete() -> type[Config]:
     """The config with the sections of all packages that are here."""
-    return with_sections(Config, present())
+    return with_sections(Config, find_packages())
 
 
 def _packages_on(config: dict[str, Any]) -> dict[str, Package]:
     """The packages that a config does not turn off, by name."""
     given = config.get("packages")
     off = [name for name, on in given.items() if on is False] if isinstance(given, dict) else []
-    return {name: package for name, package in present().items() if name not in off}
+    return {name: package for name, package in find_packages().items() if name not in off}
 
 
 def _is_silent(section: str) -> bool:
     """Whether a section belongs to a package of this checkout."""
-    return any(section in package.sections for package in present().values())
+    return any(section in package.sections for package in find_packages().values())
 
 
 def _overlays(config: Config) -> Iterator[Mistake]:

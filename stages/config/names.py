@@ -1,4 +1,4 @@
-"""Names of implementations in the config: checked against what there is, and made loadable by the stages."""
+"""Names of implementations in the config: checked, and qualified so that stages can load them."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeVar
@@ -25,7 +25,7 @@ def modules(section: Section, *fields: str) -> list[str]:
     ]
 
 
-def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mistake] | None = None) -> S:
+def resolve_names(section: S, packages: Sequence[str], path: str, mistakes: list[Mistake] | None = None) -> S:
     """The section with the names of a user's implementations qualified, so that a stage can import them.
 
     Args:
@@ -40,10 +40,10 @@ def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mist
         kind, value, key = kind_of(type(section), field), getattr(section, field), f"{path}.{field}".lstrip(".")
         try:
             if isinstance(value, Section):
-                changes[field] = resolved(value, packages, key, mistakes)
+                changes[field] = resolve_names(value, packages, key, mistakes)
             elif isinstance(value, dict) and all(isinstance(item, Section) for item in value.values()):
                 changes[field] = {
-                    name: resolved(item, packages, f"{key}.{name}", mistakes) for name, item in value.items()
+                    name: resolve_names(item, packages, f"{key}.{name}", mistakes) for name, item in value.items()
                 }
             elif kind and isinstance(value, list):
                 changes[field] = [find(kind, name, packages, key) for name in value]

@@ -11,7 +11,7 @@ from stages.config.packages import packages_on
 MANY = 8  # files in one folder: containers see it whole then
 
 
-def outside(config: Config) -> list[str]:
+def list_outside_paths(config: Config) -> list[str]:
     """Absolute paths, outside the working directory, of what the config names: scenes, models, weights, code."""
     commands = [own for verbs in config.stages.values() for own in verbs.values()]
     matching = map(config.matching_of, config.experiment.variants)
@@ -28,7 +28,7 @@ def outside(config: Config) -> list[str]:
     return sorted(str(path) for path in paths if not path.is_relative_to(Path.cwd()))
 
 
-def online(config: Config) -> list[str] | None:
+def list_key_variables(config: Config) -> list[str] | None:
     """Environment variables that hold keys of the servers that are asked; None: nothing asks the network."""
     keys = [found for package in packages_on(config.packages) if (found := package.keys(config)) is not None]
     return sorted({name for found in keys for name in found} - {""}) if keys else None
@@ -40,10 +40,10 @@ def container_environment(config: Config, published: str) -> dict[str, str]:
     Args:
         published: folder of the tables of the paper's values.
     """
-    keys = online(config)
+    keys = list_key_variables(config)
     return {
         "ACDC_IMAGE": config.containers.template,
-        "ACDC_OUTSIDE": "\n".join([*outside(config), published]),
+        "ACDC_OUTSIDE": "\n".join([*list_outside_paths(config), published]),
         "ACDC_PAPER": published,
         "ACDC_CODE": str(plugins.PACKAGES.parent),
         "ACDC_GPU": config.device.replace("cpu", ""),

@@ -56,37 +56,37 @@ class Package:
     check: Callable[[], tuple[str, bool, str]] | None = None
 
 
-def present() -> dict[str, Package]:
+def find_packages() -> dict[str, Package]:
     """The packages of this checkout by name."""
     return {module.rpartition(".")[2]: import_module(f"{module}.package").PACKAGE for module in plugins.list_shipped()}
 
 
 def packages_on(on: Mapping[str, bool]) -> list[Package]:
     """The packages that are on."""
-    return [package for name, package in present().items() if on[name]]
+    return [package for name, package in find_packages().items() if on[name]]
 
 
-def drawn_by(on: Mapping[str, bool], stage: str) -> list[str]:
+def list_drawers(on: Mapping[str, bool], stage: str) -> list[str]:
     """Modules of packages that are on with which a verb of a stage shows more."""
     return [package.draws[stage] for package in packages_on(on) if stage in package.draws]
 
 
 def rule_files(on: Mapping[str, bool], last: bool = False) -> list[str]:
     """The rules.smk of packages that are on, below the workflow's folder: of those that come last, or of the others."""
-    packages = [name for name, package in present().items() if on[name] and package.last == last]
+    packages = [name for name, package in find_packages().items() if on[name] and package.last == last]
     names = [name for name in packages if (plugins.PACKAGES / name / "rules.smk").is_file()]
     return [f"plugins/{name}/rules.smk" for name in names]
 
 
 def with_sections(model: type[C], names: Iterable[str], judges: bool = False) -> type[C]:
     """A section with those of these packages; `judges`: with those alone that judges of theirs read."""
-    made: type[C] = _with_sections(model, tuple(names), judges)
-    return made
+    extended: type[C] = _with_sections(model, tuple(names), judges)
+    return extended
 
 
 @cache
 def _with_sections(model: Any, names: tuple[str, ...], judges: bool) -> Any:
-    packages = present()
+    packages = find_packages()
     fields: dict[str, Any] = {}
     for name in names:
         fields |= packages[name].sections if packages[name].judges or not judges else {}

@@ -23,8 +23,8 @@ def record_provenance(module: str, options: BaseModel, inputs: Iterable[Path], s
     digest = hashlib.sha256()
     for path in inputs:
         digest.update(hashlib.sha256(content(path)).digest())
-    said = hashlib.sha256(options.model_dump_json().encode()).hexdigest()
-    return Provenance(seed=seed, options=said[:12], inputs=digest.hexdigest()[:12], code=code_digest(module))
+    own = hashlib.sha256(options.model_dump_json().encode()).hexdigest()
+    return Provenance(seed=seed, options=own[:12], inputs=digest.hexdigest()[:12], code=code_digest(module))
 
 
 def content(path: Path) -> bytes:

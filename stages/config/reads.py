@@ -10,7 +10,7 @@ from stages.config.generation import GenerationConfig
 from stages.config.matching import ComparisonOptions, EncoderOptions, matching_model
 from stages.config.model import Config
 from stages.config.names import kind_of
-from stages.config.packages import present
+from stages.config.packages import find_packages
 from stages.config.policy_kinds import policy_tables
 from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.section import Section
@@ -22,7 +22,7 @@ CORE: dict[tuple[str, str], type[Section]] = {
     ("assets", "snapshots"): SnapshotOptions,
     ("extraction", "extract"): ExtractionConfig,
     ("matching", "features"): EncoderOptions,
-    ("matching", "match"): matching_model(present()),
+    ("matching", "match"): matching_model(find_packages()),
     ("matching", "distances"): ComparisonOptions,
     ("generation", "generate"): GenerationConfig,
     ("demonstrations", "collect"): DemonstrationsConfig,
@@ -35,7 +35,7 @@ CORE: dict[tuple[str, str], type[Section]] = {
 }
 READS = CORE | {
     (name, verb): reads
-    for name, package in present().items()
+    for name, package in find_packages().items()
     for verb, reads in package.verbs.items()
     if reads is not None
 }
@@ -47,7 +47,7 @@ WILDCARDS = ("scene", "variant", "store", "role", "run", "condition")
 
 def section_name(stage: str) -> str:
     """The config section of a stage or package."""
-    package = present().get(stage)
+    package = find_packages().get(stage)
     return package.section if package else stage
 
 
@@ -72,11 +72,11 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
 def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str]) -> dict[str, Any]:
     """The --options of a verb."""
     if (stage, verb) == ("matching", "features"):
-        return stores(config)[wildcards["store"]].stored()
+        return stores(config)[wildcards["store"]].keep_stored()
     section, reads = section_of(config, stage, wildcards), READS[stage, verb]
     if beside := {name: getattr(config, name).model_dump() for name in _sections(reads, section, config)}:
         section = reads.model_construct(**dict(section), **beside)
-    kept = section.model_dump(mode="json", include=set(reads.model_fields) - section.unread())
+    kept = section.model_dump(mode="json", include=set(reads.model_fields) - section.list_unread())
     if "own" in kept:
         kinds = [field for field in reads.model_fields if kind_of(reads, field)]
         used = {shorten_name(name) for field in kinds for name in _names(getattr(section, field))}
@@ -88,7 +88,7 @@ def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str])
 
 def _sections(reads: type[Section], section: Section, config: Config) -> list[str]:
     """Sections that a verb reads beside its own, of packages that are on."""
-    names = {name for package in present().values() for name in package.sections if hasattr(config, name)}
+    names = {name for package in find_packages().values() for name in package.sections if hasattr(config, name)}
     return sorted(names & set(reads.model_fields) - set(type(section).model_fields))
 
 

@@ -18,7 +18,7 @@ def _scalar(value: Any) -> str:
     return text.removesuffix("\n...\n").rstrip("\n")
 
 
-def _allowed(schema: dict[str, Any]) -> str:
+def _list_allowed(schema: dict[str, Any]) -> str:
     """Choices and bounds of a key, from its JSON schema."""
     parts = []
     options = [schema, *schema.get("anyOf", [])]
@@ -39,7 +39,7 @@ def _lines(value: BaseModel, indent: str, path: str, rows: list[tuple[str, str, 
     for name, field in type(value).model_fields.items():
         child = getattr(value, name)
         description = field.description or ""
-        allowed = _allowed(properties[name])
+        allowed = _list_allowed(properties[name])
         comment = description + (f" [{allowed}]" if allowed else "")
         lines.extend(textwrap.wrap(comment, 110, initial_indent=f"{indent}# ", subsequent_indent=f"{indent}# "))
         key = f"{path}.{name}".lstrip(".")
@@ -47,7 +47,7 @@ def _lines(value: BaseModel, indent: str, path: str, rows: list[tuple[str, str, 
             rows.append((key, "", "", description))
             lines += [f"{indent}{name}:", *_lines(child, indent + "  ", key, rows), ""]
             continue
-        default = "" if field.default is PydanticUndefined and field.default_factory is None else _plain(child)
+        default = "" if field.default is PydanticUndefined and field.default_factory is None else _simplify_value(child)
         nested = isinstance(child, dict) and child and all(isinstance(item, BaseModel) for item in child.values())
         shown = f"{{{', '.join(f'{one}: ...' for one in child)}}}" if nested else _scalar(default)
         rows.append((key, shown, allowed, description))
@@ -63,15 +63,15 @@ def _lines(value: BaseModel, indent: str, path: str, rows: list[tuple[str, str, 
     return lines
 
 
-def _plain(value: Any) -> Any:
+def _simplify_value(value: Any) -> Any:
     if isinstance(value, BaseModel):
         return value.model_dump(mode="json")
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    return [_plain(item) for item in value] if isinstance(value, list | tuple) else value
+        return {key: _simplify_value(item) for key, item in value.items()}
+    return [_simplify_value(item) for item in value] if isinstance(value, list | tuple) else value
 
 
-def manual(config: BaseModel) -> str:
+def write_yaml(config: BaseModel) -> str:
     """A config as YAML: every key with its value, what it means and what is allowed."""
     return "\n".join(_lines(config, "", "", [])).rstrip() + "\n"
 

@@ -4,8 +4,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
-from stages.config.packages import present
-from stages.contracts.errors import nearest
+from stages.config.packages import find_packages
+from stages.contracts.errors import suggest_nearest
 from stages.contracts.section import Section
 
 VERBS = {
@@ -36,13 +36,13 @@ class VerbCommand(Section):
 
 def _known_verbs(value: Any) -> Any:
     """Refuse stages and verbs that do not exist, with the nearest one that does."""
-    verbs = VERBS | {name: tuple(package.verbs) for name, package in present().items() if package.verbs}
+    verbs = VERBS | {name: tuple(package.verbs) for name, package in find_packages().items() if package.verbs}
     for stage, commands in value.items() if isinstance(value, dict) else ():
         if stage not in verbs:
-            raise ValueError(f"no stage is called '{stage}'; {nearest(stage, verbs)}")
+            raise ValueError(f"no stage is called '{stage}'; {suggest_nearest(stage, verbs)}")
         for verb in commands if isinstance(commands, dict) else ():
             if verb not in verbs[stage]:
-                raise ValueError(f"no verb of {stage} is called '{verb}'; {nearest(verb, verbs[stage])}")
+                raise ValueError(f"no verb of {stage} is called '{verb}'; {suggest_nearest(verb, verbs[stage])}")
     return value
 
 

@@ -9,15 +9,15 @@ DIMENSIONS, SHORTLIST = 72, 100
 PER_SHARD = 300  # models: 780 MB of features as they are
 
 
-def sized(config: Config, models: int) -> Config:
+def fill_counts(config: Config, models: int) -> Config:
     """The config with numbers where it says null, for a library of so many models."""
     procedural = sum(config.assets.counts.values())
     large = models > LARGE
-    assets = _filled(config.assets, shards=max(2, -(-procedural // PER_SHARD)))
-    matching = _filled(config.matching, dimensions=DIMENSIONS * large, shortlist=SHORTLIST * large)
+    assets = _fill_section(config.assets, shards=max(2, -(-procedural // PER_SHARD)))
+    matching = _fill_section(config.matching, dimensions=DIMENSIONS * large, shortlist=SHORTLIST * large)
     return config.model_copy(update={"assets": assets, "matching": matching})
 
 
-def _filled(section: Any, **numbers: int) -> Any:
+def _fill_section(section: Any, **numbers: int) -> Any:
     """A section with these numbers under those of their keys that are null."""
     return section.model_copy(update={key: value for key, value in numbers.items() if getattr(section, key) is None})

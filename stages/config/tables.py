@@ -56,13 +56,13 @@ class MethodTables(TablesConfig):
 class PolicyTables(MethodTables):
     """What tables say of the policies, as far as it is known.
 
-    kinds: policy -> its kind in words. papers: policies of the paper's kind. encoder: by whose features assets are near
-    the twin. met: how policies see the test assets. starts: of the targets, how far off its place before the handle the
-    robot stands, along and up, metres.
+    kinds: policy -> its kind in words. papers: policies of the paper's kind. encoder: that whose features give the
+    distance from the twin. sensing: how policies see the test assets. starts: per target, how far the robot starts off
+    its place before the handle, along and up, metres.
     """
 
     kinds: dict[str, str] = {}
     papers: list[str] = []
     encoder: str = ""
-    met: SensingOptions | None = None
+    sensing: SensingOptions | None = None
     starts: list[tuple[float, float]] = []

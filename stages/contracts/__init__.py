@@ -4,10 +4,10 @@ from stages.contracts.cousins import Cousins
 from stages.contracts.errors import InputError
 from stages.contracts.files import (
     Contract,
-    atomic,
     read_json,
     read_options,
     read_text,
+    write_atomically,
     write_json,
     write_text,
 )
@@ -36,10 +36,10 @@ __all__ = [
     "SnapshotShard",
     "TaskAssets",
     "Truth",
-    "atomic",
     "read_json",
     "read_options",
     "read_text",
+    "write_atomically",
     "write_json",
     "write_text",
 ]

@@ -9,7 +9,7 @@ from functools import cache, lru_cache
 from pathlib import Path, PurePosixPath
 
 from stages.contracts.errors import InputError
-from stages.contracts.files import atomic
+from stages.contracts.files import write_atomically
 
 UNREADABLE = (OSError, zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError)  # what zipfile raises
 
@@ -17,7 +17,7 @@ UNREADABLE = (OSError, zipfile.BadZipFile, zlib.error, NotImplementedError, Runt
 def pack(folder: Path, out: Path) -> None:
     """Write all files below `folder` into a zip archive, by name and undated: the same files make the same bytes."""
     files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
-    with atomic(out) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+    with write_atomically(out) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         for name in sorted(files):
             about = zipfile.ZipInfo(name)  # of 1980
             about.external_attr = 0o644 << 16
@@ -30,7 +30,7 @@ def unpack(path: Path, fix: str, below: str = "") -> Path:
     Raises:
         InputError: it is no archive, is damaged, or a name leads out of it.
     """
-    with reading(path, fix) as archive:
+    with open_archive(path, fix) as archive:
         names = [name for name in archive.namelist() if name.startswith(below) and not name.endswith("/")]
         content = {name: archive.read(name) for name in names}
     folder = Path(tempfile.mkdtemp(dir=_scratch().name))
@@ -44,10 +44,10 @@ def unpack(path: Path, fix: str, below: str = "") -> Path:
 
 
 @contextmanager
-def reading(path: Path, fix: str) -> Iterator[zipfile.ZipFile]:
+def open_archive(path: Path, fix: str) -> Iterator[zipfile.ZipFile]:
     """An archive, opened once for whoever reads it again; what is wrong with it becomes an `InputError`."""
     try:
-        yield _opened(path, path.stat().st_mtime_ns)
+        yield _open_zip(path, path.stat().st_mtime_ns)
     except FileNotFoundError:
         raise InputError(path, "no such file.", fix, code="E-FILE-MISSING") from None
     except UNREADABLE as error:
@@ -62,5 +62,5 @@ def _scratch() -> tempfile.TemporaryDirectory[str]:
 
 
 @lru_cache
-def _opened(path: Path, changed: int) -> zipfile.ZipFile:
+def _open_zip(path: Path, changed: int) -> zipfile.ZipFile:
     return zipfile.ZipFile(path)

@@ -18,7 +18,7 @@ BLOCK = 4_000_000  # numbers looked at in one go
 
 
 @contextmanager
-def readable(path: Path, what: str, fix: str = "") -> Iterator[None]:
+def explain_unreadable(path: Path, what: str, fix: str = "") -> Iterator[None]:
     """Around the opening and decoding of a file, for which the libraries raise many kinds of exception."""
     try:
         yield
@@ -38,7 +38,7 @@ def read_npz(path: Path, fix: str = "") -> dict[str, NDArray[Any]]:
     Raises:
         InputError: it is missing, broken, holds pickled objects, or would fill the memory.
     """
-    with readable(path, "npz file", fix), np.load(path, allow_pickle=False) as arrays:
+    with explain_unreadable(path, "npz file", fix), np.load(path, allow_pickle=False) as arrays:
         size = sum(entry.file_size for entry in arrays.zip.infolist())
         if size > MAX_BYTES:
             raise InputError(path, f"unpacks to {size / 1e9:.1f} GB.", fix, code="E-FILE-LARGE")

@@ -61,7 +61,7 @@ class Category(Contract):
     further: list[Size] = Field([], description="of models in styles that those lack")
     real: list[Size] = Field([], description="of real things, by standards and catalogues, between which others lie")
 
-    def usual_size(self, further: bool = False) -> UsualSize | None:
+    def measure_usual_size(self, further: bool = False) -> UsualSize | None:
         """Its sizes, with those in further styles and of real things or without; None: too few models say so."""
         sizes = [*self.sizes, *((*self.further, *self.real) if further else ())]
         if len(sizes) < FEWEST_MODELS:
@@ -75,7 +75,7 @@ def describe_unusual(category: Category | None, size: ArrayLike, spread: float =
 
     `spread`: as `USUAL_SPREAD`.
     """
-    usual = category.usual_size(further=True) if category else None
+    usual = category.measure_usual_size(further=True) if category else None
     if usual is None or usual.misfit(size, spread) == 0:
         return ""
     depth, width, height = 100 * np.asarray(size, dtype=float)

@@ -75,7 +75,7 @@ class Corrections(Document):
     objects: list[Correction] = Field([], max_length=1000)
 
     @model_validator(mode="after")
-    def _resolvable(self) -> "Corrections":
+    def _check_references(self) -> "Corrections":
         check_unique("objects: mask values", [item.mask for item in self.objects])
         joined = [mask for item in self.objects for mask in item.joins]
         check_unique("objects: masks that are joined", [*joined, *(item.mask for item in self.objects if item.joins)])
@@ -84,9 +84,9 @@ class Corrections(Document):
         return self
 
     def _chain(self, key: str) -> dict[str, str]:
-        """From mask value to mask value, as text; what nobody said ends at the floor."""
-        said = {str(item.mask): str(getattr(item, key)) for item in self.objects if getattr(item, key) is not None}
-        return {name: FLOOR for name in said.values() if name != FLOOR} | said
+        """From mask value to mask value, as text; a thing of which nothing is stated stands on the floor."""
+        stated = {str(item.mask): str(getattr(item, key)) for item in self.objects if getattr(item, key) is not None}
+        return {name: FLOOR for name in stated.values() if name != FLOOR} | stated
 
     def read_by(self, stage: Reader) -> "Corrections":
         """What concerns a stage, and nothing else."""
@@ -100,5 +100,5 @@ def corrections_of(paths: tuple[Path, ...], stage: Reader) -> dict[int, Correcti
     Raises:
         InputError: it is broken.
     """
-    said = [read_json(Corrections, path, "mend or delete it").read_by(stage) for path in paths]
-    return {item.mask: item for one in said for item in one.objects}
+    found = [read_json(Corrections, path, "mend or delete it").read_by(stage) for path in paths]
+    return {item.mask: item for one in found for item in one.objects}

@@ -84,7 +84,7 @@ class ObjectCousins(Contract):
     cousins: list[Cousin] = Field([], description="ranks 1 to k without gaps, each asset once")
 
     @model_validator(mode="after")
-    def _ranked(self) -> "ObjectCousins":
+    def _check_ranks(self) -> "ObjectCousins":
         check_status(self.id, self.status, self.reason)
         if (self.status == "ok") != bool(self.cousins):
             raise ValueError(f"cousins: '{self.id}' is {self.status}, but has {len(self.cousins)} cousins")
@@ -111,7 +111,7 @@ class Cousins(Document):
     made: Provenance | None = None
 
     @model_validator(mode="after")
-    def _once(self) -> "Cousins":
+    def _check_ids(self) -> "Cousins":
         check_unique("objects: ids", [item.id for item in self.objects])
         return self
 

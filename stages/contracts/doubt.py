@@ -147,9 +147,9 @@ class DoubtKind(Enum):
         return Doubt(cause=self.cause, what=self.text.format(**values))
 
 
-def _as_doubt(said: Any) -> Any:
+def _as_doubt(value: Any) -> Any:
     """Scenes of earlier versions have sentences without a cause, most of them of places."""
-    return {"cause": "place", "what": said} if isinstance(said, str) else said
+    return {"cause": "place", "what": value} if isinstance(value, str) else value
 
 
 AnyDoubt = Annotated[Doubt, BeforeValidator(_as_doubt)]

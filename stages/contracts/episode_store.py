@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from stages.contracts.arrays import check_array, check_within, dataset, readable
+from stages.contracts.arrays import check_array, check_within, dataset, explain_unreadable
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.ledgers import read_attempts
@@ -44,7 +44,7 @@ def read_episodes(path: Path, count: int | None = None) -> EpisodeStore:
         InputError: it is missing or broken, has too few episodes, arrays of another shape or of unequal lengths, or
             values that are not finite or out of bounds.
     """
-    with readable(path, "episode store", AGAIN), h5py.File(path, "r") as file:
+    with explain_unreadable(path, "episode store", AGAIN), h5py.File(path, "r") as file:
         data = file.get("data")
         if not isinstance(data, h5py.Group):
             raise InputError(path, "has no group 'data'.", AGAIN, code="E-EPISODES-BROKEN")

@@ -16,18 +16,23 @@ class InputError(Exception):
     """
 
     def __init__(self, where: object, what: str, fix: str = "", code: str = "E-INPUT") -> None:
-        self.where, self.what, self.fix, self.code = plain(str(where)), plain(what), plain(fix), code
+        self.where, self.what, self.fix, self.code = (
+            escape_control(str(where)),
+            escape_control(what),
+            escape_control(fix),
+            code,
+        )
         super().__init__((f"{self.where}: " if where else "") + self.what + (f" Fix: {self.fix}" if fix else ""))
 
 
-def plain(text: str) -> str:
+def escape_control(text: str) -> str:
     """A text that a terminal shows as it is: what steers it, as names of files may, and line breaks but our own, which
     are indented, are written as escapes."""
     lines = ("".join(c if c.isprintable() else ascii(c)[1:-1] for c in line) for line in text.split("\n  "))
     return "\n  ".join(lines)
 
 
-def nearest(name: object, names: Collection[str]) -> str:
+def suggest_nearest(name: object, names: Collection[str]) -> str:
     """The mend of a name that does not exist: the nearest that does, else all of them."""
     near = get_close_matches(str(name), names, n=1, cutoff=0.5)
     shown = [*names][:SHOWN]

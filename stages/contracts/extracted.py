@@ -81,10 +81,12 @@ def read_clouds(path: Path, objects: Objects) -> dict[str, NDArray[np.float32]]:
 def is_elsewhere(box: Box, cloud: NDArray[np.floating]) -> bool:
     """Whether half of a cloud (N, 3) lies beside or below its box, or all but `WITHIN` of it above."""
     level = np.minimum(cloud, [np.inf, np.inf, box.center[2] + box.size[2] / 2])
-    return bool(np.median(outside(box, level)) > BESIDE or np.quantile(outside(box, cloud), WITHIN) > BESIDE)
+    return bool(
+        np.median(measure_outside(box, level)) > BESIDE or np.quantile(measure_outside(box, cloud), WITHIN) > BESIDE
+    )
 
 
-def outside(box: Box, cloud: NDArray[np.floating]) -> NDArray[np.float64]:
+def measure_outside(box: Box, cloud: NDArray[np.floating]) -> NDArray[np.float64]:
     """How far (N,) the points of a cloud (N, 3) are outside a box, along the axis where they are farthest; metres."""
     local = (cloud - np.asarray(box.center)) @ yaw_matrix(box.yaw)
     return np.asarray(np.abs(local) - np.asarray(box.size) / 2).max(axis=1)

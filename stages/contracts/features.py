@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from stages.contracts.arrays import check_array, check_within, read_npz, readable
+from stages.contracts.arrays import check_array, check_within, explain_unreadable, read_npz
 from stages.contracts.errors import InputError
 from stages.contracts.files import Document, read_json
 from stages.contracts.types import Angle, Count, Id, Text, check_unique
@@ -51,7 +51,7 @@ def open_features(path: Path) -> tuple[FeatureIndex, NDArray[Any]]:
     """
     index = read_json(FeatureIndex, path.with_suffix(".json"), AGAIN)
     path = path.with_suffix(".npy")
-    with readable(path, "npy file", AGAIN):
+    with explain_unreadable(path, "npy file", AGAIN):
         rows = np.load(path, mmap_mode="r", allow_pickle=False)
         check_array(path, "rows", rows, (index.starts[-1], "D"), "fi", AGAIN)
     return index, rows

@@ -12,7 +12,7 @@ from typing import Any, Literal, TypeVar, get_args
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from stages.contracts.errors import InputError
-from stages.contracts.system import naming, sync, sync_names
+from stages.contracts.system import name_file_in_errors, sync, sync_names
 
 VERSION = 1
 PARTIAL = ".partial-"  # how files and folders begin that are not yet whole
@@ -35,7 +35,7 @@ class Document(Contract):
 M = TypeVar("M", bound=BaseModel)
 
 
-def partial(path: Path) -> Path:
+def make_partial_path(path: Path) -> Path:
     """A path in the same folder that no other writer has; the next workflow sweeps what a killed one leaves."""
     return path.with_name(f"{PARTIAL}{secrets.token_hex(4)}-{path.name}")
 
@@ -47,7 +47,7 @@ def ask_before_writing(path: Path) -> None:
 
 
 @contextmanager
-def atomic(path: Path) -> Iterator[Path]:
+def write_atomically(path: Path) -> Iterator[Path]:
     """Yield a temporary path (same folder and suffix) that replaces `path` only if the block succeeds.
 
     Raises:
@@ -55,9 +55,9 @@ def atomic(path: Path) -> Iterator[Path]:
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = partial(path)
+    temporary = make_partial_path(path)
     try:
-        with naming(path, temporary):
+        with name_file_in_errors(path, temporary):
             yield temporary
             sync(temporary)
             ask_before_writing(path)
@@ -70,7 +70,7 @@ def atomic(path: Path) -> Iterator[Path]:
 
 def write_text(path: Path, text: str) -> None:
     """Write `text` to `path` atomically."""
-    with atomic(path) as temporary:
+    with write_atomically(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
@@ -106,7 +106,7 @@ def refusal(model: type[BaseModel], error: ValidationError) -> str:
 
 
 def check_version(path: Path, text: str, fix: str) -> None:
-    """Refuse a document of another version before anything else is said of it: its fields are others."""
+    """Refuse a document of another version first of all: it has other fields."""
     try:
         content = json.loads(text)
     except (ValueError, RecursionError):

@@ -29,7 +29,7 @@ class Films(Contract):
     films: list[Film]
 
     @model_validator(mode="after")
-    def _once(self) -> "Films":
+    def _check_files(self) -> "Films":
         check_unique("films: files", [film.file for film in self.films])
         return self
 

@@ -25,14 +25,14 @@ class Panel(Contract):
         return self
 
 
-def counted(panels: Sequence[Panel]) -> dict[str, int]:
+def count_fronts(panels: Sequence[Panel]) -> dict[str, int]:
     """How many doors and drawers there are."""
     return {f"{kind}s": sum(panel.kind == kind for panel in panels) for kind in ("door", "drawer")}
 
 
 def check_counts(name: str, panels: Sequence[Panel], doors: int | None, drawers: int | None) -> None:
     """Refuse counts of doors and drawers that are not those of the boxes, where there are boxes."""
-    for noun, count in counted(panels).items():
-        said = doors if noun == "doors" else drawers
-        if panels and said is not None and said != count:
-            raise ValueError(f"{noun}: {said} of '{name}', but {count} of its panels are {noun}")
+    for noun, count in count_fronts(panels).items():
+        stated = doors if noun == "doors" else drawers
+        if panels and stated is not None and stated != count:
+            raise ValueError(f"{noun}: {stated} of '{name}', but {count} of its panels are {noun}")

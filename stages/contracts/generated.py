@@ -73,8 +73,8 @@ class Plausibility(Contract):
             "held, for what carries it is not named": self.held,
             "behind a wall": self.behind,
         }
-        told = [f"{what}: {', '.join(names)}" for what, names in named.items() if names]
-        return "; ".join(told + ([f"{self.collisions} collisions"] if self.collisions else []))
+        texts = [f"{what}: {', '.join(names)}" for what, names in named.items() if names]
+        return "; ".join(texts + ([f"{self.collisions} collisions"] if self.collisions else []))
 
 
 class GeneratedScene(Document):
@@ -93,7 +93,7 @@ class GeneratedScene(Document):
     made: Provenance | None = None
 
     @model_validator(mode="after")
-    def _resolvable(self) -> "GeneratedScene":
+    def _check_references(self) -> "GeneratedScene":
         check_view(self.width, self.height, self.intrinsics)
         check_room(self.floor_from_camera, self.walls)
         check_unique("objects: ids", [item.id for item in self.objects])

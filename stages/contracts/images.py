@@ -24,7 +24,7 @@ DEEP = ("I;16", "I;16B", "I;16L", "I;16N", "I")  # modes of one channel with mor
 Colour = tuple[int, int, int]
 
 
-def upright(path: Path) -> Image.Image:
+def read_upright(path: Path) -> Image.Image:
     """The picture, decoded and turned as its EXIF data say.
 
     Raises:
@@ -71,7 +71,7 @@ def read_rgb(path: Path) -> NDArray[np.uint8]:
     Raises:
         InputError: no picture, of absurd size, or with float pixels.
     """
-    image = upright(path)
+    image = read_upright(path)
     if image.mode in DEEP:
         grey = np.asarray(image).astype(np.int64)
         if grey.min() < 0 or grey.max() > 65535:
@@ -125,7 +125,7 @@ def read_masks(path: Path) -> NDArray[np.uint16]:
     Raises:
         InputError: no picture, several channels, float pixels, or a format that changes values (JPEG).
     """
-    image = upright(path)
+    image = read_upright(path)
     mend = "write one channel of 16 bits with a value per object, as PNG"
     if image.format in ("JPEG", "MPO"):
         raise InputError(path, "is a JPEG, which changes mask values.", mend, code="E-MASK-FORMAT")

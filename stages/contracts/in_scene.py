@@ -42,6 +42,6 @@ class SceneDemonstrations(Document):
     demonstrations: list[SceneDemonstration] = Field(min_length=1)
 
     @model_validator(mode="after")
-    def _once(self) -> "SceneDemonstrations":
+    def _check_ranks(self) -> "SceneDemonstrations":
         check_unique("demonstrations: ranks", [str(one.rank) for one in self.demonstrations])
         return self

@@ -41,7 +41,7 @@ class FrontPanel(Contract):
     height: Finite = Field(description="of its centre above the asset's bottom")
     size: tuple[Extent, Extent] = Field(description="width and height")
 
-    def on_front(self, kind: Literal["door", "drawer"], box: Vector) -> Panel | None:
+    def measure_on_front(self, kind: Literal["door", "drawer"], box: Vector) -> Panel | None:
         """As shares of the front of a box (x, y, z); None: nothing of it is seen there, or nobody knows where it is."""
         if self.across is None:
             return None
@@ -72,7 +72,7 @@ class Joint(Contract):
     panel: FrontPanel | None = Field(None, description="null: it moves nothing that is seen")
 
     @model_validator(mode="after")
-    def _opens(self) -> "Joint":
+    def _check_range(self) -> "Joint":
         if self.lower >= self.upper:
             raise ValueError(f"joint '{self.name}' cannot move: lower {self.lower:g} is not below upper {self.upper:g}")
         return self
@@ -112,7 +112,7 @@ class Asset(Document):
     checksum: str = Field(description="sha256 over the names and bytes of all other files of the folder")
 
     @model_validator(mode="after")
-    def _consistent(self) -> "Asset":
+    def _check_size(self) -> "Asset":
         if not all(1e-6 <= extent <= LARGEST for extent in self.size):
             extents = " x ".join(f"{extent:g}" for extent in self.size)
             raise ValueError(f"box_min, box_max: a box of {extents} m (0 to {LARGEST:g} m each)")
@@ -137,7 +137,7 @@ class Asset(Document):
     def panels(self) -> list[Panel]:
         """Where the doors and drawers lie on its front, as far as they are seen there."""
         found = ((joint.role, joint.panel) for joint in self.joints if joint.panel is not None)
-        return [panel for role, front in found if (panel := front.on_front(role, self.size)) is not None]
+        return [panel for role, front in found if (panel := front.measure_on_front(role, self.size)) is not None]
 
     @property
     def articulated(self) -> bool:
@@ -183,7 +183,7 @@ class LibraryPart(Document):
     categories: list[Category] = Field([], description="what is known of categories, those of other libraries, too")
 
     @model_validator(mode="after")
-    def _once(self) -> "LibraryPart":
+    def _check_ids(self) -> "LibraryPart":
         check_unique("assets: ids", [entry.id for entry in self.assets])
         return self
 
@@ -212,7 +212,7 @@ class SnapshotShard(Document):
     )
 
     @model_validator(mode="after")
-    def _consistent(self) -> "SnapshotShard":
+    def _check_views(self) -> "SnapshotShard":
         check_unique("assets", self.assets)
         check_unique("yaws", self.yaws)
         check_view(self.image_size, self.image_size, self.intrinsics)

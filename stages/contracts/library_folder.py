@@ -4,8 +4,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
-from stages.contracts.archives import pack, reading, unpack
-from stages.contracts.errors import InputError, nearest
+from stages.contracts.archives import open_archive, pack, unpack
+from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.files import MAX_TEXT, parse_json, read_json, write_json
 from stages.contracts.library import Asset, LibraryEntry, LibraryPart
 
@@ -48,8 +48,8 @@ class AssetFolders(Mapping[str, Path]):
     def __getitem__(self, asset: str) -> Path:
         if asset not in self._entries:
             what = f"has no asset '{asset}'."
-            raise InputError(self._indices, what, nearest(asset, self._entries), code="E-LIBRARY-ASSET")
-        return _unpacked(*self._entries[asset], asset)
+            raise InputError(self._indices, what, suggest_nearest(asset, self._entries), code="E-LIBRARY-ASSET")
+        return _unpack_asset(*self._entries[asset], asset)
 
     def __contains__(self, asset: object) -> bool:
         return asset in self._entries
@@ -71,7 +71,7 @@ class AssetFolders(Mapping[str, Path]):
 
 def _asset(path: Path, checksum: str, asset: str) -> Asset:
     where, name = path / asset / "asset.json", f"{asset}/asset.json"
-    with reading(path, AGAIN) as archive:
+    with open_archive(path, AGAIN) as archive:
         if name not in archive.NameToInfo:
             raise InputError(path, f"holds no {name}.", AGAIN, code="E-ASSET-MISSING")
         if archive.getinfo(name).file_size > MAX_TEXT:
@@ -89,7 +89,7 @@ def _asset(path: Path, checksum: str, asset: str) -> Asset:
 
 
 @cache
-def _unpacked(path: Path, checksum: str, asset: str) -> Path:
+def _unpack_asset(path: Path, checksum: str, asset: str) -> Path:
     """Cached by checksum, too: another model of the same name has a folder of its own."""
     _asset(path, checksum, asset)
     return unpack(path, AGAIN, f"{asset}/") / asset
@@ -109,11 +109,11 @@ def check_models(path: Path) -> None:
     for entry in read_json(LibraryPart, path, AGAIN).assets:
         asset, archive = folders.asset(entry.id), path.parent / entry.archive
         for name in ("id", "category", "doors", "drawers"):
-            found, said = getattr(asset, name), getattr(entry, name)
-            if found != said:
-                what = f"{name}: is {found!r}, {path.name} says {said!r} of '{entry.id}'."
+            found, listed = getattr(asset, name), getattr(entry, name)
+            if found != listed:
+                what = f"{name}: is {found!r}, {path.name} says {listed!r} of '{entry.id}'."
                 raise InputError(archive / entry.id / "asset.json", what, AGAIN, code="E-ASSET-CHANGED")
-        with reading(archive, AGAIN) as opened:
+        with open_archive(archive, AGAIN) as opened:
             if f"{entry.id}/{asset.urdf}" not in opened.NameToInfo:
                 raise InputError(
                     archive / entry.id, f"urdf: there is no {asset.urdf} beside it.", AGAIN, code="E-ASSET-MISSING"

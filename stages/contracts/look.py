@@ -30,6 +30,6 @@ class Look(Document):
     surfaces: list[Surface]
 
     @model_validator(mode="after")
-    def _once(self) -> "Look":
+    def _check_ids(self) -> "Look":
         check_unique("surfaces: ids", [surface.id for surface in self.surfaces])
         return self

@@ -48,7 +48,7 @@ class DepthError(NamedTuple):
     a: NonNegative
     b: NonNegative
 
-    def at(self, distance: Metres) -> Metres:
+    def predict(self, distance: Metres) -> Metres:
         """Metres at a distance (or distances) from the camera."""
         return self.a + self.b * distance**2
 
@@ -73,7 +73,7 @@ class Box(Contract):
     yaw: Angle
 
     @model_validator(mode="after")
-    def _within_a_quarter(self) -> "Box":
+    def _check_yaw(self) -> "Box":
         if abs(self.yaw) > math.pi / 4 + RIGID_TOLERANCE:
             raise ValueError(f"yaw: {self.yaw:g} is not within pi/4: turn the box by quarters, and swap its x and y")
         return self
@@ -143,7 +143,7 @@ class Objects(Document):
     made: Provenance | None = None
 
     @model_validator(mode="after")
-    def _resolvable(self) -> "Objects":
+    def _check_references(self) -> "Objects":
         check_view(self.width, self.height, self.intrinsics)
         check_room(self.floor_from_camera, self.walls)
         check_unique("objects: ids", [item.id for item in self.objects])

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, Document
 from stages.contracts.library import HandleKind, HingeSide
-from stages.contracts.training_sets import DRAWN, drawn_role, plain
+from stages.contracts.training_sets import DRAWN, drawn_role, strip_randomised
 from stages.contracts.types import Count, Extent, Finite, Id, NonNegative, Rank, Seed, Size, Text, check_unique
 
 
@@ -107,27 +107,27 @@ class TaskAssets(Document):
     @model_validator(mode="after")
     def _draws(self) -> "TaskAssets":
         for rule in DRAWN:
-            drawn, length = self.drawn(rule), self.length(rule)
+            drawn, length = self.list_drawn(rule), self.length(rule)
             if len(drawn) % self.draws:
                 raise ValueError(f"{rule}_assets: {len(drawn)} are not {self.draws} draws of one length")
             for start in range(0, len(drawn), length or 1):
                 check_unique(f"{rule}_assets of one draw", [item.asset for item in drawn[start : start + length]])
         return self
 
-    def drawn(self, rule: str) -> list[TaskAsset]:
+    def list_drawn(self, rule: str) -> list[TaskAsset]:
         """The assets of all draws of a rule, `random` or `cover`."""
         return {"random": self.random_assets, "cover": self.cover_assets}[rule]
 
     def length(self, rule: str) -> int:
         """How many assets a draw of a rule has."""
-        return len(self.drawn(rule)) // self.draws
+        return len(self.list_drawn(rule)) // self.draws
 
     def drawn_roles(self) -> dict[str, TaskAsset]:
         """The assets of all draws by role: random_1, ..., cover_1, ..."""
         return {
             drawn_role(rule, *divmod(number, self.length(rule))): asset
             for rule in DRAWN
-            for number, asset in enumerate(self.drawn(rule))
+            for number, asset in enumerate(self.list_drawn(rule))
         }
 
     @property
@@ -135,7 +135,7 @@ class TaskAssets(Document):
         """Roles that no policy is trained on: the held-out cousins and the dissimilar asset."""
         return {"dissimilar", *(f"cousin_{number}" for number in self.held_out)}
 
-    def asset_of(self, role: str, where: Path) -> TaskAsset:
+    def find_asset(self, role: str, where: Path) -> TaskAsset:
         """The asset of a role.
 
         Raises:
@@ -156,7 +156,7 @@ class TaskAssets(Document):
         Raises:
             InputError: there are none in the file `where`.
         """
-        name = plain(role)
+        name = strip_randomised(role)
         rule = name.partition("_")[0]
         if rule in DRAWN:
             drawn = self.drawn_roles()
@@ -169,7 +169,7 @@ class TaskAssets(Document):
                 )
             return [drawn[name]]
         if name != "all":
-            return [self.asset_of(name, where)]
+            return [self.find_asset(name, where)]
         if not self.all_assets:
             raise InputError(
                 where, "has no assets for the training set `all`.", "run `experiment select`", code="E-ROLE-MISSING"
@@ -253,7 +253,7 @@ class ChosenRuns(Document):
     scores: list[RunScore] = Field(description="all candidates, as they were asked for")
 
     @model_validator(mode="after")
-    def _tried(self) -> "ChosenRuns":
+    def _check_runs(self) -> "ChosenRuns":
         check_unique("runs", self.runs)
         check_unique("scores: runs", [score.run for score in self.scores])
         if strangers := set(self.runs) - {score.run for score in self.scores}:
@@ -294,7 +294,7 @@ class SceneScore(Contract):
     panels_correct: bool | None = Field(None, description="as many doors and drawers; null: the true object has none")
     handle_correct: bool | None = Field(None, description="the same kinds of handles, likewise")
     hinge_correct: bool | None = Field(None, description="doors hung on the same sides, likewise")
-    protocol: str = Field("", description="how the room was met: one of experiment.protocols; empty: as for Table 2")
-    draw: Seed = Field(0, description="the seed with which it was met")
-    model_judge: str = Field("", description="what chose the model; empty: nothing was matched, or nobody told")
+    protocol: str = Field("", description="change of the room, of experiment.protocols; empty: none, as for Table 2")
+    draw: Seed = Field(0, description="the seed of that change")
+    model_judge: str = Field("", description="what chose the model; empty: nothing was matched, or unknown")
     orientation_judge: str = Field("", description="what chose the orientation, likewise")

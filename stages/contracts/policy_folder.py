@@ -7,7 +7,7 @@ import numpy as np
 from safetensors import safe_open
 
 from stages.contracts.archives import unpack
-from stages.contracts.arrays import readable
+from stages.contracts.arrays import explain_unreadable
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.trained import TrainedPolicy
@@ -38,7 +38,7 @@ def check_weights(path: Path, config: TrainedPolicy) -> Shapes:
         InputError: it is missing, broken, or another network's.
     """
     shapes: Shapes = {}
-    with readable(path, "safetensors file", AGAIN), safe_open(path, framework="np") as file:
+    with explain_unreadable(path, "safetensors file", AGAIN), safe_open(path, framework="np") as file:
         for name in file.keys():  # noqa: SIM118 - no mapping
             part = file.get_slice(name)
             shapes[name] = tuple(part.get_shape())

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from stages.contracts.depth import read_depth
 from stages.contracts.errors import InputError
-from stages.contracts.files import atomic, read_json, write_json
+from stages.contracts.files import read_json, write_atomically, write_json
 from stages.contracts.images import check_shown, check_size, orientation_of, read_masks, read_rgb
 from stages.contracts.scenes import Annotations, Camera
-from stages.geometry.ray_depth import flatter_along
+from stages.geometry.ray_depth import find_flatter
 
 
 @dataclass(frozen=True)
@@ -69,14 +69,14 @@ def write_scene_input(
     exact: bool = False,
 ) -> None:
     """Write the five files, see `SceneInput`; without masks and annotations the first three alone."""
-    with atomic(folder / "rgb.png") as path:
+    with write_atomically(folder / "rgb.png") as path:
         cv2.imwrite(str(path), rgb[..., ::-1])
-    with atomic(folder / "depth.npz") as path:
+    with write_atomically(folder / "depth.npz") as path:
         arrays: dict[str, Any] = {"depth": depth} | ({"exact": np.array(True)} if exact else {})
         np.savez_compressed(path, **arrays)
     write_json(folder / "camera.json", camera)
     if masks is not None:
-        with atomic(folder / "masks.png") as path:
+        with write_atomically(folder / "masks.png") as path:
             cv2.imwrite(str(path), masks)
     if annotations is not None:
         write_json(folder / "annotations.json", annotations)
@@ -90,7 +90,7 @@ def _pictures(folder: Path, camera: Camera) -> tuple[NDArray[np.uint8], NDArray[
     check_size(folder / "depth.npz", depth, camera.width, camera.height, "camera.json")
     if (turned := orientation_of(folder / "rgb.png")) > 1:
         print(f"{folder / 'rgb.png'}: is turned by its EXIF data ({turned}); depth and masks are taken to be upright")
-    bent = "" if exact else flatter_along(depth, np.array(camera.intrinsics, dtype=float))
+    bent = "" if exact else find_flatter(depth, np.array(camera.intrinsics, dtype=float))
     if bent == "ray":
         print(
             f"{folder / 'depth.npz'}: in doubt: floor and walls are flat if it is the distance along each pixel's ray"

@@ -45,7 +45,7 @@ class Camera(Document):
     note: str = Field("", max_length=1000, description="for people: where the focal length is from")
 
     @model_validator(mode="after")
-    def _plausible(self) -> "Camera":
+    def _check_view(self) -> "Camera":
         check_view(self.width, self.height, self.intrinsics)
         if self.floor_from_camera is not None and self.floor_from_camera[2][3] <= 0:
             raise ValueError("floor_from_camera: the camera is not above the floor: z is up")
@@ -59,7 +59,7 @@ class Held(Contract):
     walls: list[MaskValue] = Field([], description="mask values of the walls touched, the dominant one first")
 
     @model_validator(mode="after")
-    def _at_walls(self) -> "Held":
+    def _check_walls(self) -> "Held":
         check_unique("mounting.walls", self.walls)
         if (self.type == 2) == bool(self.walls):
             raise ValueError("mounting.walls: types 1 and 3 name their walls, type 2 names none")
@@ -90,7 +90,7 @@ class Annotation(Contract):
     )
 
     @model_validator(mode="after")
-    def _opens(self) -> "Annotation":
+    def _check_fronts(self) -> "Annotation":
         if self.doors + self.drawers and not self.articulated:
             raise ValueError(f"articulated: is false, but '{self.label}' has doors or drawers")
         check_counts(self.label, self.panels, self.doors, self.drawers)
@@ -141,13 +141,13 @@ class Truth(Document):
     objects: list[TrueObject] = Field(min_length=1)
 
     @model_validator(mode="after")
-    def _resolvable(self) -> "Truth":
+    def _check_masks(self) -> "Truth":
         check_unique("objects: mask values", [item.mask for item in self.objects])
         check_supports({str(item.mask): item.support for item in self.objects})
         return self
 
 
-def true_model(truth: Path | None, objects: Path | None, object: str) -> str | None:
+def find_true_model(truth: Path | None, objects: Path | None, object: str) -> str | None:
     """Id of the true model of a named object; None without a truth, or if the truth does not know the object.
 
     Args:

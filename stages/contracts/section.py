@@ -10,11 +10,11 @@ class Section(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    def unread(self) -> set[str]:
+    def list_unread(self) -> set[str]:
         """Keys that nothing reads as the others stand: a change of them runs nothing again."""
         return set()
 
-    def deciding(self) -> Self:
+    def keep_deciding(self) -> Self:
         """What decides on results; where and how they are got is left at its default."""
         return self
 
@@ -22,7 +22,7 @@ class Section(BaseModel):
 OWN: Any = Field({}, description="Options of implementations of your own, by their name; handed on as they are.")
 
 
-def ordered(span: tuple[float, float]) -> tuple[float, float]:
+def check_range(span: tuple[float, float]) -> tuple[float, float]:
     """Refuse a range whose upper bound comes first."""
     if span[0] > span[1]:
         raise ValueError(f"{span[0]:g} is above {span[1]:g}; write the lower one first")
@@ -31,7 +31,7 @@ def ordered(span: tuple[float, float]) -> tuple[float, float]:
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
-Range = Annotated[tuple[Positive, Positive], AfterValidator(ordered)]  # the lower bound first
+Range = Annotated[tuple[Positive, Positive], AfterValidator(check_range)]  # the lower bound first
 Count = Annotated[int, Field(ge=0)]
 SEEDS = 2**53  # JSON and tables hold no larger ones exactly
 Seed = Annotated[int, Field(ge=0, lt=SEEDS)]

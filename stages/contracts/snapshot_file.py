@@ -5,7 +5,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from stages.contracts.arrays import check_array, dataset, readable
+from stages.contracts.arrays import check_array, dataset, explain_unreadable
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import SnapshotShard
@@ -21,7 +21,7 @@ def open_snapshots(path: Path) -> tuple[SnapshotShard, h5py.File]:
     """
     sidecar = read_json(SnapshotShard, path.with_suffix(".json"), AGAIN)
     path = path.with_suffix(".h5")
-    with readable(path, "snapshot file", AGAIN):
+    with explain_unreadable(path, "snapshot file", AGAIN):
         file = h5py.File(path, "r")
     shape = (len(sidecar.assets), len(sidecar.yaws) + 1, sidecar.image_size, sidecar.image_size)
     check_array(path, "rgb", dataset(path, file, "rgb", AGAIN), (*shape, 3), "u", AGAIN)
@@ -32,7 +32,7 @@ def open_snapshots(path: Path) -> tuple[SnapshotShard, h5py.File]:
 def check_snapshots(path: Path) -> None:
     """Sidecar and arrays; every asset is seen in its representative view."""
     sidecar, file = open_snapshots(path)
-    with file, readable(path.with_suffix(".h5"), "snapshot file", AGAIN):
+    with file, explain_unreadable(path.with_suffix(".h5"), "snapshot file", AGAIN):
         for number, asset in enumerate(sidecar.assets):
             if not np.any(file["depth"][number, -1]):
                 raise InputError(

@@ -34,18 +34,18 @@ def line_of(error: Exception) -> str | None:
     """What the operating system refused: the file, why, how to mend it. None for errors of another kind."""
     if isinstance(error, MemoryError) or any(words in str(error) for words in FULL_MEMORY):
         fix = "run fewer jobs at once (--cores), or with smaller options"
-        told = InputError("", "out of memory.", fix, code="E-SYSTEM-MEMORY")
+        reported = InputError("", "out of memory.", fix, code="E-SYSTEM-MEMORY")
     elif isinstance(error, OSError):
         number = errno.ENOSPC if "No space left" in str(error) else error.errno
         reason = os.strerror(number) if number else " ".join(str(error).split())[:200]
-        told = InputError(error.filename or "", f"{reason}.", MENDS.get(number or 0, ""), code="E-SYSTEM")
+        reported = InputError(error.filename or "", f"{reason}.", MENDS.get(number or 0, ""), code="E-SYSTEM")
     else:
         return None
-    return f"{told} [{told.code}]"
+    return f"{reported} [{reported.code}]"
 
 
 @contextlib.contextmanager
-def naming(path: Path, temporary: Path | None = None) -> Iterator[None]:
+def name_file_in_errors(path: Path, temporary: Path | None = None) -> Iterator[None]:
     """Let errors of the operating system name `path`, which those of writing do not, nor those of HDF5 and torch."""
     try:
         yield
@@ -53,13 +53,13 @@ def naming(path: Path, temporary: Path | None = None) -> Iterator[None]:
         full = "No space left" in str(error) or (isinstance(error, RuntimeError) and _is_full(path))
         if full or (isinstance(error, OSError) and error.filename in (None, str(temporary))):
             gone = isinstance(error, FileNotFoundError)  # OpenCV takes away what it cannot write, without a word
-            code = errno.ENOSPC if full else _why_unwritten(path) if gone else getattr(error, "errno", None)
+            code = errno.ENOSPC if full else _explain_unwritten(path) if gone else getattr(error, "errno", None)
             if code:
                 raise OSError(code, os.strerror(code), str(path)) from error
         raise
 
 
-def _why_unwritten(path: Path) -> int:
+def _explain_unwritten(path: Path) -> int:
     """The error of writing a file beside a path; that of the disk if it can be written."""
     try:
         with tempfile.TemporaryFile(dir=path.parent):

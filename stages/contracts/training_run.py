@@ -113,7 +113,7 @@ class TrainingRun(Section):
         return self.policy, self.handle, self.network.cloud
 
     @model_validator(mode="after")
-    def _sees(self) -> "TrainingRun":
+    def _check_cloud(self) -> "TrainingRun":
         if self.handle and not self.network.cloud:
             raise ValueError("handle: marks points of a cloud, but network.cloud is false")
         return self

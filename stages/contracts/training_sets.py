@@ -21,7 +21,7 @@ class SetName(NamedTuple):
 
 def read_set(name: str) -> SetName:
     """What the name of a training set says; it matches `SET_NAME`."""
-    rule, _, size = plain(name).partition("_")
+    rule, _, size = strip_randomised(name).partition("_")
     return SetName(rule, int(size or 1), is_randomised(name))
 
 
@@ -35,7 +35,7 @@ def is_randomised(name: str) -> bool:
     return name.endswith(RANDOMISED)
 
 
-def plain(name: str) -> str:
+def strip_randomised(name: str) -> str:
     """The set or role without its randomisation: that of the same assets."""
     return name.removesuffix(RANDOMISED)
 

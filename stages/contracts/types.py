@@ -16,7 +16,7 @@ FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"  # what carries an object, bes
 RIGID_TOLERANCE = 1e-3  # of R^T R against the identity: matrices written with four digits pass
 
 
-def _within(low: float, high: float, what: str) -> AfterValidator:
+def _require_within(low: float, high: float, what: str) -> AfterValidator:
     def check(value: float) -> float:
         if not (math.isfinite(value) and low <= value <= high):
             raise ValueError(f"{value:g} is no {what} ({low:g} to {high:g})")
@@ -28,10 +28,10 @@ def _within(low: float, high: float, what: str) -> AfterValidator:
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Fraction = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
-Extent = Annotated[float, _within(1e-6, LARGEST, "extent in metres")]
-Coordinate = Annotated[float, _within(-FARTHEST, FARTHEST, "coordinate in metres")]
-Angle = Annotated[float, _within(-10.0, 10.0, "angle in radians")]
-Mass = Annotated[float, _within(1e-6, 1e5, "mass in kg")]
+Extent = Annotated[float, _require_within(1e-6, LARGEST, "extent in metres")]
+Coordinate = Annotated[float, _require_within(-FARTHEST, FARTHEST, "coordinate in metres")]
+Angle = Annotated[float, _require_within(-10.0, 10.0, "angle in radians")]
+Mass = Annotated[float, _require_within(1e-6, 1e5, "mass in kg")]
 Count = Annotated[int, Field(ge=0, le=10**9)]
 Panels = Annotated[int, Field(ge=0, le=1000, description="doors or drawers of one object")]
 Rank = Annotated[int, Field(ge=1, le=1000)]
@@ -43,7 +43,7 @@ Id = Annotated[str, Field(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$", max_length=2
 Text = Annotated[str, Field(min_length=1, max_length=1000)]
 
 
-def _confined(text: str) -> str:
+def _check_confined(text: str) -> str:
     """A path that cannot leave the folder it is relative to."""
     path = PurePosixPath(text)
     if not text or path.is_absolute() or ".." in path.parts or "\\" in text or ":" in text or not text.isprintable():
@@ -51,7 +51,7 @@ def _confined(text: str) -> str:
     return text
 
 
-RelativePath = Annotated[str, AfterValidator(_confined), Field(max_length=1000)]
+RelativePath = Annotated[str, AfterValidator(_check_confined), Field(max_length=1000)]
 
 Vector = tuple[Finite, Finite, Finite]
 Position = tuple[Coordinate, Coordinate, Coordinate]
@@ -113,7 +113,7 @@ RigidTransform = Annotated[Matrix, AfterValidator(_rigid)]
 CameraMatrix = Annotated[Matrix, AfterValidator(_camera_matrix)]
 
 
-ALIKE, SMALLER = 0.1, 0.25  # shares of a picture's sides by which the middle of another size is told
+ALIKE, SMALLER = 0.1, 0.25  # shares of a picture's sides by which the centre of a picture of another size may be off
 
 
 def check_view(width: int, height: int, intrinsics: Matrix) -> None:

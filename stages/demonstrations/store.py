@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.demonstrations import RandomiseOptions
-from stages.contracts import atomic
+from stages.contracts import write_atomically
 from stages.contracts.task_options import TaskConfig
 from stages.tasks.api import Observation
 
@@ -68,7 +68,7 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
         "type": 2,  # robomimic's EnvType.GYM_TYPE
         "env_kwargs": {"asset": first.asset, "joint": first.joint, "size": list(first.size)},
     }
-    with atomic(path) as temporary, h5py.File(temporary, "w", track_order=True) as file:
+    with write_atomically(path) as temporary, h5py.File(temporary, "w", track_order=True) as file:
         data = file.create_group("data", track_order=True)
         data.attrs["env_args"] = json.dumps(env_args, sort_keys=True)
         data.attrs["total"] = sum(len(episode.actions) for episode in episodes)

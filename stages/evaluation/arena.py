@@ -156,7 +156,7 @@ class Arena:
 
 
 class PolicyArena(Arena):
-    """A policy's arena: the task has the options of its demonstrations; the settings say how assets are met.
+    """A policy's arena: the task has the options of its demonstrations; the settings say how assets are shown.
 
     Raises:
         InputError: the policy was trained on another task.

@@ -22,7 +22,7 @@ class Filmed:
     pictures: list[Image]
 
 
-def one_of_each(episodes: Sequence[RolloutEpisode]) -> list[RolloutEpisode]:
+def pick_episodes(episodes: Sequence[RolloutEpisode]) -> list[RolloutEpisode]:
     """The first recorded success and the first recorded failure, as far as there are any."""
     recorded = [episode for episode in episodes if episode.recording]
     return [
@@ -36,7 +36,7 @@ def take(studio: Studio, episodes: Sequence[RolloutEpisode], role: str, frames: 
     """Film the picked episodes; the more frequent outcome comes first."""
     filmed = []
     mostly = 2 * sum(episode.success for episode in episodes) >= len(episodes)
-    for episode in sorted(one_of_each(episodes), key=lambda episode: episode.success != mostly):
+    for episode in sorted(pick_episodes(episodes), key=lambda episode: episode.success != mostly):
         assert episode.recording
         outcome = "success" if episode.success else "failure"
         film = Film(

@@ -36,7 +36,7 @@ def run(
     device: Literal["cpu", "cuda"] = "cpu",
 ) -> None:
     """Roll a policy out on the test roles and on the unseen assets of a split, with the task options that it was
-    trained with and each asset met as `options` say.
+    trained with and each asset shown as `options` say.
 
     Args:
         policy: folder that `training train` wrote.

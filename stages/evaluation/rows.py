@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from stages.contracts.files import atomic
+from stages.contracts.files import write_atomically
 from stages.contracts.policies import Rollout
 
 
 def write_rows(path: Path, rows: Sequence[Rollout]) -> None:
     """Write rows as a CSV table."""
-    with atomic(path) as temporary:
+    with write_atomically(path) as temporary:
         pd.DataFrame([row.model_dump() for row in rows]).to_csv(temporary, index=False)

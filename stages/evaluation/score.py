@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from stages.contracts import Cousins, GeneratedScene, InputError, Library, Objects, Truth, atomic, read_json
+from stages.contracts import Cousins, GeneratedScene, InputError, Library, Objects, Truth, read_json, write_atomically
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import SceneScore
@@ -98,7 +98,7 @@ def run(
         for row in score_scene(scene, seen, true, folders)
     ]
     table = pd.DataFrame(rows, columns=list(SceneScore.model_fields))
-    with atomic(out) as path:
+    with write_atomically(out) as path:
         table.to_csv(path, index=False, float_format="%.6g")
     best = table[table["rank"] == table["rank"].min()]
     print(

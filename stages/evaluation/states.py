@@ -46,7 +46,7 @@ def starts_of(
     starts: dict[str, list[Start]] = {}
     for role in settings.test_assets:
         if role != TRAINED:
-            starts[role] = [(plan.asset_of(role, where), state) for state in states]
+            starts[role] = [(plan.find_asset(role, where), state) for state in states]
         elif trained:
             starts[role] = share_states([asset for name in trained for asset in plan.assets_of(name, where)], states)
     unseen = list_unseen_starts(plan, settings, seed)

@@ -51,7 +51,7 @@ def run(
         if not checkpoints:
             mend = "set training `keep`, or `checkpoint: best`"
             raise InputError(policy, "has no kept checkpoints to choose from.", mend, code="E-POLICY-CHECKPOINTS")
-        twin = arena.plan.asset_of("twin", assets)
+        twin = arena.plan.find_asset("twin", assets)
         starts = [(twin, state) for state in initial_states("trial", seed, settings.selection_rollouts)]
         for name in checkpoints:
             played = arena.episodes(arena.network(name), starts)

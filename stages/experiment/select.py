@@ -7,7 +7,7 @@ from stages.contracts import Cousins, GeneratedScene, InputError, TaskAssets, re
 from stages.contracts.cousins import Distances, ObjectCousins
 from stages.contracts.library import Vector
 from stages.contracts.library_folder import AssetFolders
-from stages.contracts.scenes import true_model
+from stages.contracts.scenes import find_true_model
 from stages.experiment.cousins import name_roles
 from stages.experiment.splits import with_lists
 from stages.experiment.usable import usable_assets
@@ -66,17 +66,17 @@ def run(
     matched, scene = read_json(Cousins, cousins), read_json(GeneratedScene, scene_file)
     alike = read_distances(distances, matched, object)
 
-    def opens(asset: str) -> bool:
+    def can_open(asset: str) -> bool:
         return asset in folders and kind.target_joint(folders[asset]) is not None
 
     item = next((entry for entry in matched.objects if entry.id == object), None)
     size = next((placed.size for placed in scene.objects if placed.id == object and placed.status == "ok"), None)
-    best = next((cousin.asset for cousin in item.cousins if opens(cousin.asset)), None) if item else None
-    true = true_model(truth, objects, object)
+    best = next((cousin.asset for cousin in item.cousins if can_open(cousin.asset)), None) if item else None
+    true = find_true_model(truth, objects, object)
     twin = true or best
-    if item is None or size is None or twin is None or not opens(twin):
-        would_do = [e.id for e in matched.objects if any(opens(cousin.asset) for cousin in e.cousins[:1])]
-        what = f"object '{object}' {_why_not(item, kind.role, size, true)}."
+    if item is None or size is None or twin is None or not can_open(twin):
+        would_do = [e.id for e in matched.objects if any(can_open(cousin.asset) for cousin in e.cousins[:1])]
+        what = f"object '{object}' {_explain_refusal(item, kind.role, size, true)}."
         fix = f"objects that would do for a {kind.role}: {', '.join(would_do) or 'none'}"
         raise InputError(cousins, what, fix, code="E-EXPERIMENT-OBJECT")
     print(f"twin: {twin}, {f'the true model; matching chose {best}' if true else 'by matching'}", file=sys.stderr)
@@ -110,7 +110,7 @@ def read_distances(path: Path, matched: Cousins, object: str) -> Distances:
     return alike
 
 
-def _why_not(item: ObjectCousins | None, role: str, size: Vector | None, true: str | None) -> str:
+def _explain_refusal(item: ObjectCousins | None, role: str, size: Vector | None, true: str | None) -> str:
     if item is None:
         return "is not in the scene"
     if item.status == "failed":

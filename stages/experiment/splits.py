@@ -79,9 +79,9 @@ def deal(assets: Iterable[TaskAsset], rng: np.random.Generator) -> Splits:
     families: dict[str, list[TaskAsset]] = {}
     for asset in sorted(assets, key=lambda asset: asset.asset):
         families.setdefault(asset.family, []).append(asset)
-    strata = _strata({name: _typical(members) for name, members in families.items()})
+    strata = _strata({name: _pick_typical(members) for name, members in families.items()})
     splits = Splits([], [], [])
-    for turn, name in enumerate(sorted(_shuffled(families, rng), key=lambda name: strata[name])):
+    for turn, name in enumerate(sorted(_shuffle_items(families, rng), key=lambda name: strata[name])):
         getattr(splits, DEALT[turn % len(DEALT)]).extend(families[name])
     return splits
 
@@ -106,7 +106,7 @@ def cover(pool: Iterable[TaskAsset], count: int, rng: np.random.Generator) -> li
     A family is there by one asset, by chance. Of n = 2, 4, 8, ... assets each lies in a cell of its own, which holds
     the n-th part of the families: halves by width, of those halves by height, of those by width again.
     """
-    return [asset for turn in _turns(pool, rng) for asset in _over_cells(turn, rng)][:count]
+    return [asset for turn in _turns(pool, rng) for asset in _alternate_halves(turn, rng)][:count]
 
 
 def census(name: str, assets: Sequence[TaskAsset]) -> str:
@@ -121,7 +121,7 @@ def _as(role: str, assets: Iterable[TaskAsset]) -> list[TaskAsset]:
     return [asset.model_copy(update={"role": role}) for asset in assets]
 
 
-def _shuffled(items: Iterable[T], rng: np.random.Generator) -> list[T]:
+def _shuffle_items(items: Iterable[T], rng: np.random.Generator) -> list[T]:
     given = list(items)
     return [given[number] for number in rng.permutation(len(given))]
 
@@ -130,7 +130,7 @@ def _turns(assets: Iterable[TaskAsset], rng: np.random.Generator) -> list[list[T
     """Rounds in which every family gives one of its assets, as long as it has any left."""
     turns: list[list[TaskAsset]] = []
     given: Counter[str] = Counter()
-    for asset in _shuffled(sorted(assets, key=lambda asset: asset.asset), rng):
+    for asset in _shuffle_items(sorted(assets, key=lambda asset: asset.asset), rng):
         if given[asset.family] == len(turns):
             turns.append([])
         turns[given[asset.family]].append(asset)
@@ -142,7 +142,7 @@ def _handle(asset: TaskAsset) -> Handle:
     return asset.handle, asset.handle_length, asset.handle_height
 
 
-def _typical(members: Sequence[TaskAsset]) -> Handle:
+def _pick_typical(members: Sequence[TaskAsset]) -> Handle:
     kind = Counter(asset.handle for asset in members).most_common(1)[0][0]
     return kind, median(a.handle_length for a in members), median(a.handle_height for a in members)
 
@@ -159,14 +159,14 @@ def _strata(handles: Mapping[str, Handle]) -> dict[str, Stratum]:
     }
 
 
-def _over_cells(assets: list[TaskAsset], rng: np.random.Generator, axis: int = 0) -> list[TaskAsset]:
+def _alternate_halves(assets: list[TaskAsset], rng: np.random.Generator, axis: int = 0) -> list[TaskAsset]:
     """The assets in an order that takes turns between the lower and the upper half of them along an axis of `_place`,
     within each between its halves along the other axis, and so on; which half begins is by chance."""
     if len(assets) < 2:
         return assets
     ordered = sorted(assets, key=lambda asset: _place(asset)[axis])
     middle = (len(ordered) + int(rng.integers(2))) // 2  # of an odd number either half may be the larger
-    lower, upper = (_over_cells(half, rng, 1 - axis) for half in (ordered[:middle], ordered[middle:]))
+    lower, upper = (_alternate_halves(half, rng, 1 - axis) for half in (ordered[:middle], ordered[middle:]))
     turns = zip_longest(*((lower, upper) if rng.integers(2) else (upper, lower)))
     return [asset for turn in turns for asset in turn if asset]
 

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from stages.config.extraction import ExtractionConfig
 from stages.config.inputs import INPUT_FILES
 from stages.config.provenance import record_provenance
-from stages.contracts import InputError, atomic, read_options, write_json
+from stages.contracts import InputError, read_options, write_atomically, write_json
 from stages.contracts.corrections import corrections_of
 from stages.contracts.files import first_error, read_text
 from stages.extraction.reconstruct import reconstruct
@@ -52,11 +52,11 @@ def run(
     result = load("correctors", "by_hand")(image, stated, find) if stated else find(image)
 
     folder = out.parent
-    with atomic(folder / "masks.png") as path:
+    with write_atomically(folder / "masks.png") as path:
         cv2.imwrite(str(path), result.masks)
-    with atomic(folder / "depth.npz") as path:
+    with write_atomically(folder / "depth.npz") as path:
         np.savez_compressed(path, depth=result.depth)
-    with atomic(folder / "clouds.npz") as path:
+    with write_atomically(folder / "clouds.npz") as path:
         np.savez_compressed(path, **result.clouds)  # type: ignore[arg-type]
     inputs = [input / name for name in INPUT_FILES if (input / name).is_file()]
     origin = record_provenance("stages.extraction.extract", config, [*inputs, *own, *corrections], seed)

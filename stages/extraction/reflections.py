@@ -30,7 +30,7 @@ def remove_reflections(
         known = mask & np.isfinite(points[..., 2])
         if not known.any():
             continue
-        limit = NICHE + REACH * error.at(depth[known].astype(np.float64))
+        limit = NICHE + REACH * error.predict(depth[known].astype(np.float64))
         for wall in walls:
             behind = points[known] @ np.array(wall.normal) - wall.offset < -limit
             if IN_ROOM <= (~behind).mean() < 1:

@@ -14,7 +14,7 @@ CONTACT = 0.045  # metres, besides the error of depth: what is less apart touche
 
 def tolerance_of(error: DepthError, distance: float) -> float:
     """Gap in metres that counts as touching at a distance from the camera, metres."""
-    return CONTACT + error.at(distance)
+    return CONTACT + error.predict(distance)
 
 
 @dataclass(frozen=True)

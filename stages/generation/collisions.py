@@ -116,12 +116,12 @@ def _movers(pair: Pair, scene: _Scene) -> list[str]:
     What carries the other would take it along.
     """
 
-    def weight(name: str) -> tuple[int, float, str]:
+    def rank_weight(name: str) -> tuple[int, float, str]:
         stack, item = find_stack(name, scene.supports), scene.items[name]
         held = 2 if item.wall_mounted else int(item.mounting.type == 3)
         return held, sum(volume(scene.items[n].box) for n in stack), name
 
-    return sorted((name for name in pair if not set(pair) <= find_stack(name, scene.supports)), key=weight)
+    return sorted((name for name in pair if not set(pair) <= find_stack(name, scene.supports)), key=rank_weight)
 
 
 def shortest_push(name: str, scene: _Scene) -> NDArray[np.float64] | None:

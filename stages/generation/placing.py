@@ -37,7 +37,7 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
     native = options.aspect_prior == "native"
     is_round = native and asset.symmetry == "full"
     reached = touched if reaches_walls(mounting, box, is_round) else []
-    sight = Sight(one.cloud.astype(float), camera, (scene.depth_error if native else DepthError(0, 0)).at)
+    sight = Sight(one.cloud.astype(float), camera, (scene.depth_error if native else DepthError(0, 0)).predict)
     rank = next((each.rank for each in one.cousins if each.asset == cousin.asset), None)
     support = item.measured_support or FLOOR
     placed = Placed(item.id, item.label, asset, folder, box, mounting, support, cousin=rank)

@@ -44,12 +44,12 @@ def corners(box: UprightBox) -> NDArray[np.float64]:
 
 
 def depth_behind(box: UprightBox, normal: ArrayLike, offset: float) -> float:
-    """How far a box reaches behind the plane `normal . x = offset`, metres; negative: it is before it."""
+    """How far a box reaches behind the plane `normal . x = offset`, metres; negative: the box is in front of it."""
     return offset - float((corners(box) @ np.asarray(normal)).min())
 
 
 def is_behind(box: UprightBox, normal: ArrayLike, offset: float) -> bool:
-    """Whether a box lies wholly behind a plane: if it is seen, the wall there ends, or has an opening, before it."""
+    """Whether a box lies wholly behind a wall plane. If the camera sees it, the wall has an opening or an end there."""
     return float((corners(box) @ np.asarray(normal)).max()) < offset
 
 
@@ -66,15 +66,15 @@ def bounds(box: UprightBox) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 def with_top(box: UprightBox, top: float) -> UprightBox:
     """The box with its top face moved to height `top`, its bottom face kept below that."""
-    return _between(box, min(box.bottom, top - THINNEST), top)
+    return _cut_between(box, min(box.bottom, top - THINNEST), top)
 
 
 def with_bottom(box: UprightBox, bottom: float) -> UprightBox:
     """The box with its bottom face moved to height `bottom`."""
-    return _between(box, bottom, box.top)
+    return _cut_between(box, bottom, box.top)
 
 
-def _between(box: UprightBox, bottom: float, top: float) -> UprightBox:
+def _cut_between(box: UprightBox, bottom: float, top: float) -> UprightBox:
     return UprightBox([*box.center[:2], (top + bottom) / 2], [*box.size[:2], top - bottom], box.yaw)
 
 
@@ -90,7 +90,7 @@ def surface_points(box: UprightBox, count: int) -> NDArray[np.float64]:
 
 
 def round_off_box(points: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
-    """Points (N, 3) of a box, moved towards its vertical axis into the elliptic cylinder that the box holds."""
+    """Move points (N, 3) of a box towards its vertical axis, into the elliptic cylinder inscribed in it."""
     turn, half = yaw_matrix(box.yaw), box.size[:2] / 2
     local = (points - box.center) @ turn
     plan = local[:, :2] / half
@@ -113,7 +113,7 @@ def axis_aligned_iou(a: UprightBox, b: UprightBox) -> float:
 
 
 def oriented_iou(a: UprightBox, b: UprightBox) -> float:
-    """Intersection over union in [0, 1] of two boxes as they are turned ("Ori. Bbox IoU", Table 2)."""
+    """Intersection over union in [0, 1] of two boxes with their yaws ("Ori. Bbox IoU", Table 2)."""
     (low_a, high_a), (low_b, high_b) = bounds(a), bounds(b)
     height = max(0.0, min(high_a[2], high_b[2]) - max(low_a[2], low_b[2]))
     overlap = footprint(a).intersection(footprint(b)).area * height

@@ -1,4 +1,4 @@
-"""Values of a depth image that are no distance: what a camera or a program writes where it knows none."""
+"""Values of a depth image that stand for unknown depth, not for a distance."""
 
 from typing import Any
 
@@ -34,7 +34,7 @@ def find_marks(values: NDArray[Any]) -> list[float]:
 
 def find_cut_range(metres: NDArray[np.floating]) -> float | None:
     """The distance at which depth (h, w) in metres is cut off: the largest, of whole half metres, and many times as
-    common as any a little nearer. A wall that is exactly so far, and seen exactly straight on, is taken for it.
+    common as any a little nearer. A wall at exactly that distance, seen straight on, is mistaken for the cut.
     """
     found, counts = _count_values(metres)
     if len(found) <= MIN_VALUES:
@@ -47,7 +47,7 @@ def find_cut_range(metres: NDArray[np.floating]) -> float | None:
 
 
 def remove_marks(values: NDArray[Any], marks: list[float]) -> NDArray[Any]:
-    """Values (h, w) with 0 in the place of marks."""
+    """The values (h, w), with 0 in place of the marks."""
     return np.where(np.isin(values, np.asarray(marks, dtype=values.dtype)), 0, values) if marks else values
 
 

@@ -43,16 +43,16 @@ class Sight:
 
     @cached_property
     def noise(self) -> float:
-        """Standard deviation, metres, by which noise moves the points along the ray."""
+        """Standard deviation, metres, of the points along the ray, caused by depth noise."""
         return self.error(float(np.linalg.norm(self.points.mean(axis=0) - self.camera)))
 
-    def ends(self, yaw: float, trim: float, deviations: float) -> Array:
+    def measure_ends(self, yaw: float, trim: float, deviations: float) -> Array:
         """Lowest and highest level coordinates (2, 2) of the points along axes turned by `yaw`.
 
-        Noise lays points beyond the faces: so many standard deviations of it are taken off at either end.
+        Noise puts points outside the faces, so `deviations` standard deviations are taken off at both ends.
 
         Args:
-            trim: share of the points left out at an end.
+            trim: share of the points left out at each end.
         """
         limits = np.quantile(self.points[:, :2] @ yaw_matrix(yaw)[:2, :2], [trim, 1 - trim], axis=0)
         inset = np.minimum(deviations * self.noise_along(yaw), MAX_INSET * (limits[1] - limits[0]))
@@ -69,16 +69,18 @@ class Sight:
 
         Args:
             box: the minimum box of its points.
-            trim: share of the points left out at an end.
-            has_faces: what is round has none, and its near end is where its points end.
-            beyond: metres by which the model that stands for it reaches beyond the face that it shows towards +x.
+            trim: share of the points left out at each end.
+            has_faces: False for round things: their near end is the end of the points.
+            beyond: metres by which handles and the like of its model protrude from the front face (+x).
         """
         turn = yaw_matrix(yaw)[:2, :2]
         center, size = box.center.copy(), box.size.copy()
-        level, limits = self.points[:, :2] @ turn, self.ends(yaw, trim, END_SHIFT)
+        level, limits = self.points[:, :2] @ turn, self.measure_ends(yaw, trim, END_SHIFT)
         for axis, along in enumerate(self.ray[:2] @ turn):
             near = 1 if along < 0 else 0
-            face = near_face(level[:, axis], 2 * near - 1, self.noise_along(yaw)[axis], trim) if has_faces else None
+            face = (
+                find_near_face(level[:, axis], 2 * near - 1, self.noise_along(yaw)[axis], trim) if has_faces else None
+            )
             if face is not None:
                 limits[near, axis] = face + (beyond if axis == 0 and near == 1 else 0.0)
         limits.sort(axis=0)
@@ -107,7 +109,7 @@ class Sight:
         return bool(counts.all())
 
 
-def near_face(values: Array, sign: float, noise: float, trim: float) -> float | None:
+def find_near_face(values: Array, sign: float, noise: float, trim: float) -> float | None:
     """Where the face is on the side `sign` (1: high, -1: low) of an axis; None if the points have none there.
 
     Many points lie at one coordinate, spread by the noise of depth, and the outermost ones are two or three

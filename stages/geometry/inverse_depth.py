@@ -12,7 +12,7 @@ TOLERANCE = 0.02  # share of its value by which a point may be off a plane, and 
 def is_inverse(depth: NDArray[np.floating]) -> bool:
     """Whether values (H, W; 0: unknown) are larger in the lower half, and are planar where their inverses are not.
 
-    What is below is nearer than what is above, in pictures of rooms and tables. On a plane inverse depth is linear in
+    In pictures of rooms and tables the lower half is nearer than the upper. On a plane inverse depth is linear in
     the pixel, depth is not.
     """
     rng = np.random.default_rng(0)
@@ -32,9 +32,9 @@ def is_inverse(depth: NDArray[np.floating]) -> bool:
 def count_planar(
     values: NDArray[np.float64], pixels: NDArray[np.float64], rng: np.random.Generator, off: float = TOLERANCE
 ) -> int:
-    """How many of the values (N,) are linear in the pixels (N, 3), homogeneous, by a few planes.
+    """How many of the values (N,) a few planes explain as linear in the homogeneous pixels (N, 3).
 
-    `off`: share of its value by which one may differ.
+    `off`: tolerance, as a share of the value.
     """
     found = 0
     for _ in range(PLANES):

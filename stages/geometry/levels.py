@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 def find_levels(points: Array, known: NDArray[np.bool_], up: Array) -> list[Plane]:
     """Level surfaces that face up, the largest first: floors, table tops, seats; `inliers` over `points[known]`.
 
-    They are parallel: all are as level as the largest, to which a plane is fitted.
+    All are parallel to the largest, to which a plane is fitted.
 
     Args:
         points: (H, W, 3) camera frame, metres.
@@ -76,8 +76,8 @@ def find_floor(
 
     Args:
         points: (H, W, 3) camera frame, metres.
-        known: (H, W) pixels with depth, all of which tell what is up.
-        free: (H, W) those of them that are of no object and no wall.
+        known: (H, W) pixels with depth, used to find the direction up.
+        free: (H, W) those that belong to no object and no wall.
         objects: (N, 3) of each object.
         max_tilt: largest angle between image-up and its normal, degrees.
     """
@@ -94,7 +94,7 @@ def find_floor(
 
 
 def find_ground(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Plane | None:
-    """The level on which things stand in a picture without names: near a table top, else the floor.
+    """The level surface on which things stand in a picture without labels: a near table top, else the floor.
 
     Args:
         points: (H, W, 3) camera frame, metres.

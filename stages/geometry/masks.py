@@ -1,4 +1,4 @@
-"""Masks of an image (H, W): where they lie, those of polygons, and which of their pixels are trusted (paper A.7)."""
+"""Masks of an image (H, W): bounds, polygons, and the pixels that can be trusted (paper A.7)."""
 
 import cv2
 import numpy as np

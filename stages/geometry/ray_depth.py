@@ -1,4 +1,4 @@
-"""Distance along the ray of a pixel, as many simulators give it, in the place of depth along the optical axis."""
+"""Conversion of distances along rays, as many simulators write them, to depth along the optical axis."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +18,11 @@ def ray_lengths(shape: tuple[int, int], intrinsics: NDArray[np.float64]) -> NDAr
 
 
 def along_axis(distance: NDArray[np.float32], intrinsics: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Depth (H, W) along the optical axis of distances (H, W) along the rays of K (3, 3)."""
+    """Convert distances (H, W) along the rays of K (3, 3) to depth (H, W) along the optical axis."""
     return (distance / ray_lengths(distance.shape, intrinsics)).astype(np.float32)
 
 
-def flatter_along(depth: NDArray[np.floating], intrinsics: NDArray[np.float64]) -> str:
+def find_flatter(depth: NDArray[np.floating], intrinsics: NDArray[np.float64]) -> str:
     """How depth (H, W; 0: unknown) makes floor and walls flatter: converted from `ray` to axis, or from `axis` to ray;
     empty: as it is. K (3, 3). On a plane 1 / z is linear in the pixel.
     """

@@ -1,4 +1,4 @@
-"""Planes of a room: the floor, or the top that things stand on, the frame on it, and the walls (paper 2.1, A.3)."""
+"""Planes of a room: floor (or table top), the floor frame, and walls (paper 2.1, A.3)."""
 
 from typing import NamedTuple
 
@@ -30,7 +30,7 @@ class WallPlane(NamedTuple):
 
 
 def sample_points(points: Array, rng: np.random.Generator) -> Array:
-    """At most `MAX_POINTS` of points (N, d), in their order."""
+    """A random choice of at most `MAX_POINTS` points of (N, d), in their order."""
     if len(points) <= MAX_POINTS:
         return points
     return points[np.sort(rng.choice(len(points), MAX_POINTS, replace=False))]
@@ -44,7 +44,7 @@ def scale_threshold(points: Array, threshold: float) -> float:
 def fit_floor(
     points: Array, max_tilt: float, rng: np.random.Generator, threshold: float = PLANE_THRESHOLD
 ) -> Plane | None:
-    """The level plane with the most of points (N, 3), camera frame; its normal points up. None: there is none.
+    """The level plane with most inliers among points (N, 3), camera frame; its normal points up. None: there is none.
 
     Args:
         max_tilt: largest angle between image-up and its normal, degrees.
@@ -76,7 +76,7 @@ def make_floor_frame(floor: Plane) -> Array:
 def fit_wall(
     points: Array, camera_height: float, rng: np.random.Generator, threshold: float = PLANE_THRESHOLD
 ) -> WallPlane | None:
-    """The upright plane with the most of points (N, 3), floor frame; None: there is none.
+    """The upright plane with most inliers among points (N, 3), floor frame; None: there is none.
 
     The camera is at (0, 0, camera_height); `threshold` as of `fit_floor`.
     """
@@ -104,7 +104,7 @@ def find_walls(
 ) -> list[WallPlane]:
     """Walls without a mask: upright planes behind which nothing is seen.
 
-    `points` (N, 3) of the whole picture, floor frame; `free` (N,): which may be of a wall; else as of `fit_wall`.
+    `points` (N, 3) of the whole picture, floor frame; `free` (N,): candidates; others: see `fit_wall`.
     """
     kept = np.sort(rng.permutation(len(points))[:MAX_POINTS])
     points, rest = points[kept], points[kept[free[kept]]]

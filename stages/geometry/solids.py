@@ -1,4 +1,4 @@
-"""Mass and inertia of links whose files state none: those of boards, in a box around their pieces."""
+"""Mass and inertia of links whose files state none, as if they were made of boards."""
 
 from collections.abc import Iterable, Sequence
 from typing import Protocol
@@ -25,7 +25,7 @@ class HasMesh(Protocol):
 def board_mass(pieces: Sequence[Trimesh], visuals: Iterable[HasMesh]) -> float:
     """The mass of a link whose file states none: furniture is made of boards.
 
-    As much as boards of half of the visible area, both sides of which are seen, or as its hulls if they are smaller.
+    It is that of boards with half the visible area (both sides are visible), or of its hulls if that is less.
     """
     area = sum(float(visual.mesh.area) for visual in visuals)
     volume = min(sum(abs(piece.volume) for piece in pieces), area / 2 * BOARD)
@@ -40,7 +40,7 @@ def box_inertia(pieces: Sequence[Trimesh], mass: float) -> Matrix:
 
 
 def box_around(pieces: Sequence[Trimesh]) -> Matrix:
-    """Lowest and highest corner (2, 3) of the pieces; of a centimetre around the origin if there are none."""
+    """Lowest and highest corner (2, 3) of the pieces; a box of one centimetre at the origin if there are none."""
     if not pieces:
         return np.array([[-0.005] * 3, [0.005] * 3])
     corners = np.array([piece.bounds for piece in pieces])

@@ -1,4 +1,4 @@
-"""Whether cousins open as the object was said to: as many doors, as many drawers."""
+"""Whether cousins have as many doors and drawers as were stated for the object."""
 
 from stages.contracts import Library
 from stages.contracts.cousins import Cousin, ObjectCousins
@@ -20,7 +20,7 @@ def note_differences(entry: ObjectCousins, item: SceneObject, library: Library) 
     stated = describe_counts(item.doors, item.drawers)
     fitting = [one.rank for one in entry.cousins if count_gap(item, models[one.asset]) == 0]
 
-    def differs(one: Cousin) -> str:
+    def describe_difference(one: Cousin) -> str:
         model = models[one.asset]
         if count_gap(item, model) == 0:
             return ""
@@ -34,5 +34,5 @@ def note_differences(entry: ObjectCousins, item: SceneObject, library: Library) 
         return f"was said to have {stated}, the model has {describe_counts(model.doors, model.drawers)}; {better}"
 
     return entry.model_copy(
-        update={"cousins": [one.model_copy(update={"differs": differs(one)}) for one in entry.cousins]}
+        update={"cousins": [one.model_copy(update={"differs": describe_difference(one)}) for one in entry.cousins]}
     )

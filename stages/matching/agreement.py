@@ -47,12 +47,12 @@ def group_alike(items: list[SceneObject]) -> list[list[int]]:
 
 
 def _is_alike(one: SceneObject, other: SceneObject) -> bool:
-    if one.box is None or other.box is None or _stated(one) != _stated(other):
+    if one.box is None or other.box is None or _state_mounting(one) != _state_mounting(other):
         return False
     return bool(abs(np.log(one.box.size[2] / other.box.size[2])) < SAME_HEIGHT)
 
 
-def _stated(item: SceneObject) -> tuple[str, int, int, bool]:
+def _state_mounting(item: SceneObject) -> tuple[str, int, int, bool]:
     hangs = item.mounting is not None and item.mounting.hangs
     return item.label, item.doors, item.drawers, hangs
 

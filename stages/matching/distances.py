@@ -7,7 +7,7 @@ import numpy as np
 from stages.config.matching import ComparisonOptions
 from stages.contracts import Cousins, read_json, read_options, write_json
 from stages.contracts.cousins import Distances
-from stages.contracts.scenes import true_model
+from stages.contracts.scenes import find_true_model
 from stages.matching.encoders import column_weights, make_encoder, settings_digest
 from stages.matching.match import read_library
 from stages.matching.ranking import Query, apply_weights, rank
@@ -49,7 +49,7 @@ def run(
     item = next((entry for entry in matched.objects if entry.id == object), None)
     weights = column_weights(encoder, depth=True)
     twins = dict.fromkeys(
-        [true_model(truth, objects, object), *(cousin.asset for cousin in (item.cousins if item else []))]
+        [find_true_model(truth, objects, object), *(cousin.asset for cousin in (item.cousins if item else []))]
     )
     articulated = set(assets)
     rows = {
@@ -65,6 +65,8 @@ def measure_distances(
 ) -> list[float]:
     """Embedding distance of one asset's representative snapshot to that of each of `assets`; 0 to itself."""
     view = store.representative
-    query = Query(apply_weights(store.rows(Snapshot(asset, view)), weights), weights, store.wholes(asset, [view])[0])
+    query = Query(
+        apply_weights(store.rows(Snapshot(asset, view)), weights), weights, store.read_wholes(asset, [view])[0]
+    )
     ranking = rank(query, [Snapshot(other, view) for other in assets], range(len(assets)), store, options, 1)
     return ranking.distances.tolist()

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from stages.cli import progress
 from stages.config.matching import MatchingConfig, matching_model
-from stages.config.packages import present
+from stages.config.packages import find_packages
 from stages.config.provenance import record_provenance
 from stages.contracts import Cousins, InputError, LeftOut, Library, read_json, read_options, write_json
 from stages.contracts.cousins import ObjectCousins, Orientation
@@ -57,7 +57,7 @@ def run(
         without: files that name models not to be used.
         options: JSON of the config section `matching`.
     """
-    settings = read_options(matching_model(present()), options)
+    settings = read_options(matching_model(find_packages()), options)
     stored = open_pictures(features, settings) if settings.compares_pictures else None
     assets = leave_out(read_library(library, stored.store if stored else None), without)
     scene = Scene(objects, image)
@@ -74,7 +74,7 @@ def run(
     ]
     looks = [path.with_suffix(".npz") for path in features]  # of every view as a whole: a store has a gigabyte
     seen = [image, *looks] if settings.compares_pictures else []
-    asked = settings.deciding()
+    asked = settings.keep_deciding()
     seed = scene.objects.made.seed if scene.objects.made else None
     origin = record_provenance("stages.matching.match", asked, [objects, *seen, library, *without], seed)
     result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin)
@@ -127,10 +127,10 @@ def match_object(
     `stored`: what its picture is compared with; None: no picture is looked at.
     """
     if item.status == "failed":
-        return _failed(item, f"extraction: {item.reason}")
+        return _fail_object(item, f"extraction: {item.reason}")
     candidates, view = find_candidates(item, library, text, options), scene.view(item)
     if not candidates.assets:
-        return _failed(item, "no candidate: the library has no asset with doors or drawers")
+        return _fail_object(item, "no candidate: the library has no asset with doors or drawers")
     question = judges.question(view, item, scene.objects)
     if stored is None:
         models = rank_by_priors(candidates, item, options)
@@ -139,12 +139,12 @@ def match_object(
     encoder, store = stored
     query = make_query(view if store.upright else replace(view, up=None), encoder, options.colour)
     if query is None:
-        return _failed(item, f"no foreground patch: mask {item.mask} has no pixel in masks.png")
+        return _fail_object(item, f"no foreground patch: mask {item.mask} has no pixel in masks.png")
     candidates = shortlist(query, candidates, item, store, options)
     models = rank_models(query, candidates, item, store, options)
     orientations_of = partial(rank_orientations, query, store=store, options=options)
     return decide_cousins(models, orientations_of, candidates, item, question, judges, options)
 
 
-def _failed(item: SceneObject, reason: str) -> ObjectCousins:
+def _fail_object(item: SceneObject, reason: str) -> ObjectCousins:
     return ObjectCousins(id=item.id, label=item.label, status="failed", reason=reason)

@@ -1,4 +1,4 @@
-"""How far a model's doors and drawers are from where they are said to lie on the front."""
+"""How far a model's doors and drawers are from where they were stated to lie on the front."""
 
 from collections.abc import Sequence
 
@@ -11,11 +11,11 @@ from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import count_gap
 
-SHIFT = 0.1  # share of a front by which all of its panels may lie beside where they are said to: boxes of things err
+SHIFT = 0.1  # share of a front by which all of its panels may lie off their stated places: boxes of things err
 
 
 def panel_gap(item: SceneObject, entry: LibraryEntry) -> float:
-    """Doors and drawers that are not where they are said to be; by their numbers alone where either is not known."""
+    """Doors and drawers that are not at their stated places; by their numbers alone where either is not known."""
     return layout_gap(item.panels, entry.panels) if item.panels and entry.panels else float(count_gap(item, entry))
 
 

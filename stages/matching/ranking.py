@@ -109,7 +109,7 @@ def rank(
     return Ranking(distances.round(DIGITS), vote(table, owner, rounds))
 
 
-def compared_views(store: FeatureStore, options: MatchingConfig) -> list[int]:
+def choose_views(store: FeatureStore, options: MatchingConfig) -> list[int]:
     """Views by which models are compared: the representative alone (paper), or some evenly spaced yaws."""
     count = min(options.views, len(store.yaws))
     return [round(k * len(store.yaws) / count) for k in range(count)] or [store.representative]
@@ -122,10 +122,10 @@ def shortlist(
     assets = candidates.assets
     if not options.shortlist or len(assets) <= options.shortlist:
         return candidates
-    views, factors = compared_views(store, options), whole_weights(query.weights)
+    views, factors = choose_views(store, options), whole_weights(query.weights)
     squared, _ = load_search(options.search)(
         apply_weights(query.whole[None], factors),
-        lambda number: apply_weights(store.wholes(assets[number].id, views), factors),
+        lambda number: apply_weights(store.read_wholes(assets[number].id, views), factors),
         len(assets),
         False,
     )
@@ -139,7 +139,7 @@ def rank_models(
     query: Query, candidates: Candidates, item: SceneObject, store: FeatureStore, options: MatchingConfig
 ) -> Models:
     """Candidates by votes (the top k_model) and by distance (all of them), to which priors may add."""
-    views, assets = compared_views(store, options), candidates.assets
+    views, assets = choose_views(store, options), candidates.assets
     snapshots = [Snapshot(entry.id, view) for entry in assets for view in views]
     groups = [number for number in range(len(assets)) for _ in views]
     ranking = rank(query, snapshots, groups, store, options, options.k_model, options.symmetric, options.nearest_views)

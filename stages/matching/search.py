@@ -58,7 +58,7 @@ def distance_table(
     forward, backward = load_search(search)(queries, rows, count, both)
     table = np.maximum(forward.astype(np.float64), 0.0)
     tie = TIE * float((queries.astype(np.float64) ** 2).sum(1).max())
-    doubtful = _doubtful(table, tie, nearest)
+    doubtful = _find_doubtful(table, tie, nearest)
     for candidate in np.flatnonzero(doubtful.any(axis=0)).tolist():
         again = doubtful[:, candidate]
         table[again, candidate] = _float64_minimum(queries[again], rows(candidate))
@@ -76,7 +76,7 @@ def _lengths(
     return np.sqrt(exact)
 
 
-def _doubtful(table: NDArray[np.float64], tie: float, nearest: int | None) -> NDArray[np.bool_]:
+def _find_doubtful(table: NDArray[np.float64], tie: float, nearest: int | None) -> NDArray[np.bool_]:
     """Entries (Q, C) within `tie` of 0, or of the next larger or smaller one of the `nearest` in their row."""
     order = np.argsort(table, axis=1)[:, :nearest]
     close = np.diff(np.take_along_axis(table, order, axis=1), axis=1) <= tie

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
-from stages.contracts.arrays import readable
+from stages.contracts.arrays import explain_unreadable
 from stages.contracts.files import read_json
 from stages.contracts.library import SnapshotShard
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
@@ -33,7 +33,7 @@ class SnapshotFile:
     def views(self, asset: str) -> list[View]:
         """All views of an asset: the yaws, then the representative. The object is where there is depth."""
         number = self._position[asset]
-        with readable(self.path, "snapshot file", AGAIN):  # a chunk may be damaged
+        with explain_unreadable(self.path, "snapshot file", AGAIN):  # a chunk may be damaged
             rgbs, depths = self._rgb[number], self._depth[number].astype(np.float32) / 1000
         intrinsics = np.array(self.sidecar.intrinsics, dtype=float)
         up = up_of_camera(self.sidecar.elevation)
@@ -42,7 +42,7 @@ class SnapshotFile:
     def picture(self, asset: str, yaw: float) -> NDArray[np.uint8]:
         """The snapshot (H, W, 3) nearest to a yaw in radians."""
         gap = np.angle(np.exp(1j * (np.array(self.sidecar.yaws) - yaw)))
-        with readable(self.path, "snapshot file", AGAIN):
+        with explain_unreadable(self.path, "snapshot file", AGAIN):
             picture: NDArray[np.uint8] = self._rgb[self._position[asset], int(np.abs(gap).argmin())]
         return picture
 
@@ -61,15 +61,15 @@ class Snapshots:
 
     def picture(self, asset: str, yaw: float) -> NDArray[np.uint8]:
         """The snapshot (H, W, 3) of an asset nearest to a yaw in radians."""
-        with self._holding(asset) as shard:
+        with self._find_shard(asset) as shard:
             return shard.picture(asset, yaw)
 
     def views(self, asset: str) -> list[View]:
         """All views of an asset: the yaws, then the representative."""
-        with self._holding(asset) as shard:
+        with self._find_shard(asset) as shard:
             return shard.views(asset)
 
-    def _holding(self, asset: str) -> SnapshotFile:
+    def _find_shard(self, asset: str) -> SnapshotFile:
         """The shard that holds an asset.
 
         Raises:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError, atomic, write_json
+from stages.contracts import InputError, write_atomically, write_json
 from stages.contracts.features import AGAIN, FeatureIndex, open_companion, open_features
 from stages.matching.codec import Codec
 
@@ -27,7 +27,7 @@ def write_store(
     codec: Codec | None,
 ) -> None:
     """Write the rows of all views, in the order of `index.starts`, and beside them index, wholes and codec."""
-    with atomic(path) as temporary:
+    with write_atomically(path) as temporary:
         first = rows[0] if rows else np.empty((0, 0), np.float16)  # a shard of broken models is empty
         shape = (index.starts[-1], first.shape[1])
         if rows and not shape[0]:
@@ -38,7 +38,7 @@ def write_store(
             np.lib.format.write_array_header_1_0(file, head)
             for block in rows:
                 file.write(block.astype(first.dtype, copy=False).tobytes())
-    with atomic(path.with_suffix(".npz")) as temporary, temporary.open("wb") as file:
+    with write_atomically(path.with_suffix(".npz")) as temporary, temporary.open("wb") as file:
         together = np.array(wholes) if wholes else np.empty((0, 0), np.float16)
         np.savez(file, wholes=together, **(codec._asdict() if codec else {}))
     write_json(path.with_suffix(".json"), index)
@@ -99,7 +99,7 @@ class FeatureStore:
         rows, codec = self._arrays[shard][starts[at] : starts[at + 1]], self._codecs[shard]
         return codec.decode(rows) if codec else rows
 
-    def wholes(self, asset: str, views: Sequence[int]) -> NDArray[np.float16]:
+    def read_wholes(self, asset: str, views: Sequence[int]) -> NDArray[np.float16]:
         """Some views of an asset, each as one vector (V, W)."""
         shard, position = self._where[asset]
         return self._wholes[shard][np.array(views) + position * (len(self.yaws) + 1)]

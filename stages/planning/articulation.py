@@ -45,7 +45,7 @@ def plan_articulation(
     Args:
         joints: (7,) of the arm as it stands.
         start, goal: of the target joint; it stands at `start`.
-        spare: radians that the arm's joints are to keep to their limits, if some grasp does.
+        spare: radians that the arm's joints should keep from their limits, where some grasp allows it.
         without: grasps that are left out.
 
     Returns:

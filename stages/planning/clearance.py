@@ -1,4 +1,4 @@
-"""Whether the arm keeps clear of what is about it: spheres on arm and hand against points on surfaces."""
+"""Clearance of the arm: spheres on arm and hand against points on the surfaces around it."""
 
 from copy import copy
 
@@ -32,7 +32,7 @@ BASE = np.array([(x, 0.0, z, 0.11) for x in (-0.09, 0.02) for z in (0.08, 0.18, 
 
 
 class Surroundings:
-    """Points on the fixed and on the moving part of an object, and on obstacles about it.
+    """Points on the fixed and the moving part of an object, and on obstacles around it.
 
     Args:
         target: the object's joint, its meshes in the asset frame with all joints closed.
@@ -52,7 +52,7 @@ class Surroundings:
     def gaps(self, centers: Array, radii: Array, values: Array) -> Array:
         """(K, S) free distance around spheres (K, S, 3), (S,) in the asset frame with the joint at `values` (K,).
 
-        Centres that are farther from everything than the largest radius and twice `CLEARANCE` count as just that far.
+        Distances of centres are cut off at the largest radius plus twice `CLEARANCE`.
         """
         motions = self.target.motions(values)
         in_moving = (centers - motions[:, None, :3, 3]) @ motions[:, :3, :3]
@@ -76,7 +76,7 @@ def surface_points(mesh: trimesh.Trimesh, count: int = SURFACE_POINTS) -> Array:
 
 
 def solid_points(mesh: trimesh.Trimesh) -> Array:
-    """Points on the convex pieces of a mesh and within them: a finger inside a knob is far from its surface."""
+    """Points on and inside the convex pieces of a mesh, so that a finger inside a knob is noticed, too."""
     points = [surface_points(mesh)]
     share = np.random.default_rng(0).uniform(size=(INNER_POINTS, 1)) ** (1 / 3)  # of the way out; even in a ball
     for piece in mesh.split() if len(mesh.faces) else []:

@@ -1,4 +1,4 @@
-"""Grasps of a handle: how the hand stands to it, the preferred ways first (paper A.4)."""
+"""Grasps of a handle, the preferred ones first (paper A.4)."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

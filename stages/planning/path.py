@@ -41,7 +41,7 @@ def make_handle_path(target: Target, grasp: Array, start: float, goal: float, fo
 
     Args:
         grasp: (4, 4) pose of the hand when the joint is closed.
-        follow: the part of a door's turn that the hand makes as well; with 0 the handle turns between the fingers.
+        follow: share of the door's rotation that the hand makes; at 0 the handle turns between the fingers.
     """
     ends = target.motions(np.array([start, goal])) @ grasp
     count = max(2, 1 + int(np.ceil(measure_distance(ends[:1], ends[1:])[0] / POSE_SPACING)))

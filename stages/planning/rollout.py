@@ -1,4 +1,4 @@
-"""Candidate motions, tried out through the very IK that executes actions: which can be followed without a touch."""
+"""Candidate motions, simulated with the same IK that executes actions, to find those without a collision."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ def find_feasible(
     """Index of the first candidate that the arm can follow from `joints` (7,) and that touches nothing.
 
     Args:
-        spare: radians that every joint is to keep to its limits all the way; if none does, that which keeps most.
+        spare: radians that every joint should keep from its limits; if no candidate does, the one that keeps most.
     """
     best, widest = None, -np.inf
     for start in range(0, len(candidates), BATCH):

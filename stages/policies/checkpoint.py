@@ -6,7 +6,7 @@ from safetensors.torch import load_file, save
 from torch import Tensor
 
 from stages.contracts.errors import InputError
-from stages.contracts.files import atomic
+from stages.contracts.files import write_atomically
 from stages.contracts.policy_folder import check_weights, read_config, weights_of
 from stages.policies import TrainablePolicy, make_policy
 
@@ -15,7 +15,7 @@ FILES = {"best": "policy.safetensors", "last": "last.safetensors"}
 
 def save_weights(path: Path, weights: dict[str, Tensor]) -> None:
     """Write a state dict atomically; the same tensors give the same bytes."""
-    with atomic(path) as temporary:
+    with write_atomically(path) as temporary:
         temporary.write_bytes(save({name: tensor.detach().cpu().contiguous() for name, tensor in weights.items()}))
 
 

@@ -32,7 +32,7 @@ def mark_handle_points(clouds: Tensor) -> tuple[Tensor, Tensor]:
 def _mark(clouds: Tensor) -> tuple[Tensor, Tensor]:
     xyz, scene = clouds[..., :3].float(), clouds[..., 3] == 0
     planes = find_front_planes(xyz[..., :2], scene)
-    handle = scene & (_before(xyz[..., :2], planes) > BEFORE_PLANE) & planes.any(-1, keepdim=True)
+    handle = scene & (_measure_before(xyz[..., :2], planes) > BEFORE_PLANE) & planes.any(-1, keepdim=True)
     weight = handle.float()[..., None]
     count = weight.sum(1).clamp_min(1)
     middle = (xyz * weight).sum(1) / count
@@ -61,7 +61,7 @@ def find_front_planes(xy: Tensor, scene: Tensor) -> Tensor:
     rows = torch.arange(len(xy), device=xy.device)
     planes = torch.cat([normals[rows, best], offsets[rows, best, None]], dim=1)
     for _ in range(2):  # refined, a plane has better inliers, which give a better plane
-        weight = ((_before(xy, planes).abs() < ON_PLANE) & scene).float()[..., None]
+        weight = ((_measure_before(xy, planes).abs() < ON_PLANE) & scene).float()[..., None]
         total = weight.sum(1).clamp_min(1)
         middle = (xy * weight).sum(1) / total
         x, y = ((xy - middle[:, None]) * weight).unbind(-1)
@@ -72,7 +72,7 @@ def find_front_planes(xy: Tensor, scene: Tensor) -> Tensor:
     return planes * (count > 2)[:, None]
 
 
-def _before(xy: Tensor, planes: Tensor) -> Tensor:
+def _measure_before(xy: Tensor, planes: Tensor) -> Tensor:
     """Distances (B, P) of points (B, P, 2) before planes (B, 3), metres."""
     return (xy * planes[:, None, :2]).sum(-1) - planes[:, None, 2]
 

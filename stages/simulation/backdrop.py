@@ -31,13 +31,13 @@ class Block:
 def make_backdrop(
     boxes: Sequence[UprightBox], walls: Sequence[Wall], camera: Array, look: Look | None = None
 ) -> list[Block]:
-    """Floor and walls as far as the furniture in `boxes` reaches and a little beyond, or as far as the picture shows.
+    """Make floor and walls. They end a little beyond the furniture in `boxes`, or where the picture ends.
 
-    A wall that has furniture behind it is left out: nobody knows where it ends.
+    A wall with furniture behind it is left out: its end is unknown.
 
     Args:
-        camera: its position, which stands on the floor too.
-        look: colours and bounds of what is seen; what it does not name has colours of its own.
+        camera: its position (3,); the floor reaches below it.
+        look: colours and bounds of surfaces that the picture shows; others get the usual colours.
     """
     seen = {surface.id: surface for surface in look.surfaces} if look else {}
     points = np.concatenate([corners(box) for box in boxes] + [camera[None]])

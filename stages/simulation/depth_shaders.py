@@ -76,8 +76,8 @@ void main() {
 
 
 def depth_shaders() -> ShaderConfig:
-    """ManiSkill's config of these shaders. SAPIEN's format of a picture is one per process, and each camera takes that
-    which holds when it is made: ask for the config just before."""
+    """ManiSkill's config of these shaders. SAPIEN has one picture format per process, and each camera takes the one
+    that is set when it is made: ask for the config just before."""
     sapien.render.set_picture_format(PICTURE, FORMAT)
     minimal = PREBUILT_SHADER_CONFIGS["minimal"]
     digest = hashlib.sha256(f"{VERTEX}\0{FRAGMENT}".encode()).hexdigest()[:16]

@@ -12,7 +12,7 @@ from PIL import Image as Pillow
 
 from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
-from stages.contracts.files import atomic, write_json
+from stages.contracts.files import write_atomically, write_json
 from stages.contracts.films import Film, Films
 from stages.contracts.images import TILE
 from stages.simulation.studio import Image, pick_evenly
@@ -56,7 +56,7 @@ def write_film(path: str | Path, pictures: Iterable[Any], frequency: float, qual
         raise InputError(path, "gets no pictures.", "append `env.render()` after every step", "E-FILM")
     images = [Pillow.fromarray(np.concatenate([*each], axis=1) if each.ndim == 4 else each) for each in arrays]
     step = max(round(1000 / frequency), 20)  # milliseconds; what is faster browsers show slowly
-    with atomic(Path(path)) as temporary:
+    with write_atomically(Path(path)) as temporary:
         if form == ".mp4":
             _write_mp4(temporary, [*images, *images[-1:] * (LAST // step)], 1000 / step)
             return
@@ -85,5 +85,5 @@ def make_film_strip(pictures: Sequence[Image]) -> Image:
 
 def write_png(path: Path, picture: Image) -> None:
     """Write an RGB picture atomically."""
-    with atomic(path) as temporary:
+    with write_atomically(path) as temporary:
         cv2.imwrite(str(temporary), picture[..., ::-1])

@@ -1,4 +1,4 @@
-"""Where a camera stands so that all is in the picture, and as near as that allows."""
+"""The nearest camera position from which everything is in the picture."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ FIELD_OF_VIEW = 0.7  # radians, across
 
 
 def intrinsics_of(width: int, height: int) -> Array:
-    """(3, 3) of a picture of that size, pixels."""
+    """Intrinsics (3, 3), pixels, of a picture of that size."""
     focal = width / 2 / np.tan(FIELD_OF_VIEW / 2)
     return np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
 

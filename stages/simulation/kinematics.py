@@ -78,7 +78,7 @@ def track(chain: Chain, q: Array, target: Array, iterations: int = 3) -> Array:
     """Joints near `q` (N, J) that bring the end effector towards `target` (N, 4, 4).
 
     Damped least squares (Nakamura & Hanafusa 1986) from `q`: the minimum-norm step, clamped to the joint limits.
-    What cannot be reached is approached.
+    A pose out of reach is approached.
     """
     lower, upper = chain.lower + LIMIT_MARGIN, chain.upper - LIMIT_MARGIN
     for _ in range(iterations):

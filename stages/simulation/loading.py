@@ -26,7 +26,7 @@ _NUMBERS = count()  # of bodies
 
 
 def physics_scene(timestep: float = 0.01) -> sapien.Scene:
-    """A scene with CPU physics alone: needs no Vulkan device, and assets load without their looks."""
+    """A scene with CPU physics alone. It needs no Vulkan device; assets load without visuals."""
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
     scene.timestep = timestep
     return scene
@@ -43,7 +43,7 @@ def root_pose(asset: Asset, position: Sequence[float], yaw: float, scale: float 
 
 
 class ParsedAsset:
-    """An asset as a URDF loader read it: its one body can be built again and again, at any scale.
+    """An asset that a URDF loader has read once; its body can be built many times, at any scale.
 
     Args:
         loader: SAPIEN's URDF loader, or ManiSkill's around it.
@@ -58,7 +58,7 @@ class ParsedAsset:
     def builder(self, scale: NDArray[np.float64] | None = None) -> Any:
         """A builder of the body; `scale` (3,) stretches it along the asset's axes.
 
-        In memory; what is askew to the axes is stretched by way of files that last as long as the process.
+        It works in memory. Shapes askew to the axes are stretched in files that are kept until the process ends.
         """
         body, number = self._resize(scale), next(_NUMBERS) % 0xFFFF + 1
         for link in getattr(body, "link_builders", []):
@@ -101,9 +101,9 @@ def _scratch() -> tempfile.TemporaryDirectory[str]:
 def load_looks(
     scene: sapien.Scene, folder: Path, scale: float, stretch: NDArray[np.float64] | None = None
 ) -> PhysxArticulation | sapien.Entity:
-    """Add what is seen of an asset, closed and that many times as large; it is fixed and touches nothing.
+    """Add the visuals of an asset, closed and scaled; it is fixed and collides with nothing.
 
-    `stretch` (3,): further factors along its axes; ours have looks that can always be stretched.
+    `stretch` (3,): further factors along its axes.
     """
     loader = scene.create_urdf_loader()
     loader.scale = scale
@@ -148,7 +148,7 @@ def load_asset(
         return builder.build()
     articulation = builder.build()
     articulation.set_name(name)
-    soften(articulation)
+    set_joint_friction(articulation)
     return close_joints(articulation)
 
 
@@ -159,7 +159,7 @@ def close_joints(articulation: PhysxArticulation) -> PhysxArticulation:
     return articulation
 
 
-def soften(articulation: PhysxArticulation) -> None:
+def set_joint_friction(articulation: PhysxArticulation) -> None:
     """Give every joint the friction and damping of our URDFs, which SAPIEN's loader ignores."""
     for joint in articulation.get_active_joints():
         joint.set_friction(FRICTION)
@@ -175,7 +175,7 @@ def move(body: PhysxArticulation | sapien.Entity, pose: sapien.Pose) -> None:
 
 
 def measure_bounds(body: PhysxArticulation | sapien.Entity) -> NDArray[np.float64]:
-    """(2, 3) lowest and highest corner of a box around all that is seen of a body, in the world."""
+    """(2, 3) lowest and highest corner of the box around the visuals of a body, world frame."""
     entities = [link.entity for link in body.links] if isinstance(body, PhysxArticulation) else [body]
     shown = [
         part for each in entities for part in each.components if isinstance(part, sapien.render.RenderBodyComponent)

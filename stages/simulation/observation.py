@@ -39,7 +39,7 @@ def object_points(
 
 
 def thin_points(points: Float, most: int) -> Float:
-    """At most so many of the points (N, 3), by an even stride: it keeps the pictures' density and costs nothing."""
+    """At most `most` of the points (N, 3), at an even stride, which keeps the density of the pictures."""
     if len(points) <= most:
         return points
     return points[np.linspace(0, len(points) - 1, most).astype(int)]

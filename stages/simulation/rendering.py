@@ -46,7 +46,7 @@ def make_scene(
 
     Args:
         light: direction in which the key light shines, world frame.
-        shaded: centre and radius (metres) of what casts shadows.
+        shaded: centre (3,) and radius, metres, of the region that casts shadows.
 
     Raises:
         InputError: there is no Vulkan device to render with.
@@ -117,7 +117,7 @@ class RenderCamera:
             colour = (np.clip(colour, 0.0, 1.0) * 255).round().astype(np.uint8)
         seen = entities > 0
         depth = np.where(seen, forward, np.float32(0))
-        return RenderedImage(_on_background(colour, seen), depth, self._instances(entities))
+        return RenderedImage(_blend_background(colour, seen), depth, self._instances(entities))
 
     def close(self) -> None:
         """Take the camera out of the scene."""
@@ -133,7 +133,7 @@ class RenderCamera:
         return table.astype(np.int32)[entities]
 
 
-def _on_background(rgba: NDArray[np.uint8], seen: NDArray[np.bool_]) -> NDArray[np.uint8]:
+def _blend_background(rgba: NDArray[np.uint8], seen: NDArray[np.bool_]) -> NDArray[np.uint8]:
     """Colours (H, W, 3) of pixels (H, W, 4) that show something, elsewhere the background; four bytes at a time."""
     background = np.array([0.82, 0.82, 0.84, 0.0]) * 255
     pixels = np.where(
@@ -165,7 +165,7 @@ def add_block(
 
 
 def has_renderer(scene: sapien.Scene) -> bool:
-    """Whether the scene can show anything."""
+    """Whether the scene has a renderer."""
     try:
         return scene.render_system is not None
     except RuntimeError:

@@ -1,4 +1,4 @@
-"""A parsed asset at another size, in memory: SAPIEN's builder with every extent scaled, as official code scales assets.
+"""A parsed asset at another size, in memory: SAPIEN's builder with every extent scaled, as the official code does.
 
 Building it takes milliseconds, as nothing is written and SAPIEN keeps the meshes it has read.
 """
@@ -19,7 +19,7 @@ SCALED = ("box", "file", "convex_mesh", "nonconvex_mesh", "multiple_convex_meshe
 
 
 def stretch_builder(builder: Any, scale: Array) -> Any | None:
-    """A copy of a body's builder with the closed thing stretched along the root's axes by `scale` (3,).
+    """A copy of a body's builder, stretched in its closed state along the root's axes by `scale` (3,).
 
     Shapes, joint frames, sliding ranges, masses and inertias at constant density, as `stages.articulated.stretching`
     does it with files. Angles of hinges stay.

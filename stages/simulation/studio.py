@@ -1,6 +1,6 @@
-"""Pictures of a robot at work for people: a lit room with a floor, the robot in its own colours, all in the frame.
+"""Pictures of the robot at work, for people: a lit room with a floor, and all of the scene in the picture.
 
-What policies see has nothing of it: a studio is a scene of its own. Episodes are recorded as poses and joint values,
+A studio is a scene of its own; policies never see it. Episodes are recorded as poses and joint values,
 which costs nothing, and only those that are shown are rendered: the stock Panda has 135,000 triangles, too many for
 the policy's camera, which sees the low-poly one.
 """
@@ -41,7 +41,7 @@ LIT = 2.2  # metres about robot and asset that cast shadows
 
 @dataclass(frozen=True)
 class Moment:
-    """Where everything is: (4, 4) poses of the roots in the world, joint values by name."""
+    """The state at one moment: (4, 4) poses of the roots in the world, joint values by name."""
 
     robot: Array
     robot_joints: Mapping[str, float]
@@ -72,7 +72,7 @@ class Recording:
 
 
 class Studio:
-    """Makes shots; made once per process, as the first picture of a scene takes seconds.
+    """Takes pictures of episodes. One per process, as the first picture of a scene takes seconds.
 
     Args:
         light: direction in which the key light shines; usually onto the front of the asset, which faces +x.
@@ -107,10 +107,10 @@ class Studio:
 
 
 class Shot:
-    """An episode in a studio, seen by a camera that stays; one at a time, to be closed before the next.
+    """An episode in a studio with a fixed camera. Close it before the next one begins.
 
     Args:
-        moments: what happens in it, for the camera to show: some moments, or those that are to be expected.
+        moments: moments of the episode, or expected ones; the camera is placed so that it shows all of them.
     """
 
     def __init__(self, studio: Studio, recording: Recording, moments: Sequence[Moment]) -> None:
@@ -124,7 +124,11 @@ class Shot:
         self._put(first)
         feet = [_bounds(self.asset.links), _bounds(studio.robot.links[:1])]
         low = min(bounds[0, 2] for bounds in feet)
-        self.about = _in_room(self.scene, recording.room, feet[1]) if recording.room else _alone(self.scene, feet, low)
+        self.about = (
+            _in_room(self.scene, recording.room, feet[1])
+            if recording.room
+            else _add_surroundings(self.scene, feet, low)
+        )
         seen = [] if recording.room else [corners(np.array([[*box[0, :2], low], box[1]])) for box in feet]
         for moment in moments:
             self._put(moment)
@@ -160,14 +164,14 @@ class Shot:
             view, shares = frame_all(points, turn @ direction, self.studio.aspect), []
             for moment in moments:
                 self._put(moment)
-                shares.append(self._hand_seen(view))
+                shares.append(self._measure_hand_seen(view))
             if np.mean(shares) > most:
                 best, most = view, float(np.mean(shares))
             if most > HAND_SHARE:
                 break
         return best
 
-    def _hand_seen(self, view: Array) -> float:
+    def _measure_hand_seen(self, view: Array) -> float:
         """The share of the hand's parts that are seen, if anything is of the asset."""
         shown, (width, height) = self.studio.finder.render(view), self.studio.glance
         parts = ("panda_hand", "panda_leftfinger", "panda_rightfinger")
@@ -196,14 +200,14 @@ def pick_evenly(items: Sequence[T], count: int) -> list[T]:
 
 
 def directions(side: float) -> list[Array]:
-    """Unit vectors (3,) from the scene to where a camera may stand, in the asset's frame, the best guess first: beside
+    """Unit vectors (3,) from the scene to where a camera may stand, in the asset's frame, the likeliest first: next to
     the robot, where no opened door is in the way; nearer to the front and higher, where more is seen into things."""
     first = 1.0 if side >= 0 else -1.0
     found = [np.array([x, y, z]) for y in (first, -first) for z in (0.45, 0.9) for x in (0.75, 1.5)]
     return [each / np.linalg.norm(each) for each in found]
 
 
-def _alone(scene: sapien.Scene, feet: Sequence[Array], low: float) -> list[sapien.Entity]:
+def _add_surroundings(scene: sapien.Scene, feet: Sequence[Array], low: float) -> list[sapien.Entity]:
     """Floor, wall, and plinths beneath what does not reach the floor."""
     blocks = [_plinth(scene, bounds, low) for bounds in feet if bounds[0, 2] - low > 0.005]
     back = feet[0][0, 0] - 0.03

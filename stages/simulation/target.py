@@ -1,4 +1,4 @@
-"""The geometry that a task needs of its asset: the target joint, its handle, and what moves and what stands still."""
+"""The geometry that a task needs of its asset: the target joint, its handle, its moving and its fixed meshes."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 class Target:
     """The joint to open, in the asset frame with all joints closed.
 
-    axis: (3,) unit axis, about which (revolute) or along which (prismatic) the joint opens with positive values.
+    axis: (3,) unit axis of rotation (revolute) or motion (prismatic); positive values open the joint.
     origin: (3,) point on the axis. moving, fixed: collision meshes of the moving links and of all others.
     """
 

@@ -37,11 +37,11 @@ class ArticulateSkill(RetryingSkill):
         """Joint values to move towards, the first that the arm can follow."""
 
     @abstractmethod
-    def enough(self, goal: float) -> bool:
+    def has_moved_enough(self, goal: float) -> bool:
         """Whether the joint has been moved far enough towards `goal` to let go."""
 
     @abstractmethod
-    def done(self) -> bool:
+    def is_done(self) -> bool:
         """Whether the joint is, after letting go, where it was to be."""
 
     def attempt(self, motion: Motion, number: int) -> str:
@@ -96,11 +96,11 @@ class ArticulateSkill(RetryingSkill):
             nonlocal pace
             pace = min(pace + 1, full)
             pursuit.lookahead = self.options.articulate_lookahead * min(pace + 1, full) / full
-            if self.enough(goal) or (motion.last_moment and self.done()):
+            if self.has_moved_enough(goal) or (motion.last_moment and self.is_done()):
                 return "enough"
             off = pose_error(path[pursuit.nearest][None], hand[None])[0, :3]
             if motion.empty or np.linalg.norm(off) > LOST:
-                return "enough" if self.done() else "grasp_slip"
+                return "enough" if self.is_done() else "grasp_slip"
             return "articulate" if stall(abs(self.task.opened - before)) else ""
 
         word = motion.follow(pursuit, CLOSED, watch)
@@ -109,4 +109,4 @@ class ArticulateSkill(RetryingSkill):
     def _let_go(self, motion: Motion) -> str:
         if not motion.release():
             return "ungrasp"
-        return "" if self.done() else "moved_back"
+        return "" if self.is_done() else "moved_back"

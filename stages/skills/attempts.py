@@ -1,13 +1,14 @@
 """The base of our skills: tries once, and again after a miss while there is time."""
 
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.geometry.frames import apply, inverse
 from stages.planning.clearance import Surroundings
+from stages.plugins import refuse_old_names
 from stages.skills import Act, Outcome
 from stages.skills.motion import Motion
 from stages.tasks.api import TaskEnv
@@ -18,6 +19,10 @@ class RetryingSkill(ABC):
 
     final: ClassVar[tuple[str, ...]] = ()
 
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        refuse_old_names(cls, {"done": "is_done", "enough": "has_moved_enough"})
+
     def __init__(self, task: TaskEnv, options: DemonstrationsConfig) -> None:
         self.task, self.options = task, options
 
@@ -25,7 +30,7 @@ class RetryingSkill(ABC):
     def attempt(self, motion: Motion, number: int) -> str:
         """One go from where everything stands, after `number` others; returns what failed or ''."""
 
-    def done(self) -> bool:
+    def is_done(self) -> bool:
         """Whether the goal is reached although the attempt failed, as by a flap that swings on."""
         return False
 
@@ -41,13 +46,13 @@ class RetryingSkill(ABC):
             if cause in self.final or motion.out_of_time:
                 return Outcome(False, causes[0], len(causes) - 1)
             motion.retreat(self.options.pregrasp)
-            if self.done():
+            if self.is_done():
                 return Outcome(True, "success", len(causes))
 
     def surroundings(self) -> Surroundings:
         """Points on the task's object and on the obstacles around it; the object's are sampled once per size."""
         env = self.task.env
-        return env.around().with_obstacles(apply(inverse(env.base_from_asset()), env.obstacles()))
+        return env.sample_surroundings().with_obstacles(apply(inverse(env.base_from_asset()), env.obstacles()))
 
     def joint(self) -> float:
         """The value of the target joint as it stands."""

@@ -126,13 +126,13 @@ class Motion:
         """
         pursuit, stall = Pursuit(path, lookahead), Stall(0.002)
 
-        def arriving(hand: Array) -> str:
+        def check_arrival(hand: Array) -> str:
             left = measure_deviation(path[-1:], hand[None])[0]
             if (left < TOLERANCE).all():
                 return "arrived"
             return watch(hand) or ("stall" if stall(pursuit.progress - left[0]) else "")
 
-        word = self.follow(pursuit, gripper, arriving, grasping)
+        word = self.follow(pursuit, gripper, check_arrival, grasping)
         return "" if word == "arrived" else word, pursuit
 
     def retreat(self, length: float) -> str:

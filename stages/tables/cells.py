@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.intervals import difference_interval, paired, rate_interval, rate_of, side_of
+from stages.tables.intervals import difference_interval, pair_sides, rate_interval, rate_of, side_of
 from stages.tables.order import SKILL, set_key
 from stages.tables.statistics import std
 
@@ -51,7 +51,7 @@ def rates(rollouts: pd.DataFrame, by: Sequence[str], options: TablesConfig) -> p
     return in_order(pd.DataFrame(rows, columns=list(dict.fromkeys([*by, *RATE]))))
 
 
-def gains(
+def tabulate_gains(
     rollouts: pd.DataFrame, within: Sequence[str], side: str, baseline: str, options: TablesConfig, same: bool = False
 ) -> pd.DataFrame:
     """Success of every value of the column `side` minus that of `baseline`, a row each with `within`, `side`, `GAIN`.
@@ -69,7 +69,7 @@ def gains(
             if same:
                 policies = ours.index.intersection(theirs.index)
                 ours, theirs = ours.loc[policies], theirs.loc[policies]
-            ours, theirs = paired(ours, theirs)
+            ours, theirs = pair_sides(ours, theirs)
             if name == baseline or ours.empty:
                 continue
             low, high = difference_interval(ours, theirs, options, same)

@@ -13,8 +13,8 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stages.contracts.files import atomic
-from stages.contracts.training_sets import is_randomised, plain
+from stages.contracts.files import write_atomically
+from stages.contracts.training_sets import is_randomised, strip_randomised
 from stages.tables.order import title
 from stages.tables.text import NOT_RUN
 
@@ -39,7 +39,7 @@ def style() -> AbstractContextManager[None]:
 
 def colour(training_set: str) -> str:
     """Colour of a training set, randomised or not; grey for others, as sets by chance."""
-    return COLOURS.get(training_set, COLOURS.get(plain(training_set), "#444444"))
+    return COLOURS.get(training_set, COLOURS.get(strip_randomised(training_set), "#444444"))
 
 
 def marker(training_set: str) -> str:
@@ -74,6 +74,6 @@ def save(figure: Figure, folder: Path, name: str, formats: tuple[str, ...] = ("s
     """Write the figure as `name`.<format>, without a date or a version in it."""
     metadata = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}
     for suffix in formats:
-        with atomic(folder / f"{name}.{suffix}") as path:
+        with write_atomically(folder / f"{name}.{suffix}") as path:
             figure.savefig(path, format=suffix, metadata=metadata.get(suffix))
     plt.close(figure)

@@ -24,7 +24,7 @@ def side_of(rollouts: pd.DataFrame) -> Side:
     return rollouts.pivot_table(index=POLICY, columns=PLACE, values="success", aggfunc="mean").astype(float)
 
 
-def paired(ours: Side, theirs: Side) -> tuple[Side, Side]:
+def pair_sides(ours: Side, theirs: Side) -> tuple[Side, Side]:
     """Both sides at the places where all policies of both were tested."""
     places = ours.dropna(axis="columns").columns.intersection(theirs.dropna(axis="columns").columns)
     return ours[places], theirs[places]
@@ -61,7 +61,7 @@ def place_weights(places: pd.Index, samples: int, rng: np.random.Generator) -> F
     return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
 
-def resampled(groups: Sequence[Sequence[Side]], options: TablesConfig) -> list[list[Floats]]:
+def resample_rates(groups: Sequence[Sequence[Side]], options: TablesConfig) -> list[list[Floats]]:
     """Bootstrap: the rates of every run, places and runs resampled.
 
     Args:
@@ -87,7 +87,7 @@ def quantiles(resamples: Floats, options: TablesConfig) -> Interval:
     return Interval(float(low), float(high))
 
 
-def wider(one: Interval, other: Interval, least: float) -> Interval:
+def join_intervals(one: Interval, other: Interval, least: float) -> Interval:
     """The interval that holds both, cut at `least` and 1."""
     return Interval(max(min(one.low, other.low), least), min(max(one.high, other.high), 1.0))
 
@@ -105,8 +105,8 @@ def rate_interval(side: Side, options: TablesConfig) -> Interval:
     score = wilson_of_rate(rate_of(units), len(unit_rates(units)), options.confidence)
     if shared.empty:
         return score
-    ((rates,),) = resampled([[shared]], options)
-    return wider(quantiles(rates.mean(axis=1), options), score, 0.0)
+    ((rates,),) = resample_rates([[shared]], options)
+    return join_intervals(quantiles(rates.mean(axis=1), options), score, 0.0)
 
 
 def correlation(ours: Floats, theirs: Floats) -> float:
@@ -137,10 +137,10 @@ def score_interval(ours: Floats, theirs: Floats, confidence: float) -> Interval:
     (p_low, p_high), (q_low, q_high) = (wilson_of_rate(rate, len(ours), confidence) for rate in (p, q))
     phi = correlation(ours, theirs)
 
-    def added(a: float, b: float) -> float:
+    def add_in_quadrature(a: float, b: float) -> float:
         return float(np.sqrt(max(a * a - 2 * phi * a * b + b * b, 0.0)))
 
-    return Interval(p - q - added(p - p_low, q_high - q), p - q + added(p_high - p, q - q_low))
+    return Interval(p - q - add_in_quadrature(p - p_low, q_high - q), p - q + add_in_quadrature(p_high - p, q - q_low))
 
 
 def difference_interval(ours: Side, theirs: Side, options: TablesConfig, same: bool = False) -> Interval:
@@ -152,10 +152,10 @@ def difference_interval(ours: Side, theirs: Side, options: TablesConfig, same: b
         same: the rows of both sides are the same policies, resampled together; else each side has its own.
     """
     if same:
-        ((rates,),) = resampled([[ours - theirs]], options)
+        ((rates,),) = resample_rates([[ours - theirs]], options)
         found = rates.mean(axis=1)
     else:
-        ((a, b),) = resampled([[ours, theirs]], options)
+        ((a, b),) = resample_rates([[ours, theirs]], options)
         found = a.mean(axis=1) - b.mean(axis=1)
     score = score_interval(unit_rates(ours), unit_rates(theirs), options.confidence)
-    return wider(quantiles(found, options), score, -1.0)
+    return join_intervals(quantiles(found, options), score, -1.0)

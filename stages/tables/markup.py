@@ -22,21 +22,21 @@ class Table:
     headers: int = 1
     notes: list[str] = field(default_factory=list)
 
-    def ran(self) -> "Table":
+    def drop_empty(self) -> "Table":
         """The rows that were run, and the columns with a value of ours."""
-        rows = [row for row in self.rows if any(map(_ours, row[self.headers :])) or not any(map(_missing, row))]
-        columns = [k < self.headers or any(_ours(row[k]) for row in rows) for k in range(len(self.columns))]
+        rows = [row for row in self.rows if any(map(_is_ours, row[self.headers :])) or not any(map(_is_missing, row))]
+        columns = [k < self.headers or any(_is_ours(row[k]) for row in rows) for k in range(len(self.columns))]
         kept = [list(compress(row, columns)) for row in rows]
         return replace(self, columns=list(compress(self.columns, columns)), rows=kept)
 
 
-def _missing(cell: str) -> bool:
+def _is_missing(cell: str) -> bool:
     return cell.split("\n")[0] == NOT_RUN
 
 
-def _ours(cell: str) -> bool:
+def _is_ours(cell: str) -> bool:
     """Whether a cell holds more than `not run` and the paper's value."""
-    return cell != "" and not _missing(cell) and not cell.startswith("paper ")
+    return cell != "" and not _is_missing(cell) and not cell.startswith("paper ")
 
 
 def markdown(table: Table) -> str:

@@ -9,7 +9,7 @@ from stages.config.tables import MethodTables, PolicyTables
 from stages.contracts.errors import InputError
 from stages.contracts.policies import Rollout
 from stages.tables.order import SKILL
-from stages.tables.pooling import pooled
+from stages.tables.pooling import pool_rollouts
 from stages.tables.rows import ONE_TEST, read_rows
 
 Kinds = Mapping[str, str]  # policy -> what it is, in words
@@ -28,7 +28,7 @@ def read_rollouts(paths: Sequence[Path], options: MethodTables) -> pd.DataFrame:
 
 def read_pooled(paths: Sequence[Path], options: MethodTables) -> pd.DataFrame:
     """`read_rollouts`, with the pools of the run in the place of their targets."""
-    return pooled(read_rollouts(paths, options), options)
+    return pool_rollouts(read_rollouts(paths, options), options)
 
 
 def check_methods(rollouts: pd.DataFrame, options: MethodTables) -> None:
@@ -61,7 +61,7 @@ def kind(policy: str, known: Kinds) -> str:
     return known.get(policy, policy)
 
 
-def beside_ours(published: pd.DataFrame, ours: pd.DataFrame, options: PolicyTables) -> pd.DataFrame:
+def join_published(published: pd.DataFrame, ours: pd.DataFrame, options: PolicyTables) -> pd.DataFrame:
     """Rows of the paper with `target` and `policy`: those of ours that they stand beside.
 
     These are, of every task, the first target whose clouds show the link that is meant, and there the first policy of

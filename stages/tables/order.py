@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from stages.contracts.training_sets import is_randomised, is_set, plain, read_set
+from stages.contracts.training_sets import is_randomised, is_set, read_set, strip_randomised
 
 TASKS = {"door": "Door opening", "drawer": "Drawer opening", "put_away_bowl": "Putting away bowl"}
 SPLITS = ("test", "validation")  # test assets that are sets of unseen assets
@@ -24,7 +24,7 @@ VARIANTS = {  # as the paper has them; what decided in a run stands in cousins.j
 NO_IMAGE = "no-image"  # the variant of config/study/table2.yaml that judges are read against
 
 
-def natural(text: str) -> tuple[tuple[int, int, str], ...]:
+def sort_key(text: str) -> tuple[tuple[int, int, str], ...]:
     """Sort key under which room_2 comes before room_10."""
     return tuple((0, int(part), "") if part.isdigit() else (1, 0, part) for part in re.split(r"(\d+)", str(text)))
 
@@ -32,7 +32,7 @@ def natural(text: str) -> tuple[tuple[int, int, str], ...]:
 def set_key(name: str) -> tuple[int, tuple[tuple[int, int, str], ...]]:
     """Sort key of a training set or test asset: twin, by number, 'all', 'dissimilar', 'trained', sets, the skill."""
     first = {"twin": 0, "all": 2, "dissimilar": 2, "trained": 3, "unseen": 4}
-    return ((first | dict.fromkeys(SPLITS, 5) | {SKILL: 6}).get(plain(name), 1), natural(name))
+    return ((first | dict.fromkeys(SPLITS, 5) | {SKILL: 6}).get(strip_randomised(name), 1), sort_key(name))
 
 
 def title_of(number: int, name: str) -> str:
@@ -45,7 +45,7 @@ def title(name: str) -> str:
     """A name for people: cousins_4 -> '4 cousins', cousin_2 -> 'cousin 2', cover_8_randomised -> '8 covering assets,
     randomised'."""
     if is_randomised(name):
-        return f"{title(plain(name))}, randomised"
+        return f"{title(strip_randomised(name))}, randomised"
     if is_set(name) and (read := read_set(name)).rule in SETS:
         return f"{read.size} {SETS[read.rule]}"
     return NAMES.get(name, name.replace("_", " "))

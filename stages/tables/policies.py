@@ -13,10 +13,10 @@ from stages.tables import policy_tables, table3
 from stages.tables.cells import CELL, ROW
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table
-from stages.tables.methods import beside_ours, kinds_of, read_rollouts
+from stages.tables.methods import join_published, kinds_of, read_rollouts
 from stages.tables.policy_figures import Panels, figure4, figure9
 from stages.tables.policy_notes import policy_notes
-from stages.tables.pooling import pooled
+from stages.tables.pooling import pool_rollouts
 from stages.tables.rows import published_policies, published_runs
 from stages.tables.writing import write, write_csv
 
@@ -56,7 +56,7 @@ def collect(
     """The frames of some rollouts (as `read_pooled` gives them); cells in `asked` without rollouts are `not run`."""
     ours = pd.concat([asked[KNOWN], rollouts[KNOWN]]).drop_duplicates()
     paper, per_run = (
-        beside_ours(table, ours, options) for table in (published_policies(published), published_runs(published))
+        join_published(table, ours, options) for table in (published_policies(published), published_runs(published))
     )
     return PolicyResults(
         rollouts=rollouts,
@@ -95,11 +95,11 @@ def run(
             claims, stability of training).
         trainings: trainings.csv, for these: they name below the tables which trainings failed.
         published: folder with the paper's values, table3.csv.
-        options: JSON of the config section `tables`, and of what policies are and which targets are pooled.
+        options: JSON of the config section `tables`, and of what policies are and which targets are pool_rollouts.
     """
     settings = read_options(PolicyTables, options)
     rows, kinds = read_rollouts(rollouts, settings), kinds_of(settings)
-    found = collect(pooled(rows, settings), published, settings)
+    found = collect(pool_rollouts(rows, settings), published, settings)
     added: list[More] = [import_module(name).add_tables(found, rows, trainings, settings) for name in more]
     notes = [*policy_notes(settings), *(note for each in added for note in each.notes)]
     tables = [policy_tables.policies_table(found.cells, found.published, settings, kinds, notes)]

@@ -39,7 +39,7 @@ def _rows(cells: pd.DataFrame, published: pd.DataFrame) -> list[Row]:
     return records((cells if len(cells) else published)[ROW].drop_duplicates())
 
 
-def _tested(cells: pd.DataFrame) -> pd.DataFrame:
+def _select_tested(cells: pd.DataFrame) -> pd.DataFrame:
     """The cells of the paper's figures: those on test assets, not on the assets that a policy was trained on."""
     return cells[cells["test_asset"] != TRAINED]
 
@@ -65,7 +65,7 @@ def figure4(cells: pd.DataFrame, published: pd.DataFrame, more: Panels | None = 
     From the left: those of `more`; on the roles of Table 3, with our intervals; the paper's figure, its bars the
     standard deviation over runs. `encoder` is ours, by whose features distances are.
     """
-    cells = _tested(cells)
+    cells = _select_tested(cells)
     rows = _rows(cells if more is None else pd.concat([cells, more.rows]), published)
     first = 0 if more is None else more.columns
     columns = first + (2 if len(cells) and any(len(of_row(published, row)) for row in rows) else 1)
@@ -99,8 +99,8 @@ def _distances(panel: Axes, cells: pd.DataFrame, name: str, missing: str, encode
     step = 0.015 * (cells["feature_distance"].max() - cells["feature_distance"].min() or 1.0)
     for index, training_set in enumerate(sets):
         line = cells[cells["training_set"] == training_set]
-        beside = step * (index - (len(sets) - 1) / 2)  # keeps the bars of different sets apart
-        draw_rates(panel, line["feature_distance"] + beside, line, training_set)
+        shift = step * (index - (len(sets) - 1) / 2)  # keeps the bars of different sets apart
+        draw_rates(panel, line["feature_distance"] + shift, line, training_set)
     names = ", ".join(title(asset) for asset in cells["test_asset"].unique())
     panel.set_xlabel(f"{distance_from_twin(encoder)}\n{names}", size=7.5)
 
@@ -111,7 +111,7 @@ def figure9(cells: pd.DataFrame, published: pd.DataFrame) -> Figure:
     The four test assets stand from left to right, as in the paper: distances under different encoders do not compare.
     Our bars are the standard deviation over runs where there are two or more, else the interval of the run.
     """
-    cells = _tested(cells)
+    cells = _select_tested(cells)
     rows, sets = _rows(cells, published), sorted({*cells["training_set"], *published["training_set"]}, key=set_key)
     roles = sorted({*cells["test_asset"], *published["test_asset"]}, key=set_key)
     figure, axes = plt.subplots(

@@ -13,10 +13,10 @@ UNKNOWN = (
 
 def policy_notes(options: PolicyTables) -> list[str]:
     """The notes of a run."""
-    return [*_pooled(options), _privileged(options)]
+    return [*_list_pooled(options), _privileged(options)]
 
 
-def _pooled(options: PolicyTables) -> list[str]:
+def _list_pooled(options: PolicyTables) -> list[str]:
     """Policies of more than one hyper-parameter set."""
     kinds = kinds_of(options)
     found = [kind(name, kinds) for name, about in options.policies.items() if about.best and about.best > 1]
@@ -30,19 +30,19 @@ def _pooled(options: PolicyTables) -> list[str]:
 
 def _privileged(options: PolicyTables) -> str:
     """What policies are given, as far as the run's options are known."""
-    met = options.met
-    if met is None:
+    sensing = options.sensing
+    if sensing is None:
         return UNKNOWN
-    clean, camera = not met.depth_noise, not any(met.camera_error)
+    clean, camera = not sensing.depth_noise, not any(sensing.camera_error)
     given = ["the mask of the target", *["depth without noise"] * clean, *["exact camera poses"] * camera]
     listed = " and ".join(filter(None, [", ".join(given[:-1]), given[-1]]))
     text = f"Policies are given what a real robot would not have: {listed}, and they start within {_start(options)}."
     if not clean:
         text += " Depth has the noise of a depth camera."
     if not camera:
-        metres, degrees = met.camera_error
-        text += f" The camera is {_cm(metres)} cm and {degrees:g} degrees elsewhere than they are told."
-    if (name := shorten_name(met.simulator)) == "maniskill":
+        metres, degrees = sensing.camera_error
+        text += f" The camera is {_cm(metres)} cm and {degrees:g} degrees off the pose that they assume."
+    if (name := shorten_name(sensing.simulator)) == "maniskill":
         return f"{text} Demonstrations and tests share the simulator."
     return f"{text} Demonstrations are made in ManiSkill, tests in {SIMULATORS.get(name, name)}."
 
@@ -50,8 +50,8 @@ def _privileged(options: PolicyTables) -> str:
 def _start(options: PolicyTables) -> str:
     """How far off its place the robot stands."""
     place = "of their place before the true handle"
-    if options.met and options.met.parking:
-        metres, degrees = options.met.parking
+    if options.sensing and options.sensing.parking:
+        metres, degrees = options.sensing.parking
         return f"{_cm(metres)} cm and {degrees:g} degrees {place}"
     return " or ".join(f"{_cm(along)} and {_cm(up)} cm" for along, up in options.starts) + f" {place}"
 

@@ -11,7 +11,7 @@ from stages.tables.markup import Table
 from stages.tables.methods import Kinds, kind
 from stages.tables.order import CLOUDS, set_key, target_title, title
 from stages.tables.rows import records
-from stages.tables.scene_tables import level
+from stages.tables.scene_tables import format_confidence
 from stages.tables.text import NOT_RUN, cell, count, interval, number, percent
 
 
@@ -33,7 +33,7 @@ def policies_table(
 
     Args:
         table: as `table3.cells` gives.
-        published: the paper's, beside ours (`methods.beside_ours`).
+        published: the paper's, beside ours (`methods.join_published`).
     """
     ours = {tuple(row[name] for name in CELL): row for row in records(table)}
     theirs = {tuple(row[name] for name in CELL): row for row in records(published)}
@@ -63,9 +63,10 @@ def policies_table(
         rows=rows,
         headers=2,
         notes=[
-            f"Mean ± sample standard deviation over runs, [{level(options)} interval], successes/episodes. The "
-            "interval is about this asset alone: bootstrap over initial states and runs, never narrower than Wilson's "
-            "over initial states. With one run it is about these policies only, not about training again.",
+            f"Mean ± sample standard deviation over runs, [{format_confidence(options)} interval], "
+            "successes/episodes. The interval is about this asset alone: bootstrap over initial states and runs, "
+            "never narrower than Wilson's over initial states. With one run it is about these policies only, not "
+            "about training again.",
             "Paper: mean ± sample standard deviation over its six runs (bowl: five) of 100 rollouts each. Distance is "
             "ours, under the encoder of this run; the paper's is under DINOv2, so rows correspond by role.",
             "Official: the criterion of the authors' code, any joint of the object past 10 % of its range at any time. "

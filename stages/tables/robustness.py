@@ -20,7 +20,7 @@ COLUMNS = ["protocol", "variant", "judge", "n_draws", "n_rooms", "n_objects", "n
 AS_SHIPPED = "as shipped"
 
 
-def _measured(scores: pd.DataFrame) -> dict[str, float]:
+def _measure_draw(scores: pd.DataFrame) -> dict[str, float]:
     """What one draw gives, over the objects of all rooms."""
     cell: dict[str, float] = {name: float(scores[name].sum()) for name in COUNTS}
     for name in ("l2_cm", *METRICS, *SHAPES, "shift_cm"):
@@ -50,7 +50,7 @@ def build(scores: pd.DataFrame, asked: Sequence[tuple[str, str]] = ()) -> pd.Dat
     rows: list[dict[str, Any]] = []
     if (scores["protocol"] != "").any():
         for (protocol, variant), group in scores.groupby(["protocol", "variant"], sort=False):
-            draws = pd.DataFrame([_measured(part) for _, part in group.groupby("draw")])
+            draws = pd.DataFrame([_measure_draw(part) for _, part in group.groupby("draw")])
             row = {"protocol": protocol or AS_SHIPPED, "variant": variant, "judge": judge(group), "n_draws": len(draws)}
             row |= {"n_rooms": group["scene"].nunique(), "n_objects": len(group) // len(draws)}
             row["n_articulated"] = int(group["panels_correct"].notna().sum()) // len(draws)
@@ -65,7 +65,7 @@ def build(scores: pd.DataFrame, asked: Sequence[tuple[str, str]] = ()) -> pd.Dat
     return table.astype({name: "Int64" for name in COLUMNS if name.startswith("n_")})
 
 
-def ordered(table: pd.DataFrame) -> list[dict[str, Any]]:
+def order_rows(table: pd.DataFrame) -> list[dict[str, Any]]:
     """The rows as they are shown: by protocol, variants together."""
     names = list(dict.fromkeys(table["protocol"]))
     return sorted(records(table), key=lambda row: names.index(row["protocol"]))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stages.contracts.images import read_narrow
 from stages.tables.drawing import mark_not_run
-from stages.tables.order import natural, title
+from stages.tables.order import sort_key, title
 
 
 def figure6(pictures: dict[tuple[str, str], Path], rooms: list[str], width: int) -> Figure:
@@ -21,7 +21,7 @@ def figure6(pictures: dict[tuple[str, str], Path], rooms: list[str], width: int)
         rooms: rooms that get a row even if they were not run.
         width: of a picture, pixels at most.
     """
-    names = sorted({*rooms, *(room for room, _ in pictures)}, key=natural)
+    names = sorted({*rooms, *(room for room, _ in pictures)}, key=sort_key)
     variants = sorted({variant for _, variant in pictures}) or [""]
     images: dict[tuple[str, str], NDArray[np.uint8]] = {
         key: np.asarray(read_narrow(path, width)) for key, path in pictures.items()

@@ -7,7 +7,7 @@ import pandas as pd
 from stages.config.tables import TablesConfig
 from stages.tables.markup import Table
 from stages.tables.order import NO_IMAGE, VARIANTS, title
-from stages.tables.robustness import AFFORDANCES, ordered
+from stages.tables.robustness import AFFORDANCES, order_rows
 from stages.tables.rows import records
 from stages.tables.table2 import COUNTS, METRICS
 from stages.tables.text import NOT_RUN, NOTHING, cell, number, spread
@@ -31,12 +31,12 @@ def digits(measure: str) -> int:
     return DIGITS.get(measure.rpartition("_")[2], DIGITS["cm"])
 
 
-def level(options: TablesConfig) -> str:
+def format_confidence(options: TablesConfig) -> str:
     """'95 %'."""
     return f"{100 * options.confidence:g} %"
 
 
-def _given(table: pd.DataFrame) -> list[str]:
+def _add_given(table: pd.DataFrame) -> list[str]:
     """What every row knows before any picture is compared, and the row that judges are read against."""
     return [GIVEN, BASELINE] if NO_IMAGE in set(table["variant"]) else [GIVEN]
 
@@ -74,15 +74,15 @@ def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         rows=rows,
         headers=3,
         notes=[
-            "Mean ± sample standard deviation over the objects of a scene, "
-            f"[{level(options)} t interval of the mean]. A missed or failed object counts as not correct and has no "
-            "distance. Orientation is modulo the smallest turn that maps an object onto itself; objects that any turn "
-            "maps onto themselves are left out. The paper's count leaves out every symmetric object. Totals pool all "
+            f"Mean ± sample standard deviation over the objects of a scene, [{format_confidence(options)} t "
+            "interval of the mean]. A missed or failed object counts as not correct and has no distance. "
+            "Orientation is modulo the smallest turn that maps an object onto itself; objects that any turn maps "
+            "onto themselves are left out. The paper's count leaves out every symmetric object. Totals pool all "
             "objects of the scenes that were run; the paper's totals are over the same scenes, weighted by objects.",
             "The paper's assets and renderer differ from ours: the same measures, a different library. The paper gives "
             "one IoU per row; by its position it is taken to be that of axis-aligned boxes.",
             f"The paper's variants: {variants}. Judge: who decided here.",
-            *_given(table),
+            *_add_given(table),
         ],
     )  # fmt: skip
 
@@ -93,15 +93,15 @@ def robustness_table(table: pd.DataFrame) -> Table:
                "Ori. (rad)", "Oriented IoU", "Fallen", "Largest shift (cm)", "Penetration (cm)", "Chamfer (%)",
                "Shape IoU", "Panels, handles, hinges"]  # fmt: skip
     rows = []
-    for row in ordered(table):
+    for row in order_rows(table):
         head = [title(row["protocol"]), f"({row['variant']})"]
         if pd.isna(row["n_draws"]):
             rows.append([*head, "", NOT_RUN, *[""] * len(columns[len(head) + 2 :])])
             continue
         cells = [row["judge"], f"{row['n_draws']} × {row['n_objects']}"]
-        cells += [f"{_over_draws(row, name)} of {row['n_objects']}" for name in COUNTS]
-        cells += [_over_draws(row, name) or NOTHING for name in ROBUST]
-        panels = ", ".join(_over_draws(row, name) for name in AFFORDANCES)
+        cells += [f"{_format_draws(row, name)} of {row['n_objects']}" for name in COUNTS]
+        cells += [_format_draws(row, name) or NOTHING for name in ROBUST]
+        panels = ", ".join(_format_draws(row, name) for name in AFFORDANCES)
         cells.append(cell(panels if row["n_articulated"] else NOTHING, f"of {row['n_articulated']}"))
         rows.append([*head, *cells])
     return Table(
@@ -115,11 +115,11 @@ def robustness_table(table: pd.DataFrame) -> Table:
             "Chamfer: mean distance between the surfaces of the chosen and the true model in the same box, in percent "
             "of its diagonal; shape IoU: of the volumes that they fill. Panels, handles, hinges: how many of the "
             "objects with doors or drawers got as many of them, the same kinds of handles, the same hinge sides.",
-            *_given(table),
+            *_add_given(table),
         ],
     )
 
 
-def _over_draws(row: dict[str, Any], name: str) -> str:
+def _format_draws(row: dict[str, Any], name: str) -> str:
     factor = 100 if name == "chamfer" else 1
     return spread(factor * row[f"{name}_mean"], factor * row[f"{name}_std"], digits(name))

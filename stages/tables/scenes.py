@@ -14,7 +14,7 @@ from stages.tables.scene_tables import robustness_table, scenes_table
 from stages.tables.writing import write
 
 
-def named(items: tuple[str, ...], flag: str = "--comparisons") -> dict[tuple[str, str], Path]:
+def parse_comparisons(items: tuple[str, ...], flag: str = "--comparisons") -> dict[tuple[str, str], Path]:
     """'room_1/b=picture.png' -> {('room_1', 'b'): picture.png}; the part after the slash may be left out."""
     pictures = {}
     for item in items:
@@ -46,7 +46,7 @@ def run(
         options: JSON of the config section `tables`.
     """
     settings = read_options(TablesConfig, options)
-    pictures = named(comparisons)
+    pictures = parse_comparisons(comparisons)
     rows = read_rows(SceneScore, scores, ONE_SCENE)
     scenes, companion = table2.build(rows, published_scenes(published), settings), robustness.build(rows)
     write(out, "table2", scenes, [scenes_table(scenes, settings)])

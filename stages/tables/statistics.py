@@ -16,7 +16,7 @@ class Interval(NamedTuple):
     high: float
 
 
-def present(values: ArrayLike) -> NDArray[np.float64]:
+def drop_missing(values: ArrayLike) -> NDArray[np.float64]:
     """The values that are there (None and NaN dropped), float64."""
     array = np.asarray(values, dtype=np.float64).ravel()
     return array[~np.isnan(array)]
@@ -24,13 +24,13 @@ def present(values: ArrayLike) -> NDArray[np.float64]:
 
 def mean(values: ArrayLike) -> float:
     """Mean of the values that are there; NaN if there is none."""
-    array = present(values)
+    array = drop_missing(values)
     return float(array.mean()) if array.size else NAN
 
 
 def std(values: ArrayLike) -> float:
     """Sample standard deviation (ddof = 1) of the values that are there; NaN below two values."""
-    array = present(values)
+    array = drop_missing(values)
     return float(array.std(ddof=1)) if array.size > 1 else NAN
 
 
@@ -39,7 +39,7 @@ def t_interval(values: ArrayLike, confidence: float) -> Interval:
 
     A scene has 5 to 15 objects: at that size it covers better than a percentile bootstrap, and it needs no seed.
     """
-    array = present(values)
+    array = drop_missing(values)
     if array.size < 2:
         return Interval(NAN, NAN)
     half = stats.t.ppf((1 + confidence) / 2, array.size - 1) * array.std(ddof=1) / np.sqrt(array.size)

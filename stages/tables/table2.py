@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.order import natural
+from stages.tables.order import sort_key
 from stages.tables.rows import records
 from stages.tables.statistics import mean, std, t_interval
 
@@ -22,7 +22,7 @@ ALL_COLUMNS = [*COLUMNS, *INTERVALS, "n_scenes", "n_placed", *ORIENTED, "n_stabl
 TOTAL = "total"
 
 
-def _measured(scores: pd.DataFrame, confidence: float) -> dict[str, Any]:
+def _measure_scores(scores: pd.DataFrame, confidence: float) -> dict[str, Any]:
     """Counts, means and intervals over the true objects in `scores` (one row per object)."""
     cell: dict[str, Any] = {
         "n_scenes": scores["scene"].nunique(),
@@ -46,11 +46,11 @@ def _measured(scores: pd.DataFrame, confidence: float) -> dict[str, Any]:
 
 def judge(scores: pd.DataFrame) -> str:
     """Who decided on models and orientations; with counts where several did, as where a judge abstained."""
-    sides = [_counted(scores[f"{what}_judge"]) for what in ("model", "orientation")]
+    sides = [_count_deciders(scores[f"{what}_judge"]) for what in ("model", "orientation")]
     return sides[0] if sides[0] == sides[1] else f"{sides[0]}; orientation: {sides[1]}"
 
 
-def _counted(deciders: "pd.Series[str]") -> str:
+def _count_deciders(deciders: "pd.Series[str]") -> str:
     known = deciders[deciders != ""]
     counts = known.value_counts().sort_index(kind="stable").sort_values(ascending=False, kind="stable")
     if len(counts) < 2:
@@ -87,7 +87,7 @@ def build(scores: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) 
     """
     scores = scores[(scores["rank"] == 1) & (scores["true_asset"] != "") & (scores["protocol"] == "")]
     scales = scores.groupby("scene")["scale_m"].first()
-    scenes = [*options.scenes, *sorted(set(scores["scene"]) - set(options.scenes), key=natural)]
+    scenes = [*options.scenes, *sorted(set(scores["scene"]) - set(options.scenes), key=sort_key)]
     variants = [*options.variants, *sorted(set(scores["variant"]) - set(options.variants))]
     groups = dict(list(scores.groupby(["scene", "variant"])))
     paper = {
@@ -103,13 +103,13 @@ def build(scores: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) 
                 continue
             row: dict[str, Any] = {"scene": scene, "variant": variant, "status": "not run"}
             if group is not None:
-                row |= {"scale_m": scales[scene]} | _measured(group, options.confidence)
+                row |= {"scale_m": scales[scene]} | _measure_scores(group, options.confidence)
             row |= paper.get(theirs, {})
             rows.append(row)
     for variant in variants:
         ran = [row for row in rows if row["variant"] == variant and row["status"] == "run"]
         if ran:
-            pooled = _measured(scores[scores["variant"] == variant], options.confidence)
+            pooled = _measure_scores(scores[scores["variant"] == variant], options.confidence)
             rows.append({"scene": TOTAL, "variant": variant} | pooled | _published_total(ran))
     table = pd.DataFrame(rows, columns=ALL_COLUMNS)
     whole = [name for name in ALL_COLUMNS if name.startswith("n_") or name.removeprefix("published_") in COUNTS]

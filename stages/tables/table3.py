@@ -5,7 +5,7 @@ from typing import Any
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.cells import CELL, GAIN, RATE, gains, rates
+from stages.tables.cells import CELL, GAIN, RATE, rates, tabulate_gains
 from stages.tables.order import SKILL, SPLITS, set_key
 from stages.tables.rows import records
 from stages.tables.statistics import wilson
@@ -88,4 +88,4 @@ def differences(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     unseen = compared[compared["test_asset"] != BASELINE]
     roles = unseen.groupby(["target", "policy"])["test_asset"].transform("nunique")
     compared = pd.concat([compared, unseen[roles > 1].assign(test_asset=UNSEEN)])
-    return gains(compared, ["target", "policy", "test_asset"], "training_set", BASELINE, options)
+    return tabulate_gains(compared, ["target", "policy", "test_asset"], "training_set", BASELINE, options)

@@ -20,7 +20,7 @@ AJAR = 0.1  # of a joint's range: open by less it counts as shut (from here on a
 MOTION = DemonstrationsConfig()
 
 
-def success_opening(target: Target, options: TaskConfig) -> float:
+def find_success_opening(target: Target, options: TaskConfig) -> float:
     """The fraction of the range that counts as open: half, 60 degrees or 15 cm, whichever is less."""
     enough = np.deg2rad(options.success_angle) if target.revolute else options.success_distance
     return float(min(options.success_fraction, enough / (target.upper - target.lower)))
@@ -31,21 +31,22 @@ def place_robot_and_asset(
     target: Target,
     nominal: Array,
     options: TaskConfig,
-    around: Callable[[], Surroundings] | None,
+    surroundings: Callable[[], Surroundings] | None,
     shift: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> tuple[Array, Array]:
     """(4, 4) poses of the robot's base and of the asset's root when an episode starts.
 
     Args:
         nominal: (3,) where the root is before the object is moved.
-        around: gives the asset; before a door the robot stands where its arm can follow the handle; None: it does not.
+        surroundings: samples the asset's surfaces. Before a door the robot then stands where its arm can follow the
+            handle. None: it stands at the usual place.
         shift: metres that the robot stands farther out, along y and up.
     """
     at = np.add(target.reference + nominal, shift)
     base = base_pose(at, target.side, setup, options, target.flap)
     root = object_motion(setup) @ rigid(np.eye(3), nominal)
-    if around is not None and target.side and target.handle is not None:
-        reached = reachable_base(base, root, REST + setup.joints, around(), success_opening(target, options))
+    if surroundings is not None and target.side and target.handle is not None:
+        reached = reachable_base(base, root, REST + setup.joints, surroundings(), find_success_opening(target, options))
         base = base if reached is None else reached
     return base, root
 

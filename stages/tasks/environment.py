@@ -19,19 +19,19 @@ from stages.geometry.frames import apply, inverse
 from stages.planning.clearance import Surroundings
 from stages.plugins import refuse_old_names
 from stages.simulation.kinematics import Array
-from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, soften
+from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, set_joint_friction
 from stages.simulation.poses import batch_poses
 from stages.simulation.rendering import render_backend
 from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.room import Room
 from stages.simulation.target import Target, descends, read_target
-from stages.tasks.base_placement import AJAR, place_robot_and_asset, success_opening
+from stages.tasks.base_placement import AJAR, find_success_opening, place_robot_and_asset
 from stages.tasks.cameras import Camera, shoulder
 from stages.tasks.filmed import FilmedEnv
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
 from stages.tasks.observation import CameraRig, Observation, Sensing
 from stages.tasks.randomised import randomise, sample_factors
-from stages.tasks.task import Task
+from stages.tasks.task import OLD_NAMES, Task
 
 LARGEST_ID = 30_000  # of an entity: a picture holds 16 bits of it, and every change of scale takes new ones
 
@@ -64,7 +64,7 @@ class OpenTaskEnv(FilmedEnv):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        refuse_old_names(cls, {"succeeded": "check_success", "opened": "measure_opening"})
+        refuse_old_names(cls, OLD_NAMES)
 
     def __init__(
         self,
@@ -150,7 +150,7 @@ class OpenTaskEnv(FilmedEnv):
             bodies.append(builder.build(name="target_object" if alike else f"target_object_{index}"))
         self.object: Articulation = bodies[0] if alike else Articulation.merge(bodies, name="target_object")
         for body, seed in zip(self.object._objs, self._episode_seed, strict=True):
-            soften(body)
+            set_joint_friction(body)
             if self.randomise:
                 randomise(body, sample_factors(int(seed), self.randomise))
         index = [joint.name for joint in bodies[0].active_joints].index(self.joint_name)
@@ -211,8 +211,8 @@ class OpenTaskEnv(FilmedEnv):
         for index, seed in zip(indices, seeds, strict=True):
             setup, target = sample_initial_state(seed, self.options), self.targets[index]
             nominal = nominal_root(self.asset, self.scales[index])
-            around = None if self.room else partial(self.around, index)
-            base, root = place_robot_and_asset(setup, target, nominal, self.options, around, self.robot_shift)
+            surroundings = None if self.room else partial(self.sample_surroundings, index)
+            base, root = place_robot_and_asset(setup, target, nominal, self.options, surroundings, self.robot_shift)
             if self.room:
                 base, root = self.room.stand(base), self.room.world_from_nominal @ root
             bases.append(base)
@@ -226,7 +226,7 @@ class OpenTaskEnv(FilmedEnv):
         self.object.set_qvel(torch.zeros_like(self.object.get_qvel()[env_idx]))
         self._official[env_idx] = False
 
-    def around(self, index: int = 0) -> Surroundings:
+    def sample_surroundings(self, index: int = 0) -> Surroundings:
         """The object of environment `index`; its surfaces are sampled once."""
         if index not in self._surroundings:
             self._surroundings[index] = Surroundings(self.targets[index])
@@ -244,7 +244,7 @@ class OpenTaskEnv(FilmedEnv):
 
     def success_opening(self, index: int = 0) -> float:
         """The fraction of the range that counts as open."""
-        return success_opening(self.targets[index], self.options)
+        return find_success_opening(self.targets[index], self.options)
 
     def check_success(self) -> torch.Tensor:
         """(N,) the one success criterion, for demonstrations and evaluation alike."""

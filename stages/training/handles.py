@@ -95,7 +95,7 @@ def move_fronts(batch: "Batch", options: Variation, random: torch.Generator) -> 
     along = torch.stack([-batch.fronts[:, 0, 1], batch.fronts[:, 0, 0]], dim=-1)  # sideways in the plane
     sideways = (xyz[..., :2] * along[:, None, None]).sum(-1)
     inside = torch.stack([sideways, xyz[..., 2]], dim=-1)  # (B, T, P, 2): sideways and up
-    ends = [_ends(inside, which) for which in (handle, front)]
+    ends = [_bound_places(inside, which) for which in (handle, front)]
     (handle_low, handle_high), (front_low, front_high) = ends
     middle, half = (handle_low + handle_high) / 2, own_scale * (handle_high - handle_low) / 2
     # A front that ends before its handle does is moved on.
@@ -111,7 +111,7 @@ def move_fronts(batch: "Batch", options: Variation, random: torch.Generator) -> 
     return replace(batch, clouds=torch.cat([xyz + torch.cat([flat, delta[..., 1:]], -1), flag[..., None]], dim=-1))
 
 
-def _ends(places: Tensor, which: Tensor) -> tuple[Tensor, Tensor]:
+def _bound_places(places: Tensor, which: Tensor) -> tuple[Tensor, Tensor]:
     """Lowest and highest place (B, 2) of the points (B, T, P, 2) where `which` (B, T, P) holds."""
     chosen = which[..., None]
     low = torch.where(chosen, places, torch.inf).flatten(1, 2).amin(1)

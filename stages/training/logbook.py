@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any, Literal
 
-from stages.contracts.system import naming
+from stages.contracts.system import name_file_in_errors
 
 Line = dict[str, float | int | None]
 Mode = Literal["disabled", "offline", "online"]
@@ -16,7 +16,7 @@ class Logbook:
 
     def __init__(self, path: Path, lines: list[Line], wandb_mode: Mode, folder: Path, config: dict[str, Any]) -> None:
         self.path = path
-        with naming(path):
+        with name_file_in_errors(path):
             self.path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
         self.run = start_wandb(wandb_mode, folder, config)
         for line in lines:
@@ -24,7 +24,7 @@ class Logbook:
 
     def write(self, line: Line) -> None:
         """Append one line."""
-        with naming(self.path), self.path.open("a", encoding="utf-8") as file:
+        with name_file_in_errors(self.path), self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line) + "\n")
         self._mirror(line)
 

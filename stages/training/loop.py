@@ -83,7 +83,7 @@ def optimise(policy: TrainablePolicy, state: TrainingState, setting: Setting, lo
             }
             log(line)
             state.note(policy, validated.get("validation_loss"), line, run.select)
-            if state.step < run.steps and state.due(run.save_every):
+            if state.step < run.steps and state.is_due(run.save_every):
                 state.save(policy, setting.work)
             losses = []
 

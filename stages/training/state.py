@@ -9,7 +9,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from stages.contracts.files import atomic
+from stages.contracts.files import write_atomically
 from stages.policies import TrainablePolicy
 from stages.training.logbook import Line
 
@@ -38,7 +38,7 @@ class TrainingState:
             self.best_step, self.best_loss = self.step, validation_loss
             self.best = copy_weights(policy.state_dict())
 
-    def due(self, every: int) -> bool:
+    def is_due(self, every: int) -> bool:
         """Whether `every` steps have passed since the last save."""
         return self.step - self.saved >= every
 
@@ -55,7 +55,7 @@ class TrainingState:
             "best": self.best,
             "lines": self.lines,
         }
-        with atomic(folder / STATE) as temporary:
+        with write_atomically(folder / STATE) as temporary:
             torch.save(content, temporary)
 
     def resume(self, policy: TrainablePolicy, folder: Path) -> bool:

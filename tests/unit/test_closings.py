@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 import torch
 
-from benchmarks.closings import Watched, draw, starts
+from benchmarks.closings import Watched, draw, list_episodes
 from stages.config.evaluation import RolloutOptions
 from stages.contracts.policies import TaskAssets
 from stages.contracts.task_options import TaskConfig
@@ -37,7 +37,7 @@ def test_a_hand_is_noted_where_it_first_closes_wherever_the_joint_then_is(tmp_pa
     task.env.object.set_qpos(torch.tensor([[0.7]]))
     watched.step(-still)
     assert watched.notes[key] is note, "the first time alone"
-    opened = watched.closing()
+    opened = watched.measure_grasp()
     assert abs(opened["out"] - note["out"]) > 0.05, "the handle has gone, the hand has stayed"
     task.close()
 
@@ -70,7 +70,7 @@ def test_rollouts_on_unseen_assets_are_those_of_the_workflow() -> None:
     given = argparse.Namespace(assets=Path("assets.json"), rollouts=2, unseen=2, unseen_rollouts=2, seed=3)
     settings = RolloutOptions(test_assets=["twin"], rollouts=2, split="validation", assets=2, asset_rollouts=2)
     expected = starts_of(plan, given.assets, settings, (), 3)
-    assert {role: starts(plan, role, given) for role in ("twin", "validation")} == expected
+    assert {role: list_episodes(plan, role, given) for role in ("twin", "validation")} == expected
     assert [asset.asset for asset, _ in expected["validation"]] == ["a", "a", "b", "b"]
 
 

@@ -1,4 +1,4 @@
-"""How test assets are met: a depth camera's noise, a camera elsewhere than told, a robot parked elsewhere."""
+"""How test assets are shown: a depth camera's noise, a camera off the assumed pose, a robot parked elsewhere."""
 
 from pathlib import Path
 

@@ -8,7 +8,7 @@ import pytest
 from stages.config.code import ROOTS, closure, code_digest, files_digest
 from stages.config.experiment import ExperimentConfig
 from stages.config.model import load
-from stages.config.packages import home_of, present
+from stages.config.packages import find_packages, home_of
 from stages.config.replaced import VERBS
 from stages.contracts import InputError
 from tests.refusals import refused
@@ -30,13 +30,13 @@ def test_an_asset_gives_as_many_episodes_as_the_neediest_set_asks() -> None:
     assert experiment.episodes_of("door", "cousin_1") == 40
     assert experiment.episodes_of("door", "cousin_4") == 20
     assert experiment.episodes_of("door", "cousin_2") == 0
-    assert experiment.trained_roles("door") == ["cousin_1", "cousin_3", "cousin_4", "cousin_5", "twin"]
+    assert experiment.list_trained_roles("door") == ["cousin_1", "cousin_3", "cousin_4", "cousin_5", "twin"]
 
 
 def test_training_sets_without_cousins_have_stores_of_their_own() -> None:
     experiment = ExperimentConfig(training_sets=["twin_randomised", "random_2", "random_4"], episodes=80)
     assert experiment.roles("twin_randomised", 0) == ["twin_randomised"]
-    assert experiment.trained_roles("door") == ["random_1", "random_2", "random_3", "random_4", "twin_randomised"]
+    assert experiment.list_trained_roles("door") == ["random_1", "random_2", "random_3", "random_4", "twin_randomised"]
     assert [experiment.episodes_of("door", f"random_{number}") for number in (1, 3)] == [40, 20]
     assert experiment.episodes_of("door", "twin_randomised") == 80
 
@@ -47,7 +47,14 @@ def test_every_seed_learns_from_a_draw_of_its_own() -> None:
         ["random_1", "random_2"], ["random_17", "random_18"], ["random_1", "random_2"],
     ]  # fmt: skip
     assert experiment.roles("cover_1", 2) == ["cover_33"]
-    assert experiment.trained_roles("door") == ["cover_1", "cover_17", "random_1", "random_17", "random_18", "random_2"]
+    assert experiment.list_trained_roles("door") == [
+        "cover_1",
+        "cover_17",
+        "random_1",
+        "random_17",
+        "random_18",
+        "random_2",
+    ]
     assert experiment.episodes_of("door", "random_18") == 40 and experiment.episodes_of("door", "cover_33") == 0
     once = ExperimentConfig(draws=1)
     assert once.roles("random_8", 4) == once.roles("random_8", 0) == [f"random_{number}" for number in range(1, 9)]
@@ -60,7 +67,7 @@ def test_any_set_may_be_randomised() -> None:
     assert experiment.roles("all_randomised", 0) == ["all_randomised"]
     assert experiment.roles("cover_1_randomised", 1) == ["cover_17_randomised"]
     assert experiment.share("door", "cousins_2_randomised") == 40
-    assert experiment.trained_roles("door") == [
+    assert experiment.list_trained_roles("door") == [
         "all_randomised", "cousin_1", "cousin_1_randomised", "cousin_3", "cousin_3_randomised", "cover_1_randomised",
     ]  # fmt: skip
 
@@ -88,7 +95,7 @@ def test_the_policies_of_a_target_share_its_demonstrations_and_options() -> None
     assert config.task_of("near").camera_eye == config.task.camera_eye
     # cousin_1 gives 8 to cousins_4 of both policies, 16 to cousins_2 of the other alone
     assert experiment.episodes_of("near", "cousin_1") == 16 and experiment.episodes_of("near", "cousin_5") == 8
-    assert experiment.trained_roles("near") == ["cousin_1", "cousin_3", "cousin_4", "cousin_5", "twin"]
+    assert experiment.list_trained_roles("near") == ["cousin_1", "cousin_3", "cousin_4", "cousin_5", "twin"]
 
 
 def test_a_policy_opens_every_target_or_those_that_it_names_also_by_their_pool() -> None:
@@ -106,7 +113,7 @@ def test_a_policy_opens_every_target_or_those_that_it_names_also_by_their_pool()
         ("fridge_handle", "lite", "twin"), ("fridge_handle", "lite", "cousins_4"),
         ("fridge_handle", "lite_handle", "all"), ("drawer", "lite", "twin"), ("drawer", "lite", "cousins_4"),
     ]  # fmt: skip
-    assert experiment.sets_of("drawer") == ["cousins_4", "twin"] and "all" in experiment.trained_roles("door")
+    assert experiment.sets_of("drawer") == ["cousins_4", "twin"] and "all" in experiment.list_trained_roles("door")
 
 
 def test_what_the_default_has_comes_first_however_files_are_merged() -> None:
@@ -180,12 +187,12 @@ FOR_PEOPLE = {  # pages and helpers that no rule calls: there is nothing to repl
 }
 
 
-@pytest.mark.parametrize("stage", [*VERBS, *(name for name, package in present().items() if package.verbs)])
+@pytest.mark.parametrize("stage", [*VERBS, *(name for name, package in find_packages().items() if package.verbs)])
 def test_every_verb_can_be_replaced(stage: str) -> None:
     tree = ast.parse((ROOT / home_of(stage).replace(".", "/") / "__main__.py").read_text())
     offered = next(node for node in ast.walk(tree) if isinstance(node, ast.Dict))
     called_by_rules = [verb for verb in ast.literal_eval(offered) if f"{stage} {verb}" not in FOR_PEOPLE]
-    assert called_by_rules == list(VERBS[stage] if stage in VERBS else present()[stage].verbs)
+    assert called_by_rules == list(VERBS[stage] if stage in VERBS else find_packages()[stage].verbs)
 
 
 def test_digest_of_code_files_sees_edits_and_names_not_caches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

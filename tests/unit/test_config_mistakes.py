@@ -13,7 +13,7 @@ from stages.config import categories
 from stages.config.assets import COUNTS, AssetsConfig
 from stages.config.inputs import INPUT_FILES
 from stages.config.mistakes import GONE, check_keys
-from stages.config.model import load, merged, with_defaults
+from stages.config.model import load, merge_mappings, with_defaults
 from stages.contracts import InputError
 from tests.packages import needs
 from tests.refusals import refused
@@ -25,7 +25,7 @@ DEFAULT = with_defaults({})
 def lines(text: str) -> list[str]:
     """The mistakes of the default config with an overlay."""
     try:
-        load(merged(DEFAULT, yaml.safe_load(text)))
+        load(merge_mappings(DEFAULT, yaml.safe_load(text)))
     except InputError as error:
         return [line.removeprefix("config: ").strip() for line in str(error).splitlines() if "mistakes:" not in line]
     return []
@@ -308,7 +308,7 @@ def test_keys_given_once_are_no_fault(tmp_path: Path) -> None:
 )
 def test_a_mistake_has_the_code_of_its_kind(text: str, code: str) -> None:
     with refused(code):
-        load(merged(DEFAULT, yaml.safe_load(text)))
+        load(merge_mappings(DEFAULT, yaml.safe_load(text)))
 
 
 def test_all_mistakes_are_told_at_once() -> None:
@@ -340,7 +340,7 @@ def test_all_mistakes_are_told_at_once() -> None:
     ],
 )
 def test_an_overlay_removes_what_the_default_has(text: str, path: str, left: set[str]) -> None:
-    value: Any = load(merged(DEFAULT, yaml.safe_load(text)))
+    value: Any = load(merge_mappings(DEFAULT, yaml.safe_load(text)))
     for part in path.split("."):
         value = getattr(value, part)
     assert set(value) == left
@@ -348,14 +348,14 @@ def test_an_overlay_removes_what_the_default_has(text: str, path: str, left: set
 
 def test_null_stays_a_value_where_it_means_something() -> None:
     text = "{generation: {snap_other: null}, experiment: {variants: {b: {count_threshold: null}}}}"
-    config = load(merged(DEFAULT, yaml.safe_load(text)))
+    config = load(merge_mappings(DEFAULT, yaml.safe_load(text)))
     assert config.generation.snap_other is None
     assert config.matching_of("b").count_threshold is None
 
 
 def test_a_variant_changes_only_what_it_names() -> None:
     text = "{matching: {hog: {grid: 12, normals: 9.0}}, experiment: {variants: {hog: {hog: {position: 1.0}}}}}"
-    hog = load(merged(DEFAULT, yaml.safe_load(text))).matching_of("hog").hog
+    hog = load(merge_mappings(DEFAULT, yaml.safe_load(text))).matching_of("hog").hog
     assert (hog.position, hog.grid, hog.normals, hog.image_size) == (1.0, 12, 9.0, 192)
 
 
@@ -392,7 +392,7 @@ def test_what_is_known_here_is_what_the_stages_do() -> None:
 
 
 def test_own_models_alone_leave_none_of_ours() -> None:
-    ours = load(merged(DEFAULT, yaml.safe_load("assets: {counts: {mug: 3}}"))).assets
+    ours = load(merge_mappings(DEFAULT, yaml.safe_load("assets: {counts: {mug: 3}}"))).assets
     own = {"own_only": True, "folders": ["mine"], "counts": {"mug": 3}}
     assert sum(ours.counts.values()) > 3 and AssetsConfig.model_validate(own).counts == {}
     assert AssetsConfig.model_validate(own | {"own_only": False}).counts == {"mug": 3}

@@ -11,8 +11,8 @@ from pydantic import BaseModel
 
 from reference.commands import rule_files
 from stages.config.matching import MatchingConfig, matching_model
-from stages.config.model import complete, load, merged, read_files, with_defaults
-from stages.config.packages import home_of, present
+from stages.config.model import complete, load, merge_mappings, read_files, with_defaults
+from stages.config.packages import find_packages, home_of
 from stages.config.reads import READS, options_of, section_name, stores
 from tests.packages import needs
 
@@ -95,7 +95,7 @@ def digests(config: Any) -> dict[str, str]:
 
 
 SECTIONS = dict.fromkeys(section_name(stage) for stage, _ in READS if stage != "training")
-BESIDE = [section for package in present().values() if package.judges for section in package.sections]
+BESIDE = [section for package in find_packages().values() if package.judges for section in package.sections]
 KEYS = [key for section in [*SECTIONS, *BESIDE] for key in leaves(getattr(CONFIG, section), section)]
 
 
@@ -105,7 +105,7 @@ def test_a_key_runs_again_what_reads_it(key: str, monkeypatch: pytest.MonkeyPatc
 
     def matching_of(self: Any, variant: str) -> MatchingConfig:
         beside = {section: getattr(self, section) for section in BESIDE}
-        return matching_model(present()).model_construct(**dict(self.matching), **beside)  # any value will do
+        return matching_model(find_packages()).model_construct(**dict(self.matching), **beside)  # any value will do
 
     monkeypatch.setattr(Config, "matching_of", matching_of)
     monkeypatch.setattr(Config, "generation_of", lambda self, variant: self.generation)
@@ -129,7 +129,7 @@ def test_a_verb_can_read_nothing_else(stage: str, verb: str) -> None:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "read_options"
         if isinstance(node.args[0], ast.Name)
     }
-    models |= {"MatchingConfig"} if "read_options(matching_model(present())" in ast.unparse(tree) else set()
+    models |= {"MatchingConfig"} if "read_options(matching_model(find_packages())" in ast.unparse(tree) else set()
     assert READS[stage, verb].__name__ in models
 
 
@@ -157,7 +157,7 @@ def test_variants_with_different_encoder_settings_have_stores_side_by_side() -> 
         fine: {hog: {grid: 24}}
     """
     default = with_defaults({})
-    config = load(merged(default, yaml.safe_load(text)))
+    config = load(merge_mappings(default, yaml.safe_load(text)))
     b, weights, fine = (config.matching_of(name).store() for name in ("b", "weights", "fine"))
     assert b == weights != fine
     assert {name: options.hog.grid for name, options in stores(config).items()} == {b: 16, fine: 24}

@@ -1,11 +1,11 @@
 """What is left to the size of the library."""
 
 from stages.config.model import Config, load
-from stages.config.sizes import sized
+from stages.config.sizes import fill_counts
 
 
 def test_a_small_library_is_exact_and_a_large_one_compressed_and_shortlisted() -> None:
-    small, large = sized(Config(), 495), sized(Config(), 2_001)
+    small, large = fill_counts(Config(), 495), fill_counts(Config(), 2_001)
     assert (small.matching.dimensions, small.matching.shortlist) == (0, 0)
     assert (large.matching.dimensions, large.matching.shortlist) == (72, 100)
     assert small.matching_of("b").store() == Config().matching_of("b").store() != large.matching_of("b").store()
@@ -14,12 +14,12 @@ def test_a_small_library_is_exact_and_a_large_one_compressed_and_shortlisted() -
 def test_shards_hold_some_three_hundred_models() -> None:
     def shards(models: int) -> int | None:
         assets = Config().assets.model_copy(update={"counts": {"mug": models}})
-        return sized(Config().model_copy(update={"assets": assets}), models).assets.shards
+        return fill_counts(Config().model_copy(update={"assets": assets}), models).assets.shards
 
     assert [shards(models) for models in (0, 600, 601, 9_900)] == [2, 2, 3, 33]
 
 
 def test_what_is_set_is_kept() -> None:
     given = load({"assets": {"shards": 5}, "matching": {"dimensions": 0, "shortlist": 60}})
-    kept = sized(given, 10_000)
+    kept = fill_counts(given, 10_000)
     assert (kept.assets.shards, kept.matching.dimensions, kept.matching.shortlist) == (5, 0, 60)

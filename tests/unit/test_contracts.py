@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from stages.contracts import Camera, atomic, read_json, read_options, write_json
+from stages.contracts import Camera, read_json, read_options, write_atomically, write_json
 from stages.contracts.__main__ import main
 from stages.contracts.policies import Attempt
 from tests.refusals import refused
@@ -52,7 +52,7 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 
 def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:
     (tmp_path / "out.txt").write_text("old")
-    with pytest.raises(RuntimeError), atomic(tmp_path / "out.txt") as path:
+    with pytest.raises(RuntimeError), write_atomically(tmp_path / "out.txt") as path:
         path.write_text("half")
         raise RuntimeError
     assert (tmp_path / "out.txt").read_text() == "old"

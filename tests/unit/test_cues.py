@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from benchmarks.cues import SHIFT, answers
+from benchmarks.cues import SHIFT, measure_answers
 from stages.contracts.training_run import TrainingRun
 
 
@@ -37,7 +37,7 @@ def drawer() -> torch.Tensor:
 
 @pytest.mark.parametrize("by_handle", [True, False])
 def test_what_a_policy_goes_by_moves_it(by_handle: bool) -> None:
-    shown = answers(Centring(by_handle), drawer(), torch.zeros(5, 9), 0.05)
+    shown = measure_answers(Centring(by_handle), drawer(), torch.zeros(5, 9), 0.05)
     assert shown is not None and shown["handle points"] == 12
     expected = 100 * SHIFT * 5.0 / 100
     assert abs(shown["handle moved"]) == pytest.approx(expected if by_handle else 0, abs=1e-4)
@@ -48,4 +48,4 @@ def test_what_a_policy_goes_by_moves_it(by_handle: bool) -> None:
 def test_no_handle_no_answer() -> None:
     flat = drawer()
     flat[..., 0] = 0.7
-    assert answers(Centring(True), flat, torch.zeros(5, 9), 0.05) is None
+    assert measure_answers(Centring(True), flat, torch.zeros(5, 9), 0.05) is None

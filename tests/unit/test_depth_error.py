@@ -49,8 +49,8 @@ def test_what_a_camera_measured_errs_as_floor_and_walls_are_uneven(named: bool) 
     rgb = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     noisy = noisy_depth(depth, NOISE, np.random.default_rng(0))
     found = extracted(AnnotatedImage(rgb, noisy, masks, INTRINSICS, told)).depth_error
-    assert found.at(3.0) == pytest.approx(0.022, rel=0.25)
-    assert extracted(AnnotatedImage(rgb, depth, masks, INTRINSICS, told)).depth_error.at(3.0) < 4e-3
+    assert found.predict(3.0) == pytest.approx(0.022, rel=0.25)
+    assert extracted(AnnotatedImage(rgb, depth, masks, INTRINSICS, told)).depth_error.predict(3.0) < 4e-3
 
 
 def test_planes_seen_at_a_grazing_angle_or_hardly_at_all_tell_nothing() -> None:
@@ -68,4 +68,4 @@ def test_who_does_not_say_it_has_the_usual_error() -> None:
     assert parse_json(Objects, text + '"objects": []}', Path("objects.json")).depth_error == USUAL_ERROR
     with pytest.raises(InputError, match="depth_error"):
         parse_json(Objects, text + '"depth_error": [0.01, -1], "objects": []}', Path("objects.json"))
-    assert DepthError(0.01, 0.002).at(np.array([1.0, 10.0])) == pytest.approx([0.012, 0.21])
+    assert DepthError(0.01, 0.002).predict(np.array([1.0, 10.0])) == pytest.approx([0.012, 0.21])

@@ -21,7 +21,7 @@ from plugins.scenes.room_files import read_room, room_files
 from stages.config import code
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.model import load, merged, with_defaults
+from stages.config.model import load, merge_mappings, with_defaults
 from stages.contracts import InputError, LibraryPart, Objects, read_json
 from stages.contracts.policy_folder import read_config
 from stages.contracts.task_options import TaskConfig
@@ -81,9 +81,9 @@ def test_every_config_line_of_the_page_is_one(package: Path) -> None:
     lines = re.findall(r"^\| .* \| `(\w+: \{.*?\})`[^|]*\|$", page, re.MULTILINE)
     lines += [text for text in re.findall(r"```yaml\n(.*?)```", page, re.DOTALL) if not text.startswith("#")]
     assert len(lines) == len(YOURS) + 1  # a skill is named by its task; plugins, and options of an own one
-    base = merged(DEFAULT, {"plugins": ["my_package"], "experiment": {"targets": {"door": None}}})
+    base = merge_mappings(DEFAULT, {"plugins": ["my_package"], "experiment": {"targets": {"door": None}}})
     for line in lines:
-        assert "my_package" in load(merged(base, yaml.safe_load(line))).model_dump_json()
+        assert "my_package" in load(merge_mappings(base, yaml.safe_load(line))).model_dump_json()
 
 
 def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> None:
@@ -386,3 +386,11 @@ def test_a_task_of_yours_that_overrides_what_is_called_otherwise_now_is_refused(
     with refused("E-PLUGIN-OLD", "check_success"):
         type("Mine", (OpenTaskEnv,), {"succeeded": lambda self: None})
     assert type("Mine", (OpenTaskEnv,), {"check_success": lambda self: None})
+
+
+def test_a_skill_of_yours_that_overrides_what_is_called_otherwise_now_is_refused() -> None:
+    from stages.skills.attempts import RetryingSkill
+
+    with refused("E-PLUGIN-OLD", "is_done"):
+        type("Mine", (RetryingSkill,), {"done": lambda self: True})
+    assert type("Mine", (RetryingSkill,), {"is_done": lambda self: True})

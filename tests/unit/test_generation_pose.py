@@ -21,7 +21,7 @@ from stages.generation.sizing import (
 from stages.generation.turning import find_wall_axes, measure_rectangularity, pick_rear_at_wall, turn_to
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at, project
-from stages.geometry.estimate import Sight, correct_depth, near_face
+from stages.geometry.estimate import Sight, correct_depth, find_near_face
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
 from stages.geometry.viewing import view_yaw
 
@@ -87,19 +87,19 @@ def test_a_noisy_face_is_where_it_is_densest():
     face = rng.normal(2.0, 0.02, 4000)  # the front, 2 m away, seen along the axis
     side = rng.uniform(2.0, 2.6, 1000)
     values = np.concatenate([face, side])
-    assert near_face(values, -1, 0.02, 0.005) == pytest.approx(2.0, abs=0.01)
+    assert find_near_face(values, -1, 0.02, 0.005) == pytest.approx(2.0, abs=0.01)
     assert np.quantile(values, 0.005) < 1.96  # what the plain quantile makes of it
-    assert near_face(-values, 1, 0.02, 0.005) == pytest.approx(-2.0, abs=0.01)
+    assert find_near_face(-values, 1, 0.02, 0.005) == pytest.approx(-2.0, abs=0.01)
 
 
 def test_a_face_far_away_is_looked_for_as_far_as_noise_reaches():
     rng = np.random.default_rng(1)
     values = np.concatenate([rng.normal(11.0, 0.2, 4000), rng.uniform(11.0, 12.5, 1000) + rng.normal(0, 0.2, 1000)])
-    assert near_face(values, -1, 0.2, 0.005) == pytest.approx(11.0, abs=0.05)
+    assert find_near_face(values, -1, 0.2, 0.005) == pytest.approx(11.0, abs=0.05)
 
 
 def test_a_top_seen_from_above_has_no_face():
-    assert near_face(np.random.default_rng(2).uniform(0, 1, 5000), -1, 0.02, 0.01) is None
+    assert find_near_face(np.random.default_rng(2).uniform(0, 1, 5000), -1, 0.02, 0.01) is None
 
 
 def test_noise_does_not_make_a_table_longer():
@@ -107,9 +107,9 @@ def test_noise_does_not_make_a_table_longer():
     top = np.array([8.0, 0, 0.7]) + rng.uniform([-0.5, -0.5, 0], [0.5, 0.5, 0], (8000, 3))
     noisy = top + rng.normal(0, 0.1, (8000, 1)) * (top - camera) / np.linalg.norm(top - camera, axis=1, keepdims=True)
     seen = UprightBox((8.0, 0, 0.35), (1.0, 1.0, 0.7), 0.0)
-    as_in_the_paper = Sight(noisy, camera, EXACT.at).measure_box(seen, 0.0, 0.005, has_faces=False)
+    as_in_the_paper = Sight(noisy, camera, EXACT.predict).measure_box(seen, 0.0, 0.005, has_faces=False)
     assert as_in_the_paper.size[0] > 1.2
-    box = Sight(noisy, camera, DepthError(0.004, 0.0015).at).measure_box(seen, 0.0, 0.005)
+    box = Sight(noisy, camera, DepthError(0.004, 0.0015).predict).measure_box(seen, 0.0, 0.005)
     assert box.size[0] == pytest.approx(1.1, abs=0.1)
 
 
@@ -122,8 +122,8 @@ def test_the_depth_of_a_face_far_away_is_noise(x, side, unknown):
     rays = (cloud - camera) / np.linalg.norm(cloud - camera, axis=1, keepdims=True)
     cloud = cloud + rng.normal(0, 0.003 + 0.0015 * x**2, (len(cloud), 1)) * rays
     normal = np.array([-1.0, 0, 0])
-    assert Sight(cloud, camera, USUAL_ERROR.at).is_one_face(normal) == unknown
-    assert not Sight(cloud, camera, EXACT.at).is_one_face(normal)
+    assert Sight(cloud, camera, USUAL_ERROR.predict).is_one_face(normal) == unknown
+    assert not Sight(cloud, camera, EXACT.predict).is_one_face(normal)
 
 
 def _faces(size, yaw, center, camera, count=3000):
@@ -144,7 +144,7 @@ def test_measured_box_in_the_assets_own_axes(quarter):
     size, center, camera = np.array([0.6, 1.2, 0.8]), np.array([3.0, 0.5, 0.4]), np.array([0, 0, 1.6])
     cloud = _faces(size, 0.4, center, camera)
     seen = UprightBox(center, size, 0.4)
-    box = Sight(cloud, camera, USUAL_ERROR.at).measure_box(seen, 0.4 + quarter * np.pi / 2, 0.001)
+    box = Sight(cloud, camera, USUAL_ERROR.predict).measure_box(seen, 0.4 + quarter * np.pi / 2, 0.001)
     expected = size[[1, 0, 2]] if quarter % 2 else size
     assert box.size == pytest.approx(expected, abs=0.02)
     assert box.center == pytest.approx(center, abs=0.02)
@@ -155,7 +155,7 @@ def test_a_handle_stands_before_the_face_that_is_measured(quarter, nearer):
     size, center, camera = np.array([0.6, 1.2, 0.8]), np.array([3.0, 0.0, 0.4]), np.array([0, 0, 1.6])
     cloud, seen = _faces(size, 0.0, center, camera), UprightBox(center, size, 0.0)
     plain, handled = (
-        Sight(cloud, camera, USUAL_ERROR.at).measure_box(seen, quarter * np.pi / 2, 0.001, beyond=beyond)
+        Sight(cloud, camera, USUAL_ERROR.predict).measure_box(seen, quarter * np.pi / 2, 0.001, beyond=beyond)
         for beyond in (0, 0.04)
     )
     assert handled.size[0] - plain.size[0] == pytest.approx(nearer)
@@ -171,7 +171,7 @@ def test_what_is_round_has_no_face():
     near[:, 0], step[:, 0] = rng.uniform(2.8, 2.81, 200), 2.81
     far = np.array([[3.2, 0, 0.5]] * 200)
     cloud = np.concatenate([near, step, far])
-    ends = [Sight(cloud, camera, EXACT.at).measure_box(seen, 0.0, 0.001, has_faces) for has_faces in (True, False)]
+    ends = [Sight(cloud, camera, EXACT.predict).measure_box(seen, 0.0, 0.001, has_faces) for has_faces in (True, False)]
     starts = [box.center[0] - box.size[0] / 2 for box in ends]
     assert starts == pytest.approx([2.81, 2.80], abs=0.004)
 
@@ -216,7 +216,7 @@ def test_how_far_a_model_reaches_beyond_its_front():
 
 def test_heights_are_those_of_extraction():
     cloud = _faces((0.4, 0.4, 0.4), 0.0, np.array([2, 0, 0.8]), np.array([0, 0, 1.6]))
-    box = Sight(cloud, np.array([0, 0, 1.6]), EXACT.at).measure_box(
+    box = Sight(cloud, np.array([0, 0, 1.6]), EXACT.predict).measure_box(
         UprightBox((2, 0, 0.5), (0.4, 0.4, 1.0), 0.0), 0.2, 0.0
     )
     assert box.size[2] == 1.0
@@ -247,7 +247,7 @@ def test_depth_that_is_seen_from_above_stays():
     native = (0.3, 0.3, 0.3)
 
     def sight(points=cloud, eye=camera, depth_error=error):
-        return Sight(points, np.array(eye), depth_error.at)
+        return Sight(points, np.array(eye), depth_error.predict)
 
     assert correct_depth_in_room(flat, native, sight(), BELIEVABLE) is flat
     front_half = cloud[(cloud[:, 0] < 0.6) | (cloud[:, 2] < 0.15)]
@@ -308,7 +308,7 @@ def test_what_is_far_too_deep_to_reach_its_wall_stands_before_it(mounting, front
     wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=9)
     box = UprightBox(((front + 4) / 2, 0, 0.5), (4 - front, 1.0, 1.0), np.pi)
     near = np.array([[front, 0.0, 0.5]])
-    sight = Sight(near, np.array([2.0, 0, 1.6]), USUAL_ERROR.at)
+    sight = Sight(near, np.array([2.0, 0, 1.6]), USUAL_ERROR.predict)
     placed = correct_depth_at_wall(box, (0.5, 1.0, 1.0), sight, BELIEVABLE, wall, hangs=mounting == 1)
     assert placed.size[0] == pytest.approx(size)
     assert placed.center[0] == pytest.approx(x)
@@ -319,5 +319,5 @@ def test_the_depth_of_a_top_far_away_is_noise(away, seen):
     """Noise grows with the square of the distance: six deviations of it are more than a small top is deep."""
     camera, box = np.array([0.0, 0.0, 0.5 + away]), UprightBox((away, 0, 0.25), (0.5, 0.5, 0.5), 0.0)
     top = np.random.default_rng(6).uniform([away - 0.25, -0.25, 0.5], [away + 0.25, 0.25, 0.5], (4000, 3))
-    assert Sight(top, camera, USUAL_ERROR.at).sees_top(box) == seen
-    assert Sight(top, camera, EXACT.at).sees_top(box)
+    assert Sight(top, camera, USUAL_ERROR.predict).sees_top(box) == seen
+    assert Sight(top, camera, EXACT.predict).sees_top(box)

@@ -1,4 +1,4 @@
-"""What stands proud of a front is told from the cloud, and fronts are moved under their handles."""
+"""What protrudes from a front is found in the cloud, and fronts are moved under their handles."""
 
 from dataclasses import replace
 
@@ -186,7 +186,7 @@ def test_an_actor_sees_marked_clouds_and_a_policy_of_the_paper_does_not() -> Non
     small = NetworkConfig(points=400, pointnet_width=8, rnn_hidden=8, mlp=[8])
     cloud, proprio = cabinet()[0].numpy(), np.zeros(9, np.float32)
     moved = cloud.copy()
-    moved[340:352, 0] += 0.039  # the bar laid on the front: nothing stands proud
+    moved[340:352, 0] += 0.039  # the bar laid on the front: nothing protrudes
     for handle, flags in ((False, 2), (True, 3)):
         torch.manual_seed(0)
         policy = make_policy(TrainingRun(network=small, handle=handle)).eval()

@@ -14,7 +14,7 @@ from stages.articulated.handle import exact_width, find_handle
 from stages.articulated.model import RobotModel
 from stages.articulated.urdf_reader import read_urdf
 
-FRAME = [  # a raised frame of 60 x 80 cm, 6 cm wide, 2 cm proud of its panel
+FRAME = [  # a raised frame of 60 x 80 cm, 6 cm wide, 2 cm before its panel
     box("0.02 0.06 0.8", "0.02 -0.27 0"), box("0.02 0.06 0.8", "0.02 0.27 0"),
     box("0.02 0.6 0.06", "0.02 0 -0.37"), box("0.02 0.6 0.06", "0.02 0 0.37"),
 ]  # fmt: skip
@@ -67,7 +67,7 @@ def test_a_knob_as_wide_as_a_gripper_holds(tmp_path: Path, across: float, kind: 
         (box("0.014 0.03 0.03", "0.037 0.27 0.1"), "knob", 0.044),
         (box("0.018 0.015 0.2", "0.019 0.1 0"), "bar", 0.028),
     ],
-    ids=["a bar on the frame", "a knob hardly proud of the frame", "a bar within the frame, lower than it"],
+    ids=["a bar on the frame", "a knob hardly before the frame", "a bar within the frame, lower than it"],
 )
 def test_a_raised_frame_is_no_handle(tmp_path: Path, part: str, kind: str, place: float) -> None:
     robot = front(tmp_path, *FRAME, part)

@@ -10,7 +10,7 @@ from stages.tables.intervals import (
     PLACE,
     Side,
     difference_interval,
-    paired,
+    pair_sides,
     place_weights,
     rate_interval,
     rate_of,
@@ -110,7 +110,7 @@ def test_runs_are_resampled_where_there_are_several() -> None:
 def test_only_places_where_all_were_tested_are_compared() -> None:
     ours, theirs = side(np.ones((2, 3, 2))), side(np.zeros((1, 2, 2)))
     ours.iloc[0, 0] = np.nan
-    assert [made.shape for made in paired(ours, theirs)] == [(2, 3), (1, 3)]
+    assert [made.shape for made in pair_sides(ours, theirs)] == [(2, 3), (1, 3)]
     assert np.isnan(rate_interval(side(np.ones((1, 0, 2))), OPTIONS).low)
 
 

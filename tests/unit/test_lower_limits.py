@@ -16,7 +16,7 @@ from stages.geometry.frames import inverse, rigid
 from stages.planning.path import make_handle_path
 from stages.simulation.target import Target
 from stages.tasks.api import TaskEnv
-from stages.tasks.base_placement import success_opening
+from stages.tasks.base_placement import find_success_opening
 from tests.unit.demo_assets import cabinet
 
 SHIFT = {"door": 0.4, "drawer": -0.25}  # what is added to both limits: radians, metres
@@ -110,4 +110,4 @@ def test_what_moves_little_is_open_at_half_of_its_range(revolute: bool, span: fl
     """A drawer of 10 cm is never open by the 15 cm that count for a deep one."""
     empty = trimesh.Trimesh()
     target = Target(0, revolute, np.array([1.0, 0, 0]), np.zeros(3), 0.4, 0.4 + span, empty, empty, None)
-    assert success_opening(target, TaskConfig()) == pytest.approx(opened)
+    assert find_success_opening(target, TaskConfig()) == pytest.approx(opened)

@@ -78,12 +78,12 @@ def test_counts_alone_count_as_they_do_without_boxes() -> None:
 
 def test_a_joint_s_panel_is_a_share_of_the_front() -> None:
     front = FrontPanel(hinge="slide", across=0.2, height=0.75, size=(0.4, 0.4))
-    assert front.on_front("drawer", (0.5, 0.8, 1.0)) == panel("drawer", 0, 0.5, 0.55, 0.95)
+    assert front.measure_on_front("drawer", (0.5, 0.8, 1.0)) == panel("drawer", 0, 0.5, 0.55, 0.95)
     wide = FrontPanel(hinge="slide", across=0.4, height=0.5, size=(0.82, 0.5))  # a lip at both sides
-    assert wide.on_front("drawer", (0.5, 0.8, 1.0)) == panel("drawer", 0, 1, 0.25, 0.75)
-    assert FrontPanel(hinge="slide", height=0.5, size=(0.8, 0.5)).on_front("drawer", (0.5, 0.8, 1.0)) is None
+    assert wide.measure_on_front("drawer", (0.5, 0.8, 1.0)) == panel("drawer", 0, 1, 0.25, 0.75)
+    assert FrontPanel(hinge="slide", height=0.5, size=(0.8, 0.5)).measure_on_front("drawer", (0.5, 0.8, 1.0)) is None
     beside = FrontPanel(hinge="left", across=0.9, height=0.5, size=(0.02, 0.5))
-    assert beside.on_front("door", (0.5, 0.8, 1.0)) is None
+    assert beside.measure_on_front("door", (0.5, 0.8, 1.0)) is None
 
 
 def test_boxes_and_counts_agree() -> None:

@@ -20,7 +20,7 @@ from stages.config.policy_kinds import policy_tables
 from stages.config.tables import PolicyAbout, PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout
 from stages.tables import policies
-from stages.tables.methods import beside_ours, check_methods, kinds_of
+from stages.tables.methods import check_methods, join_published, kinds_of
 from stages.tables.order import target_title
 from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_runs
@@ -158,7 +158,7 @@ def test_two_methods_are_not_the_two_runs_that_a_claim_needs() -> None:
 
 def papers(ours: pd.DataFrame, **known: Any) -> pd.DataFrame:
     """The paper's runs, beside ours."""
-    return beside_ours(published_runs(PUBLISHED), ours, PolicyTables(**known))
+    return join_published(published_runs(PUBLISHED), ours, PolicyTables(**known))
 
 
 def test_the_paper_stands_beside_the_first_policy_of_its_kind_alone() -> None:

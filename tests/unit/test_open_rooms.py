@@ -87,10 +87,10 @@ def test_a_room_is_the_same_every_time_and_another_by_another_seed() -> None:
 
 def test_a_mirrored_plan_mirrored_again_is_the_plan() -> None:
     for plan in rooms.plans().values():
-        twice = rooms.mirrored(rooms.mirrored(plan))
+        twice = rooms.mirror_plan(rooms.mirror_plan(plan))
         assert [s.get("wall") for s in twice["things"]] == [s.get("wall") for s in plan["things"]]
         assert np.allclose(twice["camera"]["eye"], plan["camera"]["eye"])
-        assert rooms.mirrored(plan)["camera"]["eye"][0] == pytest.approx(plan["size"][0] - plan["camera"]["eye"][0])
+        assert rooms.mirror_plan(plan)["camera"]["eye"][0] == pytest.approx(plan["size"][0] - plan["camera"]["eye"][0])
 
 
 def seen(depth: NDArray[np.float64], surface: int = sensor.MATT, beyond: float = 0.0) -> sensor.Seen:
@@ -103,7 +103,7 @@ def seen(depth: NDArray[np.float64], surface: int = sensor.MATT, beyond: float =
 def test_noise_grows_with_the_square_of_depth(device: sensor.Device) -> None:
     spread = {}
     for metres in (1.5, 3.0):
-        depth = sensor.sensed(seen(np.full((120, 160), metres)), device, np.random.default_rng(0))
+        depth = sensor.sense_depth(seen(np.full((120, 160), metres)), device, np.random.default_rng(0))
         known = depth[depth > 0]
         assert len(known) > 0.9 * depth.size
         assert abs(known.mean() / metres - 1) < device.scale + 0.003
@@ -115,21 +115,21 @@ def test_noise_grows_with_the_square_of_depth(device: sensor.Device) -> None:
 def test_depth_is_unknown_where_a_device_cannot_measure() -> None:
     device = sensor.DEVICES[0]
     for metres in (0.1, 12.0):
-        assert not sensor.sensed(seen(np.full((60, 80), metres)), device, np.random.default_rng(0)).any()
+        assert not sensor.sense_depth(seen(np.full((60, 80), metres)), device, np.random.default_rng(0)).any()
     grazing = replace(seen(np.full((60, 80), 2.0)), cosine=np.full((60, 80), 0.01))
-    assert not sensor.sensed(grazing, device, np.random.default_rng(0)).any()
+    assert not sensor.sense_depth(grazing, device, np.random.default_rng(0)).any()
     step = np.full((60, 80), 3.0)
     step[:, :40] = 1.0
-    depth = sensor.sensed(seen(step), device, np.random.default_rng(0))
+    depth = sensor.sense_depth(seen(step), device, np.random.default_rng(0))
     assert (depth[:, 41:44] == 0).mean() > 0.8 and (depth[:, :38] == 0).mean() < 0.05
 
 
 def test_a_mirror_shows_what_is_in_it_and_dark_screens_have_holes() -> None:
     device, rng = sensor.DEVICES[0], np.random.default_rng(0)
-    depth = sensor.sensed(seen(np.full((120, 160), 2.0), sensor.MIRROR, 5.0), device, rng)
+    depth = sensor.sense_depth(seen(np.full((120, 160), 2.0), sensor.MIRROR, 5.0), device, rng)
     assert np.median(depth[depth > 0]) == pytest.approx(5, abs=0.2)
     assert 0.2 < (depth == 0).mean() < 0.5
-    dark = sensor.sensed(seen(np.full((120, 160), 2.0), sensor.DARK), device, rng)
+    dark = sensor.sense_depth(seen(np.full((120, 160), 2.0), sensor.DARK), device, rng)
     assert 0.3 < (dark == 0).mean() < 0.6
 
 
@@ -149,7 +149,7 @@ def test_drawn_outlines_are_some_pixels_off() -> None:
 
     exact, moved = things(), []
     for seed in range(12):
-        drawn, joined = sensor.outlined(exact, {8, 9}, np.random.default_rng(seed))
+        drawn, joined = sensor.draw_outlines(exact, {8, 9}, np.random.default_rng(seed))
         for value in {1, 2, 3} - set(joined):
             held = {value, *(inner for inner, outer in joined.items() if outer == value)}
             true, ours = np.isin(exact, list(held)).astype(np.uint8), (drawn == value).astype(np.uint8)
@@ -159,7 +159,7 @@ def test_drawn_outlines_are_some_pixels_off() -> None:
         for inner, outer in joined.items():
             assert not (drawn == inner).any() and (drawn[exact == inner] == outer).mean() > 0.5
     assert np.mean(moved) > 0.9
-    assert any(sensor.outlined(exact, {8, 9}, np.random.default_rng(seed))[1] for seed in range(12))
+    assert any(sensor.draw_outlines(exact, {8, 9}, np.random.default_rng(seed))[1] for seed in range(12))
 
 
 TRUE = pictures.TrueThing(
@@ -178,10 +178,10 @@ def test_size_is_compared_along_the_true_axes() -> None:
 
 
 def test_size_is_right_within_a_tenth_or_three_centimetres() -> None:
-    assert score.size_right(np.array([0.03, -0.121, 0.08]), TRUE.size) is False
-    assert score.size_right(np.array([0.03, -0.119, 0.079]), TRUE.size) is True
-    assert score.size_right(np.array([0.0, 0.0, 0.081]), TRUE.size) is False
-    assert score.size_right(np.array([0.029, -0.029, 0.029]), (0.05, 0.05, 0.05)) is True
+    assert score.is_size_right(np.array([0.03, -0.121, 0.08]), TRUE.size) is False
+    assert score.is_size_right(np.array([0.03, -0.119, 0.079]), TRUE.size) is True
+    assert score.is_size_right(np.array([0.0, 0.0, 0.081]), TRUE.size) is False
+    assert score.is_size_right(np.array([0.029, -0.029, 0.029]), (0.05, 0.05, 0.05)) is True
 
 
 def test_shapes_alike_are_at_no_distance() -> None:
@@ -193,15 +193,15 @@ def test_shapes_alike_are_at_no_distance() -> None:
 
 def test_behind_a_wall_is_measured_from_the_room() -> None:
     room = (4.0, 3.0)
-    assert score.outside(UprightBox((2, 1.5, 0.5), (1, 1, 1), 0.3), room) == 0
-    assert score.outside(UprightBox((2, 3.0, 0.5), (1, 1, 1), 0.0), room) == pytest.approx(0.5)
-    assert score.outside(UprightBox((0.1, 1.5, 0.5), (1, 1, 1), 0.0), room) == pytest.approx(0.4)
+    assert score.measure_overreach(UprightBox((2, 1.5, 0.5), (1, 1, 1), 0.3), room) == 0
+    assert score.measure_overreach(UprightBox((2, 3.0, 0.5), (1, 1, 1), 0.0), room) == pytest.approx(0.5)
+    assert score.measure_overreach(UprightBox((0.1, 1.5, 0.5), (1, 1, 1), 0.0), room) == pytest.approx(0.4)
 
 
 def test_what_carries_a_thing_must_have_a_name() -> None:
-    assert score.true_carrier(TRUE, {}) == "floor"
-    assert score.true_carrier(replace(TRUE, support="7"), {7: "table_1"}) == "table_1"
-    assert score.true_carrier(replace(TRUE, support="7"), {}) is None
+    assert score.find_true_carrier(TRUE, {}) == "floor"
+    assert score.find_true_carrier(replace(TRUE, support="7"), {7: "table_1"}) == "table_1"
+    assert score.find_true_carrier(replace(TRUE, support="7"), {}) is None
 
 
 def row(number: int, rank: int = 1, judge: str = "geometry", **said: object) -> score.Row:
@@ -219,7 +219,7 @@ def test_the_page_counts_what_is_right_and_what_is_absurd() -> None:
     assert tables.share(table[table["judge"] == "geometry"], "size").startswith("75 [")
     absurd = tables.scenes_of(table[table["judge"] == "geometry"]).iloc[0]
     assert absurd.to_dict() == {"held": 1, "floats": 0, "behind": 0, "too_large": 1}
-    assert tables.better(table, "geometry") == "+10.0 [+10.0, +10.0] of 4"
+    assert tables.compare_with_no_image(table, "geometry") == "+10.0 [+10.0, +10.0] of 4"
     page = tables.page(table)
     assert "| drawn | geometry | 1 | 0/1 | 1 | 0 | 0 | 1 |" in page and "## work" in page
 
@@ -249,12 +249,12 @@ def test_a_camera_looks_where_it_is_told() -> None:
 def test_rays_find_depth_owner_and_what_a_mirror_shows() -> None:
     room = rooms.Room("empty", (4.0, 3.0), (2.0, 1.0, 0.7), (2.0, 3.0, 0.7))
     caster = views.Caster(views.surfaces(room))
-    found, owner = views.seen(caster, views.look_at(room.eye, room.look), 525.0)
+    found, owner = views.cast_view(caster, views.look_at(room.eye, room.look), 525.0)
     assert found.depth[240, 320] == pytest.approx(2.0, abs=1e-3)  # the northern wall, all of it at one depth
     assert owner[240, 320] == 1 + rooms.WALLS.index("north")
     assert owner[479, 320] == 1 + len(rooms.WALLS)
     glass = [replace(one, kind=sensor.MIRROR) if one.owner == 1 else one for one in caster.surfaces]
-    mirrored, _ = views.seen(views.Caster(glass), views.look_at(room.eye, room.look), 525.0)
+    mirrored, _ = views.cast_view(views.Caster(glass), views.look_at(room.eye, room.look), 525.0)
     assert mirrored.beyond[240, 320] == pytest.approx(2.0 + 3.0, abs=1e-2)  # there and back to the southern wall
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from stages.config.model import load
-from stages.config.packages import home_of, present
+from stages.config.packages import find_packages, home_of
 from stages.config.reads import READS, options_of, stores
 from stages.contracts.errors import InputError
 from stages.contracts.section import Section
@@ -19,7 +19,7 @@ pytestmark = needs("exports", "importing", "inputs", "mujoco", "vlm")  # what th
 
 def test_all_that_are_here_are_on_unless_one_says_otherwise() -> None:
     config = load({"packages": {"mujoco": False}})
-    assert config.packages == dict.fromkeys(present(), True) | {"mujoco": False}
+    assert config.packages == dict.fromkeys(find_packages(), True) | {"mujoco": False}
     assert "plugins.mujoco" not in config.implementations and "plugins.exports" in config.implementations
 
 
@@ -36,10 +36,10 @@ def test_a_package_that_is_not_here_is_told() -> None:
 LEFT = {"matching": {"model_selection": "distance", "orientation_selection": "distance"}}  # the core's judge
 
 
-@pytest.mark.parametrize("name", [name for name, package in present().items() if package.sections])
+@pytest.mark.parametrize("name", [name for name, package in find_packages().items() if package.sections])
 def test_a_section_belongs_to_its_package(name: str) -> None:
     """It is left out, also where a file gives it, if its package is off."""
-    sections = present()[name].sections
+    sections = find_packages()[name].sections
     given = {section: {} for section, (kind, _) in sections.items() if issubclass(kind, Section)}
     on, off = load(given), load(given | LEFT | {"packages": {name: False}}, rooms_named=name != "scenes")
     assert all(hasattr(on, section) and not hasattr(off, section) for section in sections)
@@ -50,7 +50,7 @@ def test_verbs_are_found_in_their_homes() -> None:
     assert list_available("simulators")["mujoco"] == "plugins.mujoco.simulators.mujoco"
 
 
-@pytest.mark.parametrize("name", present())
+@pytest.mark.parametrize("name", find_packages())
 def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -> None:
     if name == "furniture":
         with refused(

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from stages.config.model import load, merged, with_defaults
+from stages.config.model import load, merge_mappings, with_defaults
 from stages.contracts import InputError, TaskAssets, read_json, write_json
 from stages.contracts.library_folder import write_part
 from stages.experiment.pinned import run as pinned
@@ -50,7 +50,9 @@ def test_a_file_of_fewer_draws_than_seeds_need_is_refused(study: dict[str, Path]
 
     def read(sets: list[str], **asked: Any) -> None:
         load(
-            merged(default, {"experiment": {"targets": {"door": {"assets": str(file)}}, "training_sets": sets} | asked})
+            merge_mappings(
+                default, {"experiment": {"targets": {"door": {"assets": str(file)}}, "training_sets": sets} | asked}
+            )
         )
 
     read(["twin", "cousins_8", "twin_randomised"])
@@ -94,7 +96,7 @@ def test_committed_models_are_the_same_on_other_processors(seed: str, folder: st
 def mistakes(**changes: Any) -> str:
     default = with_defaults({})
     with pytest.raises(InputError) as error:
-        load(merged(default, {"experiment": changes}))
+        load(merge_mappings(default, {"experiment": changes}))
     return str(error.value)
 
 

@@ -22,7 +22,7 @@ from stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
 from stages.evaluation import arena, choose, gather, rollout
 from stages.evaluation import trial as try_out
 from stages.evaluation.episodes import RolloutEpisode, roll_out
-from stages.evaluation.film import add_caption, one_of_each, take
+from stages.evaluation.film import add_caption, pick_episodes, take
 from stages.evaluation.simulators import maniskill
 from stages.evaluation.states import Purpose, Start, initial_states, share_states, starts_of
 from stages.policies.checkpoint import save_weights
@@ -119,7 +119,7 @@ def test_every_state_once_in_order_and_stopped_at_success() -> None:
 def test_film_shows_a_success_and_a_failure() -> None:
     cab = an_asset("cab")
     episodes = [RolloutEpisode(cab, i, success=i in (2, 3), steps=9, recording=[i] if i else None) for i in range(6)]  # type: ignore[arg-type]
-    assert [episode.seed for episode in one_of_each(episodes)] == [2, 1]
+    assert [episode.seed for episode in pick_episodes(episodes)] == [2, 1]
     filmed = take(ToyStudio(), episodes, "twin", 4)  # type: ignore[arg-type]
     assert {item.film.asset for item in filmed} == {"cab"}
     assert [(item.film.seed, item.film.file) for item in filmed] == [(1, "twin_failure.webp"), (2, "twin_success.webp")]

@@ -21,7 +21,7 @@ from stages.demonstrations.collect import attempt_seeds
 from stages.evaluation.states import initial_states
 from stages.policies.bc_rnn_gmm.actor import Actor
 from stages.simulation.robot import REST
-from stages.tables.intervals import PLACE, resampled
+from stages.tables.intervals import PLACE, resample_rates
 from stages.tasks.cameras import jitter, shoulder
 from stages.tasks.initial_state import sample_initial_state
 from stages.tasks.observation import CameraRig, Sensing
@@ -45,7 +45,7 @@ def resamples(seed: int) -> list[Any]:
     side = pd.DataFrame([[0.0, 1.0, 1.0]], columns=places)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(TablesConfig, "seed", seed)
-        return [array[:20].tolist() for (array,) in resampled([[side]], TablesConfig())]
+        return [array[:20].tolist() for (array,) in resample_rates([[side]], TablesConfig())]
 
 
 def noisy_cloud(seed: int) -> list[float]:

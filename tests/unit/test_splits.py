@@ -134,7 +134,7 @@ def test_every_draw_is_another_and_the_other_lists_stay() -> None:
     assert once.random_assets == thrice.random_assets[:DRAW] and once.test_assets == thrice.test_assets
     assert once.validation_assets == thrice.validation_assets
     for rule in ("random", "cover"):
-        draws = [thrice.drawn(rule)[start : start + DRAW] for start in (0, DRAW, 2 * DRAW)]
+        draws = [thrice.list_drawn(rule)[start : start + DRAW] for start in (0, DRAW, 2 * DRAW)]
         firsts = {tuple(asset.asset for asset in draw[:8]) for draw in draws}
         assert len(firsts) == 3 and all(len(families(draw[:8])) == 8 for draw in draws), "of 8 families that are left"
         assert {asset.role for draw in draws for asset in draw} == {rule}

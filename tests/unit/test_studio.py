@@ -41,14 +41,16 @@ def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path, monkeypatch:
     recording = task.recording([closed, opened])
     shot = Shot(studio, recording, recording.moments)
     pictures = [shot.picture(moment) for moment in recording.moments]
-    assert shot._hand_seen(shot.world_from_camera) > HAND_SHARE
+    assert shot._measure_hand_seen(shot.world_from_camera) > HAND_SHARE
     assert (studio.camera.render(shot.world_from_camera).depth > 0).all(), "floor and wall fill the picture"
     shot.close()
     assert all(picture.shape == (360, 480, 3) for picture in pictures) and (pictures[0] != pictures[1]).any()
     assert np.array_equal(studio.film(recording, 2), pictures), "nothing is left in the studio"
     assert Studio(width=160, height=90).film(recording, 1)[0].shape == (90, 160, 3)
 
-    monkeypatch.setattr(Shot, "_hand_seen", lambda _, view: float(view[2, 2] > -0.4))  # as if it were hidden from above
+    monkeypatch.setattr(
+        Shot, "_measure_hand_seen", lambda _, view: float(view[2, 2] > -0.4)
+    )  # as if it were hidden from above
     lower = Shot(studio, recording, recording.moments).world_from_camera
     assert lower[2, 2] > -0.4 > shot.world_from_camera[2, 2]
     task.close()

@@ -18,7 +18,7 @@ from PIL import Image
 
 from stages.contracts import system
 from stages.contracts.__main__ import main as check
-from stages.contracts.files import atomic, write_json
+from stages.contracts.files import write_atomically, write_json
 from stages.contracts.system import line_of
 from stages.training.logbook import Logbook
 
@@ -54,7 +54,7 @@ def little_room(size: int = 1000) -> Iterator[None]:
 @pytest.mark.parametrize("name", list(WRITERS))
 def test_a_file_that_cannot_be_written_is_named_and_the_old_one_stays(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_text("old")
-    with pytest.raises(OSError) as caught, little_room(), atomic(tmp_path / name) as temporary:
+    with pytest.raises(OSError) as caught, little_room(), write_atomically(tmp_path / name) as temporary:
         WRITERS[name](temporary)
     line = line_of(caught.value)
     assert line and line.startswith(f"{tmp_path / name}: ") and "\n" not in line and ".partial" not in line
@@ -107,7 +107,7 @@ def test_features_on_a_full_disk_are_a_line_and_leave_nothing(tmp_path: Path) ->
 @pytest.mark.parametrize("name", list(WRITERS))
 def test_a_disk_that_cannot_be_written_says_so(tmp_path: Path, name: str) -> None:
     mounted = disk(tmp_path / "fixed", "ro")
-    with mounted as fixed, pytest.raises(OSError) as caught, atomic(fixed / name) as temporary:
+    with mounted as fixed, pytest.raises(OSError) as caught, write_atomically(fixed / name) as temporary:
         WRITERS[name](temporary)
     line = f"{fixed / name}: Read-only file system. Fix: choose a folder that can be written [E-SYSTEM]"
     assert line_of(caught.value) == line

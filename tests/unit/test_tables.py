@@ -10,8 +10,8 @@ from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout, SceneScore
 from stages.tables import policies, policy_tables, robustness, scene_tables, scenes, table2, table3
 from stages.tables.markup import Table, html, latex, markdown
-from stages.tables.methods import beside_ours
-from stages.tables.order import natural, set_key
+from stages.tables.methods import join_published
+from stages.tables.order import set_key, sort_key
 from stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
 from stages.tables.statistics import std, t_interval, wilson
 from stages.tables.text import cell as text_cell
@@ -55,7 +55,7 @@ def test_t_interval_and_sample_deviation() -> None:
 
 
 def test_order_of_names() -> None:
-    assert sorted(["room_10", "room_2"], key=natural) == ["room_2", "room_10"]
+    assert sorted(["room_10", "room_2"], key=sort_key) == ["room_2", "room_10"]
     assert sorted(["all", "cousins_8", "cousins_2", "twin"], key=set_key) == ["twin", "cousins_2", "cousins_8", "all"]
     assert sorted(["dissimilar", "cousin_6", "cousin_2", "twin"], key=set_key)[-1] == "dissimilar"
 
@@ -187,7 +187,7 @@ def test_table2_names_the_judge_of_every_row() -> None:
 
 def papers(ours: pd.DataFrame) -> pd.DataFrame:
     """The paper's cells, beside ours."""
-    return beside_ours(published_policies(PUBLISHED), ours, PolicyTables())
+    return join_published(published_policies(PUBLISHED), ours, PolicyTables())
 
 
 def policy_cells(rows: list) -> pd.DataFrame:
@@ -308,7 +308,7 @@ def test_rows_and_columns_that_were_not_run_are_left_out() -> None:
     skill = ["scripted skill: 100 %", "", "", ""]  # its value is in its name
     rows = [["twin", "9 %", "not run", ""], ["all", "not run", "paper 7 %", "not run\npaper 1 %"], skill]
     table = Table("t", "", ["asset", "a", "b", "c"], rows)
-    assert (table.ran().columns, table.ran().rows) == (["asset", "a"], [["twin", "9 %"], skill[:2]])
+    assert (table.drop_empty().columns, table.drop_empty().rows) == (["asset", "a"], [["twin", "9 %"], skill[:2]])
 
 
 @pytest.mark.parametrize(
@@ -338,4 +338,4 @@ def test_layouts_show_ours_beside_the_paper() -> None:
     assert first[3].endswith("paper 90 ± 4 %") and "2 runs" in first[3]
     assert first[4] == "not run\npaper 91 ± 9 %"
     bowl = next(row for row in shown.rows if row[0] == "Putting away bowl")
-    assert bowl not in shown.ran().rows and bowl[4] == ""  # the paper has no such cell either
+    assert bowl not in shown.drop_empty().rows and bowl[4] == ""  # the paper has no such cell either

@@ -15,7 +15,7 @@ from stages.config import reference
 from stages.config.containers import ContainersConfig, tag
 from stages.config.inputs import INPUT_FILES
 from stages.config.model import complete, load, with_defaults
-from stages.config.outside import online, outside
+from stages.config.outside import list_key_variables, list_outside_paths
 from tests.workflow.workspace import ROOT, dry_run, make, planned
 
 STUDY = Path("config/study/table3.yaml")
@@ -336,7 +336,7 @@ def test_containers_see_what_the_config_names_outside(
     (folder / "inside").mkdir()
     monkeypatch.chdir(folder)
     config = complete().model_validate({"assets": {"folders": [str(mine), "inside"]}})
-    assert outside(config) == [str(mine)]
+    assert list_outside_paths(config) == [str(mine)]
     told = asked_of_podman("report", tmp_path, ACDC_OUTSIDE=f"{mine}\n/data")
     mounts = [after for before, after in pairwise(told) if before == "-v"]
     assert mounts[1:] == [f"{mine}:{mine}:ro", "/data:/data:ro", "/code:/code:ro"]
@@ -374,7 +374,7 @@ def test_an_image_of_other_environments_is_told(tmp_path: Path) -> None:
 
 def test_the_network_is_for_language_models_that_are_asked() -> None:
     def of(text: str) -> list[str] | None:
-        return online(complete().model_validate(yaml.safe_load(text)))
+        return list_key_variables(complete().model_validate(yaml.safe_load(text)))
 
     assert of("{}") is None
     assert of("{matching: {model_selection: vlm}, vlm: {key_env: MY_KEY}}") == ["MY_KEY"]

@@ -15,7 +15,7 @@ import yaml
 
 from reference import commands as reference
 from stages.config.inputs import INPUT_FILES
-from stages.config.model import load, merged, with_defaults
+from stages.config.model import load, merge_mappings, with_defaults
 from stages.config.packages import home_of
 from tests.workflow.workspace import ROOT, dry_run, make
 
@@ -95,7 +95,7 @@ def test_a_yaml_block_is_a_config(folder: Path, monkeypatch: pytest.MonkeyPatch,
         pytest.skip("a room, which the block after it names")
     monkeypatch.chdir(folder)
     default = with_defaults({})
-    load(merged(default, yaml.safe_load(block.text)))
+    load(merge_mappings(default, yaml.safe_load(block.text)))
 
 
 @pytest.mark.parametrize(("page", "line"), commands(), ids=[line[:60] for _, line in commands()])

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from stages.config.model import merged
+from stages.config.model import merge_mappings
 from tests.workflow.workspace import MICRO, ROOT, dry_run, make, planned, snakemake
 
 MODULE = """
@@ -26,7 +26,7 @@ def other(folder: Path, snakefile: Path = ROOT / "Snakefile", more: str = "", re
     """A workflow that has ours as a module, with the micro config as `config/config.yaml`."""
     default, micro = (yaml.safe_load((ROOT / name).read_text()) for name in ("config.yaml", MICRO[1]))
     (folder / "config").mkdir(parents=True)
-    (folder / "config/config.yaml").write_text(yaml.safe_dump(merged(default, micro)))
+    (folder / "config/config.yaml").write_text(yaml.safe_dump(merge_mappings(default, micro)))
     (folder / "workflow").mkdir()
     text = MODULE.format(snakefile=snakefile, more=more, renamed=renamed)
     (folder / "workflow/Snakefile").write_text(text)

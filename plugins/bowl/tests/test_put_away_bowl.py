@@ -10,7 +10,7 @@ import trimesh
 
 from plugins.bowl.region import find_level_region, measure_headroom
 from plugins.bowl.skills.pick.grasps import TURNS, measure_turn, sample_grasps, sample_object_cloud, sort_by_turn
-from plugins.bowl.skills.place.predicates import DROP, find_places_inside, on_top, sample_placements
+from plugins.bowl.skills.place.predicates import DROP, find_places_inside, find_places_on_top, sample_placements
 from plugins.bowl.tasks.put_away_bowl.bowl import default_bowl, load_visual_mesh
 from plugins.bowl.tasks.put_away_bowl.environment import with_stand_in_view
 from stages.config.demonstrations import DemonstrationsConfig
@@ -121,7 +121,7 @@ def test_placements_are_upright_inside_the_walls_and_turn_and_fall_least_first()
     now = hand @ tipped
     turns = np.abs((yaws - np.arctan2(now[1, 0], now[0, 0]) + np.pi) % (2 * np.pi) - np.pi)
     assert (np.diff(ANGLE_WEIGHT * turns + heights) > -1e-9).all()
-    assert len(on_top(region, bowl)) > len(places)  # only its foot has to stand on something
+    assert len(find_places_on_top(region, bowl)) > len(places)  # only its foot has to stand on something
     assert len(sample_placements(places[:0], bowl, hand, tipped, 50, seed=0)) == 0
 
 
@@ -146,7 +146,7 @@ def test_success_is_the_bowl_in_the_drawer_and_the_drawer_shut(task: TaskEnv, mo
     task.place(1)
     env = task.env
     floor = env.floors[0]
-    assert not env.evaluate()["success"].item() and not env.inside().item()
+    assert not env.evaluate()["success"].item() and not env.is_inside().item()
     middle = (floor.low + floor.high) / 2 - [0, 0, env.bowl_meshes[0].bounds[0, 2]]
     for opened, at, expected in (
         (0.05, middle, True),
@@ -158,7 +158,7 @@ def test_success_is_the_bowl_in_the_drawer_and_the_drawer_shut(task: TaskEnv, mo
         found = env.evaluate()  # an open drawer alone, the official criterion of opening, is no success
         assert found["success"].item() is found["official_success"].item() is expected
     put(task, 0.8, middle)
-    assert env.inside().item()  # it moves with the drawer
+    assert env.is_inside().item()  # it moves with the drawer
     put(task, 0.05, middle)
     monkeypatch.setattr(env.agent, "is_grasping", lambda _: torch.tensor([True]))
     assert not env.evaluate()["success"].item()  # the gripper still holds it

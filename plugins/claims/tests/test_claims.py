@@ -14,7 +14,7 @@ from stages.contracts.policies import Rollout
 from stages.tables import table3
 from stages.tables.intervals import PLACE, Side, score_interval, unit_rates
 from stages.tables.markup import markdown
-from stages.tables.methods import beside_ours
+from stages.tables.methods import join_published
 from stages.tables.rows import published_policies, published_runs
 from stages.tables.text import percent
 from tests.unit.tables_results import rollout
@@ -46,7 +46,7 @@ def rolled(rates: Rates, over: str = "test") -> list[Rollout]:
 
 def papers(ours: pd.DataFrame) -> pd.DataFrame:
     """The paper's runs, beside ours."""
-    return beside_ours(published_runs(PUBLISHED), ours, PolicyTables())
+    return join_published(published_runs(PUBLISHED), ours, PolicyTables())
 
 
 def answers(rates: Rates, over: str = "test") -> pd.DataFrame:
@@ -131,11 +131,11 @@ def test_a_claim_needs_its_training_sets() -> None:
 def test_as_well_as_the_twin_allows_ten_points() -> None:
     equal = claims.CLAIMS["equal"]
     ends = ((-0.09, 0.02), (-0.2, 0.1), (-0.2, -0.05), (-0.3, -0.11))
-    assert [claims.verdict(equal, low, high, 6) for low, high in ends] == [
+    assert [claims.judge_claim(equal, low, high, 6) for low, high in ends] == [
         "holds", "cannot be said", "cannot be said", "does not hold",
     ]  # fmt: skip
     unseen = claims.CLAIMS["unseen"]
-    assert [claims.verdict(unseen, low, high, 6) for low, high in ((0.01, 0.3), (-0.01, 0.3), (-0.3, -0.01))] == [
+    assert [claims.judge_claim(unseen, low, high, 6) for low, high in ((0.01, 0.3), (-0.01, 0.3), (-0.3, -0.01))] == [
         "holds", "cannot be said", "does not hold",
     ]  # fmt: skip
 
@@ -191,7 +191,7 @@ def test_the_headline_gives_the_numbers_of_one_seed_and_says_what_they_are() -> 
 
 def build(rows: list[Rollout]) -> pd.DataFrame:
     frame = pd.DataFrame([row.model_dump() for row in rows])
-    return table3.build(frame, beside_ours(published_policies(PUBLISHED), frame, PolicyTables()), OPTIONS)
+    return table3.build(frame, join_published(published_policies(PUBLISHED), frame, PolicyTables()), OPTIONS)
 
 
 def test_collapsed_runs_are_counted_on_the_assets_of_the_training() -> None:
@@ -210,10 +210,10 @@ def test_collapsed_runs_are_counted_on_the_assets_of_the_training() -> None:
 
 def test_a_run_is_collapsed_beside_the_best_of_its_task_however_good_that_is() -> None:
     gates = {"twin": np.array([0.4, 0.15]), "cousins_4": np.array([0.08, 0.12])}
-    assert claims._collapsed(gates) == {"twin": 0, "cousins_4": 1}  # a quarter of 40 %
+    assert claims._count_collapsed(gates) == {"twin": 0, "cousins_4": 1}  # a quarter of 40 %
 
 
 def test_six_drawer_policies_of_the_paper_collapsed() -> None:
     cells = claims.published_cells(papers(pd.DataFrame([rollout().model_dump()])))
     drawer = {name: rates["twin"] for (target, _, name), rates in cells.items() if target == "drawer"}
-    assert claims._collapsed(drawer) == {"twin": 1, "cousins_2": 1, "cousins_4": 2, "cousins_8": 0, "all": 2}
+    assert claims._count_collapsed(drawer) == {"twin": 1, "cousins_2": 1, "cousins_4": 2, "cousins_8": 0, "all": 2}

@@ -13,7 +13,7 @@ from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.tables import table3
 from stages.tables.markup import Table, markdown
-from stages.tables.methods import beside_ours, kind
+from stages.tables.methods import join_published, kind
 from stages.tables.order import row_title, set_key, target_title, title
 from stages.tables.policy_figures import figure4
 from stages.tables.rows import published_policies
@@ -87,7 +87,7 @@ def test_by_kind_and_length_of_the_handle(rows: pd.DataFrame) -> None:
 
 def test_table3_holds_roles_of_policies_alone(rows: pd.DataFrame) -> None:
     assert table3.cells(rows, OPTIONS)["test_asset"].tolist() == ["cousin_2"]
-    published = beside_ours(published_policies(PUBLISHED), rows, PolicyTables())
+    published = join_published(published_policies(PUBLISHED), rows, PolicyTables())
     assert set(table3.build(rows, published, OPTIONS)["training_set"]) == {
         "twin", "cousins_2", "cousins_4", "cousins_8", "all",
     }  # fmt: skip
@@ -98,13 +98,13 @@ def test_table3_holds_roles_of_policies_alone(rows: pd.DataFrame) -> None:
 
 def test_figure_4_has_a_point_per_asset_and_thirds_of_the_assets(rows: pd.DataFrame) -> None:
     both = [*over_assets(UNSEEN, split="validation"), *over_assets(UNSEEN)]
-    points, thirds = asset_panels.points(frame(both)), asset_panels.thirds(frame(both), OPTIONS)
+    points, thirds = asset_panels.points(frame(both)), asset_panels.tabulate_thirds(frame(both), OPTIONS)
     assert len(points) == 4 * 24 and set(thirds["target"]) == {"door"}
     lengths = thirds[(thirds["axis"] == "handle_length") & (thirds["policy"] == "lite")]
     assert sorted(lengths["assets"].unique()) == [6, 12]  # handles that are alike stay in one third
     figure = figure4(
         table3.cells(rows, OPTIONS),
-        beside_ours(published_policies(PUBLISHED), rows, PolicyTables()),
+        join_published(published_policies(PUBLISHED), rows, PolicyTables()),
         make_panels(frame(both), PolicyTables(bootstrap_samples=400)),
     )
     panels = figure.axes

@@ -15,7 +15,7 @@ from stages.config.tables import PolicyTables
 from stages.config.targets import Cell
 from stages.contracts.policies import Rollout
 from stages.tables.methods import kinds_of
-from stages.tables.pooling import pooled
+from stages.tables.pooling import pool_rollouts
 from tests.unit.tables_results import over_assets
 
 DOOR = {"task": "door", "room": "room_1", "object": "cabinet_1"}
@@ -55,7 +55,7 @@ def built(found: pd.DataFrame, options: PolicyTables) -> pd.DataFrame:
 
 def test_an_asset_counts_in_every_room_and_its_family_once(options: PolicyTables) -> None:
     given = rows({"twin": 0.2, "twin_randomised": 0.1, "cousins_8": 0.05})
-    found = pooled(given, options)
+    found = pool_rollouts(given, options)
     assert len(found) == len(given) and set(found["target"]) == {"door"}
     table = built(found, options)
     assert set(table["assets"]) == {24} and set(table["families"]) == {6} and set(table["places"]) == {48}
@@ -71,20 +71,22 @@ def test_an_asset_counts_in_every_room_and_its_family_once(options: PolicyTables
 
 def test_what_is_in_no_pool_stays_as_it_is(options: PolicyTables) -> None:
     given = pd.DataFrame([row.model_dump() for row in over_assets({("lite", "twin"): 0.1}, 4, target="drawer_room_1")])
-    pd.testing.assert_frame_equal(pooled(given, options), given)
-    pd.testing.assert_frame_equal(pooled(given, PolicyTables()), given)
+    pd.testing.assert_frame_equal(pool_rollouts(given, options), given)
+    pd.testing.assert_frame_equal(pool_rollouts(given, PolicyTables()), given)
 
 
 def test_two_kinds_of_policy_are_never_one_row(options: PolicyTables) -> None:
     lengths = {"twin": 0.2}
     both = pd.concat([rows(lengths), rows(lengths, policy="lite_handle")], ignore_index=True).drop_duplicates()
-    table = assets.build(pooled(both, options), options, {"door": "lite"}).set_index(["target", "policy"])
+    table = assets.build(pool_rollouts(both, options), options, {"door": "lite"}).set_index(["target", "policy"])
     assert list(table.index) == [("door", "lite"), ("door", "lite_handle"), ("door", "skill")]
     assert table.loc[("door", "lite_handle"), "network_difference"] == 0
 
 
 def test_a_seed_that_lacks_a_room_is_left_out(options: PolicyTables) -> None:
-    table = built(pooled(rows({"twin_randomised": 0.1, "cousins_8": 0.05}, ("door_room_2", 1)), options), options)
+    table = built(
+        pool_rollouts(rows({"twin_randomised": 0.1, "cousins_8": 0.05}, ("door_room_2", 1)), options), options
+    )
     assert table.loc["cousins_8", "runs"] == 1 and table.loc["twin_randomised", "runs"] == 2
     assert table.loc["cousins_8", "assets"] == 24
 
@@ -108,7 +110,9 @@ def test_a_policy_is_there_when_it_has_met_every_room(config: Config, tmp_path: 
 
 
 def test_what_a_set_gains_is_told_under_every_condition(options: PolicyTables) -> None:
-    usual, noisy = (pooled(rows({"twin_randomised": length, "cousins_8": 0.05}), options) for length in (0.1, 0.2))
+    usual, noisy = (
+        pool_rollouts(rows({"twin_randomised": length, "cousins_8": 0.05}), options) for length in (0.1, 0.2)
+    )
     both = pd.concat([usual.assign(condition="usual"), noisy.assign(condition="noisy")], ignore_index=True)
     gains = conditions.against_baselines(both, options)
     found = gains.set_index(["training_set", "condition"])["difference"]

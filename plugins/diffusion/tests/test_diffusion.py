@@ -62,7 +62,7 @@ def error_of(policy: TrainablePolicy, store: Path) -> float:
 
 def test_a_resumed_run_equals_a_whole_one(tmp_path: Path, store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     options = {"steps": 4, "log_every": 2}
-    monkeypatch.setattr(TrainingState, "due", lambda state, every: True)
+    monkeypatch.setattr(TrainingState, "is_due", lambda state, every: True)
     whole, broken = trained(tmp_path / "whole", store, **options), tmp_path / "broken"
     save = TrainingState.save
 

@@ -85,7 +85,7 @@ def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
     (out / EPISODES).parent.mkdir(parents=True, exist_ok=True)
     parquet.write_table(pyarrow.Table.from_pylist(rows), out / EPISODES)
     pd.DataFrame({"task_index": list(tasks.values())}, index=list(tasks)).to_parquet(out / "meta/tasks.parquet")
-    write_json(out / "meta/stats.json", together(total))
+    write_json(out / "meta/stats.json", merge_statistics(total))
     write_json(
         out / "meta/info.json",
         {
@@ -165,7 +165,7 @@ def statistics(columns: Columns) -> Stats:
     return stats
 
 
-def together(episodes: Sequence[Stats]) -> dict[str, dict[str, list[float]]]:
+def merge_statistics(episodes: Sequence[Stats]) -> dict[str, dict[str, list[float]]]:
     """Statistics of all episodes, as JSON."""
     stats = {}
     for key in episodes[0]:

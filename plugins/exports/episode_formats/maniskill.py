@@ -83,7 +83,7 @@ def trajectories(path: Path, count: int) -> list[tuple[Subject, Trajectory]]:
 
 def record(out: Path, folder: Path, subject: Subject, store: EpisodeStore, episodes: Sequence[Trajectory]) -> int:
     """Do the episodes again and record them; how many succeed."""
-    made: dict[str, Any] = {
+    options: dict[str, Any] = {
         "asset_folder": str(folder),
         "joint": subject.joint,
         "options": store.task_options.model_dump(mode="json"),
@@ -93,7 +93,7 @@ def record(out: Path, folder: Path, subject: Subject, store: EpisodeStore, episo
     }
     name = f"stages.tasks:{load('tasks', store.task).gym_id}"
     env = RecordEpisode(
-        gymnasium.make(name, **made), str(out), save_video=False, trajectory_name=subject.asset, save_on_reset=False,
+        gymnasium.make(name, **options), str(out), save_video=False, trajectory_name=subject.asset, save_on_reset=False,
         source_type="motionplanning", source_desc="scripted skills of the ACDC workflow",
     )  # fmt: skip
     kept = 0

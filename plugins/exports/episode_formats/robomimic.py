@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from stages.contracts import atomic
+from stages.contracts import write_atomically
 from stages.contracts.episode_store import read_episodes
 
 VALIDATION = 10  # every n-th episode
@@ -17,7 +17,10 @@ def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
     """Write `demonstrations.hdf5` into the folder `out`; its attributes are those of the first store."""
     masks: dict[str, list[str]] = defaultdict(list)
     total = 0
-    with atomic(out / "demonstrations.hdf5") as temporary, h5py.File(temporary, "w", track_order=True) as file:
+    with (
+        write_atomically(out / "demonstrations.hdf5") as temporary,
+        h5py.File(temporary, "w", track_order=True) as file,
+    ):
         data = file.create_group("data", track_order=True)
         for path in stores:
             assets = read_episodes(path).assets  # refuses what is broken

@@ -40,7 +40,7 @@ def write(room: Room, out: Path) -> None:
             tree = ET.parse(model / body.asset.urdf)
             for colour in tree.iter("color"):
                 *rgb, alpha = (float(value) for value in colour.get("rgba", "1 1 1 1").split())
-                colour.set("rgba", _text([*_shown(rgb), alpha]))
+                colour.set("rgba", _text([*_encode_gamma(rgb), alpha]))
             tree.write(model / body.asset.urdf, encoding="unicode")
             _add_body(robot, body, tree.getroot())
         ET.indent(robot)
@@ -74,7 +74,7 @@ def _add_block(world: ET.Element, block: Block) -> None:
         ET.SubElement(ET.SubElement(element, "geometry"), "box", size=_text(block.size))
         if kind == "visual":
             material = ET.SubElement(element, "material", name=block.name)
-            ET.SubElement(material, "color", rgba=_text([*_shown(block.colour), 1.0]))
+            ET.SubElement(material, "color", rgba=_text([*_encode_gamma(block.colour), 1.0]))
 
 
 def _add_place(robot: ET.Element, name: str, child: str, kind: str, pose: Matrix) -> None:
@@ -99,7 +99,7 @@ def _add_body(robot: ET.Element, body: Body, model: ET.Element) -> None:
         robot.append(part)
 
 
-def _shown(colour: ArrayLike) -> list[float]:
+def _encode_gamma(colour: ArrayLike) -> list[float]:
     shown: list[float] = (np.asarray(colour, dtype=float) ** (1 / GAMMA)).tolist()
     return shown
 

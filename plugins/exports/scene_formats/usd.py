@@ -62,22 +62,22 @@ class _Writer:
             path = f"{ROOT}/{_name(block.name)}"
             _place(UsdGeom.Xform.Define(self.stage, path), rigid(yaw_matrix(block.yaw), block.center))
             surface = surface_of(block)
-            self._seen(f"{path}/visual", surface)
-            self._touched(f"{path}/collision", surface.vertices, surface.faces)
+            self._write_visual(f"{path}/visual", surface)
+            self._write_collision(f"{path}/collision", surface.vertices, surface.faces)
         light = UsdLux.DistantLight.Define(self.stage, f"{ROOT}/key_light")
         light.CreateIntensityAttr(2000.0)
         light.CreateAngleAttr(1.0)
         _place(light, rigid(_turn(np.array([0.0, 0.0, -1.0]), room.light), [0, 0, 5.0]))
         UsdLux.DomeLight.Define(self.stage, f"{ROOT}/fill_light").CreateIntensityAttr(400.0)
-        made, k = room.scene, np.array(room.scene.intrinsics)
+        scene, k = room.scene, np.array(room.scene.intrinsics)
         camera = UsdGeom.Camera.Define(self.stage, f"{ROOT}/{CAMERA}")
         aperture = camera.GetHorizontalApertureAttr().Get()  # millimetres, USD's usual film
-        pixel = aperture / made.width
+        pixel = aperture / scene.width
         camera.CreateFocalLengthAttr(float(k[0, 0] * pixel))
         camera.CreateHorizontalApertureAttr(aperture)
-        camera.CreateVerticalApertureAttr(float(made.height * pixel * k[0, 0] / k[1, 1]))
-        camera.CreateHorizontalApertureOffsetAttr(float(((made.width - 1) / 2 - k[0, 2]) * pixel))
-        camera.CreateVerticalApertureOffsetAttr(float((k[1, 2] - (made.height - 1) / 2) * pixel * k[0, 0] / k[1, 1]))
+        camera.CreateVerticalApertureAttr(float(scene.height * pixel * k[0, 0] / k[1, 1]))
+        camera.CreateHorizontalApertureOffsetAttr(float(((scene.width - 1) / 2 - k[0, 2]) * pixel))
+        camera.CreateVerticalApertureOffsetAttr(float((k[1, 2] - (scene.height - 1) / 2) * pixel * k[0, 0] / k[1, 1]))
         camera.CreateClippingRangeAttr(Gf.Vec2f(0.05, 100.0))
         _place(camera, room.world_from_camera @ OPENGL)
 
@@ -114,26 +114,26 @@ class _Writer:
             mass.CreateDiagonalInertiaAttr(Gf.Vec3f(*values.tolist()))
             mass.CreatePrincipalAxesAttr(_quaternion(axes))
         for number, surface in enumerate(surfaces(link)):
-            self._seen(f"{path}/visual_{number}", surface)
+            self._write_visual(f"{path}/visual_{number}", surface)
         for number, piece in enumerate(link.collisions):
-            self._touched(f"{path}/collision_{number}", piece.vertices, piece.faces)
+            self._write_collision(f"{path}/collision_{number}", piece.vertices, piece.faces)
 
     def _joint(self, path: str, joint: JointModel) -> None:
         kind = {"fixed": UsdPhysics.FixedJoint, "revolute": UsdPhysics.RevoluteJoint}
-        made = kind.get(joint.type, UsdPhysics.PrismaticJoint).Define(self.stage, f"{path}/{_name(joint.name)}_joint")
-        made.CreateBody0Rel().SetTargets([Sdf.Path(f"{path}/{_name(joint.parent)}")])
-        made.CreateBody1Rel().SetTargets([Sdf.Path(f"{path}/{_name(joint.child)}")])
+        prim = kind.get(joint.type, UsdPhysics.PrismaticJoint).Define(self.stage, f"{path}/{_name(joint.name)}_joint")
+        prim.CreateBody0Rel().SetTargets([Sdf.Path(f"{path}/{_name(joint.parent)}")])
+        prim.CreateBody1Rel().SetTargets([Sdf.Path(f"{path}/{_name(joint.child)}")])
         along = rigid(_turn(np.eye(3)[0], joint.axis), np.zeros(3))  # the joint's x axis is that of the motion
-        _frame(made, 0, joint.origin @ along)
-        _frame(made, 1, along)
+        _frame(prim, 0, joint.origin @ along)
+        _frame(prim, 1, along)
         if joint.type == "fixed":
             return
-        made.CreateAxisAttr("X")
+        prim.CreateAxisAttr("X")
         hinge = joint.type == "revolute"
         unit = 180 / np.pi if hinge else 1.0
-        made.CreateLowerLimitAttr(float(joint.lower * unit))
-        made.CreateUpperLimitAttr(float(joint.upper * unit))
-        drive = UsdPhysics.DriveAPI.Apply(made.GetPrim(), "angular" if hinge else "linear")
+        prim.CreateLowerLimitAttr(float(joint.lower * unit))
+        prim.CreateUpperLimitAttr(float(joint.upper * unit))
+        drive = UsdPhysics.DriveAPI.Apply(prim.GetPrim(), "angular" if hinge else "linear")
         drive.CreateDampingAttr(DAMPING / unit if hinge else DAMPING)
         drive.CreateStiffnessAttr(0.0)
 
@@ -145,7 +145,7 @@ class _Writer:
         mesh.CreateSubdivisionSchemeAttr("none")
         return mesh
 
-    def _seen(self, path: str, surface: ColouredMesh) -> None:
+    def _write_visual(self, path: str, surface: ColouredMesh) -> None:
         mesh = self._mesh(path, surface.vertices, surface.faces)
         mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(surface.normals.astype(np.float32)))
         mesh.SetNormalsInterpolation("vertex")
@@ -155,7 +155,7 @@ class _Writer:
             at.Set(Vt.Vec2fArray.FromNumpy(surface.uv.astype(np.float32)))
         UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(self._material(surface))
 
-    def _touched(self, path: str, vertices: Any, faces: Any) -> None:
+    def _write_collision(self, path: str, vertices: Any, faces: Any) -> None:
         """A convex piece, that renderers leave out."""
         mesh = self._mesh(path, vertices, faces)
         mesh.CreatePurposeAttr(UsdGeom.Tokens.guide)

@@ -42,7 +42,7 @@ class Armchair(Generator):
         parts.add(cushion((-0.95 * x, -0.95 * y, legs), (0.95 * x, 0.95 * y, low), 0.02), cloth, UPHOLSTERY)
         parts.add(cushion((-x + wall, -y + wall, low), (x - 0.01, y - wall, seat), 0.04), self.cushion_colour, FOAM)
         if self.style == "wing":
-            parts.add(_leaning(-x + lean, -x, wall, (-y + 0.4 * wall, y - 0.4 * wall), low, z), cloth, UPHOLSTERY)
+            parts.add(_lean_board(-x + lean, -x, wall, (-y + 0.4 * wall, y - 0.4 * wall), low, z), cloth, UPHOLSTERY)
             for s in (-1, 1):
                 outer, inner = s * y, s * (y - wall)
                 parts.add(cushion((-x + wall, outer, legs), (0.9 * x, inner, arm), 0.03), cloth, UPHOLSTERY)
@@ -84,12 +84,12 @@ def _open(p: Armchair, x: float, y: float, z: float, seat: float, arm: float, le
     inner = y - 1.1 * leg
     parts.add(box((-x + lean, x - 0.02), (-y + leg / 2, y - leg / 2), (seat - 0.12, seat - 0.10)), frame)
     parts.add(cushion((-x + lean, -inner, seat - 0.10), (x, inner, seat + 0.02), 0.03), p.colour, FOAM)
-    parts.add(_leaning(-x + lean + 0.06, -x, 0.1, (-inner, inner), seat, z), p.colour, FOAM)
-    parts.add(_leaning(-x + lean - 0.02, -x, 0.02, (-inner, inner), seat - 0.11, 0.9 * z), frame)
+    parts.add(_lean_board(-x + lean + 0.06, -x, 0.1, (-inner, inner), seat, z), p.colour, FOAM)
+    parts.add(_lean_board(-x + lean - 0.02, -x, 0.02, (-inner, inner), seat - 0.11, 0.9 * z), frame)
     return parts
 
 
-def _leaning(low_x: float, high_x: float, thick: float, y: tuple[float, float], low: float, high: float) -> Any:
+def _lean_board(low_x: float, high_x: float, thick: float, y: tuple[float, float], low: float, high: float) -> Any:
     """A board or cushion that leans back from low_x (its rear, at the height low) to high_x."""
     return hull([(a + d, b, c) for a, c in ((low_x, low), (high_x, high)) for d in (0, thick) for b in y])
 

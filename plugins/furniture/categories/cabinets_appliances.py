@@ -56,7 +56,7 @@ FURTHER_FRIDGES = range(12, 12 + len(FRIDGES))
 def sample_fridge(rng: Rng, index: int) -> Sampled:
     """One tall door, a freezer above or below, or two doors side by side; and further styles."""
     if index in FURTHER_FRIDGES:
-        return _further_fridge(rng, FURTHER_FRIDGES.index(index))
+        return _sample_further_fridge(rng, FURTHER_FRIDGES.index(index))
     layout = [[["door"]], [["door", "door"]], [["door"], ["door"]], [["door", "drawer"]]][index % 4]
     at = -0.5 if index % 4 == 1 else 0.2
     wide = 0.85 if len(layout) == 2 else 0.6
@@ -70,7 +70,7 @@ def sample_fridge(rng: Rng, index: int) -> Sampled:
     return Sampled(size, p)
 
 
-def _further_fridge(rng: Rng, number: int) -> Sampled:
+def _sample_further_fridge(rng: Rng, number: int) -> Sampled:
     """Two doors above one or two freezer drawers (French doors), four doors, a low one for a counter, a small freezer
     above or below.
 

@@ -64,7 +64,7 @@ class Lamp(Generator):
         return Model(parts, symmetry="third_turn" if self.foot == "tripod" else "full", placement=self.placement)
 
 
-def _sampled(rng: Rng, index: int, share: float, feet: list[str], placement: Placement) -> Lamp:
+def _sample_lamp(rng: Rng, index: int, share: float, feet: list[str], placement: Placement) -> Lamp:
     radii = [1.0, *rng.uniform(0.3, 1.0, 5).round(3).tolist()[1:-1], 0.2]
     foot = feet[index % len(feet)]
     return Lamp.sample_parameters(rng, index, foot=foot, shade_height=share, radii=radii, placement=placement)
@@ -75,7 +75,7 @@ def sample_floor_lamp(rng: Rng, index: int) -> Sampled:
     """Tall: disc foot or tripod."""
     wide, tall = uniform(rng, 0.32, 0.46), uniform(rng, 1.35, 1.7)
     share = uniform(rng, 0.14, 0.22)
-    return Sampled((wide, wide, tall), _sampled(rng, index, share, ["disc", "tripod"], "floor"))
+    return Sampled((wide, wide, tall), _sample_lamp(rng, index, share, ["disc", "tripod"], "floor"))
 
 
 @category("table_lamp", founders=4, count=10, names="lamp", kin="lamp")
@@ -83,4 +83,4 @@ def sample_table_lamp(rng: Rng, index: int) -> Sampled:
     """Turned ceramic foot or disc."""
     wide, tall = uniform(rng, 0.22, 0.34), uniform(rng, 0.36, 0.58)
     share = uniform(rng, 0.35, 0.5)
-    return Sampled((wide, wide, tall), _sampled(rng, index, share, ["turned", "disc", "turned"], "object"))
+    return Sampled((wide, wide, tall), _sample_lamp(rng, index, share, ["turned", "disc", "turned"], "object"))

@@ -75,32 +75,35 @@ def _back(p: Chair, lean: tuple[float, float], side: float, seat: float, top: fl
     frame, cloth = p.frame_colour, p.seat_colour
     edge = side - leg / 2
 
-    def at(share: float, y: float) -> tuple[float, float, float]:
+    def place_at(share: float, y: float) -> tuple[float, float, float]:
         return (lean[0] + share * (lean[1] - lean[0]), y, seat - 0.03 + share * (top - seat + 0.03))
 
     parts = Parts()
     for s in (-1, 1):
-        parts.add(beam(at(0, s * edge), at(1, s * edge), leg), frame)
+        parts.add(beam(place_at(0, s * edge), place_at(1, s * edge), leg), frame)
     if p.back == "panel":
-        low, high = np.array([at(0.3, -edge), at(0.3, edge)]), np.array([at(0.97, -edge), at(0.97, edge)])
+        low, high = (
+            np.array([place_at(0.3, -edge), place_at(0.3, edge)]),
+            np.array([place_at(0.97, -edge), place_at(0.97, edge)]),
+        )
 
         offset = np.array([0.4 * leg, 0, 0])
         parts.add(hull(np.concatenate([low - offset, low + offset, high - offset, high + offset])), cloth, 300.0)
         return parts
     rail = 0.8 * leg
-    parts.add(_rail(at(0.93, -edge), at(0.93, edge), rail, 0.12 * (top - seat)), frame)
+    parts.add(_rail(place_at(0.93, -edge), place_at(0.93, edge), rail, 0.12 * (top - seat)), frame)
     if p.back == "ladder":
         for share in (0.4, 0.58, 0.76):
-            parts.add(_rail(at(share, -edge), at(share, edge), 0.5 * rail, 0.1 * (top - seat)), frame)
+            parts.add(_rail(place_at(share, -edge), place_at(share, edge), 0.5 * rail, 0.1 * (top - seat)), frame)
         return parts
     count = 3 if p.back == "slats" else 6
     for y in np.linspace(-edge, edge, count + 2)[1:-1]:
         if p.back == "slats":
             width = edge / count
-            low_x, high_x = at(0.05, 0), at(0.9, 0)
+            low_x, high_x = place_at(0.05, 0), place_at(0.9, 0)
             parts.add(_slat(low_x, high_x, float(y), width, 0.5 * rail), frame)
         else:
-            parts.add(rod(at(0.05, float(y)), at(0.9, float(y)), 0.008), frame, smooth=True)
+            parts.add(rod(place_at(0.05, float(y)), place_at(0.9, float(y)), 0.008), frame, smooth=True)
     return parts
 
 

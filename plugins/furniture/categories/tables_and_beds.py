@@ -95,7 +95,7 @@ def supports(style: Legs, ax: float, ay: float, top: float, leg: float, colour: 
     ]
 
 
-def _sampled(rng: Rng, index: int, legs: str, top: str, shelf: float) -> Table:
+def _sample_table(rng: Rng, index: int, legs: str, top: str, shelf: float) -> Table:
     colour = pick(rng, WOODS, WOODS, PAINTS[:2], STONES[:2], TILES[:1])
 
     def leg_colour() -> str:
@@ -115,7 +115,7 @@ def sample_table(rng: Rng, index: int) -> Sampled:
     x = rng.uniform(0.75, 0.95)
     y = x if is_round else rng.uniform(1.0, 1.8)
     size = round_size(x, y, rng.uniform(0.70, 0.78))
-    return Sampled(size, _sampled(rng, index, legs, "round" if is_round else "rectangle", 0.0))
+    return Sampled(size, _sample_table(rng, index, legs, "round" if is_round else "rectangle", 0.0))
 
 
 @category("coffee_table", founders=4, count=10, names="table coffee", kin="table")
@@ -127,7 +127,7 @@ def sample_coffee_table(rng: Rng, index: int) -> Sampled:
     y = x if is_round else rng.uniform(0.8, 1.2)
     size = round_size(x, y, rng.uniform(0.35, 0.5))
     shelf = [0.25, 0.0, 0.0, 0.25][index % 4]
-    return Sampled(size, _sampled(rng, index, legs, "round" if is_round else "rectangle", shelf))
+    return Sampled(size, _sample_table(rng, index, legs, "round" if is_round else "rectangle", shelf))
 
 
 class Bed(Generator):

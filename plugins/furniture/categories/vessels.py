@@ -122,10 +122,10 @@ def sample_mug(rng: Rng, index: int) -> Sampled:
     size = round_size(2 * radius, 2 * radius + rng.uniform(0.025, 0.04), height, digits=4)
     colour = pick(rng, GLAZES)
 
-    def inside() -> str:
+    def pick_inside() -> str:
         return pick(rng, GLAZES[:1]) if rng.random() < 0.6 else colour
 
-    return Sampled(size, Mug.sample_parameters(rng, index, colour=colour, inside=inside))
+    return Sampled(size, Mug.sample_parameters(rng, index, colour=colour, inside=pick_inside))
 
 
 class Plate(Generator):

@@ -349,7 +349,7 @@ def test_a_low_fridge_is_usual_though_a_fridge_is_guessed_to_be_high() -> None:
     low = np.array((0.6, 0.55, 0.85))
     rows = {name: describe_category(CATEGORIES[name]) for name in ("fridge", "oven")}
     assert describe_unusual(rows["fridge"], low) == "" and describe_unusual(rows["oven"], (0.6, 0.6, 2.1))
-    known = rows["fridge"].usual_size()
+    known = rows["fridge"].measure_usual_size()
     assert known is not None and known.misfit(low) > 0
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from plugins.furniture.catalogue import CATEGORIES, GENERATORS, opens, sample
+from plugins.furniture.catalogue import CATEGORIES, GENERATORS, has_fronts, sample
 from plugins.furniture.colours import PAINTS
 from plugins.furniture.model import Model, Size
 from plugins.furniture.recipe import (
@@ -77,5 +77,5 @@ def test_every_recipe_names_a_generator_and_every_category_is_found() -> None:
     for name, record in CATEGORIES.items():
         assert sample(name, record.founders, 0).generator in GENERATORS
         assert record.count >= record.founders > 0
-    assert {name for name in CATEGORIES if opens(name) == (False, True)} == {"chest_of_drawers", "desk"}
-    assert opens("oven") == (True, True) and opens("chair") == opens("no such thing") == (False, False)
+    assert {name for name in CATEGORIES if has_fronts(name) == (False, True)} == {"chest_of_drawers", "desk"}
+    assert has_fronts("oven") == (True, True) and has_fronts("chair") == has_fronts("no such thing") == (False, False)

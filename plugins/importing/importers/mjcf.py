@@ -58,7 +58,7 @@ class _Reader:
     def __init__(self, spec: Any, model: Any) -> None:
         self.model = model
         self.pairs = self._pairs()
-        self.masses = {body.id: mass for body in spec.bodies if (mass := _stated_mass(body)) is not None}
+        self.masses = {body.id: mass for body in spec.bodies if (mass := _read_stated_mass(body)) is not None}
         collides = (model.geom_contype | model.geom_conaffinity) != 0
         own = (model.geom_rgba != USUAL_RGBA).any(axis=1) | (model.geom_matid < 0)  # its colour beats its material's
         self.rgba = np.where(own[:, None], model.geom_rgba, model.mat_rgba[model.geom_matid] if model.nmat else 0.0)
@@ -75,7 +75,7 @@ class _Reader:
         links, joints = {names[0]: self._link(0, names[0], anchors[0])}, []
         for body in range(1, model.nbody):
             first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
-            moving = [joint for joint in range(first, first + count) if self._moves(joint)]
+            moving = [joint for joint in range(first, first + count) if self._does_move(joint)]
             parent, above = names[int(model.body_parentid[body])], int(model.body_parentid[body])
             pose = _pose(model.body_pos[body], model.body_quat[body])
             origin = rigid(np.eye(3), -anchors[above]) @ pose
@@ -100,7 +100,7 @@ class _Reader:
         if self.averaged:
             names = ", ".join(f"'{name}'" for name in sorted(self.averaged)[:5])
             lines.append(f"shown in the mean colour of their textures, which no mesh places: materials {names}")
-        still = [joint for joint in range(model.njnt) if not self._moves(joint) and model.jnt_type[joint] != FREE]
+        still = [joint for joint in range(model.njnt) if not self._does_move(joint) and model.jnt_type[joint] != FREE]
         if still:
             names = ", ".join(f"'{model.joint(joint).name or joint}'" for joint in still[:5])
             lines.append(f"fixed: {len(still)} joints ({names}), which have no limits or turn as balls do")
@@ -115,7 +115,7 @@ class _Reader:
             lines.append(f"has what is not read: {', '.join(left)}")
         return lines
 
-    def _moves(self, joint: int) -> bool:
+    def _does_move(self, joint: int) -> bool:
         model = self.model
         ends = np.abs(model.jnt_range[joint])  # a door's or drawer's, closed at one, may not hold in the simulation
         limited = bool(np.ptp(model.jnt_range[joint]) > FLAT) and (model.jnt_limited[joint] or ends.min() == 0)
@@ -126,7 +126,7 @@ class _Reader:
         low, high = (model.jnt_range[joint] - model.qpos0[model.jnt_qposadr[joint]]).tolist()
         kind = model.jnt_type[joint]
         name = model.joint(joint).name or f"joint_{joint}"
-        made = JointModel(
+        model_joint = JointModel(
             name,
             "prismatic" if kind == mjtJoint.mjJNT_SLIDE else "revolute",
             parent,
@@ -137,7 +137,7 @@ class _Reader:
             high,
             follows=self.pairs.get(joint),
         )
-        return close_at_lower(made)
+        return close_at_lower(model_joint)
 
     def _pairs(self) -> dict[int, str]:
         """The joints that an equality makes stand like another of the same body and type, and the names of those."""
@@ -152,7 +152,7 @@ class _Reader:
             low, high = model.jnt_range[other]
             alike = alike and np.allclose(model.jnt_range[one], sorted([sign * low, sign * high]), atol=1e-3)
             alike = alike and (sign > 0 or abs(low) != abs(high))  # else both may open to one side
-            if alike and self._moves(one) and self._moves(other):
+            if alike and self._does_move(one) and self._does_move(other):
                 pairs[int(one)] = model.joint(other).name or f"joint_{other}"
         return pairs
 
@@ -252,7 +252,7 @@ class _Reader:
         return Image.fromarray(np.ascontiguousarray(np.broadcast_to(data[..., :3], (height, width, 3))))
 
 
-def _stated_mass(body: Any) -> float | None:
+def _read_stated_mass(body: Any) -> float | None:
     """The most that a body weighs, if it or its geoms say so: MuJoCo takes geoms that do not, looks too, for water."""
     water = mujoco.MjSpec().default.geom.density
     if body.explicitinertial or any(geom.density != water for geom in body.geoms):

@@ -29,7 +29,7 @@ def read_dae(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     Raises:
         ValueError: it is broken.
     """
-    root = _parsed(path)
+    root = _parse_file(path)
     named = {f"#{element.get('id')}": element for element in root.iter() if "id" in element.attrib}
     found = {element.tag for element in root.iter()}
     if "instance_visual_scene" not in found:
@@ -54,12 +54,12 @@ def read_dae(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
 def up_of(path: Path) -> str:
     """The direction up that a file says: X_UP, Y_UP or Z_UP; empty: it says none, or is broken."""
     try:
-        return (_parsed(path).findtext("asset/up_axis") or "").strip()
+        return (_parse_file(path).findtext("asset/up_axis") or "").strip()
     except (OSError, ValueError):
         return ""
 
 
-def _parsed(path: Path) -> ET.Element:
+def _parse_file(path: Path) -> ET.Element:
     """The root of a file, with names without their space.
 
     Raises:
@@ -102,10 +102,10 @@ def _triangles(polygons: ET.Element, named: dict[str, ET.Element]) -> ET.Element
     order = np.arange(len(rows))
     corners = _positions(vertex, named)[rows[:, int(vertex.get("offset", "0"))]]
     faces, _ = split(corners, [order[end - count : end] for count, end in zip(counts, ends, strict=True)])
-    made = ET.Element("triangles", {**polygons.attrib, "count": str(len(faces))})
-    made.extend(inputs)
-    ET.SubElement(made, "p").text = " ".join(map(str, rows[faces.ravel()].ravel().tolist()))
-    return made
+    triangles = ET.Element("triangles", {**polygons.attrib, "count": str(len(faces))})
+    triangles.extend(inputs)
+    ET.SubElement(triangles, "p").text = " ".join(map(str, rows[faces.ravel()].ravel().tolist()))
+    return triangles
 
 
 def _positions(vertex: ET.Element, named: dict[str, ET.Element]) -> Corners:

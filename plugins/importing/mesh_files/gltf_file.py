@@ -1,4 +1,4 @@
-"""glTF: what moves, repeats or packs a mesh is worked out on reading; what cannot be is refused or told by name."""
+"""glTF: what moves, repeats or packs a mesh is worked out on reading; what cannot be is refused or named."""
 
 import importlib.util
 import io
@@ -36,16 +36,16 @@ def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     if isinstance(nodes := header.get("nodes"), list) and len(nodes) > MOST_SHAPES:
         raise InputError(path, f"has {len(nodes)} nodes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
     accessors = Accessors(header, binary, files)
-    lost = [f"is shown {line}" for line in _lost_pictures(header, accessors, files)]
+    lost = [f"is shown {line}" for line in _drop_lost_pictures(header, accessors, files)]
     parts, placings, meshes = Parts(header, accessors), list[Header](), list[Header]()
-    made = dict[tuple[int, tuple[float, ...]], int]()
+    placed_meshes = dict[tuple[int, tuple[float, ...]], int]()
     for one in place_meshes(header, accessors):
         key = (one.mesh, one.weights)
-        if one.joints is not None or key not in made:
-            made[key] = len(meshes)
+        if one.joints is not None or key not in placed_meshes:
+            placed_meshes[key] = len(meshes)
             meshes.append({"primitives": parts.read_triangles(one)})
-        placings.append({"mesh": made[key], "matrix": one.transform.T.ravel().tolist()})
-    left_out = _left_out(header, parts)
+        placings.append({"mesh": placed_meshes[key], "matrix": one.transform.T.ravel().tolist()})
+    left_out = _list_left_out(header, parts)
     header.update(meshes=meshes, nodes=placings, materials=parts.materials, scene=0)
     header["scenes"] = [{"nodes": list(range(len(placings)))}]
     plain = {key: value for key, value in header.items() if key not in UNUSED}
@@ -77,7 +77,7 @@ def _check_extensions(path: Path, header: Header) -> None:
         )
 
 
-def _left_out(header: Header, parts: Parts) -> list[str]:
+def _list_left_out(header: Header, parts: Parts) -> list[str]:
     """What of the file is not read, in a line."""
     scenes = len(header.get("scenes", []))
     present = {
@@ -91,7 +91,7 @@ def _left_out(header: Header, parts: Parts) -> list[str]:
     return [f"has what is not read: {', '.join(names)[:300]}"] if names else []
 
 
-def _lost_pictures(header: Header, accessors: Accessors, files: MeshResolver) -> list[str]:
+def _drop_lost_pictures(header: Header, accessors: Accessors, files: MeshResolver) -> list[str]:
     """A line for every picture that cannot be shown; textures are left with the one picture that can."""
     lost, images, used = list[str](), header.get("images", []), list[int]()
     for texture in header.get("textures", []):

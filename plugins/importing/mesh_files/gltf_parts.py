@@ -39,10 +39,10 @@ class Parts:
         return [
             part
             for primitive in self.header["meshes"][placed.mesh]["primitives"]
-            if (part := self._plain(primitive, placed)) is not None
+            if (part := self._read_primitive(primitive, placed)) is not None
         ]
 
-    def _plain(self, primitive: Header, placed: Placed) -> Header | None:
+    def _read_primitive(self, primitive: Header, placed: Placed) -> Header | None:
         mode = primitive.get("mode", TRIANGLES)
         if mode not in (TRIANGLES, STRIP, FAN):
             self.others += 1
@@ -62,7 +62,7 @@ class Parts:
             if normals is not None and "NORMAL" in target:
                 normals = normals + weight * read(target["NORMAL"])
         if placed.joints is not None and "JOINTS_0" in attributes:
-            held = self._held(attributes, placed.joints)
+            held = self._skin_transforms(attributes, placed.joints)
             points = np.einsum("nij,nj->ni", held[:, :3, :3], points) + held[:, :3, 3]
             normals = None if normals is None else np.einsum("nij,nj->ni", held[:, :3, :3], normals)
         kept = {"POSITION": self.accessors.add(points, "VEC3")}
@@ -70,7 +70,7 @@ class Parts:
             unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
             kept["NORMAL"] = self.accessors.add(unit, "VEC3")
         plain = {"attributes": kept, "indices": self.accessors.add(faces.astype(np.uint32).reshape(-1, 1), "SCALAR")}
-        return plain | self._looks(primitive, kept)
+        return plain | self._read_material(primitive, kept)
 
     def _faces(self, primitive: Header, mode: int, count: int) -> NDArray[np.int64]:
         """Triangles (F, 3) that index the primitive's corners."""
@@ -86,7 +86,7 @@ class Parts:
         first = steps if mode == STRIP else 0 * steps
         return order[np.stack([first, steps + 1 + odd, steps + 2 - odd], axis=1)]
 
-    def _held(self, attributes: Header, joints: Numbers) -> Numbers:
+    def _skin_transforms(self, attributes: Header, joints: Numbers) -> Numbers:
         """(N, 4, 4) by which the skin's joints carry each corner."""
         held, total = np.zeros((1, 4, 4)), np.zeros(1)
         number = 0
@@ -98,7 +98,7 @@ class Parts:
             number += 1
         return np.asarray(held / np.where(total > 0, total, 1.0)[:, None, None])
 
-    def _looks(self, primitive: Header, kept: Header) -> Header:
+    def _read_material(self, primitive: Header, kept: Header) -> Header:
         """The material of a primitive; its coordinates and colours are put among those that are kept."""
         attributes = primitive["attributes"]
         material = deepcopy(self.header["materials"][primitive["material"]]) if "material" in primitive else None
@@ -107,7 +107,7 @@ class Parts:
                 material[METAL]["baseColorFactor"][3:] = [1.0]
             self._place_pictures(material, attributes, kept)
         if "COLOR_0" in attributes:
-            material = self._coloured(material, self.accessors.read(attributes["COLOR_0"]), kept)
+            material = self._colour_material(material, self.accessors.read(attributes["COLOR_0"]), kept)
         return {} if material is None else {"material": self._number(material)}
 
     def _place_pictures(self, material: Header, attributes: Header, kept: Header) -> None:
@@ -115,9 +115,9 @@ class Parts:
         pictures = _pictures(material)
         if not pictures:
             return
-        name, moves = _where(pictures[0][0][pictures[0][1]])
+        name, moves = _read_placement(pictures[0][0][pictures[0][1]])
         for holder, key in pictures:
-            if _where(holder[key]) != (name, moves):
+            if _read_placement(holder[key]) != (name, moves):
                 self.lost.append(f"without its {key}, which lies otherwise than its first picture")
                 del holder[key]
             elif name not in attributes:
@@ -127,7 +127,7 @@ class Parts:
                 holder[key] = {"index": holder[key]["index"]}
         if name not in attributes:
             return
-        uv = _moved(self.accessors.read(attributes[name])[:, :2], moves)
+        uv = _transform_uv(self.accessors.read(attributes[name])[:, :2], moves)
         kept["TEXCOORD_0"] = self.accessors.add(uv, "VEC2")
         texture = self.header["textures"][pictures[0][0][pictures[0][1]]["index"]]
         sampler = self.header["samplers"][texture["sampler"]] if "sampler" in texture else {}
@@ -137,7 +137,7 @@ class Parts:
         ):
             self.lost.append("with its picture repeated, which its file mirrors or does not repeat")
 
-    def _coloured(self, material: Header | None, colours: Numbers, kept: Header) -> Header | None:
+    def _colour_material(self, material: Header | None, colours: Numbers, kept: Header) -> Header | None:
         """The material with the one colour (linear) that all corners have; or None, and their colours are kept."""
         factors = (material or {}).get(METAL, {})
         rgba = np.ones((len(colours), 4))
@@ -177,14 +177,14 @@ def _pictures(material: Header) -> list[tuple[Header, str]]:
     ]
 
 
-def _where(picture: Header) -> tuple[str, Any]:
+def _read_placement(picture: Header) -> tuple[str, Any]:
     """The coordinates that a picture lies by, and how they are moved."""
     moves = picture.get("extensions", {}).get(MOVED, {})
     transform = (moves.get("offset", [0, 0]), moves.get("rotation", 0), moves.get("scale", [1, 1]))
     return f"TEXCOORD_{moves.get('texCoord', picture.get('texCoord', 0))}", transform
 
 
-def _moved(uv: Numbers, moves: Any) -> Numbers:
+def _transform_uv(uv: Numbers, moves: Any) -> Numbers:
     """Texture coordinates (N, 2) that are scaled, turned and shifted, in this order."""
     offset, turn, scale = moves
     sine, cosine = np.sin(turn), np.cos(turn)

@@ -24,7 +24,7 @@ def read_ply(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
                 continue  # a picture is laid on the corners that trimesh made
             corners = raw["vertex"]["data"]
             vertices = np.column_stack([corners[axis] for axis in "xyz"]).astype(float)
-            scene.geometry[name] = _filled(vertices, polygons, _colours(corners), _colours(raw["face"]["data"]))
+            scene.geometry[name] = _fill_polygons(vertices, polygons, _colours(corners), _colours(raw["face"]["data"]))
     return scene, []
 
 
@@ -52,7 +52,7 @@ def read_off(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     of_faces = None
     if own is None and len({len(colour) for colour in painted}) == 1 and len(painted[0]) >= 3:
         of_faces = np.array(painted, dtype=float)
-    return Scene(_filled(vertices[:, :3], polygons, own, of_faces)), []
+    return Scene(_fill_polygons(vertices[:, :3], polygons, own, of_faces)), []
 
 
 def read_stl(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
@@ -65,7 +65,7 @@ def read_stl(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     return trimesh.load_scene(path, resolver=files), [f"{path.name}: its colours are not read"] * bool(painted)
 
 
-def _filled(
+def _fill_polygons(
     vertices: NDArray[np.float64], polygons: list[Any], of_corners: Any | None, of_faces: Any | None
 ) -> Trimesh:
     """Triangles of polygons with the colours (N, 3 or 4), 0 to 1 or to 255, of their corners or faces."""

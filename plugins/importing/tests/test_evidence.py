@@ -19,4 +19,4 @@ def test_buttons_say_nothing_of_what_is_up(tmp_path: Path) -> None:
     text += joint("turn", "revolute", "knob", "0 1 0", 0.05, "0 0.25 0.3")
     (tmp_path / "a.urdf").write_text(f'<robot name="r">{text}</robot>')
     told = collect_evidence(read_urdf(tmp_path / "a.urdf", tmp_path))
-    assert len(told.slides) == 1 and not told.hinges and told.up("chest_of_drawers").axis == "+z"
+    assert len(told.slides) == 1 and not told.hinges and told.find_up("chest_of_drawers").axis == "+z"

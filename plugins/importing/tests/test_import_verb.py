@@ -12,7 +12,7 @@ import trimesh
 from PIL import Image
 
 from plugins.importing.evidence import Evidence
-from plugins.importing.import_ import left_behind, run
+from plugins.importing.import_ import describe_left_behind, run
 from plugins.importing.importers import Axis
 from plugins.importing.imports import axis_vector, in_file
 from plugins.importing.own import run as own
@@ -246,5 +246,7 @@ def test_models_that_are_gone_from_the_source_are_told(tmp_path: Path) -> None:
     for name in ("kept", "gone"):
         (tmp_path / "chair" / name).mkdir(parents=True)
         (tmp_path / "chair" / name / "asset.json").write_text("{}")
-    (line,) = left_behind(tmp_path, [tmp_path / "chair/kept"])
-    assert line.endswith("delete chair/gone") and not [*left_behind(tmp_path, [*(tmp_path / "chair").iterdir()])]
+    (line,) = describe_left_behind(tmp_path, [tmp_path / "chair/kept"])
+    assert line.endswith("delete chair/gone") and not [
+        *describe_left_behind(tmp_path, [*(tmp_path / "chair").iterdir()])
+    ]

@@ -135,7 +135,7 @@ def test_the_page_saves_the_pack_that_is_chosen_on_it(tmp_path: Path) -> None:
         assert page.evaluate("() => document.documentElement.scrollWidth") == 390  # as a phone shows it
         page.select_option('[data-kind=".urdf"] [name=up]', "+y")
         page.select_option('[data-kind=".urdf"] [name=unit]', label="centimetres")
-        page.fill('[data-said="stool"] input', "footstool")
+        page.fill('[data-name="stool"] input', "footstool")
         with page.expect_download() as saved:
             page.click("button")
         saved.value.save_as(tmp_path / "pack.yaml")

@@ -8,7 +8,7 @@ import pytest
 
 from plugins.furniture.library import make
 from plugins.importing import reach
-from plugins.importing.reach import find_middle_state, out_of_reach
+from plugins.importing.reach import find_middle_state, list_unreachable
 from plugins.importing.tests.own_models import import_model
 from plugins.importing.tests.test_fronts import box, joint
 from stages.config.demonstrations import DemonstrationsConfig
@@ -82,7 +82,7 @@ def test_where_the_arm_follows_the_door_the_robot_stands_where_it_always_does(tm
 
 def test_before_a_wide_door_it_stands_where_it_can_open_it(tmp_path: Path) -> None:
     folder = fridge(tmp_path, 0.8)
-    assert out_of_reach(folder) == []
+    assert list_unreachable(folder) == []
     env = world(folder, "hinge")
     recorder, moves = Recorder(env, DemonstrationsConfig()), []
     for seed in range(2):
@@ -103,8 +103,8 @@ def test_a_door_is_tried_from_several_starts_of_the_skill(tmp_path: Path, monkey
         tried.append(tuple(scale))
         return list(names) if len(tried) == 3 else []
 
-    monkeypatch.setattr(reach, "_followed", followed)
-    assert out_of_reach(folder) == []
+    monkeypatch.setattr(reach, "_find_followed", followed)
+    assert list_unreachable(folder) == []
     usual_scales = [tuple(sample_scale(seed, OPTIONS, OPTIONS.scale_range)) for seed in range(2)]
     assert tried == [(1, 1, 1), *usual_scales], "first at its own size, then as in episodes 0 and 1"
 
@@ -112,7 +112,7 @@ def test_a_door_is_tried_from_several_starts_of_the_skill(tmp_path: Path, monkey
 def test_a_wide_door_that_can_be_opened_no_further_than_is_enough_is_opened(tmp_path: Path) -> None:
     env = world(cupboard(tmp_path, 1.02), "hinge")
     env.place(0)
-    where, around = env.env.base_from_asset(), env.env.around()
+    where, around = env.env.base_from_asset(), env.env.sample_surroundings()
     goals = choose_open_goals(around.target, env.success_opening, MOTION.goal_margin)
     assert [can_follow(where, env.joints()[:7], around, goal) for goal in goals] == [False, False, True]
     outcome = OpenSkill(env, DemonstrationsConfig()).run(lambda action, noisy, ahead=FAR: env.act(action))
@@ -123,7 +123,7 @@ def test_a_wide_door_that_can_be_opened_no_further_than_is_enough_is_opened(tmp_
 def test_a_door_that_is_followed_from_nowhere_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = fridge(tmp_path, 1.5)
     monkeypatch.setattr(reach, "STARTS", 1)  # seconds each
-    assert out_of_reach(folder) == ["door 'hinge' is not opened: in none of 2 starts can the arm follow it"]
+    assert list_unreachable(folder) == ["door 'hinge' is not opened: in none of 2 starts can the arm follow it"]
     env = world(folder, "hinge")
     env.reset(0)
     target = env.env.target

@@ -94,7 +94,7 @@ def test_no_joint_lays_down_what_stands(tmp_path: Path, name: str) -> None:
     for front in ("+x", "-x", "+y", "-y"):
         for grounded in (True, False):
             for category in (name.rpartition(" ")[2], "thing"):
-                told = collect_evidence(turned(robot, "+z", front, grounded)).up(category, "+z", True)
+                told = collect_evidence(turned(robot, "+z", front, grounded)).find_up(category, "+z", True)
                 assert (told.axis, told.doubt) == ("+z", ""), (front, grounded, category)
 
 
@@ -114,12 +114,12 @@ def test_no_joint_lays_down_what_stands(tmp_path: Path, name: str) -> None:
 def test_hinges_and_slides_tell_up(
     tmp_path: Path, text: str, category: str, up: Axis, front: Axis, grounded: bool, because: str
 ) -> None:
-    told = collect_evidence(turned(model(tmp_path, text), up, front, grounded)).up(category, "+z", True)
+    told = collect_evidence(turned(model(tmp_path, text), up, front, grounded)).find_up(category, "+z", True)
     assert (told.axis, told.because) == (up, because)
 
 
 def test_what_is_not_enough_against_the_format_is_a_doubt(tmp_path: Path) -> None:
-    told = collect_evidence(turned(model(tmp_path, STANDS["toilet"]), "+y", "+z", True)).up("toilet", "+z", True)
+    told = collect_evidence(turned(model(tmp_path, STANDS["toilet"]), "+y", "+z", True)).find_up("toilet", "+z", True)
     assert told.axis == "+z" and told.doubt == "its foot would have +y"
 
 

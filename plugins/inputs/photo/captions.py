@@ -11,7 +11,7 @@ from plugins.inputs.numbered import draw_numbers
 from plugins.vlm.ask import Asker, NoAnswerError
 from plugins.vlm.boxed import draw_box
 from plugins.vlm.prompt import Prompt
-from stages.contracts.errors import plain
+from stages.contracts.errors import escape_control
 
 NONE = "none"
 SYSTEM_PROMPT = (
@@ -77,7 +77,7 @@ def ask_labels(asker: Asker, rgb: NDArray[np.uint8]) -> list[str]:
         NoAnswerError: there is no answer that can be used.
     """
     answer = asker.ask(Prompt(SYSTEM_PROMPT, [rgb, LABELS_PROMPT]), LabelsAnswer, "what is in the picture")
-    labels = [plain(" ".join(label.lower().replace(".", " ").split())[:60]) for label in answer.labels]
+    labels = [escape_control(" ".join(label.lower().replace(".", " ").split())[:60]) for label in answer.labels]
     labels = [label for label in dict.fromkeys(labels) if label and label != NONE]
     if not labels:
         raise NoAnswerError("it lists nothing")

@@ -1,4 +1,4 @@
-"""What a picture tells of its camera: lines of known direction, and what is fixed by hand. Upright picture's pixels."""
+"""Evidence about the camera: lines of known direction, and values fixed by hand. Upright picture's pixels."""
 
 from typing import Annotated, Literal
 
@@ -20,7 +20,7 @@ class Guide(Contract):
 
 
 class Perspective(Contract):
-    """What says how the camera looks: lines, and what was fixed by hand (null: found from the lines)."""
+    """What determines the camera: lines, and values fixed by hand (null: fitted to the lines)."""
 
     guides: list[Guide] = Field([], max_length=200)
     horizon: tuple[Pixel, Pixel] | None = None

@@ -19,7 +19,7 @@ DRAWING_ERROR = 0.002  # metres: less is an error of drawing
 
 
 class MetrologyError(Exception):
-    """What was drawn has no meaning in space; the message says why, for the person who drew it."""
+    """The marks fit nothing in space; the message says why, for the person who drew them."""
 
 
 def rotation_of(yaw: float, pitch: float, roll: float) -> Points:
@@ -31,7 +31,7 @@ def rotation_of(yaw: float, pitch: float, roll: float) -> Points:
 
 
 class RearCornerError(MetrologyError):
-    """The pixel of a rear corner has no meaning; all else of the box has."""
+    """The pixel of a rear corner fits nothing in space; the other pixels of the box do."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class View:
         depth = np.where(local[..., 2:] > 1e-3 * self.above, local[..., 2:], np.nan)
         return np.asarray(local[..., :2] / depth * self.focal + [(self.width - 1) / 2, (self.height - 1) / 2])
 
-    def on_level(self, pixel: ArrayLike, z: float = 0.0) -> Points:
+    def meet_level(self, pixel: ArrayLike, z: float = 0.0) -> Points:
         """The point (3,) at height z that a pixel shows.
 
         Raises:
@@ -81,7 +81,7 @@ class View:
             raise MetrologyError(f"a point of it lies {where} the horizon, where its ground cannot be seen")
         return np.asarray(ray * reach + [0, 0, self.above])
 
-    def on_plane(self, pixel: ArrayLike, normal: ArrayLike, offset: float) -> Points:
+    def meet_plane(self, pixel: ArrayLike, normal: ArrayLike, offset: float) -> Points:
         """The point (3,) of the upright plane `normal . p = offset` that a pixel shows."""
         ray = self.rays(pixel)
         towards = ray @ np.asarray(normal)
@@ -105,7 +105,7 @@ class WallPlane:
         return np.array([-self.normal[1], self.normal[0], 0.0])
 
     def reach(self, rays: ArrayLike) -> Points:
-        """Depth (...) at which rays (..., 3) from the camera meet it from before, inf where they miss it."""
+        """Depth (...) at which rays (..., 3) from the camera hit its front; inf: they miss it."""
         towards, sideways = np.asarray(rays) @ self.normal, np.asarray(rays) @ self.along
         with np.errstate(divide="ignore", invalid="ignore"):
             reach = np.where(towards < 0, self.offset / towards, np.inf)
@@ -130,7 +130,7 @@ def snap_direction(direction: Points, free: bool) -> Points:
 
 def wall_plane(view: View, a: ArrayLike, b: ArrayLike, free: bool) -> WallPlane:
     """The wall over a line on the floor, given by two pixels."""
-    start, end = view.on_level(a), view.on_level(b)
+    start, end = view.meet_level(a), view.meet_level(b)
     along = snap_direction(end - start, free)
     normal = np.array([-along[1], along[0], 0.0])
     offset = float((start + end) @ normal / 2)
@@ -173,7 +173,7 @@ def _box(front: Points, inward: Points, size: tuple[float, float, float], bottom
     )
 
 
-def standing_box(
+def fit_standing_box(
     view: View,
     ground: float,
     pixels: list[tuple[float, float]],
@@ -190,7 +190,7 @@ def standing_box(
         sizes: width, depth and height in metres where they are known; the front's middle stays.
         free: its front need not run along a wall.
     """
-    left, right = view.on_level(pixels[0], ground), view.on_level(pixels[1], ground)
+    left, right = view.meet_level(pixels[0], ground), view.meet_level(pixels[1], ground)
     along = snap_direction(right - left, free)
     middle = (left + right) / 2
     inward = np.array([-along[1], along[0], 0.0])
@@ -199,7 +199,7 @@ def standing_box(
     width = sizes[0] or max(abs(float((right - left) @ along)), 1e-4 * view.above)
     height = sizes[2] or 1e-4 * view.above
     if sizes[2] is None and len(pixels) > 2:
-        height = float(view.on_plane(pixels[2], inward, float(inward @ middle))[2]) - ground
+        height = float(view.meet_plane(pixels[2], inward, float(inward @ middle))[2]) - ground
         if height <= 0:
             raise MetrologyError("its top lies below its base")
     depth = sizes[1] or min(width, 0.6)
@@ -216,20 +216,20 @@ def round_box(
     pixels: list[tuple[float, float]],
     sizes: tuple[float | None, float | None, float | None],
 ) -> UprightBox:
-    """The box around a round thing, from the left and right end of its foot, which lie beside its centre, and its top.
+    """The box around a round thing, from the left and right end of its base, level with its centre, and its top.
 
     Args:
-        pixels: two or three; without the third it is flat. If that lies farther to a side than its foot does, its top
+        pixels: two or three; without the third it is flat. If that lies farther to a side than its base does, its top
             ends there.
         sizes: width, depth and height in metres where they are known; its centre stays.
     """
-    left, right = view.on_level(pixels[0], ground), view.on_level(pixels[1], ground)
+    left, right = view.meet_level(pixels[0], ground), view.meet_level(pixels[1], ground)
     middle = (left + right) / 2
     width = sizes[0] or max(float(np.linalg.norm(right - left)), 1e-4 * view.above)
     height = sizes[2] or 1e-4 * view.above
     if len(pixels) > 2 and None in (sizes[0], sizes[2]):
         away = middle * [1, 1, 0] / np.linalg.norm(middle[:2])
-        top = view.on_plane(pixels[2], away, float(away @ middle))
+        top = view.meet_plane(pixels[2], away, float(away @ middle))
         width = sizes[0] or max(width, 2 * float(np.linalg.norm((top - middle)[:2])))
         height = sizes[2] or float(top[2]) - ground
         if height <= 0:
@@ -239,7 +239,7 @@ def round_box(
 
 def _face(view: View, wall: WallPlane, depth: float, pixels: list[tuple[float, float]]) -> Points:
     """Two opposite corners (2, 3) of a face parallel to a wall, `depth` before it."""
-    return np.array([view.on_plane(pixel, wall.normal, wall.offset + depth) for pixel in pixels[:2]])
+    return np.array([view.meet_plane(pixel, wall.normal, wall.offset + depth) for pixel in pixels[:2]])
 
 
 def _depth_of_rear(view: View, wall: WallPlane, pixels: list[tuple[float, float]]) -> float:
@@ -248,7 +248,7 @@ def _depth_of_rear(view: View, wall: WallPlane, pixels: list[tuple[float, float]
     A corner of the face moves along its ray with the depth, linearly; that depth is right at which one of the four
     corners comes nearest to the rear corner (least squares).
     """
-    rear = view.on_plane(pixels[2], wall.normal, wall.offset)
+    rear = view.meet_plane(pixels[2], wall.normal, wall.offset)
     near, far = (_face(view, wall, depth, pixels) for depth in (-wall.offset / 2, 0.0))
     plan = np.stack([wall.along, [0.0, 0.0, 1.0]])
     starts = np.array([(far[i] @ plan[0], far[j] @ plan[1]) for i in (0, 1) for j in (0, 1)])
@@ -262,7 +262,7 @@ def _depth_of_rear(view: View, wall: WallPlane, pixels: list[tuple[float, float]
     return depth
 
 
-def hanging_box(
+def fit_hanging_box(
     view: View,
     wall: WallPlane,
     pixels: list[tuple[float, float]],

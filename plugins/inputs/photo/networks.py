@@ -1,6 +1,6 @@
 """The pretrained networks, through `transformers`: boxes by labels, masks by boxes, depth.
 
-Each function loads its network and lets it go again, so that only one is in memory at a time. Pictures are prepared
+Each function loads its network and frees it, so that only one is in memory at a time. Pictures are prepared
 here as the networks' own preprocessors do it, which need torchvision.
 """
 
@@ -41,7 +41,7 @@ class Detection(NamedTuple):
 
 
 @contextmanager
-def _free_after(device: str) -> Iterator[None]:
+def _free_memory_after(device: str) -> Iterator[None]:
     """Inference; memory of what was loaded inside is freed after it."""
     with torch.inference_mode():
         yield
@@ -63,7 +63,7 @@ def detect(rgb: Picture, labels: Sequence[str], options: PhotoConfig, device: st
     Raises:
         InputError: the weights are missing or broken.
     """
-    with _free_after(device):
+    with _free_memory_after(device):
         return _detect(rgb, labels, options, device)
 
 
@@ -133,7 +133,7 @@ def segment(
     Raises:
         InputError: the weights are missing or broken.
     """
-    with _free_after(device):
+    with _free_memory_after(device):
         height, width = rgb.shape[:2]
         model = load_pretrained(Sam2Model, options.segmenter, "photo.segmenter").to(device)
         side = model.config.prompt_encoder_config.image_size
@@ -154,7 +154,7 @@ def depth_of(rgb: Picture, options: PhotoConfig, device: str = "cpu") -> tuple[N
     Raises:
         InputError: the weights are missing or broken.
     """
-    with _free_after(device):
+    with _free_memory_after(device):
         depth, focal = (_depth_pro if options.depth == "depth_pro" else _depth_anything)(rgb, options, device)
         if not np.isfinite(depth).all():
             what = "gives depth that is not finite."

@@ -36,14 +36,14 @@ def measure_misses(view: View, axes: NDArray[np.integer], ends: Points) -> Point
 
 
 def find_weak_lines(view: View, guides: list[Guide]) -> list[bool]:
-    """Which lines do not run as the camera says: they say little of it, or are wrong."""
+    """Lines that disagree with the fitted camera: they carry little weight, or are wrong."""
     ends = np.array([(line.a, line.b) for line in guides], dtype=float).reshape(-1, 2, 2)
     off = np.abs(measure_misses(view, np.array([AXES.index(line.axis) for line in guides], dtype=int), ends))
     half = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / 2
     return [bool(one) for one in off > WEAK * half]
 
 
-def _pinned(view: View, axis: int, pixel: ArrayLike) -> Points:
+def _measure_miss(view: View, axis: int, pixel: ArrayLike) -> Points:
     """By how many pixels a vanishing point misses the place where it was put; it may be at infinity."""
     centre = np.array([(view.width - 1) / 2, (view.height - 1) / 2])
     wanted = np.array([*(np.asarray(pixel, dtype=float) - centre) / view.focal, 1.0])
@@ -85,7 +85,7 @@ def _fit(width: int, height: int, text: str, start: tuple[float, float, float] |
     def residuals(state: Points) -> Points:
         view = view_of(state)
         parts = [weigh_residuals(measure_misses(view, axes, ends))]
-        parts += [_pinned(view, axis, pixel) / PIN for axis, pixel in pins]
+        parts += [_measure_miss(view, axis, pixel) / PIN for axis, pixel in pins]
         if given.horizon is not None:
             (u0, v0), (u1, v1) = given.horizon
             (a0, b0), (a1, b1) = horizon(view)
@@ -100,12 +100,12 @@ def _fit(width: int, height: int, text: str, start: tuple[float, float, float] |
 
 
 def weigh_residuals(values: Points) -> Points:
-    """Residuals under Cauchy's loss: a line of a table that is turned a little does not bend the whole room."""
+    """Residuals under Cauchy's loss, so that a few lines of turned furniture do not tilt the room."""
     return np.asarray(np.sign(values) * np.sqrt(np.log1p(values**2)))
 
 
 def fit_view(given: Perspective, width: int, height: int, start: tuple[float, float, float] | None = None) -> View:
-    """The camera, one metre above the floor, that explains the lines best; what they leave open is as is usual.
+    """The camera, one metre above the floor, that explains the lines best; usual values where they leave it open.
 
     Args:
         given: lines and what was fixed by hand.

@@ -1,4 +1,4 @@
-"""Any photograph, as the page and the input folder use it: upright, 8-bit RGB, of a size that a screen can show."""
+"""A photograph as the page and the input folder use it: upright, 8-bit RGB, small enough for a screen."""
 
 import warnings
 from dataclasses import dataclass, replace
@@ -90,7 +90,7 @@ def read_photo(path: Path, lens: Path | None = None) -> Photo:
     """Read a photograph.
 
     Args:
-        lens: calibration of the camera, by which the picture is made straight.
+        lens: calibration of the camera, used to remove distortion.
 
     Raises:
         InputError: no picture, a panorama, or one that shows nothing.

@@ -92,7 +92,7 @@ def _angles(rotation: Points) -> tuple[float, float, float]:
     return wrap_angle(yaw, np.pi), float(np.arcsin(np.clip(up[2], -1, 1))), float(np.arctan2(up[0], -up[1]))
 
 
-def _assigned(view: View, ends: Points) -> tuple[NDArray[np.integer], Points]:
+def _assign_axes(view: View, ends: Points) -> tuple[NDArray[np.integer], Points]:
     """Axis (N,) of each segment and how well it agrees with it."""
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     every = [measure_misses(view, np.full(len(ends), axis), ends) for axis in range(3)]
@@ -107,7 +107,7 @@ def _guides(ends: Points, axes: NDArray[np.integer]) -> list[Guide]:
 
 
 def propose(grey: NDArray[np.uint8], prior: Perspective, seed: int = 0) -> Perspective:
-    """Guides along the three axes of the room, and the focal length that all segments speak for.
+    """Guides along the three axes of the room, and the focal length that fits all segments.
 
     Without lines that agree there are no guides, and the camera is the usual one.
 
@@ -135,10 +135,10 @@ def propose(grey: NDArray[np.uint8], prior: Perspective, seed: int = 0) -> Persp
         return prior
     view = View(width, height, best[1], best[0])
     for _ in range(3):  # better lines give a better camera, which gives better lines
-        axes, good = _assigned(view, ends)
+        axes, good = _assign_axes(view, ends)
         every = _guides(ends[good > 0], axes[good > 0])
         view = fit_view(prior.model_copy(update={"guides": every}), width, height, _angles(view.rotation))
-    axes, good = _assigned(view, ends)
+    axes, good = _assign_axes(view, ends)
     longest = [np.flatnonzero((axes == axis) & (good > FITS))[:SHOWN] for axis in range(3)]
     guides = _guides(np.round(ends, 1), axes)
     shown = [guides[number] for number in np.concatenate(longest)]

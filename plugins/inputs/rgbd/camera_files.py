@@ -10,7 +10,7 @@ import yaml
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
-from stages.contracts.arrays import read_npz, readable
+from stages.contracts.arrays import explain_unreadable, read_npz
 
 KNOWS = "a file with fx, fy, cx, cy or a 3x3 matrix (JSON, YAML, text, NPY), see docs/your-data.md"
 # Keys under which files nest the colour camera; a later one counts more.
@@ -45,7 +45,7 @@ def contents(path: Path, picture: str = "") -> list[float] | dict[str, Any]:
     Raises:
         InputError: neither.
     """
-    with readable(path, "file of intrinsics", KNOWS):
+    with explain_unreadable(path, "file of intrinsics", KNOWS):
         data = load(path)
         if isinstance(data, list) and data and all(isinstance(one, float) for one in data):
             return data

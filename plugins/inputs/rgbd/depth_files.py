@@ -11,7 +11,7 @@ from PIL import Image, ImageOps
 from plugins.inputs.rgbd.depth_scale import UNITS, Stated, find_scale
 from plugins.inputs.rgbd.exr import read_exr
 from stages.contracts import InputError
-from stages.contracts.arrays import read_npz, readable
+from stages.contracts.arrays import explain_unreadable, read_npz
 from stages.contracts.depth import NEAREST, SKY, check_depth
 from stages.contracts.types import LARGEST
 from stages.geometry.depth_marks import find_cut_range, find_marks, remove_marks
@@ -30,7 +30,7 @@ def read_raw(path: Path) -> NDArray[Any]:
         raise InputError(
             path, "is no kind of depth file that is known.", f"one of {', '.join(DEPTH_FILES)}", code="E-DEPTH-FORMAT"
         )
-    with readable(path, "depth file"):
+    with explain_unreadable(path, "depth file"):
         if path.suffix.lower() in DEPTH_IMAGES:
             array = _read_image(path)
         else:

@@ -44,12 +44,14 @@ def remove_edges(depth: NDArray[np.float32], masks: NDArray[np.uint16]) -> NDArr
         if np.isin(parts, large).sum() <= MIN_LEFT * mask.sum():
             continue
         body = 1 + int(np.argmax(sizes))
-        inner = np.isin(parts, [part for part in large if part == body or not _goes_on(parts == part, whole, seen)])
+        inner = np.isin(
+            parts, [part for part in large if part == body or not _continues_outside(parts == part, whole, seen)]
+        )
         kept = mask & (inner | _as_far_as(inner, seen))
         parts, sizes = _parts(mask & front[near], 8)  # no two neighbours of these are a step apart
         for part in 1 + np.flatnonzero(sizes >= MIN_PART):
             surface = parts == part
-            if kept[surface].any() or not _goes_on(surface, whole, seen):
+            if kept[surface].any() or not _continues_outside(surface, whole, seen):
                 kept |= surface
         clean[near][mask & ~kept] = 0
     return clean
@@ -67,7 +69,7 @@ def _as_far_as(part: NDArray[np.bool_], depth: NDArray[np.float32]) -> NDArray[n
     return np.asarray(np.abs(depth - depth[tuple(nearest)]) <= DEPTH_STEP * depth)
 
 
-def _goes_on(part: NDArray[np.bool_], whole: NDArray[np.bool_], depth: NDArray[np.float32]) -> bool:
+def _continues_outside(part: NDArray[np.bool_], whole: NDArray[np.bool_], depth: NDArray[np.float32]) -> bool:
     """Whether a part goes on outside the mask `whole`: the background of an object whose mask is too wide."""
     around = cv2.dilate(part.astype(np.uint8), np.ones((AROUND_PART, AROUND_PART))) > 0
     outside = around & ~whole & (depth > 0)

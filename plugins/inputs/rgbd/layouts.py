@@ -14,7 +14,7 @@ from plugins.inputs.rgbd.cameras import read_intrinsics
 from plugins.inputs.rgbd.depth_files import DEPTH_FILES
 from plugins.inputs.rgbd.views import Intrinsics, View
 from stages.contracts import InputError
-from stages.contracts.arrays import readable
+from stages.contracts.arrays import explain_unreadable
 from stages.geometry.cameras import make_intrinsics, scale_intrinsics
 
 PICTURES = (".png", ".jpg", ".jpeg", ".ppm")
@@ -65,7 +65,7 @@ def _is_tum(path: Path) -> bool:
 
 def _list_of_tum(path: Path) -> list[tuple[Path, Path]]:
     """Every picture of TUM with the depth image nearest in time, 20 ms apart at most (its associate.py)."""
-    with readable(path / "rgb.txt", "list of a TUM recording"):
+    with explain_unreadable(path / "rgb.txt", "list of a TUM recording"):
         colours, depths = _read_stamps(path / "rgb.txt"), _read_stamps(path / "depth.txt")
         times = np.array([stamp for stamp, _ in depths])
         nearest = [int(np.abs(times - stamp).argmin()) for stamp, _ in colours]

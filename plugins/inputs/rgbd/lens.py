@@ -93,13 +93,13 @@ def _is_of_lens(name: str, value: Any) -> bool:
     """Whether the value under a name is of the lens: by the name, or as a list of its coefficients."""
     inner = {simplify_name(str(key)) for key in value} if isinstance(value, dict) else set()
     is_list = bool(inner & {*COEFFICIENTS, *LISTS}) and not has_camera(dict.fromkeys(inner))
-    return (is_list or any(word in name for word in OF_LENS)) and _says_number(value)
+    return (is_list or any(word in name for word in OF_LENS)) and _holds_number(value)
 
 
-def _says_number(value: Any) -> bool:
+def _holds_number(value: Any) -> bool:
     """Whether a value holds a number other than 0."""
     if isinstance(value, (list, dict)):
-        return any(_says_number(one) for one in (value.values() if isinstance(value, dict) else value))
+        return any(_holds_number(one) for one in (value.values() if isinstance(value, dict) else value))
     return isinstance(value, (int, float)) and not isinstance(value, bool) and value != 0
 
 

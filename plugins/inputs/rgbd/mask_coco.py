@@ -15,7 +15,7 @@ from plugins.inputs.rgbd.mask_shapes import (
     refuse_shape,
 )
 from stages.contracts import InputError
-from stages.contracts.arrays import readable
+from stages.contracts.arrays import explain_unreadable
 from stages.geometry.masks import OUTLINE
 
 
@@ -25,7 +25,7 @@ def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture
     Raises:
         InputError: it is broken, of another size, of other pictures, or has an annotation that cannot be read.
     """
-    with readable(path, "COCO file"):
+    with explain_unreadable(path, "COCO file"):
         names = {category["id"]: str(category["name"]).strip() for category in data["categories"]}
         image = _find_image(path, data, picture)
         size = int(image.get("width") or width), int(image.get("height") or height)

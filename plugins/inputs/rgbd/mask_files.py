@@ -12,7 +12,7 @@ from plugins.inputs.rgbd.mask_labelme import read_labelme
 from plugins.inputs.rgbd.mask_shapes import lay_shapes, list_remarks
 from plugins.inputs.rgbd.upright import Turn, turn_array
 from stages.contracts import InputError
-from stages.contracts.arrays import readable
+from stages.contracts.arrays import explain_unreadable
 
 EXPORT = "export COCO or labelme JSON, or a label image as PNG"
 SUFFIXES = {  # what masks are that are no JSON and no picture
@@ -89,7 +89,7 @@ def read_labelled(path: Path, labels: Path | None, width: int, height: int, pict
         return read_label_image(path, labels, width, height)
     if labels is not None:
         print(f"{labels}: not read, {path.name} has names of its own")
-    with readable(path, "JSON file"):
+    with explain_unreadable(path, "JSON file"):
         data = json.loads(path.read_text(encoding="utf-8-sig"))
     read, kind = _choose_reader(path, data)
     return lay_shapes(path, read(path, data, width, height, picture), kind)

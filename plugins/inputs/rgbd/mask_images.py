@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from plugins.inputs.rgbd.frame import Labelled, is_nothing
 from plugins.inputs.rgbd.mask_shapes import NO_PIXELS, check_size, list_remarks
 from stages.contracts import InputError
-from stages.contracts.arrays import readable
-from stages.contracts.images import read_masks, upright
+from stages.contracts.arrays import explain_unreadable
+from stages.contracts.images import read_masks, read_upright
 
 MAX_VALUES = 1000  # of a label image; a photograph has more; chosen
 NAMES_OPTION = '--labels with {"1": "mug", "2": "floor"}, or {"#ff0000": "mug"} for a picture in colours'
@@ -59,8 +59,8 @@ def read_label_image(path: Path, labels: Path | None, width: int, height: int) -
 
 def _read_values(path: Path, coloured: bool) -> tuple[NDArray[Any], bool]:
     """Values (H, W), and whether they are colours: of a palette only if names are those of colours."""
-    with readable(path, "picture"):
-        image = upright(path)
+    with explain_unreadable(path, "picture"):
+        image = read_upright(path)
     if image.mode not in ("RGB", "RGBA") and not (coloured and image.mode == "P"):
         return read_masks(path), False
     if image.format in ("JPEG", "MPO"):
@@ -77,7 +77,7 @@ def _write_value(value: int, colour: bool) -> str:
 
 def _read_names(path: Path) -> tuple[dict[int, str], bool]:
     """Names of values, and whether those are colours."""
-    with readable(path, "JSON file of names", NAMES_OPTION):
+    with explain_unreadable(path, "JSON file of names", NAMES_OPTION):
         data = json.loads(path.read_text(encoding="utf-8"))
         names = {int(key[1:], 16) if key.startswith("#") else int(key): value for key, value in data.items()}
     if not all(isinstance(name, str) and name.strip() for name in names.values()):

@@ -17,7 +17,7 @@ from plugins.inputs.rgbd.mask_shapes import (
     list_corners,
     refuse_shape,
 )
-from stages.contracts.arrays import readable
+from stages.contracts.arrays import explain_unreadable
 
 AREAS_NOT = {"line": "is a line", "linestrip": "is a line", "point": "is a point", "points": "are points"}
 CORNERS = {"polygon", "rotation", "oriented_rectangle", "quadrilateral"}  # all of their corners are written
@@ -30,7 +30,7 @@ def read_labelme(path: Path, data: dict[str, Any], width: int, height: int, pict
     Raises:
         InputError: it is broken, of another size, or has a shape that cannot be read.
     """
-    with readable(path, "labelme file"):
+    with explain_unreadable(path, "labelme file"):
         check_size(path, (int(data.get("imageWidth") or width), int(data.get("imageHeight") or height)), width, height)
         named = Path(str(data.get("imagePath") or "").replace("\\", "/"))
         if picture and named.name and named.stem != Path(picture).stem:

@@ -20,7 +20,7 @@ from stages.contracts.depth import read_depth
 from stages.contracts.scene_input import read_scene_input
 from stages.geometry.boxes import UprightBox
 from stages.geometry.depth_marks import find_cut_range, find_marks
-from stages.geometry.ray_depth import along_axis, flatter_along, ray_lengths
+from stages.geometry.ray_depth import along_axis, find_flatter, ray_lengths
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, trace, write_room
 
@@ -284,8 +284,8 @@ def test_distance_along_the_ray_is_doubted_and_can_be_told(room: tuple[Any, Any]
     rng = np.random.default_rng(0)
     depth = (room[0] * (1 + noise * rng.standard_normal(room[0].shape))).astype(np.float32)
     distance = (depth * ray_lengths(depth.shape, INTRINSICS)).astype(np.float32)
-    assert flatter_along(depth, INTRINSICS) == "" and flatter_along(distance, INTRINSICS) == "ray"
-    assert flatter_along(along_axis(depth, INTRINSICS), INTRINSICS) == "axis"
+    assert find_flatter(depth, INTRINSICS) == "" and find_flatter(distance, INTRINSICS) == "ray"
+    assert find_flatter(along_axis(depth, INTRINSICS), INTRINSICS) == "axis"
     np.testing.assert_allclose(along_axis(distance, INTRINSICS), depth, rtol=1e-5)
 
 

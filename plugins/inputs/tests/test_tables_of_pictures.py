@@ -8,7 +8,7 @@ import pytest
 from plugins.inputs.pictures import Picture
 from stages.config.inputs import INPUT_FILES
 from stages.config.model import load
-from stages.config.outside import outside
+from stages.config.outside import list_outside_paths
 from stages.contracts import InputError
 
 HEAD = "scene,image,depth,unit,camera,fx,fy,cx,cy,fov,masks,labels,folder,recording,number"
@@ -106,7 +106,7 @@ GOOD = "one,a.png,a_depth.png,,k.json,,,,,,masks.json,,,,"
         ("two,a.png,a_depth.png,,realsens,,,,,,masks.json,,,,", "camera", "realsense_d435"),
         ("two,a.png,a_depth.png,,,,,,,,masks.json,,,,", "camera", "what camera took the picture"),
         ("two,a.png,a_depth.png,,,600,,320,240,,masks.json,,,,", "camera", "fx, fy, cx and cy"),
-        ("two,a.png,a_depth.png,,k.json,,,,,60,masks.json,,,,", "camera", "told in two ways"),
+        ("two,a.png,a_depth.png,,k.json,,,,,60,masks.json,,,,", "camera", "given in two ways"),
         ("two,a.png,a_depth.png,,,,,,,170,masks.json,,,,", "fov", "less than or equal to 135 (got '170')"),
         ("two,a.png,a_depth.png,,,6x,6,3,2,,masks.json,,,,", "fx", "valid number"),
         ("two,a.png,,m,,,,,,,,,,,", "unit", "picture without depth"),
@@ -114,7 +114,7 @@ GOOD = "one,a.png,a_depth.png,,k.json,,,,,,masks.json,,,,"
         ("two,a.png,,,,,,,,,,,,recording,", "recording", "leave out image and depth"),
         ("two,,,,,,,,,,,,many/attic,,", "folder", "no folder ../data/many/attic"),
         ("two,,,,,,,,,,,,many/notes,,", "folder", "../data/many/notes has no depth.npz"),
-        ("two,,,,,,,,,60,,,many/hall,,", "fov", "beside a folder"),
+        ("two,,,,,,,,,60,,,many/hall,,", "fov", "given together with a folder"),
         ("two tables,,,,,,,,,,,,many/hall,,", "scene", "'two tables' is no name"),
         (",,,,,,,,,,,,many/hall,,", "scene", "'' is no name"),
     ],
@@ -156,4 +156,4 @@ def test_containers_see_the_folders_of_many_pictures(data: Path) -> None:
     rows = [f"{name},pictures/{name}.png,pictures/{name}_d.png,xtion,pictures/{name}_m.png" for name in names]
     many = table(data, *rows, head="scene,image,depth,camera,masks")
     loaded = load({"experiment": {"inputs": many, "rooms": ["*"], "targets": {"door": None}}})
-    assert outside(loaded) == [str(data / "pictures")]
+    assert list_outside_paths(loaded) == [str(data / "pictures")]

@@ -10,7 +10,7 @@ from plugins.furniture import build
 from plugins.furniture.catalogue import sample
 from plugins.look.estimate import estimate_look, merge_meshes
 from plugins.look.surfaces import Seen, estimate_light, find_bounds, find_surfaces, to_direction
-from plugins.pictures.painting import furnish, usual_look
+from plugins.pictures.painting import furnish, make_usual_look
 from stages.contracts import GeneratedScene, Objects
 from stages.contracts.look import ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Mounting, SceneObject, Wall
@@ -166,6 +166,6 @@ def test_scenes_are_drawn_in_the_look_of_their_picture_if_the_package_is_on(tmp_
 
 
 def test_without_the_package_the_light_is_the_usual_one() -> None:
-    look = usual_look()
+    look = make_usual_look()
     assert look.light_from == "default" and look.surfaces == []
     assert np.cross(look.light, ROOM_LIGHT) == pytest.approx(np.zeros(3), abs=1e-5)

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from plugins.ops.guard import descendants, hold_folder, makes_files
+from plugins.ops.guard import asks_for_run, descendants, hold_folder
 from plugins.ops.lock import LOCK, WORKFLOW, Holder, start_time, stop_if_taken_over
-from stages.contracts import atomic
+from stages.contracts import write_atomically
 from tests.refusals import refused
 
 HOLD = "import sys, plugins.ops.guard as g; lock = g.hold_folder(); print('held', flush=True); sys.stdin.read()"
@@ -96,13 +96,13 @@ def test_what_a_job_has_begun_is_not_written_once_another_workflow_has_its_folde
     monkeypatch.setattr("stages.contracts.files.BEFORE_WRITING", [stop_if_taken_over])
     LOCK.parent.mkdir()
     LOCK.write_text(FAR.text)
-    with atomic(Path("a.txt")) as first, atomic(Path("a.txt")) as second:
+    with write_atomically(Path("a.txt")) as first, write_atomically(Path("a.txt")) as second:
         assert first != second, "two writers never share a file"
         first.write_text("1")
         second.write_text("2")
     assert Path("a.txt").read_text() == "1"
     with refused("E-FOLDER-TAKEN"):  # noqa: SIM117
-        with atomic(Path("a.txt")) as path:
+        with write_atomically(Path("a.txt")) as path:
             path.write_text("3")
             LOCK.write_text(Holder.this_process().text)
     assert Path("a.txt").read_text() == "1"
@@ -175,6 +175,6 @@ def test_a_foreign_program_keeps_its_exit_code_and_a_missing_one_is_one_line() -
 
 
 def test_commands_that_only_look_need_no_lock() -> None:
-    assert makes_files(["snakemake", "--cores", "2", "all"])
-    assert not makes_files(["snakemake", "--report=report.html"])
-    assert not makes_files(["snakemake", "--summary"])
+    assert asks_for_run(["snakemake", "--cores", "2", "all"])
+    assert not asks_for_run(["snakemake", "--report=report.html"])
+    assert not asks_for_run(["snakemake", "--summary"])

@@ -12,7 +12,7 @@ import torch
 from plugins.patchnet.network import GRID, SIZE, PatchNet, seen_categories
 from plugins.patchnet.training import train as module
 from plugins.patchnet.training.batches import Pairs, draw, mirror
-from plugins.patchnet.training.loss import losses, same_looks
+from plugins.patchnet.training.loss import find_same_looks, losses
 from plugins.patchnet.training.options import TrainingOptions
 from plugins.patchnet.training.pairs import NONE, foreground_of, hide_part, matches
 from stages.geometry.cameras import back_project, look_at
@@ -73,7 +73,7 @@ def test_snapshots_look_the_same_as_the_symmetry_says() -> None:
     models = torch.tensor([0, 0, 0, 1, 1])
     yaws = torch.tensor([0.0, np.pi, 1.0, 0.0, 2.0])
     periods = torch.tensor([np.pi] * 3 + [0.0] * 2)
-    alike = same_looks(models, yaws, periods)
+    alike = find_same_looks(models, yaws, periods)
     assert alike.diagonal().all() and (alike == alike.T).all()
     assert alike[0, 1] and alike[3, 4] and not alike[0, 2] and not alike[0, 3]
 

@@ -9,7 +9,7 @@ from plugins.patchnet.network import GRID
 SAME_TURN = 0.1  # radians by which two snapshots may differ that look the same
 
 
-def same_looks(models: Tensor, yaws: Tensor, periods: Tensor) -> Tensor:
+def find_same_looks(models: Tensor, yaws: Tensor, periods: Tensor) -> Tensor:
     """(B, B) bool: snapshots of one model that look the same, as its symmetry says. All arguments (B,)."""
     gap = (yaws[:, None] - yaws[None]).abs()
     period = periods[:, None]
@@ -38,7 +38,7 @@ def losses(
         owners: (Q,) the snapshot that belongs to each query's picture.
         targets: (Q,) the patch of it that shows the same, or -1.
         visible: (B, P) bool, patches of the snapshots that show their model.
-        alike: (B, B) of `same_looks`.
+        alike: (B, B) of `find_same_looks`.
         heat: temperature.
 
     Returns:

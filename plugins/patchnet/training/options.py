@@ -1,4 +1,4 @@
-"""What the training of `patchnet` can be told; the defaults made the shipped weights."""
+"""Options of the training of `patchnet`; the defaults made the shipped weights."""
 
 from dataclasses import dataclass
 from typing import Literal

@@ -24,7 +24,7 @@ from stages.assets.snapshots import Turntable
 from stages.cli import progress
 from stages.config.assets import SnapshotOptions
 from stages.contracts.errors import InputError
-from stages.contracts.files import atomic
+from stages.contracts.files import write_atomically
 from stages.contracts.library import Asset
 from stages.geometry.frames import SYMMETRY_PERIOD
 from stages.matching.crop import View
@@ -63,7 +63,7 @@ def render(out: Path, config: PairOptions, seed: int) -> None:
                 return
     wanted = models(config)
     photographer, count = Photographer(), len(wanted) * config.views
-    with atomic(out) as temporary, h5py.File(temporary, "w") as file:
+    with write_atomically(out) as temporary, h5py.File(temporary, "w") as file:
         file.attrs["about"] = about
         crops = file.create_dataset("crops", (count, 2, SIZE, SIZE, 4), "u1")  # picture, snapshot
         matched = file.create_dataset("matches", (count, GRID * GRID), "i2")
@@ -105,7 +105,7 @@ class Photographer:
             return SYMMETRY_PERIOD[asset.symmetry], list(self._pairs(folder, again, views, rng))
 
     def _pairs(self, folder: Path, again: Path, views: int, rng: np.random.Generator) -> Iterator[Pair]:
-        yaws = rng.permutation(turns(views, rng))
+        yaws = rng.permutation(draw_yaws(views, rng))
         rgbs, depths = self.turntable.photograph(folder, yaws.tolist())
         turned = yaws + rng.uniform(-JITTER, JITTER, views)
         shots = self.studio.photograph(again, turned.tolist(), rng, PAINTED)
@@ -117,7 +117,7 @@ class Photographer:
             yield Pair(crop(picture), crop(snapshot), found, float(yaw))
 
 
-def turns(views: int, rng: np.random.Generator) -> NDArray[np.float64]:
+def draw_yaws(views: int, rng: np.random.Generator) -> NDArray[np.float64]:
     """Yaws (views,) evenly over the front half and, half as close, over the back, which tells less of most models."""
     front = -(-2 * views // 3)
     fronts = -np.pi / 2 + (np.arange(front) + rng.uniform()) * np.pi / front

@@ -86,7 +86,7 @@ class ChanceStudio:
             turn = yaw_matrix(yaw)
             move(body, sapien.Pose(-turn @ (scale * stretch * box_centre(asset)), yaw_quaternion(yaw)))
             camera, intrinsics, towards, distance = self._cameras[int(rng.integers(len(self._cameras)))]
-            pose = _looking_past(rng.uniform(*ELEVATIONS), distance * RADIUS * rng.uniform(0.95, 1.1), towards)
+            pose = _aim_camera(rng.uniform(*ELEVATIONS), distance * RADIUS * rng.uniform(0.95, 1.1), towards)
             picture = camera.render(pose)
             unit = scale * stretch * max(asset.size)
             affine = np.eye(4)
@@ -112,7 +112,7 @@ class ChanceStudio:
             light.entity.set_pose(sapien.Pose([0, 0, 0], rotation))
 
 
-def _looking_past(elevation: float, distance: float, towards: Array) -> Array:
+def _aim_camera(elevation: float, distance: float, towards: Array) -> Array:
     """(4, 4) world_from_camera, OpenCV axes, of a camera that sees the origin in the direction `towards` (3,)."""
     eye = distance * np.array([np.cos(elevation), 0.0, np.sin(elevation)])
     straight = look_at(eye, [0.0, 0.0, 0.0])[:3, :3]

@@ -12,10 +12,10 @@ from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from plugins.patchnet.network import PatchNet
 from plugins.patchnet.training.batches import Batch, Pairs, draw
-from plugins.patchnet.training.loss import losses, same_looks
+from plugins.patchnet.training.loss import find_same_looks, losses
 from plugins.patchnet.training.options import TrainingOptions
 from stages.cli import progress
-from stages.contracts.files import atomic
+from stages.contracts.files import write_atomically
 
 STATE = "state.pt"
 QUERIES = 1024  # patches of a batch that are compared
@@ -58,7 +58,7 @@ def train(pairs: Path, out: Path, config: TrainingOptions, seed: int) -> None:
             save_state(training, out / STATE)
             save_weights(training.average.module, out / "patchnet.safetensors", data.categories)
     save_weights(training.average.module, out / "patchnet.safetensors", data.categories)
-    with atomic(out / "metrics.jsonl") as temporary:
+    with write_atomically(out / "metrics.jsonl") as temporary:
         temporary.write_text("".join(json.dumps(line) + "\n" for line in training.lines), encoding="utf-8")
 
 
@@ -102,7 +102,7 @@ def compare(features: Tensor, batch: Batch, pick: torch.Generator, heat: float) 
     owners = chosen // pictures.shape[1]
     targets = batch.matches.flatten()[chosen]
     targets = torch.where(batch.visible[1][owners, targets.clamp(min=0)], targets, -1)
-    alike = same_looks(batch.models, batch.yaws, batch.periods)
+    alike = find_same_looks(batch.models, batch.yaws, batch.periods)
     return losses(pictures.flatten(0, 1)[chosen], snapshots, owners, targets, batch.visible[1], alike, heat)
 
 
@@ -122,7 +122,7 @@ def save_state(training: Run, path: Path) -> None:
         "step": training.step,
         "lines": training.lines,
     }
-    with atomic(path) as temporary:
+    with write_atomically(path) as temporary:
         torch.save(content, temporary)
 
 
@@ -141,6 +141,6 @@ def resume(training: Run, path: Path) -> None:
 def save_weights(network: nn.Module, path: Path, categories: list[str]) -> None:
     """The weights and the statistics of batch normalisation as fp16 safetensors, which also tell what was seen."""
     kept = {name: value for name, value in network.state_dict().items() if value.is_floating_point()}
-    with atomic(path) as temporary:
+    with write_atomically(path) as temporary:
         content = {name: value.half().contiguous() for name, value in sorted(kept.items())}
         temporary.write_bytes(save(content, {"seen": " ".join(categories)}))

@@ -36,7 +36,7 @@ class Judge:
         the fit would choose at random: then only what is known counts.
         """
         near, rest = by_distance[: self.weights.nearest], by_distance[self.weights.nearest :]
-        fits = [self._fits(question, candidate.asset)[0] for candidate in near]
+        fits = [self._list_fits(question, candidate.asset)[0] for candidate in near]
         scores = [fit.score(self.weights) for fit in fits]
         knowns = [sum_priors(candidate) for candidate in near]
         first = max(range(len(near)), key=lambda number: scores[number] - knowns[number])
@@ -45,7 +45,7 @@ class Judge:
             candidate.model_copy(
                 update={
                     "score": round(trust * score - known, DIGITS),
-                    "terms": _rounded(fit) | {"priors": round(known, DIGITS)},
+                    "terms": _round_terms(fit) | {"priors": round(known, DIGITS)},
                 }
             )
             for candidate, fit, score, known in zip(near, fits, scores, knowns, strict=True)
@@ -57,12 +57,13 @@ class Judge:
     ) -> list[Orientation]:
         """By fit: as its front is known; else along the object's box, and as in the k_ori nearest views."""
         views = [] if self.workbench.fitter(question).front_known else by_distance[: self.options.k_ori]
-        fits = self._fits(question, asset, [view.yaw for view in views])
+        fits = self._list_fits(question, asset, [view.yaw for view in views])
         return [
-            Orientation(yaw=fit.yaw, score=round(fit.score(self.weights), DIGITS), terms=_rounded(fit)) for fit in fits
+            Orientation(yaw=fit.yaw, score=round(fit.score(self.weights), DIGITS), terms=_round_terms(fit))
+            for fit in fits
         ]
 
-    def _fits(self, question: Question, asset: str, views: Sequence[float] = ()) -> list[Fit]:
+    def _list_fits(self, question: Question, asset: str, views: Sequence[float] = ()) -> list[Fit]:
         """Best first."""
         fitter = self.workbench.fitter(question)
         yaws = fitter.aligned + [fitter.floor_yaw(view) for view in views]
@@ -70,5 +71,5 @@ class Judge:
         return sorted(fits, key=lambda fit: round(fit.score(self.weights), DIGITS), reverse=True)
 
 
-def _rounded(fit: Fit) -> dict[str, float]:
+def _round_terms(fit: Fit) -> dict[str, float]:
     return {name: round(float(value), DIGITS) for name, value in fit.terms._asdict().items()}

@@ -21,7 +21,7 @@ from plugins.render_and_compare.judges.geometry import Judge as Geometry
 from plugins.render_and_compare.judges.rerender import Judge as Rerender
 from plugins.render_and_compare.observation import Observation, free_sides, observe
 from plugins.render_and_compare.rendering import Rendering, render
-from plugins.render_and_compare.solid import Solid, outermost
+from plugins.render_and_compare.solid import Solid, find_outermost
 from plugins.render_and_compare.terms import colour_agreement, compare, line_agreement, line_field, outline_agreement
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.model import Link, RobotModel, Visual
@@ -310,7 +310,7 @@ def test_extents_are_measured_along_the_axes() -> None:
     cloud = corners @ yaw_matrix(0.5).T + [4, 2, 0]
     away, across = yaw_matrix(0.5)[:, 0], yaw_matrix(0.5)[:, 1]
     eye = np.array([4, 2, 1]) - 4 * away
-    sight, whole = Sight(cloud, eye, USUAL_ERROR.at), UprightBox([4, 2, 0.25], [1, 2, 0.5], 0.5)
+    sight, whole = Sight(cloud, eye, USUAL_ERROR.predict), UprightBox([4, 2, 0.25], [1, 2, 0.5], 0.5)
     seen = measure(sight, whole, 0.5)
     box = seen.box()
     off = 2 * (0.003 + 0.0015 * 4**2)  # 2 deviations at either end
@@ -376,9 +376,9 @@ def test_textures_are_seen_where_they_lie(tmp_path: Path) -> None:
 
 def test_outlines_are_made_of_the_outermost_points() -> None:
     corners = trimesh.creation.box((1, 2, 3)).vertices
-    assert len(outermost(np.concatenate([corners, 0.5 * corners]))) == 8
+    assert len(find_outermost(np.concatenate([corners, 0.5 * corners]))) == 8
     flat = np.array([[0.0, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]])
-    assert len(outermost(flat)) == 4  # a poster without thickness
+    assert len(find_outermost(flat)) == 4  # a poster without thickness
 
 
 def test_another_light_is_no_other_colour() -> None:

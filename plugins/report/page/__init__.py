@@ -1,1 +1,1 @@
-"""The report page: what it tells of each part of a run, its templates, its style."""
+"""The report page: its sections, templates and style."""

@@ -24,7 +24,7 @@ def embed_svg(svg: bytes, alt: str) -> Markup:
     return Markup('<img class="chart" src="data:image/svg+xml;base64,{}" alt="{}">').format(source, alt)
 
 
-def _drawn(figure: Figure, alt: str) -> Markup:
+def _draw_figure(figure: Figure, alt: str) -> Markup:
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     plt.close(figure)
@@ -50,7 +50,7 @@ def line_chart(series: dict[str, Points], x_label: str, alt: str) -> Markup:
         axes.yaxis.set_major_locator(MaxNLocator(5))
         axes.set_xlabel(x_label)
         figure.legend(loc="outside upper left", ncols=3)
-        return _drawn(figure, alt)
+        return _draw_figure(figure, alt)
 
 
 def success_chart(cells: pd.DataFrame, alt: str, rows: dict[str, str], by: str, skill: float | None = None) -> Markup:
@@ -85,4 +85,4 @@ def success_chart(cells: pd.DataFrame, alt: str, rows: dict[str, str], by: str, 
         axes.grid(False, axis="y")
         axes.tick_params(axis="y", length=0)
         figure.legend(loc="outside upper left", ncols=2)
-        return _drawn(figure, alt)
+        return _draw_figure(figure, alt)

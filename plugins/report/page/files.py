@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from stages.contracts.errors import InputError
-from stages.tables.order import natural
+from stages.tables.order import sort_key
 
 
 class RunFiles:
@@ -17,19 +17,19 @@ class RunFiles:
             InputError: a declared file is not there.
         """
         self.images = images or {}
-        self._paths = sorted({Path(path) for path in paths}, key=lambda path: natural(str(path)))
+        self._paths = sorted({Path(path) for path in paths}, key=lambda path: sort_key(str(path)))
         for path in (*self._paths, *self.images.values()):
             if not path.exists():
                 raise InputError(path, "no such file.", "run the workflow: snakemake --cores 2 all", "E-FILE-MISSING")
 
-    def all(self, pattern: str) -> list[Path]:
+    def find_all(self, pattern: str) -> list[Path]:
         """Files whose path ends like `pattern` ('*' stands for one name), in natural order."""
         return [path for path in self._paths if path.match(pattern)]
 
-    def one(self, pattern: str) -> Path | None:
+    def find_first(self, pattern: str) -> Path | None:
         """The first such file, None if the run declared none."""
-        return next(iter(self.all(pattern)), None)
+        return next(iter(self.find_all(pattern)), None)
 
     def names(self, pattern: str, level: int) -> Iterator[str]:
         """Names of the folder `level` above the files that match, each once, in order."""
-        yield from dict.fromkeys(path.parents[level].name for path in self.all(pattern))
+        yield from dict.fromkeys(path.parents[level].name for path in self.find_all(pattern))

@@ -1,4 +1,4 @@
-"""What the stages found out about one picture under one variant of matching."""
+"""Results of all stages for one picture under one variant of matching."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -24,7 +24,7 @@ class Findings:
 
     @classmethod
     def read(cls, objects: Path | None, cousins: Path | None, scenes: Iterable[Path]) -> "Findings":
-        """Of the files that are there."""
+        """Read the files that exist."""
         return cls(
             read_json(Objects, objects) if objects else None,
             read_json(Cousins, cousins) if cousins else None,
@@ -42,7 +42,7 @@ class Findings:
         return {item.id: item for item in self.scenes[0].objects} if self.scenes else {}
 
     def doubts_of(self, scene: GeneratedScene | None) -> list[tuple[str, Doubt]]:
-        """Object of a scene (None: there is none), and what may be wrong with it."""
+        """The doubts about a scene (None: there is none), each with its object."""
         placed = {item.id: item for item in scene.objects} if scene else {}
         return [
             (entry.id, doubt)
@@ -50,19 +50,19 @@ class Findings:
             for doubt in collect_doubts(entry, item, placed.get(entry.id), self.objects)  # type: ignore[arg-type]
         ]
 
-    def further_doubts(self, scene: GeneratedScene) -> list[tuple[str, Doubt]]:
-        """Of a scene what the first one is not doubted for."""
+    def list_further_doubts(self, scene: GeneratedScene) -> list[tuple[str, Doubt]]:
+        """Doubts about a scene that the first scene does not have."""
         first = set(self.doubts_of(self.scenes[0]))
         return [one for one in self.doubts_of(scene) if one not in first]
 
-    def new_models(self, scene: GeneratedScene) -> int:
-        """Of how many objects a scene has a model that no earlier one has in that place."""
+    def count_new_models(self, scene: GeneratedScene) -> int:
+        """How many objects of a scene have a model that no earlier scene has for them."""
         used = {(item.id, item.asset) for other in self.scenes if other.rank < scene.rank for item in other.objects}
         return sum(item.status == "ok" and (item.id, item.asset) not in used for item in scene.objects)
 
     @property
     def distinct(self) -> dict[str, int]:
-        """How many different models stand for an object over all scenes, by its id."""
+        """The number of different models for each object over all scenes, by its id."""
         placed = {(item.id, item.asset) for scene in self.scenes for item in scene.objects if item.status == "ok"}
         return dict(Counter(name for name, _ in sorted(placed)))
 

@@ -22,10 +22,10 @@ class LibraryPart:
 
 def collect(files: RunFiles, album: Album) -> LibraryPart | None:
     """The library of the run; None if there is none."""
-    path = files.one("assets/library/library.json")
+    path = files.find_first("assets/library/library.json")
     if path is None:
         return None
-    assets, sheets = read_json(Library, path).assets, files.all("assets/snapshots/shard_*.png")
+    assets, sheets = read_json(Library, path).assets, files.find_all("assets/snapshots/shard_*.png")
     counts = Counter(asset.category.replace("_", " ") for asset in sorted(assets, key=lambda asset: asset.category))
     return LibraryPart(
         models=len(assets),

@@ -25,7 +25,7 @@ Pixels = NDArray[np.uint8]
 
 @dataclass(frozen=True)
 class Relative:
-    """A cousin, and the number that put it in its place (empty: there is none)."""
+    """A cousin, and the number by which it was ranked (empty: there is none)."""
 
     cousin: Cousin
     number: str
@@ -89,7 +89,7 @@ def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Al
 
     return Match(
         entry=entry,
-        about=", ".join(_about(item)),
+        about=", ".join(_describe_object(item)),
         decided_by=" / ".join(dict.fromkeys(filter(None, (entry.decided_by, entry.orientation_decided_by)))),
         measure=measure,
         picture=album.thumbnail(seen, f"{entry.id} in the input"),
@@ -103,7 +103,7 @@ def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Al
 
 
 def explain_order(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str]]:
-    """What put cousins in their order, in words, and the number of each."""
+    """How cousins were ranked, in words, and the number of each."""
     if cousins and not cousins[0].fits:
         return "no model fits what is seen: ordered by name, doors and drawers, size and place", [""] * len(cousins)
     if cousins and all(cousin.score is not None for cousin in cousins):
@@ -117,7 +117,7 @@ def explain_order(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str
     return "", [""] * len(cousins)
 
 
-def _about(item: SceneObject) -> Iterator[str]:
+def _describe_object(item: SceneObject) -> Iterator[str]:
     """'stands free', '2 doors', '0.60 wide × 0.40 deep × 0.90 m high'."""
     if item.mounting:
         yield describe_mounting(item.mounting)
@@ -149,7 +149,7 @@ def crop_object(rgb: Pixels, item: SceneObject) -> Pixels:
 
 
 def fade_background(rgb: Pixels, mask: NDArray[np.bool_]) -> Pixels:
-    """The picture, half-way to white outside of the mask."""
+    """The picture, faded half-way to white outside the mask."""
     return np.where(mask[..., None], rgb, (rgb.astype(np.uint16) + 255) // 2).astype(np.uint8)
 
 

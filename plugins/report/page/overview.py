@@ -9,7 +9,7 @@ from pathlib import Path
 
 from plugins.report.doubts import Group, group_doubts
 from plugins.report.page.findings import Findings
-from stages.tables.order import natural
+from stages.tables.order import sort_key
 from stages.tables.text import NOT_RUN
 
 NUMBER = re.compile(r"\d+(\.\d+)?")
@@ -64,15 +64,15 @@ class Layout:
     def steps(self, scene: str) -> Iterator[tuple[str, Path, list[Path]]]:
         """Stage, what it makes, and its logs, the last job's first, in the order of the stages."""
         before = (f"extraction/{scene}", f"scenes/frame_{scene}", f"photo/{scene}", f"scenes/{scene}")
-        made = self.results / "generation" / self.variant / scene
+        folder = self.results / "generation" / self.variant / scene
         yield "extraction", self.results / f"extraction/{scene}/objects.json", [*map(self._log, before)]
         yield (
             "matching",
             self.results / f"matching/{self.variant}/{scene}/cousins.json",
             [self._log(f"matching/{self.variant}_{scene}")],
         )
-        yield "generation", made / "scene_1.json", [self._log(f"generation/{self.variant}_{scene}")]
-        yield "drawing", made / "thumbnail.webp", [self._log(f"generation/draw_{self.variant}_{scene}")]
+        yield "generation", folder / "scene_1.json", [self._log(f"generation/{self.variant}_{scene}")]
+        yield "drawing", folder / "thumbnail.webp", [self._log(f"generation/draw_{self.variant}_{scene}")]
 
     def _log(self, name: str) -> Path:
         return self.logs / f"{name}.log"
@@ -91,14 +91,14 @@ def row(scene: str, layout: Layout, page: str = "") -> SceneRow:
             break
         done[stage] = path
     scenes = done["generation"].parent.glob("scene_*.json") if "generation" in done else []
-    in_order = sorted(scenes, key=lambda path: natural(path.name))
+    in_order = sorted(scenes, key=lambda path: sort_key(path.name))
     found = Findings.read(done.get("extraction"), done.get("matching"), in_order)
     failures += [Failure(about, stage, reason) for about, (stage, reason) in found.failures().items()]
-    checks = [made.plausibility for made in found.scenes if made.plausibility]
+    checks = [scene.plausibility for scene in found.scenes if scene.plausibility]
     return SceneRow(
         name=scene,
         page=page,
-        picture=_embedded(done.get("drawing")),
+        picture=_embed_picture(done.get("drawing")),
         objects=len(found.seen),
         placed=sum(item.status == "ok" for item in found.placed.values()),
         ranks=len(found.scenes),
@@ -118,7 +118,7 @@ def _last_line(logs: list[Path]) -> str:
     return last.removeprefix("error: ")
 
 
-def _embedded(picture: Path | None) -> str:
+def _embed_picture(picture: Path | None) -> str:
     return f"data:image/webp;base64,{base64.b64encode(picture.read_bytes()).decode('ascii')}" if picture else ""
 
 

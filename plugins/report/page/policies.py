@@ -18,7 +18,7 @@ from stages.contracts.in_scene import SceneDemonstrations
 from stages.contracts.ledgers import read_attempts, read_metrics
 from stages.contracts.policies import TaskAssets
 from stages.tables.markup import Table
-from stages.tables.order import natural, set_key, target_title, title
+from stages.tables.order import set_key, sort_key, target_title, title
 from stages.tables.statistics import wilson
 from stages.tables.text import NOTHING, cell, percent, span
 
@@ -83,12 +83,12 @@ def _policy_name(folder: Path) -> str:
 
 def _folder_key(path: Path) -> Any:
     policy, training_set, run, seed = path.parent.parts[-4:]
-    return policy, set_key(training_set), run, natural(seed)
+    return policy, set_key(training_set), run, sort_key(seed)
 
 
 def _curves(files: RunFiles, target: str) -> dict[str, Markup]:
     found = {}
-    for path in sorted(files.all(f"training/{target}/*/*/*/*/metrics.jsonl"), key=_folder_key):
+    for path in sorted(files.find_all(f"training/{target}/*/*/*/*/metrics.jsonl"), key=_folder_key):
         step, series = losses(read_metrics(path))
         name = _policy_name(path.parent)
         if chart := line_chart(series, step, f"Loss of the policy {name}"):
@@ -97,13 +97,13 @@ def _curves(files: RunFiles, target: str) -> dict[str, Markup]:
 
 
 def _rollouts(files: RunFiles, target: str, album: Album) -> dict[str, list[FilmedAsset]]:
-    archives = sorted(files.all(f"evaluation/policies/{target}/*/*/*/*/films.zip"), key=_folder_key)
+    archives = sorted(files.find_all(f"evaluation/policies/{target}/*/*/*/*/films.zip"), key=_folder_key)
     named = {_policy_name(path.parent): path for path in archives}
     films = {name: read_films(path, f"Rollout of the policy {name},", album) for name, path in named.items()}
     return {name: cells for name, cells in films.items() if cells}
 
 
-def _not_in_scenes(path: Path | None) -> dict[str, str]:
+def _list_not_in_scenes(path: Path | None) -> dict[str, str]:
     found = read_json(SceneDemonstrations, path).demonstrations if path else []
     return {title(f"rank_{one.rank}"): one.reason for one in found if one.status == "failed"}
 
@@ -111,23 +111,25 @@ def _not_in_scenes(path: Path | None) -> dict[str, str]:
 def _pictures(assets: TaskAssets | None, used: set[str], album: Album, snapshots: Snapshots) -> list[Picture]:
     """The assets of the roles that were not drawn or are used."""
     kept = [(role, asset.asset) for role, asset in used_roles(assets, used).items()] if assets else []
-    made = [
+    thumbnails = [
         album.thumbnail(snapshots.picture(asset), f"{role_title(role)}: {asset.replace('_', ' ')}")
         for role, asset in kept
     ]
-    return [picture for picture in made if picture]
+    return [picture for picture in thumbnails if picture]
 
 
 def _target(
     files: RunFiles, target: str, chosen: Path | None, album: Album, snapshots: Snapshots, confidence: float
 ) -> TargetPart:
     assets = read_json(TaskAssets, chosen) if chosen else None
-    ledgers = sorted(files.all(f"demonstrations/{target}/*/attempts.jsonl"), key=lambda path: set_key(path.parent.name))
+    ledgers = sorted(
+        files.find_all(f"demonstrations/{target}/*/attempts.jsonl"), key=lambda path: set_key(path.parent.name)
+    )
     roles = {path.parent.name for path in ledgers}
     tables = [roles_table(assets, roles, f"roles-{target}", "Assets by role.")] if assets else []
     films = [
         film for path in ledgers
-        for film in read_films(files.one(f"{target}/{path.parent.name}/films.zip"), "Demonstration", album)
+        for film in read_films(files.find_first(f"{target}/{path.parent.name}/films.zip"), "Demonstration", album)
     ]  # fmt: skip
     return TargetPart(
         target=target,
@@ -140,15 +142,15 @@ def _target(
         films=films,
         curves=_curves(files, target),
         rollouts=_rollouts(files, target, album),
-        in_scenes=read_films(files.one(f"{target}/in_scene/films.zip"), "Demonstration in the scene", album),
-        not_in_scenes=_not_in_scenes(files.one(f"demonstrations/{target}/in_scene/in_scene.json")),
+        in_scenes=read_films(files.find_first(f"{target}/in_scene/films.zip"), "Demonstration in the scene", album),
+        not_in_scenes=_list_not_in_scenes(files.find_first(f"demonstrations/{target}/in_scene/in_scene.json")),
     )
 
 
 def collect(files: RunFiles, album: Album, confidence: float) -> list[TargetPart]:
     """Every target of the run."""
-    snapshots = Snapshots(files.all("assets/snapshots/shard_*.h5"))
-    chosen = {path.parent.name: path for path in files.all("experiment/*/*/assets.json")}
+    snapshots = Snapshots(files.find_all("assets/snapshots/shard_*.h5"))
+    chosen = {path.parent.name: path for path in files.find_all("experiment/*/*/assets.json")}
     named = [
         *chosen,
         *files.names("demonstrations/*/*/attempts.jsonl", 1),

@@ -9,7 +9,7 @@ import pandas as pd
 from markupsafe import Markup
 
 from plugins.claims.claims import OPEN
-from plugins.claims.tables import evidence, too_few_runs
+from plugins.claims.tables import count_lacking_runs, evidence
 from plugins.report.page.charts import success_chart
 from plugins.report.page.rooms import RoomPart
 from stages.tables.methods import Kinds, kind
@@ -20,7 +20,7 @@ from stages.tables.text import count, percent
 
 @dataclass(frozen=True)
 class Result:
-    """Of a target or a policy there: a chart; what cousins brought, in a line and in sentences."""
+    """The result of a target, or of one policy on it: a chart, a headline and sentences on what cousins brought."""
 
     target: str
     title: str
@@ -36,18 +36,18 @@ AGAIN = Markup(
 )
 
 
-def _ends(row: dict[str, Any]) -> str:
+def _format_ends(row: dict[str, Any]) -> str:
     return f"{percent(row['theirs'])} → {percent(row['ours'])}".replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _verdict(row: dict[str, Any], name: str) -> str:
     """The difference, its interval, and whom it is about."""
-    text = f"{name}: {_ends(row)}, {evidence(row)} with {title(row['training_set'])} instead of the twin"
-    if too_few_runs(row):
+    text = f"{name}: {_format_ends(row)}, {evidence(row)} with {title(row['training_set'])} instead of the twin"
+    if count_lacking_runs(row):
         return f"{text}, for these policies."
     seeds = f"over {row['runs']} and {row['baseline_runs']} seeds of training"
-    said = "whether cousins help cannot be said" if row["verdict"] == OPEN else f"that cousins help {row['verdict']}"
-    return f"{text}, {seeds}: {said}."
+    verdict = "whether cousins help cannot be said" if row["verdict"] == OPEN else f"that cousins help {row['verdict']}"
+    return f"{text}, {seeds}: {verdict}."
 
 
 def sentences(claims: pd.DataFrame | None, names: dict[str, str]) -> tuple[str, list[str]]:
@@ -67,18 +67,18 @@ def sentences(claims: pd.DataFrame | None, names: dict[str, str]) -> tuple[str, 
     whose = {policy: name.replace(" (", ", ").rstrip(")") for policy, name in names.items()}
     alike = [row for row in rows if all(row[key] == first[key] for key in ("over", "assets", "training_set"))]
     ends = ", ".join(
-        f"{_ends(row)}, {evidence(row)}" + f" ({whose[row['policy']]})" * (len(alike) > 1) for row in alike
+        f"{_format_ends(row)}, {evidence(row)}" + f" ({whose[row['policy']]})" * (len(alike) > 1) for row in alike
     )
     what = target_title(first["target"], first["task"])
     line = f"success at {what[0].lower()}{what[1:]} on {over}, trained on {title(first['training_set'])} "
-    again = [AGAIN] if any(map(too_few_runs, rows)) else []
-    said = [_verdict(row, names[row["policy"]]) for row in rows]
-    return f"{line}instead of the twin: {ends}", [*(one[0].upper() + one[1:] for one in said), *again]
+    again = [AGAIN] if any(map(count_lacking_runs, rows)) else []
+    verdicts = [_verdict(row, names[row["policy"]]) for row in rows]
+    return f"{line}instead of the twin: {ends}", [*(one[0].upper() + one[1:] for one in verdicts), *again]
 
 
-def came_out(rooms: Sequence[RoomPart], models: int, results: Sequence[Result], policies: int) -> str:
+def describe_outcome(rooms: Sequence[RoomPart], models: int, results: Sequence[Result], policies: int) -> str:
     """What went in, what came out and what it is worth, in a sentence; empty without pictures."""
-    scenes = [scene for room in rooms for made in room.reconstructions for scene in made.scenes]
+    scenes = [scene for room in rooms for rebuilt in room.reconstructions for scene in rebuilt.scenes]
     checked = [scene.stable for scene in scenes if scene.stable is not None]
     text = f"{count(len(rooms), 'picture')} of {count(sum(room.objects for room in rooms), 'object')} went in; "
     text += count(len(scenes), "scene") + " of digital cousins" + f" from {count(models, 'model')}" * bool(models)
@@ -87,8 +87,8 @@ def came_out(rooms: Sequence[RoomPart], models: int, results: Sequence[Result], 
     return "; ".join([f"{text} came out", *(each.gain for each in results if each.gain)]) * bool(rooms)
 
 
-def over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: Kinds) -> list[Result]:
-    """One for every target with unseen assets, over its first set; `table` as `assets.build` gives."""
+def compare_over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: Kinds) -> list[Result]:
+    """A result for every target with unseen assets, over its first set; `table` as `assets.build` gives."""
     found = []
     for target, mine in table.groupby("target", sort=False) if table is not None else ():
         policies = mine[mine["training_set"] != SKILL]
@@ -112,8 +112,8 @@ def _of(claims: pd.DataFrame | None, target: object) -> pd.DataFrame | None:
     return None if claims is None else claims[claims["target"] == target]
 
 
-def over_roles(cells: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: Kinds) -> list[Result]:
-    """One for every target and policy with rollouts on the roles of Table 3."""
+def compare_over_roles(cells: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: Kinds) -> list[Result]:
+    """A result for every target and policy with rollouts on the roles of Table 3."""
     found = []
     judged = None if claims is None else claims[claims["over"] == "roles"]
     for (target, policy), mine in cells.groupby(["target", "policy"], sort=False) if cells is not None else ():
@@ -122,6 +122,6 @@ def over_roles(cells: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: K
         label = f"{name}: success by test asset and training set, with intervals; the numbers are in Table 3"
         roles = {name: title(name) for name in sorted(mine["test_asset"].unique(), key=set_key)}
         about, chart = "success of the policies by test asset", success_chart(mine, label, roles, "test_asset")
-        said = sentences(_of(judged, target), {str(policy): name})
-        found.append(Result(str(target), name, about, chart, *said))
+        texts = sentences(_of(judged, target), {str(policy): name})
+        found.append(Result(str(target), name, about, chart, *texts))
     return found

@@ -22,7 +22,7 @@ from stages.contracts.images import read_rgb
 from stages.contracts.objects import Objects
 from stages.contracts.provenance import Provenance
 from stages.plugins import shorten_name
-from stages.tables.order import natural, title
+from stages.tables.order import sort_key, title
 from stages.tables.table2 import judge
 
 
@@ -63,7 +63,7 @@ class Reconstruction:
 
     @property
     def fewer(self) -> dict[int, list[str]]:
-        """Objects that have fewer models than there are scenes, by how many they have."""
+        """Objects with fewer different models than there are scenes, by that number."""
         found: dict[int, list[str]] = {}
         for name, models in sorted(self.distinct.items(), key=lambda item: item[1]):
             if models < len(self.scenes):
@@ -72,13 +72,13 @@ class Reconstruction:
 
     @property
     def shown(self) -> int:
-        """The rank whose picture is seen first: of cousins that are no twins, where there is one."""
+        """The rank that is shown first: one without twins, where there is one."""
         ranks = [scene.rank for scene in self.scenes if scene.picture]
         return ranks[1] if self.furnished and len(ranks) > 1 else ranks[0]
 
     @property
     def title(self) -> str:
-        """Its name, and what compared and decided in this run."""
+        """Its name, with the encoder and the judge of this run."""
         named = {"encoder": self.encoder, "judge": self.judge}
         return " · ".join([f"Variant {self.variant}", *(f"{what} {name}" for what, name in named.items() if name)])
 
@@ -117,16 +117,16 @@ def _scene(scene: GeneratedScene, found: Findings, picture: Picture | None) -> R
         moved=moved,
         physics=physics,
         stable=check.stable if check else None,
-        doubts=found.further_doubts(scene),
-        new=found.new_models(scene),
+        doubts=found.list_further_doubts(scene),
+        new=found.count_new_models(scene),
     )
 
 
 def _evidence(files: RunFiles, room: str, found: Findings, image: Path | None) -> Evidence:
     """What the run has of a room beside its objects."""
-    path, objects = files.one(f"extraction/{room}/objects.json"), found.objects
+    path, objects = files.find_first(f"extraction/{room}/objects.json"), found.objects
     assert path is not None and objects is not None
-    masks, clouds = (files.one(f"extraction/{room}/{name}") for name in ("masks.png", "clouds.npz"))
+    masks, clouds = (files.find_first(f"extraction/{room}/{name}") for name in ("masks.png", "clouds.npz"))
     rgb = read_rgb(image) if image else None
     return Evidence(
         objects,
@@ -152,21 +152,21 @@ def _correct(image: Path | None, scene: str, variant: str) -> str:
 
 
 def origins(files: RunFiles, name: str) -> dict[str, Provenance]:
-    """What objects, cousins and the scenes of rank 1 were made of, as far as the files hold it, by file."""
+    """Provenance of objects, cousins and the scenes of rank 1, as far as the files hold it, by file."""
     kinds: list[tuple[type[Objects | Cousins | GeneratedScene], str]] = [
         (Objects, f"extraction/{name}/objects.json"),
         (Cousins, f"matching/*/{name}/cousins.json"),
         (GeneratedScene, f"generation/*/{name}/scene_1.json"),
     ]
-    found = {path: read_json(kind, path).made for kind, pattern in kinds for path in files.all(pattern)}
-    return {"/".join(path.parts[-3:]): made for path, made in found.items() if made is not None}
+    found = {path: read_json(kind, path).made for kind, pattern in kinds for path in files.find_all(pattern)}
+    return {"/".join(path.parts[-3:]): provenance for path, provenance in found.items() if provenance is not None}
 
 
 def _findings(files: RunFiles, name: str, variant: str) -> Findings:
     return Findings.read(
-        files.one(f"extraction/{name}/objects.json"),
-        files.one(f"matching/{variant}/{name}/cousins.json"),
-        files.all(f"generation/{variant}/{name}/scene_*.json"),
+        files.find_first(f"extraction/{name}/objects.json"),
+        files.find_first(f"matching/{variant}/{name}/cousins.json"),
+        files.find_all(f"generation/{variant}/{name}/scene_*.json"),
     )
 
 
@@ -178,13 +178,15 @@ def _reconstruction(
     if cousins and found.objects:
         evidence = _evidence(files, name, found, image)
         matches = [match(entry, item, evidence, album, snapshots) for entry, item in found.matched]
-    alt, view = f"Reconstruction of {title(name)} from cousins of rank", files.one(f"{folder}/view.glb")
+    alt, view = f"Reconstruction of {title(name)} from cousins of rank", files.find_first(f"{folder}/view.glb")
     return Reconstruction(
         variant=variant,
         encoder=shorten_name(cousins.encoder) if cousins else "",
         judge=_judge(cousins) if cousins else "",
         scenes=[
-            _scene(scene, found, album.maybe(files.one(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}"))
+            _scene(
+                scene, found, album.maybe(files.find_first(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}")
+            )
             for scene in found.scenes
         ],
         matches=matches,
@@ -198,7 +200,7 @@ def _reconstruction(
 def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> RoomPart:
     label = title(name)
     patterns = (f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json")
-    variants = sorted({variant for pattern in patterns for variant in files.names(pattern, 1)}, key=natural)
+    variants = sorted({variant for pattern in patterns for variant in files.names(pattern, 1)}, key=sort_key)
     found = {variant: _findings(files, name, variant) for variant in variants or [""]}
     failures: dict[str, tuple[str, str]] = {}
     for variant, each in found.items():
@@ -208,7 +210,7 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
         name=name,
         title=label.capitalize(),
         input=album.maybe(files.images.get(name), f"Input picture of {label}"),
-        overview=album.maybe(files.one(f"extraction/{name}/overview.png"), f"What extraction found in {label}"),
+        overview=album.maybe(files.find_first(f"extraction/{name}/overview.png"), f"What extraction found in {label}"),
         objects=len(next(iter(found.values())).seen),
         failures=failures,
         reconstructions=[
@@ -221,7 +223,7 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
 
 def collect(files: RunFiles, album: Album) -> list[RoomPart]:
     """Every room of the run, in order."""
-    snapshots = Snapshots(files.all("assets/snapshots/shard_*.h5"))
+    snapshots = Snapshots(files.find_all("assets/snapshots/shard_*.h5"))
     patterns = ("extraction/*/objects.json", "generation/*/*/scene_*.json")
     names = {*files.images, *(name for pattern in patterns for name in files.names(pattern, 0))}
-    return [_room(files, name, album, snapshots) for name in sorted(names, key=natural)]
+    return [_room(files, name, album, snapshots) for name in sorted(names, key=sort_key)]

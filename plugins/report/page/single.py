@@ -34,7 +34,7 @@ class InputFacts:
 
 def input_facts(files: RunFiles, name: str, camera: Path, album: Album) -> InputFacts:
     """What is known of the camera and the room."""
-    path = files.one(f"extraction/{name}/objects.json")
+    path = files.find_first(f"extraction/{name}/objects.json")
     note = read_json(Camera, camera).note
     if path is None:
         return InputFacts([], None, "")
@@ -79,35 +79,35 @@ def links(files: RunFiles, name: str, page: Path) -> dict[str, str]:
     """The scenes (GLB), and what the stages found (JSON): name -> link from the page."""
     patterns = [f"generation/*/{name}/scene_*.glb", f"extraction/{name}/objects.json"]
     patterns += [f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json"]
-    paths = [path for pattern in patterns for path in files.all(pattern)]
+    paths = [path for pattern in patterns for path in files.find_all(pattern)]
     return {"/".join(path.parts[-4:]): quote(os.path.relpath(path, page.parent)) for path in paths}
 
 
 class Listed(NamedTuple):
-    """Doubts of one cause: what helps, and things, what may be wrong, and the command that opens each (or nothing)."""
+    """Doubts of one cause: what helps; then for each object the doubt and the command that opens it (or nothing)."""
 
     title: str
     mend: str
     entries: list[tuple[str, str, str]]
 
 
-def doubts(room: RoomPart, made: Reconstruction | None) -> list[Listed]:
-    """What may be wrong and a person can mend, gravest first."""
-    correct = made.correct if made else ""
+def doubts(room: RoomPart, rebuilt: Reconstruction | None) -> list[Listed]:
+    """Doubts that a person can mend, gravest first."""
+    correct = rebuilt.correct if rebuilt else ""
     failed = [
         (f"{one} failed in {stage}", reason, correct and correct + one)
         for one, (stage, reason) in room.failures.items()
     ]
     found = [("camera", room.camera_doubt)] if room.camera_doubt else []
-    found += [(match.entry.id, doubt) for match in (made.matches if made else []) for doubt in match.doubts]
-    scenes = [scene for scene in (made.scenes if made else []) if scene.stable is False]
+    found += [(match.entry.id, doubt) for match in (rebuilt.matches if rebuilt else []) for doubt in match.doubts]
+    scenes = [scene for scene in (rebuilt.scenes if rebuilt else []) if scene.stable is False]
     found += [(f"scene of rank {scene.rank}", DoubtKind.UNSTABLE.of(what=scene.physics)) for scene in scenes]
-    objects = {match.entry.id for match in made.matches} if made else set()
+    objects = {match.entry.id for match in rebuilt.matches} if rebuilt else set()
     listed = [Listed("Failed", "name or draw it again on the correction page", failed)] if failed else []
-    return listed + _listed(found, correct, objects)
+    return listed + _group_doubts(found, correct, objects)
 
 
-def _listed(found: list[tuple[str, Doubt]], correct: str, objects: Collection[str]) -> list[Listed]:
+def _group_doubts(found: list[tuple[str, Doubt]], correct: str, objects: Collection[str]) -> list[Listed]:
     """Doubts by cause; `correct`: the command, up to an object's id, that opens the page to correct it."""
     return [
         Listed(
@@ -122,17 +122,19 @@ def _listed(found: list[tuple[str, Doubt]], correct: str, objects: Collection[st
     ]
 
 
-def further_doubts(made: Reconstruction | None) -> list[tuple[list[int], list[Listed]]]:
-    """Ranks, and what may be wrong in all of their scenes beyond what is in doubt at rank 1."""
+def list_further_doubts(rebuilt: Reconstruction | None) -> list[tuple[list[int], list[Listed]]]:
+    """Further doubts of other ranks: ranks, and the doubts that all their scenes share beyond those of rank 1."""
     alike: dict[tuple[tuple[str, Doubt], ...], list[int]] = {}
-    for scene in made.scenes if made else []:
+    for scene in rebuilt.scenes if rebuilt else []:
         alike.setdefault(tuple(scene.doubts), []).append(scene.rank)
-    correct = made.correct if made else ""
-    return [(ranks, _listed([*found], correct, dict(found))) for found, ranks in alike.items() if found]
+    correct = rebuilt.correct if rebuilt else ""
+    return [(ranks, _group_doubts([*found], correct, dict(found))) for found, ranks in alike.items() if found]
 
 
-def notes(made: Reconstruction | None) -> list[tuple[str, str]]:
-    """Thing by thing what is worth knowing, with nothing to do about it."""
+def notes(rebuilt: Reconstruction | None) -> list[tuple[str, str]]:
+    """Notes by object that need no action."""
     return [
-        (match.entry.id.replace("_", " "), note) for match in (made.matches if made else []) for note in match.notes
+        (match.entry.id.replace("_", " "), note)
+        for match in (rebuilt.matches if rebuilt else [])
+        for note in match.notes
     ]

@@ -62,9 +62,9 @@ def test_what_was_guessed_in_a_drawing_is_doubted_until_a_person_says_its_size()
 def test_later_ranks_tell_what_the_first_does_not() -> None:
     odd = [Doubt(cause="affordance", what="has 1 drawer")]
     run = found(cabinet(), placed("a", 0.6), placed("a", 0.6), placed("b", 0.6, doubts=odd))
-    assert [[doubt.what for _, doubt in run.further_doubts(scene)] for scene in run.scenes] == [
+    assert [[doubt.what for _, doubt in run.list_further_doubts(scene)] for scene in run.scenes] == [
         [],
         [],
         ["has 1 drawer"],
     ]
-    assert [run.new_models(scene) for scene in run.scenes] == [1, 0, 1] and run.distinct == {"cabinet_1": 2}
+    assert [run.count_new_models(scene) for scene in run.scenes] == [1, 0, 1] and run.distinct == {"cabinet_1": 2}

@@ -307,7 +307,7 @@ def test_losses_and_charts() -> None:
 
 
 def test_snapshots_are_cut_out_at_the_nearest_yaw(made: Path) -> None:
-    library = Snapshots(RunFiles(declared(made)["files"]).all("assets/snapshots/shard_*.h5"))  # type: ignore[arg-type]
+    library = Snapshots(RunFiles(declared(made)["files"]).find_all("assets/snapshots/shard_*.h5"))  # type: ignore[arg-type]
     cut = library.picture("bowl_03", yaw=6.2)
     assert cut is not None and cut.mode == "RGBA" and cut.width == cut.height == 16  # 14 pixels and a margin
     assert library.picture("no_such_asset") is None
@@ -333,7 +333,7 @@ def test_attempts_of_an_empty_ledger(tmp_path: Path) -> None:
 
 
 def test_bars_of_success_reach_from_the_low_end_to_the_high_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(charts, "_drawn", lambda figure, alt: figure)
+    monkeypatch.setattr(charts, "_draw_figure", lambda figure, alt: figure)
     about = {"training_set": "twin", "successes": 12, "episodes": 20}
     rows = [
         {**about, "test_asset": "twin", "mean": 0.6, "low": 0.2, "high": 0.7},

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from plugins.scenes.casting import CastRoom, cast
-from plugins.scenes.chance import EYE, all_seen, draw_room, redraw_recipe
+from plugins.scenes.chance import EYE, are_all_seen, draw_room, redraw_recipe
 from plugins.scenes.config import ScenesConfig
 from plugins.scenes.framing import frame
 from plugins.scenes.layout import arrange, scale_of
@@ -53,7 +53,7 @@ def test_a_room_drawn_by_chance_keeps_its_scale_and_hides_nothing(room: Room) ->
         assert scale_of(np.array([item.box.center for item in standing])) == pytest.approx(room.scale, abs=0.01)
         points = np.concatenate([corners(item.box) for item in standing])
         camera = frame(points, one.room.camera, 800, 600, 0.06)
-        assert all_seen([item.box for item in standing], *camera, 800, 600)
+        assert are_all_seen([item.box for item in standing], *camera, 800, 600)
         assert [asset.category for asset in one.assets.values()] == [item.category for item in room.items]
 
 
@@ -80,10 +80,10 @@ def test_what_stands_behind_something_is_not_seen() -> None:
     camera = np.diag([400.0, 400.0, 1.0]), look_at([4.0, 0.0, 1.0], [0.0, 0.0, 1.0])
     camera[0][:2, 2] = 400, 300
     front, back = (UprightBox((x, 0, 1.0), (0.2, 1.0, 1.0), 0.0) for x in (1.0, -1.0))
-    assert all_seen([back], *camera, 800, 600) and not all_seen([front, back], *camera, 800, 600)
+    assert are_all_seen([back], *camera, 800, 600) and not are_all_seen([front, back], *camera, 800, 600)
     for beside, seen in ((-0.4, False), (-0.6, True)):  # a third of it shows, or two thirds
         before = UprightBox((1.0, beside, 1.0), (0.2, 1.0, 1.0), 0.0)
-        assert all_seen([before, back], *camera, 800, 600) == seen
+        assert are_all_seen([before, back], *camera, 800, 600) == seen
 
 
 def test_no_model_stands_in_two_rooms(cast_rooms: dict[str, CastRoom]) -> None:

@@ -16,7 +16,7 @@ from plugins.segmenter.training.loss import losses, pair
 from plugins.segmenter.training.options import TrainingOptions
 from plugins.segmenter.training.pictures import SMALL, make_pool
 from plugins.segmenter.training.solids import Solid
-from plugins.segmenter.training.train import learning_rate, started, train, update
+from plugins.segmenter.training.train import learning_rate, start_run, train, update
 from tests.refusals import refused
 
 OPTIONS = TrainingOptions(models=1, small_steps=3, large_steps=1, batch=4, save_every=2, warm_up=2)
@@ -29,7 +29,7 @@ def pool() -> dict[str, list[Solid]]:
 
 def test_it_learns(pool: dict[str, list[Solid]]) -> None:
     options = replace(OPTIONS, small_steps=40, warm_up=5)
-    run, batch = started("", options, 0), draw(pool, 0, SMALL, 4, 4, 0)
+    run, batch = start_run("", options, 0), draw(pool, 0, SMALL, 4, 4, 0)
     before = losses(run.network(batch.inputs), batch)
     for _ in range(25):
         update(run, batch, options)

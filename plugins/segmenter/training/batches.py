@@ -1,4 +1,4 @@
-"""Batches of pictures as sensors see them, and what the network is to say of them."""
+"""Batches of pictures as sensors see them, with the targets of the network."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from torch import Tensor
 
 from plugins.segmenter.network import STRIDE, network_input
 from plugins.segmenter.training.pictures import BACKGROUND, NOTHING, Picture, draw_pictures
-from plugins.segmenter.training.sensor import photograph, sense_depth, tilt
+from plugins.segmenter.training.sensor import photograph, sense_depth, tilt_frame
 from plugins.segmenter.training.solids import Array, Rng, Solid
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply
@@ -20,9 +20,12 @@ MIRRORED = [1, 4]  # channels of the input that change sign: y of the point and 
 
 @dataclass(frozen=True)
 class Batch:
-    """`inputs` (B, CHANNELS, H, W); of every second pixel (B, h, w) whose it is `owner`, as in `Picture`, how many
-    pixels that owner has `area`, and (B, 3, h, w) the way to its centre `offset`, and (B, h, w) the `radius` of its
-    box, metres; `known` (B, h, w): where depth is known."""
+    """Inputs and, for every second pixel, targets.
+
+    inputs: (B, CHANNELS, H, W). owner: (B, h, w) as in `Picture`. area: (B, h, w) pixels of that owner. offset:
+    (B, 3, h, w) metres from the pixel's point to the centre of its thing. radius: (B, h, w) of its box, metres.
+    known: (B, h, w) where depth is known.
+    """
 
     inputs: Tensor
     owner: Tensor
@@ -47,27 +50,27 @@ def collate(examples: list[dict[str, NDArray[np.float32]]]) -> Batch:
 
 def example(picture: Picture, rng: Rng) -> dict[str, NDArray[np.float32]]:
     """The fields of `Batch` for one picture, its sensor drawn at random; half of them mirrored."""
-    depth, frame = sense_depth(picture, rng), tilt(picture.frame.astype(float), rng)
+    depth, frame = sense_depth(picture, rng), tilt_frame(picture.frame.astype(float), rng)
     inputs = network_input(depth, photograph(picture.rgb, rng), picture.intrinsics, frame)
     owner = picture.owner[::STRIDE, ::STRIDE].astype(int)
     true = apply(frame, back_project(picture.depth.astype(float), picture.intrinsics))[::STRIDE, ::STRIDE]
     centre, radius, area = boxes(true, owner)
     seen = np.where((depth > 0)[::STRIDE, ::STRIDE, None], inputs[:3, ::STRIDE, ::STRIDE].transpose(1, 2, 0), 0.0)
     offset = (centre - seen * [4.0, 4.0, 2.0]).transpose(2, 0, 1)
-    made = {
+    arrays = {
         "inputs": inputs, "owner": owner, "area": area, "offset": offset, "radius": radius,
         "known": (depth > 0)[::STRIDE, ::STRIDE],
     }  # fmt: skip
     if rng.random() < 0.5:
-        made = {name: value[..., ::-1].copy() for name, value in made.items()}
-        made["inputs"][MIRRORED] *= -1
-        made["offset"][1] *= -1
+        arrays = {name: value[..., ::-1].copy() for name, value in arrays.items()}
+        arrays["inputs"][MIRRORED] *= -1
+        arrays["offset"][1] *= -1
     kinds = {"owner": np.int64, "known": np.bool_}
-    return {name: value.astype(kinds.get(name, np.float32)) for name, value in made.items()}
+    return {name: value.astype(kinds.get(name, np.float32)) for name, value in arrays.items()}
 
 
 def boxes(points: Array, owner: NDArray[np.int64]) -> tuple[Array, Array, Array]:
-    """Of every pixel its thing's centre (H, W, 3) and radius (H, W), of the box of what is seen, and pixels (H, W)."""
+    """For every pixel: centre (H, W, 3) and radius (H, W) of its thing's visible box, metres; area (H, W), pixels."""
     index = np.arange(NOTHING + 1)
     counts = np.bincount(owner.ravel(), minlength=NOTHING + 1)
     low, high = np.zeros((NOTHING + 1, 3)), np.zeros((NOTHING + 1, 3))

@@ -1,4 +1,4 @@
-"""What the network is told: class, way to the centre, radius, and which pixels are of one thing."""
+"""What the network learns: class, way to the centre, radius, and which pixels are of one thing."""
 
 import torch
 from torch import Tensor
@@ -41,8 +41,8 @@ def same_loss(logits: Tensor, owner: Tensor, weight: Tensor) -> Tensor:
         counts = (here != NOTHING) & (there != NOTHING) & ((here >= THING) | (there >= THING))
         one, other = pair(weight, rows, columns)
         each = torch.maximum(one, other) * counts
-        said, _ = pair(logits[:, channel], rows, columns)
-        loss = functional.binary_cross_entropy_with_logits(said, (here == there).float(), reduction="none")
+        predicted, _ = pair(logits[:, channel], rows, columns)
+        loss = functional.binary_cross_entropy_with_logits(predicted, (here == there).float(), reduction="none")
         losses.append((loss * each).sum())
         weights.append(each.sum())
     return torch.stack(losses).sum() / torch.stack(weights).sum().clamp(min=1.0)

@@ -1,4 +1,4 @@
-"""What the training of the segmenter can be told; the numbers of steps are not tried yet."""
+"""Options of the training of the segmenter; the numbers of steps are not tried yet."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Pictures of random rooms: true depth, colour, whose each pixel is, and the level frame."""
+"""Pictures of random rooms: true depth, colour, the owner of each pixel, and the level frame."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class Picture:
 
 
 def make_pool(models: int, seed: int) -> dict[str, list[Solid]]:
-    """So many solids of every kind."""
+    """Make `count` solids of every kind."""
 
     def make(kind: str, index: int) -> Solid:
         rng = np.random.default_rng(np.random.SeedSequence((seed + MODELS, *kind.encode(), index)))
@@ -45,7 +45,7 @@ def make_pool(models: int, seed: int) -> dict[str, list[Solid]]:
 
 
 def views_of(pool: dict[str, list[Solid]], size: tuple[int, int], views: int, rng: Rng) -> Iterator[Picture]:
-    """Pictures of one random room, at most so many."""
+    """At most `count` pictures of one random room."""
     room = furnish(pool, rng)
     caster = Caster(room, rng)
     for _ in range(views):
@@ -96,8 +96,8 @@ def _owners(room: Room, seen: Seen) -> NDArray[np.uint8]:
 def draw_pictures(
     pool: dict[str, list[Solid]], count: int, size: tuple[int, int], views: int, rng: Rng
 ) -> list[Picture]:
-    """So many pictures, at most `views` of a room."""
-    made: list[Picture] = []
-    while len(made) < count:
-        made += views_of(pool, size, min(views, count - len(made)), rng)
-    return made
+    """Draw `count` pictures, at most `views` of a room."""
+    drawn: list[Picture] = []
+    while len(drawn) < count:
+        drawn += views_of(pool, size, min(views, count - len(drawn)), rng)
+    return drawn

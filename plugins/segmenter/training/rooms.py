@@ -27,7 +27,7 @@ FLOOR, WALL = 0, 1  # owners; things are numbered from 2 on
 
 @dataclass(frozen=True)
 class Placed:
-    """A solid stretched by `scale` (3,), turned by `yaw`, its foot at `position`; on the floor, a wall or a thing."""
+    """A solid stretched by `scale` (3,), turned by `yaw`, its base at `position`; on the floor, a wall or a thing."""
 
     solid: Solid
     scale: Array
@@ -66,13 +66,13 @@ class Room:
     things: list[Placed] = field(default_factory=list)
 
     def is_free(self, new: Placed, others: Sequence[Placed]) -> bool:
-        """Whether its box from above meets no other's that stands as high, and no wall."""
+        """Whether a new thing overlaps no wall and no other thing at its height, by their boxes from above."""
         corners = new.corners()
         if (corners < -1e-6).any() or (corners > self.size[:2] + 1e-6).any():
             return False
         low, high = new.position[2], new.position[2] + new.size[2]
-        beside = [o for o in others if o.position[2] < high - 0.01 and o.position[2] + o.size[2] > low + 0.01]
-        return not any(_overlap(corners, other.corners()) for other in beside)
+        level = [o for o in others if o.position[2] < high - 0.01 and o.position[2] + o.size[2] > low + 0.01]
+        return not any(_overlap(corners, other.corners()) for other in level)
 
 
 def _overlap(a: Array, b: Array) -> bool:
@@ -122,19 +122,21 @@ def _wall(size: Array, side: int, rng: Rng) -> list[Array]:
         ]
         if low:
             pieces.append((start, start + wide, 0.0, low))
-    boxes = [_along(size, side, start, end, -thick, 0.0, low, high) for start, end, low, high in pieces]
+    boxes = [_place_along(size, side, start, end, -thick, 0.0, low, high) for start, end, low, high in pieces]
     if kind == "door" or (kind == "window" and rng.random() < 0.5):
         gap = rng.uniform(0.8, 3.0)
-        boxes.append(_along(size, side, -2.0, length + 2.0, -gap - 0.1, -gap, 0.0, size[2]))
+        boxes.append(_place_along(size, side, -2.0, length + 2.0, -gap - 0.1, -gap, 0.0, size[2]))
     if rng.random() < 0.2:  # a pillar, a chimney, a radiator's cover
         start, wide, deep = rng.uniform(0, 0.8 * length), rng.uniform(0.2, 0.9), rng.uniform(0.05, 0.4)
-        boxes.append(_along(size, side, start, min(length, start + wide), 0.0, deep, 0.0, size[2]))
+        boxes.append(_place_along(size, side, start, min(length, start + wide), 0.0, deep, 0.0, size[2]))
     if rng.random() < 0.3:  # skirting
-        boxes.append(_along(size, side, 0.0, length, 0.0, 0.015, 0.0, rng.uniform(0.05, 0.12)))
+        boxes.append(_place_along(size, side, 0.0, length, 0.0, 0.015, 0.0, rng.uniform(0.05, 0.12)))
     return boxes
 
 
-def _along(size: Array, side: int, start: float, end: float, near: float, far: float, low: float, high: float) -> Array:
+def _place_along(
+    size: Array, side: int, start: float, end: float, near: float, far: float, low: float, high: float
+) -> Array:
     """A box (2, 3) from `start` to `end` along a wall and from `near` to `far` into the room."""
     across = (near, far) if side < 2 else (size[1 - side % 2] - far, size[1 - side % 2] - near)
     ends = [(start, end), across] if side % 2 == 0 else [across, (start, end)]
@@ -149,7 +151,7 @@ def wall_point(size: Array, side: int, along: float, off: float) -> tuple[Array,
     return point, yaw
 
 
-def _scaled(kind: str, pool: dict[str, list[Solid]], rng: Rng, spread: float = 0.12) -> tuple[Solid, Array]:
+def _draw_scaled(kind: str, pool: dict[str, list[Solid]], rng: Rng, spread: float = 0.12) -> tuple[Solid, Array]:
     solids = pool[kind]
     whole = np.exp(rng.normal(0, spread))
     return solids[int(rng.integers(len(solids)))], whole * np.exp(rng.normal(0, spread, 3))
@@ -163,7 +165,7 @@ def _stand_along(room: Room, side: int, pool: dict[str, list[Solid]], rng: Rng) 
     along = rng.uniform(0, 0.4 * length)
     while along < length:
         kind = str(rng.choice(kinds))
-        solid, scale = _scaled(kind, pool, rng)
+        solid, scale = _draw_scaled(kind, pool, rng)
         deep, wide, _ = solid.size * scale
         off = deep / 2 + (0.0 if tight else rng.uniform(0.0, 0.1))
         point, yaw = wall_point(room.size, side, along + wide / 2, off)
@@ -178,13 +180,13 @@ def _stand_along(room: Room, side: int, pool: dict[str, list[Solid]], rng: Rng) 
 
 def _seat(room: Room, table: Placed, side: int, pool: dict[str, list[Solid]], rng: Rng) -> None:
     """A chair at one of a table's sides, pushed in or not."""
-    solid, scale = _scaled(str(rng.choice(SEATS)), pool, rng, 0.07)
+    solid, scale = _draw_scaled(str(rng.choice(SEATS)), pool, rng, 0.07)
     angle = table.yaw + side * np.pi / 2
     half = table.size[side % 2] / 2
     off = half + solid.size[0] / 2 * rng.uniform(-0.3, 1.2)
     shift = rng.uniform(-0.35, 0.35) * table.size[1 - side % 2]
-    out, beside = (np.array([np.cos(t), np.sin(t)]) for t in (angle, angle + np.pi / 2))
-    point = table.position[:2] + off * out + shift * beside
+    out, along = (np.array([np.cos(t), np.sin(t)]) for t in (angle, angle + np.pi / 2))
+    point = table.position[:2] + off * out + shift * along
     new = Placed(solid, scale, angle + np.pi + rng.normal(0, 0.25), np.array([*point, 0.0]), FLOOR)
     if room.is_free(new, [thing for thing in room.things if thing is not table]):
         room.things.append(new)
@@ -193,7 +195,7 @@ def _seat(room: Room, table: Placed, side: int, pool: dict[str, list[Solid]], rn
 def _stand_in_the_middle(room: Room, pool: dict[str, list[Solid]], rng: Rng) -> None:
     for _ in range(4):
         kind = str(rng.choice(MIDDLE))
-        solid, scale = _scaled(kind, pool, rng)
+        solid, scale = _draw_scaled(kind, pool, rng)
         yaw = rng.choice([0, 1, 2, 3]) * np.pi / 2 + rng.normal(0, 0.3)
         point = rng.uniform(0.2, 0.8, 2) * room.size[:2]
         new = Placed(solid, scale, yaw, np.array([*point, 0.0]), FLOOR)
@@ -212,7 +214,7 @@ def _hang(room: Room, side: int, pool: dict[str, list[Solid]], rng: Rng) -> None
     bottom = rng.uniform(1.0, 1.7)
     for _ in range(int(rng.choice([0, 1, 1, 1, 2, 3, 5]))):
         kind = kind if rng.random() < 0.7 else str(rng.choice(HANGING))
-        solid, scale = _scaled(kind, pool, rng, 0.25)
+        solid, scale = _draw_scaled(kind, pool, rng, 0.25)
         deep, wide, _ = solid.size * scale
         point, yaw = wall_point(room.size, side, along + wide / 2, deep / 2)
         new = Placed(solid, scale, yaw, np.array([*point, bottom + rng.normal(0, 0.05)]), WALL)
@@ -233,7 +235,7 @@ def _set_upon(room: Room, owner: int, pool: dict[str, list[Solid]], rng: Rng) ->
     soft = below.solid.kind in ("sofa", "bed", "armchair", "office_chair", "chair", "bench")
     mine: list[Placed] = []
     for _ in range(min(count, 14)):
-        solid, scale = _scaled("pillow" if soft and rng.random() < 0.6 else str(rng.choice(SMALL)), pool, rng, 0.2)
+        solid, scale = _draw_scaled("pillow" if soft and rng.random() < 0.6 else str(rng.choice(SMALL)), pool, rng, 0.2)
         base, number = below, owner
         if mine and rng.random() < 0.15:  # a stack
             base = mine[int(rng.integers(len(mine)))]
@@ -244,7 +246,7 @@ def _set_upon(room: Room, owner: int, pool: dict[str, list[Solid]], rng: Rng) ->
         c, s = np.cos(base.yaw), np.sin(base.yaw)
         point = base.position[:2] + np.array([[c, -s], [s, c]]) @ spot
         new = Placed(solid, scale, turn, np.array([*point, 0.0]), number + 2)
-        level = _level_below(base, new)
+        level = _find_level_below(base, new)
         if level is None:
             continue
         new = Placed(solid, scale, turn, np.array([*point, level]), number + 2)
@@ -253,7 +255,7 @@ def _set_upon(room: Room, owner: int, pool: dict[str, list[Solid]], rng: Rng) ->
             room.things.append(new)
 
 
-def _level_below(base: Placed, new: Placed) -> float | None:
+def _find_level_below(base: Placed, new: Placed) -> float | None:
     """The height at which the base carries a new thing; None: it does not lie flat there."""
     inner = new.corners(-0.25 * float(new.size[:2].min()))
     mesh = np.concatenate([inner, inner.mean(axis=0, keepdims=True)])

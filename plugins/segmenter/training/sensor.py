@@ -1,4 +1,4 @@
-"""What cameras make of true depth and colour: noise, smeared and lost edges, holes, light, weak or strong."""
+"""Models of sensors: noise, smeared and lost edges, holes and lighting, weak or strong."""
 
 import cv2
 import numpy as np
@@ -12,7 +12,7 @@ TILT, OFF = 1.2, 0.02  # degrees and share of the camera's height by which the l
 
 
 def sense_depth(picture: Picture, rng: Rng) -> Array:
-    """Depth (H, W) as a stereo camera, structured light, time of flight or a network says it, metres; 0: unknown."""
+    """Depth (H, W) as stereo, structured light, time of flight or a network measures it, metres; 0: unknown."""
     depth = picture.depth.astype(float)
     shape = depth.shape
     wide = shape[1] / 160
@@ -74,8 +74,8 @@ def photograph(rgb: NDArray[np.uint8], rng: Rng) -> NDArray[np.uint8]:
     return np.asarray((255 * image).clip(0, 255), dtype=np.uint8)
 
 
-def tilt(frame: Array, rng: Rng) -> Array:
-    """`floor_from_camera` (4, 4) as an estimate of it errs."""
+def tilt_frame(frame: Array, rng: Rng) -> Array:
+    """`floor_from_camera` (4, 4) with the error of an estimate."""
     x, y = np.deg2rad(rng.normal(0, TILT, 2))
     turn = np.array([[1, 0, y], [0, 1, -x], [-y, x, 1]])
     left, _, right = np.linalg.svd(turn)

@@ -162,7 +162,7 @@ def _pillow(rng: Rng) -> list[Part]:
     return [part(cushion(-size / 2, size / 2, 0.4 * size[2]), _colour(rng))]
 
 
-def _heap(rng: Rng) -> list[Part]:
+def _make_heap(rng: Rng) -> list[Part]:
     """A box, a can, a ball or a few of them as one thing: toys, bags, tools, food."""
     colours = [_colour(rng) for _ in range(int(rng.integers(1, 4)))]
     scale, parts = rng.uniform(0.05, 0.3), []
@@ -194,6 +194,6 @@ OTHERS: dict[str, Callable[[Rng], list[Part]]] = {
     "screen": _screen,
     "keyboard": _keyboard,
     "pillow": _pillow,
-    "heap": _heap,
+    "heap": _make_heap,
     "sheet": _sheet,
 }

@@ -17,7 +17,7 @@ from plugins.segmenter.training.loss import WEIGHTS, losses
 from plugins.segmenter.training.options import TrainingOptions
 from plugins.segmenter.training.pictures import LARGE, SMALL, make_pool
 from stages.cli import progress
-from stages.contracts.files import atomic
+from stages.contracts.files import write_atomically
 
 STATE = "state.pt"
 AVERAGED = 0.98  # what is written is the moving average of the weights: about the last fifty steps
@@ -48,7 +48,7 @@ def train(out: Path, config: TrainingOptions, seed: int) -> None:
     torch.set_num_threads(1)
     out.mkdir(parents=True, exist_ok=True)
     pool = make_pool(config.models, seed)
-    training = started(json.dumps([asdict(replace(config, save_every=0)), seed]), config, seed)
+    training = start_run(json.dumps([asdict(replace(config, save_every=0)), seed]), config, seed)
     resume(training, out / STATE)
     steps = config.small_steps + config.large_steps
     for step in progress(range(training.step, steps), "steps", steps - training.step):
@@ -58,11 +58,11 @@ def train(out: Path, config: TrainingOptions, seed: int) -> None:
             save_state(training, out / STATE)
             save_weights(training.average.module, out / "segmenter.safetensors")
     save_weights(training.average.module, out / "segmenter.safetensors")
-    with atomic(out / "metrics.jsonl") as temporary:
+    with write_atomically(out / "metrics.jsonl") as temporary:
         temporary.write_text("".join(json.dumps(line) + "\n" for line in training.lines), encoding="utf-8")
 
 
-def started(about: str, config: TrainingOptions, seed: int) -> Run:
+def start_run(about: str, config: TrainingOptions, seed: int) -> Run:
     """A run before its first step."""
     torch.manual_seed(seed)
     network = Segmenter().to(memory_format=torch.channels_last)  # type: ignore[call-overload]
@@ -106,7 +106,7 @@ def save_state(training: Run, path: Path) -> None:
         "step": training.step,
         "lines": training.lines,
     }
-    with atomic(path) as temporary:
+    with write_atomically(path) as temporary:
         torch.save(content, temporary)
 
 
@@ -125,5 +125,5 @@ def resume(training: Run, path: Path) -> None:
 def save_weights(network: nn.Module, path: Path) -> None:
     """The weights and the statistics of batch normalisation as fp16 safetensors."""
     kept = {name: value for name, value in network.state_dict().items() if value.is_floating_point()}
-    with atomic(path) as temporary:
+    with write_atomically(path) as temporary:
         temporary.write_bytes(save({name: value.half().contiguous() for name, value in sorted(kept.items())}))

@@ -1,4 +1,4 @@
-"""What a camera sees of a random room: depth, owners and colours, by rays."""
+"""Ray-cast views of a random room: depth, owners and colours."""
 
 from dataclasses import dataclass
 
@@ -44,7 +44,7 @@ class Seen:
 
 
 class Caster:
-    """A room as Open3D's rays see it, with the colours of all its parts drawn anew."""
+    """A room in Open3D's ray-casting scene, with randomly drawn colours."""
 
     def __init__(self, room: Room, rng: Rng) -> None:
         self.room = room
@@ -55,12 +55,12 @@ class Caster:
         counts = [shell, *(len(thing.solid.colours) for thing in room.things)]
         start = np.concatenate([[0], np.cumsum(counts)])
         self.part = part + start[np.maximum(self.owner - 1, 0)]
-        self.colour, self.pattern, self.repeat, self.painting = _looks(room, rng)
+        self.colour, self.pattern, self.repeat, self.painting = _draw_looks(room, rng)
         self.mirror = np.zeros(start[-1], dtype=bool)
         for number, thing in enumerate(room.things, 1):
             if thing.solid.mirror >= 0:
                 self.mirror[start[number] + thing.solid.mirror] = True
-        self.paintings = np.stack([painting(rng) for _ in range(4)])
+        self.paintings = np.stack([draw_painting(rng) for _ in range(4)])
         self.light = _light(room, rng)
 
     def hits(self, origins: Array, directions: Array) -> dict[str, NDArray]:  # type: ignore[type-arg]
@@ -113,7 +113,7 @@ class Caster:
             colour[mine] = canvas[rows, columns]
 
 
-def _looks(room: Room, rng: Rng) -> tuple[Array, NDArray[np.int64], Array, NDArray[np.int64]]:
+def _draw_looks(room: Room, rng: Rng) -> tuple[Array, NDArray[np.int64], Array, NDArray[np.int64]]:
     """Colour, pattern, its repeat, and painting of every part: mostly as they are made, else plain or at random."""
     patterns = len(pattern_table())
     count = len(room.shell)
@@ -141,7 +141,7 @@ def _looks(room: Room, rng: Rng) -> tuple[Array, NDArray[np.int64], Array, NDArr
     return joined, np.concatenate(pattern), np.concatenate(repeat), np.concatenate(painted)
 
 
-def painting(rng: Rng) -> Array:
+def draw_painting(rng: Rng) -> Array:
     """A picture (64, 64, 3): blots, bars and rings of some colours, at times on white with a frame."""
     canvas = np.tile(rng.uniform(0, 1, 3), (64, 64, 1))
     canvas += rng.uniform(-0.3, 0.3, 3) * np.linspace(-1, 1, 64)[:, None, None]
@@ -168,7 +168,7 @@ def _light(room: Room, rng: Rng) -> tuple[Array, Array, Array]:
 
 
 def look(caster: Caster, width: int, height: int, rng: Rng) -> Seen | None:
-    """A picture from somewhere in the room, a fourth of them of a table's top; None: too near to something."""
+    """A picture from a random place in the room, one in four of a table top; None: something is too near."""
     room = caster.room
     tables = [k for k, thing in enumerate(room.things) if thing.solid.kind in TABLES and thing.support == FLOOR]
     laid = [k for k in tables if any(thing.support == k + 2 for thing in room.things)]

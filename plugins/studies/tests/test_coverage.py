@@ -13,8 +13,8 @@ from plugins.studies.coverage import (
     forecast,
     forecast_mean,
     measure_coverage,
+    measure_nearest,
     most_covered,
-    nearest,
 )
 from stages.contracts.policies import TaskAsset
 from tests.unit.demo_assets import an_asset
@@ -33,8 +33,8 @@ def test_distance_is_in_ratio_of_widths_and_height_of_the_handle() -> None:
 
 def test_the_nearest_training_asset_counts() -> None:
     unseen = [an_asset("a", panel_size=(0.4, 0.6)), an_asset("b", panel_size=(0.7, 0.6))]
-    assert nearest(unseen, SHOWN) == pytest.approx([0, math.log(0.8 / 0.7) / 0.35])
-    assert nearest(unseen, SHOWN[:1])[1] == pytest.approx(math.log(0.7 / 0.4) / 0.35)
+    assert measure_nearest(unseen, SHOWN) == pytest.approx([0, math.log(0.8 / 0.7) / 0.35])
+    assert measure_nearest(unseen, SHOWN[:1])[1] == pytest.approx(math.log(0.7 / 0.4) / 0.35)
 
 
 @pytest.mark.parametrize("task", CURVES)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks import how_many_assets
-from benchmarks.how_many_assets import drawn, errors, papers_table, reading, successes, variances
+from benchmarks.how_many_assets import draw_effects, errors, papers_table, successes, summarise_effects, variances
 from tests.unit.tables_results import rollout, write_rows
 
 PUBLISHED = Path(__file__).parents[3] / "report" / "published"
@@ -42,12 +42,12 @@ def test_small_studies_read_the_effect_on_average_and_more_assets_narrow_it(monk
     monkeypatch.setattr(how_many_assets, "DRAWS", 4000)
     ours, theirs = np.zeros((2, 3, 8, 4, 2))
     ours[0, :4], ours[1, :6], ours[2, :2] = 1, 1, 1  # objects of which a half, three quarters, a quarter gain
-    few, many = (drawn(ours, theirs, 1, assets, 2) for assets in (1, 40))
+    few, many = (draw_effects(ours, theirs, 1, assets, 2) for assets in (1, 40))
     assert few.mean() == pytest.approx(0.5, abs=0.03) and many.mean() == pytest.approx(0.5, abs=0.03)
     assert set(few) == {0, 1} and (few <= 0).mean() == pytest.approx(0.5, abs=0.03)
     assert (many <= 0).mean() == 0 and many.std() == pytest.approx(0.2, abs=0.03)  # what is left is the object
-    assert drawn(ours, theirs, 3, 40, 2).std() == pytest.approx(many.std() / 3**0.5, abs=0.02)
-    assert reading(few).startswith("0 to +100, ") and reading(many).endswith(", 0 %")
+    assert draw_effects(ours, theirs, 3, 40, 2).std() == pytest.approx(many.std() / 3**0.5, abs=0.02)
+    assert summarise_effects(few).startswith("0 to +100, ") and summarise_effects(many).endswith(", 0 %")
 
 
 def test_successes_are_laid_out_by_object_asset_start_and_run(tmp_path: Path) -> None:

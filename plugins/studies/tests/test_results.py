@@ -110,7 +110,7 @@ def test_how_far_the_study_has_come_is_told(study: Path, tmp_path: Path) -> None
         "| Door opening, lite | usual | 2 of 2 | 1 of 4 | not run |",
         "| Door opening, lite_handle | usual | not run | not run | not run |",
         "| Door opening, lite | mujoco | 1 of 2 | not run | not run |",
-        "", "Conditions that no policy has met: own size.",
+        "", "Conditions without any rollout: own size.",
     ]  # fmt: skip
     assert "**Success under other conditions" in "\n".join(lines)
 

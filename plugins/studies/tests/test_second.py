@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from benchmarks.forecast_cells import expected
+from benchmarks.forecast_cells import forecast_cells
 from stages.config.model import Config, read_files
 from stages.contracts import TaskAssets, read_json
 
@@ -42,13 +42,13 @@ def test_sets_by_chance_are_other_assets_in_the_second_run(config: Config) -> No
     for plan in plans(config).values():
         assert plan.draws == 2
         for rule in ("random", "cover"):
-            first, second = (plan.drawn(rule)[k * plan.length(rule) :][:8] for k in (0, 1))
+            first, second = (plan.list_drawn(rule)[k * plan.length(rule) :][:8] for k in (0, 1))
             assert len({asset.family for asset in first}) == len({asset.family for asset in second}) == 8
             assert {asset.asset for asset in first} != {asset.asset for asset in second}
 
 
 def test_the_forecast_is_that_of_the_committed_assets(config: Config, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    told, again = pd.read_csv(FORECAST), expected(config)
+    told, again = pd.read_csv(FORECAST), forecast_cells(config)
     pd.testing.assert_frame_equal(told, again, rtol=1e-4)
     assert len(told) == 48 * 4 * 2

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from plugins.studies import sets
-from plugins.studies.forecasts import agreement
+from plugins.studies.forecasts import measure_agreement
 from plugins.studies.objects import ROLLOUT, estimate, pair_cells, standard_error
 from stages.config.tables import TablesConfig
 from stages.contracts.policies import Rollout
@@ -137,7 +137,7 @@ def test_a_failed_training_counts_and_the_difference_without_it_stands_beside(st
 def test_the_forecast_is_held_against_every_cell() -> None:
     told = [0.1, 0.3, 0.6, 0.9]
     cells = pd.DataFrame({"condition": "usual", "task": "door", "forecast": told, "success": [0.2, 0.4, 0.7, 1.0]})
-    whole, *bins = agreement(pd.concat([cells, cells[:1].assign(success=None)])).itertuples()
+    whole, *bins = measure_agreement(pd.concat([cells, cells[:1].assign(success=None)])).itertuples()
     assert (whole.bin, whole.cells) == ("all", 4)
     assert [whole.error, whole.correlation, whole.slope] == pytest.approx([0.1, 1, 1])
     assert [row.cells for row in bins] == [1, 1, 1, 1]

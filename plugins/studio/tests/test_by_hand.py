@@ -388,7 +388,7 @@ def test_a_foot_marked_too_high_is_put_onto_what_carries_it() -> None:
     mug.points = [(u, v - 9) for u, v in mug.points[:2]] + list(mug.points[2:3])  # far beyond the cabinet
     solved = solve(drawing)
     box, carrier = solved.boxes["mug"], solved.boxes["cabinet"]
-    assert "its foot lay beyond what it stands on" in solved.notes["mug"]
+    assert "its base lay beyond what it stands on" in solved.notes["mug"]
     assert box.bottom == pytest.approx(carrier.top) and box.top == pytest.approx(BOXES["mug"].top, abs=0.06)
     away = np.linalg.norm(BOXES["mug"].center)
     assert np.linalg.norm(np.subtract(box.center, BOXES["mug"].center)) < 0.1 * away

@@ -14,10 +14,10 @@ from plugins.inputs.photo.metrology import (
     MetrologyError,
     View,
     depth_by_pixel,
-    hanging_box,
+    fit_hanging_box,
+    fit_standing_box,
     rotation_of,
     round_box,
-    standing_box,
     wall_plane,
 )
 from plugins.inputs.photo.perspective import fit_view, horizon, vanishing_point
@@ -66,12 +66,12 @@ def test_what_is_projected_is_found_again() -> None:
     right = VIEW.rotation[:, 0]
     assert right[2] < 0  # rolled clockwise: the camera's right side is the lower one
     point = np.array([0.7, 3.0, 0.4])
-    np.testing.assert_allclose(VIEW.on_level(VIEW.project(point), 0.4), point, atol=1e-9)
-    np.testing.assert_allclose(VIEW.on_plane(VIEW.project(point), [0, -1, 0], -3.0), point, atol=1e-9)
+    np.testing.assert_allclose(VIEW.meet_level(VIEW.project(point), 0.4), point, atol=1e-9)
+    np.testing.assert_allclose(VIEW.meet_plane(VIEW.project(point), [0, -1, 0], -3.0), point, atol=1e-9)
     behind = VIEW.project([0, -3.0, 0])
     assert np.isnan(behind).all()
     with pytest.raises(MetrologyError, match="above the horizon"):
-        VIEW.on_level((400, 20))
+        VIEW.meet_level((400, 20))
 
 
 def test_lines_of_three_directions_give_the_camera() -> None:
@@ -113,18 +113,18 @@ def test_what_lines_leave_open_is_as_is_usual_and_what_is_fixed_stays() -> None:
 def test_a_standing_box_from_four_pixels(turn: float) -> None:
     box = replace(BOX, yaw=turn)
     left, right, top, rear = _seen(box, 0, 1, 4, 6)
-    found = standing_box(VIEW, 0.0, [left, right, top, rear], NOTHING, free=bool(turn))
+    found = fit_standing_box(VIEW, 0.0, [left, right, top, rear], NOTHING, free=bool(turn))
     assert oriented_iou(found, box) > 0.999
-    other = standing_box(VIEW, 0.0, [right, left, top, _seen(box, 7)[0]], NOTHING, free=bool(turn))
+    other = fit_standing_box(VIEW, 0.0, [right, left, top, _seen(box, 7)[0]], NOTHING, free=bool(turn))
     assert oriented_iou(other, box) > 0.999  # drawn from right to left, another rear corner
     on_it = UprightBox([0.5, 3.1, 1.0], [0.2, 0.2, 0.2], turn)
-    raised = standing_box(VIEW, 0.9, _seen(on_it, 0, 1, 5, 7), NOTHING, free=bool(turn))
+    raised = fit_standing_box(VIEW, 0.9, _seen(on_it, 0, 1, 5, 7), NOTHING, free=bool(turn))
     assert oriented_iou(raised, on_it) > 0.999
 
 
 def test_noise_does_not_turn_a_box_that_stands_along_the_walls() -> None:
     left, right, top, rear = _seen(BOX, 0, 1, 4, 6)
-    found = standing_box(VIEW, 0.0, [left, (right[0], right[1] + 3), top, rear], NOTHING, free=False)
+    found = fit_standing_box(VIEW, 0.0, [left, (right[0], right[1] + 3), top, rear], NOTHING, free=False)
     assert found.yaw == pytest.approx(0) and np.linalg.norm(np.subtract(found.center, BOX.center)) < 0.06
 
 
@@ -149,10 +149,10 @@ def test_a_round_thing_from_three_pixels() -> None:
 
 def test_typed_sizes_count_for_more_than_the_picture() -> None:
     left, right, top, rear = _seen(BOX, 0, 1, 4, 6)
-    found = standing_box(VIEW, 0.0, [left, right, top, rear], (1.0, 0.6, 2.0), free=False)
+    found = fit_standing_box(VIEW, 0.0, [left, right, top, rear], (1.0, 0.6, 2.0), free=False)
     assert np.asarray(found.size).tolist() == [1.0, 0.6, 2.0] and found.bottom == pytest.approx(0)
     np.testing.assert_allclose(np.asarray(found.center)[:2], [0.4, 2.95 + 0.3], atol=1e-6)  # its front stays
-    guessed = standing_box(VIEW, 0.0, [left, right, top], NOTHING, free=False)
+    guessed = fit_standing_box(VIEW, 0.0, [left, right, top], NOTHING, free=False)
     assert np.asarray(guessed.size)[1] == pytest.approx(0.6)
 
 
@@ -161,18 +161,20 @@ def test_a_hanging_box_from_three_pixels() -> None:
     wall = wall_plane(VIEW, *VIEW.project([[-1, 4, 0], [1, 4, 0]]), free=False)
     np.testing.assert_allclose([*wall.normal, wall.offset], [0, -1, 0, WALL], atol=1e-6)
     for rear in (3, 2, 7):
-        found = hanging_box(VIEW, wall, [*_seen(box, 0, 5), *_seen(box, rear)], NOTHING)
+        found = fit_hanging_box(VIEW, wall, [*_seen(box, 0, 5), *_seen(box, rear)], NOTHING)
         assert oriented_iou(found, box) > 0.97
-    flat = hanging_box(VIEW, wall, _seen(replace(box, center=[-0.6, 3.985, 1.6], size=[0.9, 0.03, 0.7]), 0, 5), NOTHING)
+    flat = fit_hanging_box(
+        VIEW, wall, _seen(replace(box, center=[-0.6, 3.985, 1.6], size=[0.9, 0.03, 0.7]), 0, 5), NOTHING
+    )
     assert np.asarray(flat.size)[1] == pytest.approx(0.03)
 
 
 def test_drawings_without_a_meaning_say_why() -> None:
     left, right, top, _ = _seen(BOX, 0, 1, 4, 6)
     with pytest.raises(MetrologyError, match="top lies below"):
-        standing_box(VIEW, 0.0, [left, right, (left[0], left[1] + 40)], NOTHING, free=False)
+        fit_standing_box(VIEW, 0.0, [left, right, (left[0], left[1] + 40)], NOTHING, free=False)
     with pytest.raises(MetrologyError, match="same point"):
-        standing_box(VIEW, 0.0, [left, left, top], NOTHING, free=False)
+        fit_standing_box(VIEW, 0.0, [left, left, top], NOTHING, free=False)
     with pytest.raises(MetrologyError, match="before its front"):
         depth_by_pixel(VIEW, corners(BOX)[[0, 1]], np.array([0, 1.0, 0]), VIEW.project([0.4, 1.8, 0]))
 

@@ -1,4 +1,4 @@
-"""What each kind of mesh file can say, read or told: a module per suffix, with its `READER`.
+"""Readers of mesh files, which report what they leave out: a module per suffix, with its `READER`.
 
 The core has that of its own assets, OBJ; others are in packages (docs/your-models.md).
 """
@@ -12,7 +12,7 @@ from trimesh import Scene
 from stages.articulated.mesh_resolver import MeshResolver
 
 
-def no_direction(path: Path) -> str:
+def state_no_direction(path: Path) -> str:
     """Files of most kinds do not say what is up."""
     return ""
 
@@ -25,4 +25,4 @@ class MeshReader(NamedTuple):
     """
 
     read: Callable[[Path, MeshResolver], tuple[Scene, list[str]]]
-    up: Callable[[Path], str] = no_direction
+    up: Callable[[Path], str] = state_no_direction

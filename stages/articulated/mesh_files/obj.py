@@ -35,7 +35,7 @@ def read_obj(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     if coloured:
         text = LIBRARIES.sub("", USED.sub("", text))
     if coloured or FACES.search(text):
-        text = _plain(text, coloured)
+        text = _triangulate_text(text, coloured)
     library = "materials.mtl"
     text = f"mtllib {library}\n{LIBRARIES.sub('', text)}" if materials else LIBRARIES.sub("", text)
     written = "".join(material.text() for material in materials.values())
@@ -56,12 +56,12 @@ def _materials(text: str, path: Path, files: MeshResolver) -> tuple[dict[str, Ma
         whole = named.strip()
         for name in [whole] if files.find(whole) or ".mtl " not in whole.lower() else whole.split():
             try:
-                more, said = materials_in(decode_text(files.get(name)), Path(name).name)
+                more, notes = materials_in(decode_text(files.get(name)), Path(name).name)
             except FileNotFoundError:
                 missing = True
                 continue
             materials |= more
-            lines += said
+            lines += notes
     unknown = sorted({name.strip() for name in USED.findall(text)} - materials.keys())
     if unknown and not missing:
         names = ", ".join(f"'{name[:60]}'" for name in unknown[:3])
@@ -69,7 +69,7 @@ def _materials(text: str, path: Path, files: MeshResolver) -> tuple[dict[str, Ma
     return materials, lines
 
 
-def _plain(text: str, bare: bool) -> str:
+def _triangulate_text(text: str, bare: bool) -> str:
     """The text with triangles alone, their indices counted from the file's beginning; bare: those of corners alone."""
     corners = np.array([_numbers(line) for line in CORNERS.findall(text)]).reshape(-1, 3)
     counts, lines = {"v": 0, "vt": 0, "vn": 0}, list[str]()

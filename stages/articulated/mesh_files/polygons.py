@@ -21,7 +21,7 @@ def triangles_of(corners: Corners) -> Triangles:
     centred = corners - corners.mean(axis=0)
     normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)  # Newell's: twice the area
     least = ROUNDING * float(np.ptp(corners, axis=0).max()) ** 2
-    if np.linalg.norm(normal) <= least or (_facing(corners, fan, normal) >= -least).all():
+    if np.linalg.norm(normal) <= least or (_measure_facing_area(corners, fan, normal) >= -least).all():
         return fan
     import mapbox_earcut  # not where models are read that were imported before: they are of triangles
 
@@ -30,7 +30,7 @@ def triangles_of(corners: Corners) -> Triangles:
     if not len(cut):
         return fan
     ears = cut.reshape(-1, 3).astype(np.int64)
-    return ears if _facing(corners, ears, normal).sum() > 0 else ears[:, ::-1]
+    return ears if _measure_facing_area(corners, ears, normal).sum() > 0 else ears[:, ::-1]
 
 
 def split(vertices: Corners, polygons: Iterable[Triangles]) -> tuple[Triangles, Triangles]:
@@ -43,7 +43,7 @@ def split(vertices: Corners, polygons: Iterable[Triangles]) -> tuple[Triangles, 
     return np.concatenate(triangles), np.concatenate(numbers)
 
 
-def _facing(corners: Corners, triangles: Triangles, normal: Corners) -> NDArray[np.float64]:
+def _measure_facing_area(corners: Corners, triangles: Triangles, normal: Corners) -> NDArray[np.float64]:
     """Twice the area of each triangle as seen along a polygon's normal: negative, it faces the other way."""
     one, two, three = (corners[triangles[:, column]] for column in range(3))
     return np.asarray(np.cross(two - one, three - one) @ (normal / np.linalg.norm(normal)))

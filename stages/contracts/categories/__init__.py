@@ -26,10 +26,10 @@ def category_in(name: str) -> str | None:
     return found.name if found else None
 
 
-def usual_size(category: str | None) -> UsualSize | None:
+def find_usual_size(category: str | None) -> UsualSize | None:
     """Of a category by its name; None: nobody knows."""
     known = known_categories().get(category or "")
-    return known.usual_size() if known else None
+    return known.measure_usual_size() if known else None
 
 
 def sizes_of(label: str) -> NDArray[np.float64]:

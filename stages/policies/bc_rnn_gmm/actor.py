@@ -44,7 +44,7 @@ class Actor:
             self.past[slot] = [*self.past[slot], row][-self.horizon :]
         lengths = [len(self.past[slot]) for slot in slots]
         batch = torch.nn.utils.rnn.pad_sequence([torch.stack(self.past[slot]) for slot in slots], batch_first=True)
-        mixture = self.policy.decode(batch)[0].at([length - 1 for length in lengths])
+        mixture = self.policy.decode(batch)[0].select_steps([length - 1 for length in lengths])
         if self.choose == "most_likely":
             actions = mixture.most_likely()
         else:

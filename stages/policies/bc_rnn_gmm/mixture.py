@@ -27,7 +27,7 @@ class Mixture:
         normal = -0.5 * z.square().sum(-1) - self.stds.log().sum(-1) - 0.5 * z.shape[-1] * math.log(2 * math.pi)
         return torch.logsumexp(functional.log_softmax(self.logits, -1) + normal, -1)
 
-    def at(self, steps: Sequence[int]) -> "Mixture":
+    def select_steps(self, steps: Sequence[int]) -> "Mixture":
         """Of mixtures (B, T, ...) the one (B, ...) at one step per row."""
         rows = range(len(steps))
         return Mixture(self.logits[rows, steps], self.means[rows, steps], self.stds[rows, steps])

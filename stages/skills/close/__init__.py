@@ -11,10 +11,10 @@ class CloseSkill(ArticulateSkill):
     def goals(self, target: Target) -> tuple[float, ...]:
         return (target.lower,)
 
-    def enough(self, goal: float) -> bool:
+    def has_moved_enough(self, goal: float) -> bool:
         return self.task.opened <= AJAR / 2
 
-    def done(self) -> bool:
+    def is_done(self) -> bool:
         return self.task.opened <= AJAR
 
 

@@ -16,11 +16,11 @@ class OpenSkill(ArticulateSkill):
     def goals(self, target: Target) -> tuple[float, ...]:
         return choose_open_goals(target, self.task.success_opening, self.options.goal_margin)
 
-    def enough(self, goal: float) -> bool:
+    def has_moved_enough(self, goal: float) -> bool:
         target, options = self.task.env.target, self.options
         return self.task.opened >= choose_release_opening(target, self.task.success_opening, options.goal_margin, goal)
 
-    def done(self) -> bool:
+    def is_done(self) -> bool:
         return self.task.opened >= self.task.success_opening
 
 

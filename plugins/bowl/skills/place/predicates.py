@@ -19,13 +19,16 @@ def find_places_inside(region: Region, mesh: trimesh.Trimesh) -> Array:
     return region.places(_radius(mesh.vertices) + CLEARANCE)
 
 
-def on_top(region: Region, mesh: trimesh.Trimesh) -> Array:
+def find_places_on_top(region: Region, mesh: trimesh.Trimesh) -> Array:
     """(N, 3) places for an upright object's axis on the region, where all that it stands on is supported."""
     vertices = mesh.vertices
     return region.places(_radius(vertices[vertices[:, 2] < mesh.bounds[0, 2] + CELL]))
 
 
-PREDICATES: dict[str, Callable[[Region, trimesh.Trimesh], Array]] = {"inside": find_places_inside, "on_top": on_top}
+PREDICATES: dict[str, Callable[[Region, trimesh.Trimesh], Array]] = {
+    "inside": find_places_inside,
+    "on_top": find_places_on_top,
+}
 
 
 def sample_placements(

@@ -19,7 +19,7 @@ OVER = (0.06, 0.02)  # metres above what a held object is lifted over, tried in 
 class PlaceSkill(CarrySkill):
     """Puts the object that the hand holds where the task wants it."""
 
-    def done(self) -> bool:
+    def is_done(self) -> bool:
         return self.movable().there
 
     def attempt(self, motion: Motion, number: int) -> str:

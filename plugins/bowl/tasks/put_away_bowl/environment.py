@@ -148,7 +148,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
         wide = float(self.bowl_meshes[index].extents[:2].max()) + 2 * AROUND
         return min(0.95, wide / (self.targets[index].upper - self.targets[index].lower))
 
-    def inside(self) -> torch.Tensor:
+    def is_inside(self) -> torch.Tensor:
         """(N,) whether the bowl stands in the drawer: its middle over the floor, its foot at the floor's height."""
         local = (self.object.pose.inv() * self.bowl.pose).p
         lows, highs, axes = [], [], []
@@ -165,7 +165,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
 
     def check_success(self) -> torch.Tensor:
         """(N,) in, shut, and let go of."""
-        there = self.inside() & (self.measure_opening() <= AJAR)
+        there = self.is_inside() & (self.measure_opening() <= AJAR)
         return there & ~self.agent.is_grasping(self.bowl) if bool(there.any()) else there
 
     def evaluate(self) -> dict[str, torch.Tensor]:
@@ -183,7 +183,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
             "inside",
             self.floors[0],
             self.base_from_asset() @ target.motions(np.array([value]))[0],
-            bool(self.inside()[0]),
+            bool(self.is_inside()[0]),
         )
 
     def obstacles(self) -> Array:
