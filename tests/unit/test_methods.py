@@ -242,7 +242,7 @@ def test_what_policies_are_given_is_as_the_options_say() -> None:
     assert "depth without noise" not in note and "exact camera poses" not in note and "share" not in note
     for words in (
         "the mask of the target, and they start within 15 cm and 20 degrees", "has the noise of a depth camera",
-        "1 cm and 2 degrees elsewhere", "tests in MuJoCo",
+        "1 cm and 2 degrees off the pose that they assume", "tests in MuJoCo",
     ):  # fmt: skip
         assert words in note, words
     (one,) = policy_notes(policy_tables(config_of("{evaluation: {depth_noise: true}, task: {base_xy: 0.1}}")))
