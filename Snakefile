@@ -23,7 +23,6 @@ include: "rules/resources.smk"
 include: "rules/inputs.smk"
 include: "rules/implementations.smk"
 include: "rules/assets.smk"
-include: "rules/scenes.smk"
 include: "rules/extraction.smk"
 include: "rules/matching.smk"
 include: "rules/generation.smk"
@@ -46,7 +45,7 @@ rule all:
     default_target: True
     input:
         # What lies between, too: where only that is missing, as after a failed job, Snakemake finds nothing to do.
-        rules.scenes.input + rules.extraction.input + rules.matching.input + rules.generation.input,
+        rules.extraction.input + rules.matching.input + rules.generation.input,
         rules.experiment.input + rules.demonstrations.input + rules.training.input + rules.evaluation.input,
         rules.tables.input,
         EVERYTHING,

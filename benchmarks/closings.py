@@ -14,7 +14,7 @@ and training set: the front as the robot sees it, handle or bowl as a grey bar, 
 import argparse
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 
@@ -30,7 +30,9 @@ from stages.evaluation.arena import PolicyArena
 from stages.evaluation.states import Start, initial_states, list_unseen_starts, share_states
 from stages.geometry.frames import apply, inverse
 from stages.tasks.api import TaskEnv
-from stages.tasks.movable import Movable
+
+if TYPE_CHECKING:
+    from plugins.bowl.movable import Movable
 
 BESIDE = 0.12  # metres: a hand this near to the middle of a bowl closes on it
 COLOURS = {True: "#2a7fb8", False: "#d1495b"}
@@ -51,13 +53,13 @@ class Watched:
 
     def step(self, action: Any) -> Any:
         if action[6] < 0 and self.key not in self.notes:
-            item = self.task.env.movable()
-            found = self.measure_grasp() if item is None else self.measure_hand_offset(item)
+            movable = getattr(self.task.env, "movable", None)  # of tasks with something to carry
+            found = self.measure_hand_offset(movable()) if movable else self.measure_grasp()
             if found:
                 self.notes[self.key] = found
         return self.task.step(action)
 
-    def measure_hand_offset(self, item: Movable) -> dict[str, Any]:
+    def measure_hand_offset(self, item: "Movable") -> dict[str, Any]:
         """The hand's place from the middle of what is to be picked up (robot base frame); {} if far from it."""
         corners = apply(item.base_from_object, item.mesh.vertices)
         low, high = corners.min(axis=0), corners.max(axis=0)

@@ -17,16 +17,17 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
+from plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
+from plugins.in_scene.room import read_room
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts import read_json
 from stages.contracts.images import read_rgb
 from stages.contracts.look import Look
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.base_shifts import find_obstacle, list_base_shifts
 from stages.plugins import load
 from stages.simulation.films import write_film
-from stages.simulation.room import Room, read_room
+from stages.simulation.room import Room
 from stages.simulation.studio import Image, Moment, Recording, Studio
 from stages.tasks.api import TaskEnv
 

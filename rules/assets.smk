@@ -51,22 +51,3 @@ rule snapshots:
     shell:
         "({params.command} --library {input.part:q} --options {params.options:q} --out {output.images:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
-
-
-rule draw_snapshots:
-    """Lay the snapshots of one shard out on a contact sheet."""
-    input:
-        images="results/assets/snapshots/shard_{shard}.h5",
-        index="results/assets/snapshots/shard_{shard}.json",
-    output:
-        sheet="results/assets/snapshots/shard_{shard}.png",
-    log:
-        "logs/assets/draw_{shard}.log",
-    group:
-        "shard"
-    resources:
-        **needs(1000, 10),
-    params:
-        **verb("assets", "draw"),
-    shell:
-        "{params.command} --snapshots {input.images:q} 2>&1 | tee {log:q}"

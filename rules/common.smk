@@ -54,7 +54,8 @@ ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
 FURTHER_ROOMS = set([room for room in ROOMS if room in EXPERIMENT.inputs][8:])
 REPORT_ROOMS = [room for room in ROOMS if room not in FURTHER_ROOMS]
-ROOM_FILES = CONFIG.room_files()
+# Those that are drawn for people, by the package `pictures`.
+DRAWN_ROOMS = ROOMS if CONFIG.packages.get("pictures") else []
 # Variants, and that of the policy experiment; rooms by protocols, each with its variants.
 VARIANTS = list(EXPERIMENT.variants)
 MATCHING = {variant: CONFIG.matching_of(variant) for variant in VARIANTS}
@@ -69,11 +70,14 @@ SHARDS = [*PROCEDURAL_SHARDS, *OWN_SHARDS]
 STORES = stores(CONFIG)
 # What policies open, also inside generated scenes; on which assets it is demonstrated; who opens it after what training.
 TARGETS = list(EXPERIMENT.targets)
-SCENE_TARGETS = TARGETS if EXPERIMENT.in_scene else []
+SCENE_TARGETS = TARGETS if EXPERIMENT.in_scene and CONFIG.packages.get("in_scene") else []
 TRAINED_TARGETS = [name for name in TARGETS if EXPERIMENT.sets_of(name)]
 DEMONSTRATED = [(name, role) for name in TARGETS for role in EXPERIMENT.list_trained_roles(name)]
 DEMONSTRATED = columns("target", "role", rows=DEMONSTRATED)
 CELLS = columns("target", "policy", "training_set", rows=EXPERIMENT.cells)
+# What packages add to Table 3: modules, the table of trainings that they read.
+MORE_TABLES = list_drawers(CONFIG.packages, "tables")
+TRAININGS = ["results/tables/trainings.csv"] if MORE_TABLES else []
 # Files of assets that the user has committed, by target.
 PINNED = {name: target.assets for name, target in EXPERIMENT.targets.items() if target.assets}
 # What packages beside the core add to the target `all`.

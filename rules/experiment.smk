@@ -77,40 +77,13 @@ rule pinned:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
-rule draw_roles:
-    """Draw the assets of a target with their roles and what a gripper meets there."""
-    input:
-        assets=f"results/experiment/{POLICY_VARIANT}/{{target}}/assets.json",
-        snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=SHARDS),
-        indices=expand("results/assets/snapshots/shard_{shard}.json", shard=SHARDS),
-    output:
-        picture=report(
-            "results/experiment/{variant}/{target}/assets.png",
-            caption="../report/captions/roles.rst",
-            category="Policies",
-            labels={"target": "{target}", "picture": "assets"},
-        ),
-        splits=report(
-            "results/experiment/{variant}/{target}/splits.png",
-            caption="../report/captions/roles.rst",
-            category="Policies",
-            labels={"target": "{target}", "picture": "validation and test assets"},
-        ),
-    log:
-        "logs/experiment/draw_{variant}_{target}.log",
-    localrule: True
-    resources:
-        **needs(1000, 10),
-    params:
-        **verb("experiment", "draw"),
-    shell:
-        "{params.command} --assets {input.assets:q} --snapshots {input.snapshots:q} --out {output.picture:q} "
-        "--splits {output.splits:q} 2>&1 | tee {log:q}"
-
-
 rule experiment:
     """The assets of all targets, and their pictures."""
     input:
         expand("results/experiment/{variant}/{target}/assets.json", variant=POLICY_VARIANT, target=TARGETS),
-        expand("results/experiment/{variant}/{target}/assets.png", variant=POLICY_VARIANT, target=TARGETS),
+        expand(
+            "results/experiment/{variant}/{target}/assets.png",
+            variant=POLICY_VARIANT,
+            target=TARGETS if DRAWN_ROOMS else [],
+        ),
     localrule: True

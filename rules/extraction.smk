@@ -44,35 +44,9 @@ rule extract:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
-rule draw_objects:
-    """Draw what was found in one scene."""
-    input:
-        objects="results/extraction/{scene}/objects.json",
-        masks="results/extraction/{scene}/masks.png",
-        image=input_file("rgb.png"),
-    output:
-        overview=report(
-            "results/extraction/{scene}/overview.png",
-            caption="../report/captions/scene.rst",
-            category="Scenes",
-            labels={"scene": "{scene}", "picture": "extraction"},
-        ),
-    log:
-        "logs/extraction/draw_{scene}.log",
-    group:
-        scene_group
-    resources:
-        **needs(1000, 10),
-    params:
-        **verb("extraction", "draw"),
-    shell:
-        "{params.command} --objects {input.objects:q} --image {input.image:q} --out {output.overview:q} "
-        "2>&1 | tee {log:q}"
-
-
 rule extraction:
     """Objects of all scenes."""
     input:
         expand("results/extraction/{scene}/objects.json", scene=ROOMS),
-        expand("results/extraction/{scene}/overview.png", scene=ROOMS),
+        expand("results/extraction/{scene}/overview.png", scene=DRAWN_ROOMS),
     localrule: True

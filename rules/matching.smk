@@ -120,43 +120,9 @@ rule distances:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
-rule draw_cousins:
-    """Draw the objects of one scene beside their cousins."""
-    input:
-        library="results/assets/library/library.json",
-        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
-        cousins="results/matching/{variant}/{scene}/cousins.json",
-        objects="results/extraction/{scene}/objects.json",
-        masks="results/extraction/{scene}/masks.png",
-        depth="results/extraction/{scene}/depth.npz",
-        image=input_file("rgb.png"),
-        snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=SHARDS),
-        indices=expand("results/assets/snapshots/shard_{shard}.json", shard=SHARDS),
-    output:
-        picture=report(
-            "results/matching/{variant}/{scene}/cousins.png",
-            caption="../report/captions/scene.rst",
-            category="Scenes",
-            labels={"scene": "{scene}", "picture": "cousins ({variant})"},
-        ),
-    log:
-        "logs/matching/draw_{variant}_{scene}.log",
-    group:
-        scene_group
-    resources:
-        **needs(1000, 10),
-    params:
-        **verb("matching", "draw", uses=list_drawers(CONFIG.packages, "matching")),
-        in_place=list_drawers(CONFIG.packages, "matching"),
-    shell:
-        "{params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
-        "--snapshots {input.snapshots:q} --library {input.library:q} --in-place {params.in_place} "
-        "--out {output.picture:q} 2>&1 | tee {log:q}"
-
-
 rule matching:
     """Cousins of all scenes, in all variants."""
     input:
         expand("results/matching/{variant}/{scene}/cousins.json", variant=VARIANTS, scene=ROOMS),
-        expand("results/matching/{variant}/{scene}/cousins.png", variant=VARIANTS, scene=ROOMS),
+        expand("results/matching/{variant}/{scene}/cousins.png", variant=VARIANTS, scene=DRAWN_ROOMS),
     localrule: True

@@ -1,6 +1,6 @@
 # The paper's tables and figures with ours beside them.
 # Reads:  evaluation rows, how trainings ended, the published values in report/published, pictures of the generated scenes.
-# Writes: results/tables/{table2,table2_robustness,assets,table3}.{csv,html,tex}, results/figures/figure{4,6,9}.{svg,png}.
+# Writes: results/tables/{table2,table2_robustness,table3,assets}.{csv,html,tex}, results/figures/figure{4,6,9}.{svg,png}.
 
 
 container: CONFIG.containers.report
@@ -11,7 +11,11 @@ rule table2:
     input:
         scores=expand("results/evaluation/scenes/{variant}/{room}/scores.csv", variant=VARIANTS, room=SCORED_ROOMS),
         robustness=expand("results/evaluation/scenes/{variant}/{scene}/scores.csv", zip, **PROTOCOL_SCENES),
-        comparisons=expand("results/generation/{variant}/{scene}/comparison.png", scene=REPORT_ROOMS, variant=VARIANTS),
+        comparisons=expand(
+            "results/generation/{variant}/{scene}/comparison.png",
+            scene=REPORT_ROOMS if DRAWN_ROOMS else [],
+            variant=VARIANTS,
+        ),
     output:
         csv=expand("results/tables/{table}.csv", table=["table2", "table2_robustness"]),
         html=in_report("results/tables/table2.html", "tables"),
@@ -42,18 +46,28 @@ rule table2:
 
 
 rule table3:
-    """Success over unseen assets; Table 3: every cell with its n, seeds and interval; Figures 4 and 9."""
+    """Table 3: every cell with its n, seeds and interval; Figures 4 and 9; what packages add: success over unseen assets, claims."""
     input:
         rollouts=expand("results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv", zip, **CELLS),
         skills=expand("results/evaluation/skill/{target}/rollouts.csv", target=TRAINED_TARGETS),
-        trainings="results/tables/trainings.csv",
+        trainings=TRAININGS,
     output:
         csv="results/tables/table3.csv",
-        more=expand("results/tables/table3_{what}.csv", what=["cells", "differences", "claims", "stability"]),
-        assets=expand("results/tables/{table}.csv", table=["assets", "assets_by_handle"]),
-        unseen=in_report("results/tables/assets.html", "tables"),
+        more=expand("results/tables/table3_{what}.csv", what=["cells", "differences"]),
+        added=(
+            [
+                expand(
+                    "results/tables/{table}.csv",
+                    table=["table3_claims", "table3_stability", "assets", "assets_by_handle"],
+                ),
+                in_report("results/tables/assets.html", "tables"),
+                "results/tables/assets.tex",
+            ]
+            if MORE_TABLES
+            else []
+        ),
         html=in_report("results/tables/table3.html", "tables"),
-        tex=expand("results/tables/{table}.tex", table=["assets", "table3"]),
+        tex="results/tables/table3.tex",
         figure4=in_report("results/figures/figure4.svg", "figures"),
         figure9=in_report("results/figures/figure9.svg", "figures"),
         png=expand("results/figures/{figure}.png", figure=["figure4", "figure9"]),
@@ -65,19 +79,21 @@ rule table3:
     resources:
         **needs(1000, 10),
     params:
-        **verb("tables", "policies"),
+        **verb("tables", "policies", uses=MORE_TABLES),
         paper=paper("table3"),
+        modules=MORE_TABLES,
         out=subpath(output.csv, parent=True),
         figures=subpath(output.figure4, parent=True),
     shell:
-        '{params.command} --rollouts {input.rollouts:q} {input.skills:q} --trainings {input.trainings:q} --published "$ACDC_PAPER" --options {params.options:q} '
+        "{params.command} --rollouts {input.rollouts:q} {input.skills:q} --more {params.modules:q} --trainings {input.trainings:q} "
+        '--published "$ACDC_PAPER" --options {params.options:q} '
         "--figures {params.figures:q} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
 rule tables:
     """Tables 2 and 3, Figures 4, 6 and 9, how trainings ended."""
     input:
-        rules.trainings.output,
+        TRAININGS,
         rules.table2.output,
         rules.table3.output,
     localrule: True

@@ -1,7 +1,7 @@
 # Policies: BC-RNN-GMM on point clouds (paper B.3).
 # Reads:  the demonstrations of a training set.
 # Writes: results/training/<target>/<policy>/<training set>/<run>/seed_<n>/{policy,last}.safetensors,
-#         .../{checkpoints.zip,config.json,metrics.jsonl}; results/tables/trainings.{csv,html,tex}.
+#         .../{checkpoints.zip,config.json,metrics.jsonl}.
 
 
 container: CONFIG.containers.learning
@@ -35,31 +35,9 @@ rule train:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
-rule trainings:
-    """How every training ended, and which failed, before any rollout."""
-    input:
-        configs=policies("results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/config.json"),
-    output:
-        csv="results/tables/trainings.csv",
-        html=in_report("results/tables/trainings.html", "tables"),
-        tex="results/tables/trainings.tex",
-    log:
-        "logs/tables/trainings.log",
-    localrule: True
-    container:
-        CONFIG.containers.report
-    resources:
-        **needs(1000, 10),
-    params:
-        **verb("tables", "trainings"),
-        out=subpath(output.csv, parent=True),
-    shell:
-        "{params.command} --policies {input.configs:q} --out {params.out:q} 2>&1 | tee {log:q}"
-
-
 rule training:
-    """All policies of this run, and how their trainings ended."""
+    """All policies of this run, and what packages say of how their trainings ended."""
     input:
         policies("results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/policy.safetensors"),
-        "results/tables/trainings.csv",
+        TRAININGS,
     localrule: True

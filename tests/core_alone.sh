@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The core without the packages beside it, but for furniture, whose models its tests want: it lints, types, plans and passes its own tests.
+# The core without the packages beside it, but for the models and rooms that its tests want (furniture, scenes): it lints, types, plans and passes its own tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=$PWD/.venv/bin
@@ -8,7 +8,7 @@ trap 'rm -rf "$alone"' EXIT
 git archive HEAD | tar -x -C "$alone"
 cd "$alone"
 for package in plugins/*/; do
-    [ "$package" = plugins/furniture/ ] || rm -r "$package"
+    case $package in plugins/furniture/ | plugins/scenes/) ;; *) rm -r "$package" ;; esac
 done
 sed -i 's/_selection: geometry /_selection: distance /' config.yaml  # the judge `geometry` is a package's
 export PATH=$bin:$PATH PYTHONPATH=$alone OMP_NUM_THREADS=1

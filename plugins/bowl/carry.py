@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 import trimesh
 
+from plugins.bowl.movable import CarryEnv, Movable
 from stages.geometry.frames import apply, inverse
-from stages.planning.clearance import CLEARANCE, surface_points
-from stages.planning.rollout import Stretch, can_hold, find_feasible
-from stages.simulation.kinematics import Array
+from stages.planning.clearance import CLEARANCE, Surroundings, arm_spheres, surface_points
+from stages.planning.rollout import TOLERANCE, Stretch, find_feasible, measure_deviation
+from stages.simulation.kinematics import MAX_JOINT_STEP, Array, Chain, track
 from stages.skills.attempts import RetryingSkill
 from stages.skills.motion import LOST, OPEN, Motion
-from stages.tasks.movable import Movable
 
 CANDIDATES = 128  # grasps and plans that are tried; chosen for time
 
@@ -29,6 +29,24 @@ def make_held_spheres(mesh: trimesh.Trimesh, hand_from_object: Array) -> Array:
     return np.column_stack([points, np.full(len(points), CLEARANCE)])
 
 
+def can_hold(
+    chain: Chain, joints: Array, poses: Array, stretch: Stretch, base_from_asset: Array, surroundings: Surroundings
+) -> Array:
+    """(N,) whether the arm, near its `joints` (7,), can hold the hand at poses (N, 4, 4) without touching anything.
+
+    It is cheaper than a whole candidate, and rules out useless poses early.
+
+    Args:
+        stretch: the state of robot and object; its path is ignored.
+    """
+    across = int(np.ceil(np.ptp([chain.lower, chain.upper], axis=0).max() / MAX_JOINT_STEP))  # of the widest range
+    q = track(chain, np.tile(joints, (len(poses), 1)), poses, across)
+    reached = (measure_deviation(poses, chain.pose(q)) < TOLERANCE).all(axis=1)
+    spheres = arm_spheres(inverse(base_from_asset) @ chain.frames(q), stretch.fingers, stretch.held)
+    gaps = surroundings.gaps(*spheres, np.full(len(poses), stretch.joint[0]))
+    return np.asarray(reached & (gaps > CLEARANCE).all(axis=1))
+
+
 class CarrySkill(RetryingSkill):
     """Does something with the movable object of a task."""
 
@@ -36,9 +54,9 @@ class CarrySkill(RetryingSkill):
 
     def movable(self) -> Movable:
         """The object, as it stands."""
-        item = self.task.env.movable()
-        assert item is not None, "the task has nothing to carry"
-        return item
+        env = self.task.env
+        assert isinstance(env, CarryEnv), "the task has nothing to carry"
+        return env.movable()
 
     def holds(self, hand_from_object: Array) -> bool:
         """Whether the hand still has the object about where it had it, at the pose (4, 4)."""

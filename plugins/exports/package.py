@@ -1,15 +1,24 @@
 """What the core must know of this package."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from stages.config.code import source
+from stages.config.mistakes import Mistake
 from stages.config.packages import Package
 from stages.contracts.training_run import TrainingRun
 from stages.plugins import qualify_module
 
-PACKAGE = Package(verbs={"scenes": None, "demonstrations": None, "policy": None})
+
+def find_mistakes(config: Any) -> Iterator[Mistake]:
+    """Scenes are exported with the light and colours that the package `pictures` draws them in."""
+    if not config.packages.get("pictures"):
+        what = "is off or not here, and exports of scenes have the light and colours of its pictures"
+        yield Mistake("packages.pictures", what, "packages: {pictures: true}, or {exports: false}, too")
+
+
+PACKAGE = Package(verbs={"scenes": None, "demonstrations": None, "policy": None}, mistakes=find_mistakes)
 
 
 def has_portable_form(run: TrainingRun) -> bool:

@@ -5,10 +5,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Literal
 
+from plugins.pictures import glb
 from stages.contracts import GeneratedScene, read_json
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.look import Look
-from stages.generation import glb
 from stages.generation.scene_file import read_items
 from stages.generation.scene_models import room_of
 

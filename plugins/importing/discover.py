@@ -8,9 +8,9 @@ from itertools import chain, count
 from pathlib import Path
 from typing import NamedTuple
 
+from plugins.importing.inside import read_inside
 from plugins.importing.mjcf_file import root_tag
 from plugins.importing.sandbox import run_in_fork
-from stages.articulated.inside import read_inside
 from stages.contracts.categories import category_in, known_categories
 from stages.contracts.category import by_joined_name, split_words
 from stages.contracts.errors import InputError, escape_control

@@ -17,6 +17,7 @@ from plugins.importing.discover import Found, discover, number_names
 from plugins.importing.fronts import align_to_axes, doors_and_drawers, front_direction
 from plugins.importing.importers import IMPORTERS, Axis, Importer
 from plugins.importing.inertia_repair import repair_inertias, with_mass
+from plugins.importing.inside import check_inside
 from plugins.importing.proposal import Proposal
 from plugins.importing.pushing import find_touching_links, stuck_joints
 from plugins.importing.sandbox import run_in_fork
@@ -24,7 +25,6 @@ from plugins.importing.solid_handle import with_solid_handles
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.attributes import explain_ungraspable
 from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
-from stages.articulated.inside import check_inside
 from stages.articulated.mesh_reader import thicken_piece
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles

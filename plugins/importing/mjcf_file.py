@@ -9,8 +9,8 @@ from typing import Any
 
 import mujoco
 
+from plugins.importing.inside import is_inside
 from plugins.importing.mjcf_sources import Sources, parse_root
-from stages.articulated.inside import is_inside
 from stages.contracts.errors import InputError
 from stages.geometry.solids import MINIMUM_INERTIA, MINIMUM_MASS
 

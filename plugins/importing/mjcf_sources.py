@@ -8,7 +8,8 @@ from itertools import product
 from math import prod
 from pathlib import Path
 
-from stages.articulated.inside import explain_missing, read_inside
+from plugins.importing.inside import read_inside
+from stages.articulated.inside import explain_missing
 from stages.articulated.urdf_tree import AROUND, MOST_SHAPES
 from stages.contracts.errors import InputError
 

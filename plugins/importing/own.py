@@ -33,6 +33,6 @@ def run(*, folder: Path, models: tuple[str, ...], out: Path, options: str = "{}"
                 code="E-MODELS-NONE",
             )
         wanted[name] = here[0]
-    with TemporaryDirectory(prefix="acdc-own-") as folder:
-        _, left_out = import_models(wanted, kinds, Path(folder))
-        write_part(out, Path(folder), left_out)
+    with TemporaryDirectory(prefix="acdc-own-") as made:
+        _, left_out = import_models(wanted, kinds, Path(made))
+        write_part(out, Path(made), left_out)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from plugins.importing.discover import NUMBERED, PACK, PAGE, is_utf8
 from plugins.importing.imports import by_suffix, named_models
-from stages.articulated.inside import is_inside
+from plugins.importing.inside import is_inside
 from stages.config.assets import AssetsConfig
 from stages.config.code import files_digest
 from stages.contracts.files import MAX_TEXT

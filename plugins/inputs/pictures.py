@@ -215,7 +215,7 @@ def of_picture(config: Any) -> Any:
         return config
     path = Path(config.image)
     name = scene_of(path.with_suffix(""))
-    name = f"{name}-photo" if name in config.room_files() else name
+    name = f"{name}-photo" if name in config.rooms() else name
     given = {"camera": config.camera} if config.camera else {}
     if path.is_dir():
         frames = range(len(list_frames(path)))

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from trimesh import Trimesh
 
 from plugins.look.surfaces import LEAST_CORRELATION, Seen, estimate_light, find_bounds, find_grid, find_surfaces
+from plugins.pictures.painting import furnish
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.look import GAMMA, ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Objects
 from stages.generation.models import read_collisions
-from stages.generation.painting import furnish
 from stages.generation.placed import Placed
 from stages.simulation.rendering import RenderCamera, instance_id
 

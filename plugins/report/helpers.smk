@@ -44,7 +44,7 @@ DEMO_FILMS = films_of(
     expand("results/demonstrations/{target}/{role}/films.zip", zip, **DEMONSTRATED),
 )
 SCENE_FILMS = films_of(
-    "demonstrations", "scene", expand("results/demonstrations/{target}/in_scene/films.zip", target=SCENE_TARGETS)
+    "in_scene", "demonstrate", expand("results/demonstrations/{target}/in_scene/films.zip", target=SCENE_TARGETS)
 )
 ROLLOUT_FILMS = films_of(
     "evaluation",

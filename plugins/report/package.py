@@ -1,8 +1,22 @@
 """What the core must know of this package."""
 
+from collections.abc import Iterator
+from typing import Any
+
+from stages.config.mistakes import Mistake
 from stages.config.packages import Package
 from stages.config.tables import PolicyTables, TablesConfig
 
+
+def find_mistakes(config: Any) -> Iterator[Mistake]:
+    """Pages show what the package `pictures` draws."""
+    if not config.packages.get("pictures"):
+        what = "is off or not here, and pages of the report show its pictures"
+        yield Mistake("packages.pictures", what, "packages: {pictures: true}, or {report: false}, too")
+
+
 PACKAGE = Package(
-    verbs={"viewer": None, "report": PolicyTables, "overview": None, "picture": TablesConfig}, section="tables"
+    verbs={"viewer": None, "report": PolicyTables, "overview": None, "picture": TablesConfig},
+    section="tables",
+    mistakes=find_mistakes,
 )

@@ -10,6 +10,9 @@ import pandas as pd
 import yaml
 from markupsafe import Markup
 
+from plugins.claims import assets, claims
+from plugins.claims import tables as claim_tables
+from plugins.claims.trainings import failed, failed_note, read_trainings, trainings_table
 from plugins.report.album import Album
 from plugins.report.page import library, policies, result, rooms
 from plugins.report.page.benchmarks import by_stage, longest_table, read_jobs, times_table
@@ -18,7 +21,7 @@ from plugins.report.page.files import RunFiles
 from plugins.report.roles import role_title
 from stages.config.tables import PolicyTables
 from stages.contracts.files import read_options, read_text, write_text
-from stages.tables import assets, claims, policy_tables, robustness, scene_tables, table2, table3
+from stages.tables import policy_tables, robustness, scene_tables, table2, table3
 from stages.tables.cells import CELL
 from stages.tables.markup import Table, environment
 from stages.tables.methods import join_published, kinds_of
@@ -26,7 +29,6 @@ from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_policies, read_table
 from stages.tables.scenes import parse_comparisons
 from stages.tables.text import number
-from stages.tables.trainings import failed, failed_note, read_trainings, trainings_table
 
 TIMES_PAGE, CONFIG_PAGE = "times.html", "config.yaml"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
@@ -107,18 +109,18 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
             targets=targets,
             of_policies=[
                 *(trained if failed(trainings) else []),
-                *table(policy_tables.assets_table, "assets", options, kinds, notes),
-                *table(policy_tables.claims_table, "table3_claims", options),
+                *table(claim_tables.assets_table, "assets", options, kinds, notes),
+                *table(claim_tables.claims_table, "table3_claims", options),
             ],
             folded=[
-                *table(policy_tables.by_handle_table, "assets_by_handle", options),
+                *table(claim_tables.by_handle_table, "assets_by_handle", options),
                 *([] if failed(trainings) else trained),
             ],
             tables=[
                 *table(scene_tables.scenes_table, "table2", options),
                 *table(scene_tables.robustness_table, "table2_robustness"),
                 *table(policy_tables.policies_table, "table3_cells", paper, options, kinds, notes),
-                *table(policy_tables.stability_table, "table3_stability"),
+                *table(claim_tables.stability_table, "table3_stability"),
             ],
             figures={
                 name: (embed_svg(path.read_bytes(), alt) if path else None, alt)

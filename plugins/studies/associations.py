@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from plugins.claims.assets import of_splits
 from stages.config.tables import TablesConfig
 from stages.contracts.policies import TaskAsset
-from stages.tables.assets import of_splits
 from stages.tables.cells import ROW, in_order
 from stages.tables.intervals import PLACE, place_weights, quantiles
 from stages.tables.markup import Table

@@ -11,12 +11,12 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
+from plugins.pictures.roles import representatives
 from plugins.studies.choice import Choice
 from plugins.studies.choice_report import share
 from plugins.studies.coverage import HEIGHT, WIDTH
 from stages.contracts import write_atomically
 from stages.contracts.policies import TaskAsset
-from stages.experiment.draw import representatives
 
 WIDTHS = (10, 15, 20, 30, 40, 60, 80, 120, 160)  # cm, on the axis
 MARKED, REST, LONELY = "#0072B2", "#9a9c9e", "#D55E00"

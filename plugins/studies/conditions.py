@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pandas as pd
 
+from plugins.claims.assets import BASELINES
 from stages.config.evaluation import USUAL
 from stages.config.tables import MethodTables, TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
-from stages.tables.assets import BASELINES
 from stages.tables.cells import CELL, in_order, rates, tabulate_gains
 from stages.tables.markup import Table
 from stages.tables.methods import read_pooled

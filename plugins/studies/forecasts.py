@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from stages.tables.claims import MIN_SPREAD_RUNS
+from plugins.claims.claims import MIN_SPREAD_RUNS
 from stages.tables.markup import Table
 from stages.tables.order import task_title, title
 from stages.tables.rows import records

@@ -7,6 +7,8 @@ from typing import Literal, NamedTuple
 
 import pandas as pd
 
+from plugins.claims import more, trainings
+from plugins.claims.assets import of_splits
 from plugins.report.roles import list_demonstrated_assets, lists_table, roles_table
 from plugins.studies import conditions
 from plugins.studies.associations import Shown, associations_table, traits
@@ -21,13 +23,13 @@ from stages.contracts.files import read_json, write_text
 from stages.contracts.library import Library
 from stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
 from stages.contracts.training_sets import is_randomised
-from stages.tables import robustness, table2, table3, trainings
-from stages.tables.assets import of_splits
+from stages.tables import policy_tables as table3_text
+from stages.tables import robustness, table2, table3
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table
 from stages.tables.methods import kinds_of, read_pooled, read_rollouts
 from stages.tables.order import SKILL, SPLITS, target_title, title
-from stages.tables.policies import asset_tables, collect, role_tables, target_tables, write_figures
+from stages.tables.policies import collect, write_figures
 from stages.tables.policy_notes import policy_notes
 from stages.tables.pooling import pool_of, pool_rollouts
 from stages.tables.rows import ONE_SCENE, published_scenes, read_rows
@@ -164,9 +166,12 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Stud
     episodes, asked = pool_rollouts(rows, options), list_cells(config)
     found = collect(episodes, published, options, asked)
     notes = [*policy_notes(options), *trainings.failed_note(trained)]
-    tables = asset_tables(found, options, kinds, notes) + role_tables(found, options, kinds, notes)
+    beside = more.collect(found, options)
+    tables = more.asset_tables(beside, options, kinds, notes)
+    tables += [table3_text.policies_table(found.cells, found.published, options, kinds, notes)]
+    tables += more.claim_tables(beside, options)
     tables += [trainings.trainings_table(trained)] if len(trained) else []
-    tables += target_tables(rows, options, kinds)
+    tables += more.target_tables(rows, options, kinds)
     known = _with_traits(config, results, rows)
     if len(known):
         tables.append(associations_table(associate(pool_rollouts(known, options), options)))
@@ -178,14 +183,14 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Stud
             name = target_title(target, config.experiment.task(target))
             tables.append(roles_table(chosen, roles, f"roles-{target}", f"{name}: the assets."))
             tables += lists_table(chosen, f"lists-{target}", f"{name}: sets of assets.")
-    write_figures(out, episodes, found, options)
+    write_figures(out, found, options, more.make_panels(episodes, options))
     done = found.runs[found.runs["status"] == "run"].drop_duplicates(table3.CELL)
     print(f"{len(done)} of {len(asked)} cells of the study, {len(episodes)} episodes")
     return StudyResults(
         title="Table 3: success over unseen assets, and by role",
         facts=_about_rollouts(config, episodes),
         tables=[progress_table(config, results), *tables, *_tabulate_trials(config, results)],
-        frames={"table3": found.runs, "assets": found.assets, "assets_by_handle": found.by_handle},
+        frames={"table3": found.runs, "assets": beside.assets, "assets_by_handle": beside.by_handle},
         figures={"figure4.svg": "Figure 4", "figure9.svg": "Figure 9"},
     )
 

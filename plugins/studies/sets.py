@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from plugins.claims import trainings
+from plugins.claims.claims import FAILS, HOLDS, OPEN
 from plugins.studies.forecasts import FORECAST, agreement_table, measure_agreement
 from plugins.studies.objects import ROLLOUT, Estimate, estimate, pair_cells
 from plugins.studies.progress import policy_file
@@ -17,8 +19,6 @@ from stages.config.tables import TablesConfig
 from stages.config.targets import Cell
 from stages.contracts.files import write_text
 from stages.contracts.policies import Rollout
-from stages.tables import trainings
-from stages.tables.claims import FAILS, HOLDS, OPEN
 from stages.tables.markup import markdown
 from stages.tables.rows import ONE_TEST, read_rows, read_table
 from stages.tables.writing import write_csv

@@ -7,6 +7,5 @@ main(
     {
         "join": "one library of both",
         "snapshots": "render the yaw views of one shard of the library",
-        "draw": "contact sheets of the snapshots",
     },
 )

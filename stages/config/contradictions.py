@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stages.config import experiment_contradictions as experiment
-from stages.config import places
 from stages.config.assets import COUNTS
 from stages.config.evaluation import USUAL
 from stages.config.inputs import NAME
@@ -36,6 +35,7 @@ def _packages(config: "Config") -> Iterator[Mistake]:
     """What a config asks of packages that are off or not here, and what those that are on find."""
     rooms = [config.experiment.inputs[room] for room in config.experiment.rooms if room in config.experiment.inputs]
     asked = (
+        ("scenes", "experiment.room_files", bool(config.experiment.room_files)),
         ("furniture", "assets.counts", any(config.assets.counts.values())),
         ("importing", "assets.folders", bool(config.assets.folders)),
         ("studies", "evaluation.conditions", bool(config.evaluation.conditions)),
@@ -101,46 +101,24 @@ def _list_repeated(key: str, values: Iterable[object]) -> Iterator[Mistake]:
 
 
 def _scenes(config: "Config") -> Iterator[Mistake]:
-    """Scenes that exist, folders that hold what they must, models enough to furnish the rooms."""
+    """Scenes that exist, folders that hold what they must."""
     experiment = config.experiment
-    rooms = places.rooms()
     try:
-        files = config.room_files()
-    except InputError as error:
-        yield Mistake.of(error, "experiment.room_files")
-        return
+        rooms = config.rooms()
+    except InputError:
+        return  # said above
     for name in experiment.rooms:
-        if name not in files and name not in experiment.inputs:
-            mend = f"{suggest_nearest(name, [*files, *experiment.inputs])}, or a picture of yours in experiment.inputs"
+        if name not in rooms and name not in experiment.inputs:
+            near = suggest_nearest(name, [*rooms, *experiment.inputs]) if rooms else "packages: {scenes: true}"
+            mend = f"{near}, or a picture of yours in experiment.inputs"
             yield Mistake("experiment.rooms", f"unknown scene '{name}'", mend, "E-CONFIG-UNKNOWN")
-    run = set(experiment.rooms)
     for name, given in experiment.inputs.items():
         key = f"experiment.inputs.{name}"
-        if name in files:
+        if name in rooms:
             yield Mistake(key, "is the name of a room", "give your scene another name")
-        elif name in run and not config.image:
+        elif name in experiment.rooms and not config.image:
             yield from given.mistakes(key)
     yield from _corrections(config)
-    ours = [name for name in experiment.rooms if name in rooms]
-    if config.assets.own_only and config.assets.folders and ours:
-        what = f"{ours[0]} is furnished with procedural models"
-        yield Mistake("assets.own_only", what, "name pictures of yours in experiment.rooms, or leave own_only out")
-    if config.assets.folders or config.assets.own_only:
-        return  # what the user's folders hold is seen when they are read
-    last = max((rooms.index(name) for name in experiment.rooms if name in rooms), default=-1)
-    furnished = {rooms[last]: [files[name] for name in rooms[: last + 1]]} if last >= 0 else {}
-    furnished |= {name: [files[name]] for name in experiment.rooms if name in files and name not in rooms}
-    for room, used in furnished.items():
-        try:
-            models = places.models_for(used)
-        except InputError as error:
-            yield Mistake("experiment.rooms", str(error), code=error.code)
-            continue
-        for category, needed in models.items():
-            if config.assets.counts.get(category, 0) < needed:
-                what = f"the rooms up to {room} need {needed}" if len(used) > 1 else f"{room} needs {needed}"
-                mend = f"raise it, or leave {room} out of experiment.rooms"
-                yield Mistake(f"assets.counts.{category}", what, mend)
 
 
 def _corrections(config: "Config") -> Iterator[Mistake]:

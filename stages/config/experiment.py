@@ -59,7 +59,8 @@ class ExperimentConfig(Section):
         'where * stands for anything: ["*"] is all of them.',
     )
     room_files: list[str] = Field(
-        [], description="Rooms of your own: YAML files as in stages/scenes/rooms (docs/scenes.md), named by their stem."
+        [],
+        description="Rooms of your own: YAML files (docs/scenes.md), named by their stem.",
     )
     inputs: dict[str, Input] = Field({}, description="Your own scenes: name -> input folder (docs/scenes.md).")
     variants: dict[str, dict[str, Any]] = Field(

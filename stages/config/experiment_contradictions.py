@@ -2,9 +2,10 @@
 
 from collections.abc import Iterable, Iterator
 from math import lcm
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stages.config import places
+from stages.config.inputs import list_objects
 from stages.config.mistakes import Mistake
 from stages.contracts.errors import InputError
 from stages.contracts.training_sets import DRAW, DRAWN, read_set
@@ -18,9 +19,9 @@ def targets(config: "Config") -> Iterator[Mistake]:
     """Targets that their rooms have and that can be opened."""
     experiment = config.experiment
     try:
-        files = config.room_files()
+        rooms = config.rooms()
     except InputError:
-        files = {}  # reported above
+        rooms = {}  # said above
     if experiment.targets and experiment.policy_variant not in experiment.variants:
         what = f"'{experiment.policy_variant}' is not one of experiment.variants"
         yield _check_known("experiment.policy_variant", what, experiment.variants)
@@ -33,7 +34,8 @@ def targets(config: "Config") -> Iterator[Mistake]:
         if target.room not in experiment.rooms:
             mend = "add it there, or remove the target: `" + name + ": null`"
             yield Mistake(f"{key}.room", f"'{target.room}' is not one of experiment.rooms", mend, "E-CONFIG-UNKNOWN")
-        objects = places.objects(target.room, experiment.inputs, files)
+        own, room = experiment.inputs.get(target.room), rooms.get(target.room)
+        objects = list_objects(Path(own.place(target.room))) if own else room() if room else {}
         if not objects:
             continue  # not known before the scene is read
         able = [item for item, panels in objects.items() if panels.get(task, True)]

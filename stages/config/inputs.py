@@ -1,13 +1,15 @@
 """Pictures of the user's: input folders by the names of their scenes."""
 
+import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from pydantic import ConfigDict, Field, model_validator
 
 from stages.config.mistakes import Mistake
+from stages.contracts.objects import object_ids
 from stages.contracts.section import Section
 
 NAME = re.compile(r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*")  # becomes part of paths
@@ -57,3 +59,16 @@ def describe_missing(folder: Path) -> list[str]:
     if not folder.is_dir():
         return [f"no folder {folder}"]
     return [f"{folder} has no {name}" for name in INPUT_FILES if not (folder / name).is_file()]
+
+
+def list_objects(folder: Path) -> dict[str, Mapping[str, bool]]:
+    """Ids of the objects of an input folder, each with whether it has a door and a drawer; empty: not known.
+
+    A file that breaks its contract is left to the stage that reads it.
+    """
+    try:
+        items = json.loads((folder / "annotations.json").read_text(encoding="utf-8"))["objects"]
+        panels = [{"door": item.get("doors", 0) > 0, "drawer": item.get("drawers", 0) > 0} for item in items]
+        return dict(zip(object_ids(str(item["label"]) for item in items), panels, strict=True))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return {}

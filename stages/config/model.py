@@ -19,10 +19,8 @@ from stages.config.generation import GenerationConfig
 from stages.config.matching import MatchingConfig, MatchingSection, matching_model
 from stages.config.mistakes import Mistake, mistakes_of, truths, validate_config, without_removed
 from stages.config.names import resolve_names
-from stages.config.packages import Package, find_packages, with_sections
+from stages.config.packages import Objects, Package, find_packages, packages_on, with_sections
 from stages.config.replaced import Replaced
-from stages.config.room_files import room_files
-from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
 from stages.config.targets import Target
 from stages.config.training import TrainingConfig
@@ -54,7 +52,6 @@ class Config(Section):
     device: Literal["cpu", "cuda"] = Field("cpu", description="Where networks are trained and run.")
     experiment: ExperimentConfig = Field(ExperimentConfig(), description="Which cells of the paper's tables are run.")
     assets: AssetsConfig = Field(AssetsConfig(), description="The asset library and its snapshots (A.1).")
-    scenes: ScenesConfig = Field(ScenesConfig(), description="The sim-to-sim rooms (B.1, Table 2).")
     extraction: ExtractionConfig = Field(ExtractionConfig(), description="From image to objects in space (A.2, A.7).")
     matching: MatchingSection = Field(MatchingSection(), description="Digital cousins of every object (A.6, A.7, B.1).")
     generation: GenerationConfig = Field(GenerationConfig(), description="Placing the cousins (A.3, A.7).")
@@ -110,9 +107,9 @@ class Config(Section):
             merge_mappings(self.task.model_dump(), self.experiment.targets[target].options)
         )
 
-    def room_files(self) -> dict[str, Path]:
-        """Files of all rooms that could be asked for, by their names."""
-        return room_files(self.experiment.room_files, self.implementations)
+    def rooms(self) -> dict[str, Objects]:
+        """The rooms that packages make, by their names."""
+        return {name: room for package in packages_on(self.packages) for name, room in package.rooms(self).items()}
 
     def implementation(self, kind: str, name: str) -> str:
         """The name by which a stage loads an implementation."""
@@ -157,7 +154,7 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
     """Validate a merged config.
 
     Args:
-        rooms_named: False: `experiment.rooms` names none, as stages are called by hand (stages/api.py).
+        rooms_named: False: `experiment.rooms` names none, as stages are called by hand (plugins/api).
 
     Raises:
         InputError: names all mistakes, a line each, with key and mend.

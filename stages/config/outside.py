@@ -17,7 +17,6 @@ def list_outside_paths(config: Config) -> list[str]:
     matching = map(config.matching_of, config.experiment.variants)
     named = [
         *_of_inputs(config),
-        *config.experiment.room_files,
         *(target.assets for target in config.experiment.targets.values() if target.assets),
         *config.assets.folders,
         *(name for own in commands for name in own.code),

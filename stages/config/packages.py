@@ -12,6 +12,7 @@ from stages import plugins
 from stages.contracts.section import Section
 
 C = TypeVar("C", bound=Section)
+Objects = Callable[[], Mapping[str, Mapping[str, bool]]]
 
 
 @dataclass(frozen=True)
@@ -21,11 +22,13 @@ class Package:
     Attributes:
         last: whether its rules.smk looks at the rules of all others.
         judges: whether judges of matching read its sections, each that of its name, so that variants may change them.
-        draws: modules with which the verbs `draw` show more, by stage: matching: `InPlace` shows cousins in an object's
-            place; generation: `estimate_look` finds a picture's light and colours.
+        draws: modules with which verbs show more, by stage: matching: `InPlace` shows cousins in an object's place;
+            generation: `estimate_look` finds a picture's light and colours; tables: `add_tables` adds to Table 3.
         section: of config.yaml that its verbs read.
         shards: of the section `assets`, the shards of models that its rules add to the library, by name.
         verbs: its commands that rules call, and what each reads of the config (None: nothing).
+        rooms: of the whole config, scenes that it makes: by name, what gives their objects, each with whether it has a
+            door, a drawer; empty: not known.
         sections: of config.yaml that belong to it, and further keys, by name, as pydantic fields.
         widens: sections of the core to which it adds keys, by name.
         expand: of what a config gives, the same with what files say that it names, and `Mistake`s in these.
@@ -40,6 +43,7 @@ class Package:
     section: str = ""
     judges: bool = False
     draws: Mapping[str, str] = field(default_factory=dict)
+    rooms: Callable[[Any], Mapping[str, Objects]] = lambda config: {}
     shards: Callable[[Any], Mapping[str, Any]] = lambda assets: {}
     verbs: Mapping[str, type[Section] | None] = field(default_factory=dict)
     sections: Mapping[str, tuple[Any, Any]] = field(default_factory=dict)
@@ -63,7 +67,7 @@ def packages_on(on: Mapping[str, bool]) -> list[Package]:
 
 
 def list_drawers(on: Mapping[str, bool], stage: str) -> list[str]:
-    """Modules of packages that are on with which the verb `draw` of a stage shows more."""
+    """Modules of packages that are on with which a verb of a stage shows more."""
     return [package.draws[stage] for package in packages_on(on) if stage in package.draws]
 
 

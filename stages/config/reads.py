@@ -12,7 +12,6 @@ from stages.config.model import Config
 from stages.config.names import kind_of
 from stages.config.packages import find_packages
 from stages.config.policy_kinds import policy_tables
-from stages.config.scenes import ScenesConfig
 from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.section import Section
 from stages.contracts.training_run import TrainingRun
@@ -21,14 +20,12 @@ from stages.plugins import shorten_name
 
 CORE: dict[tuple[str, str], type[Section]] = {
     ("assets", "snapshots"): SnapshotOptions,
-    ("scenes", "render"): ScenesConfig,
     ("extraction", "extract"): ExtractionConfig,
     ("matching", "features"): EncoderOptions,
     ("matching", "match"): matching_model(find_packages()),
     ("matching", "distances"): ComparisonOptions,
     ("generation", "generate"): GenerationConfig,
     ("demonstrations", "collect"): DemonstrationsConfig,
-    ("demonstrations", "scene"): DemonstrationsConfig,
     ("training", "train"): TrainingRun,
     ("evaluation", "trial"): TrialOptions,
     ("evaluation", "rollout"): RolloutOptions,

@@ -9,16 +9,15 @@ from stages.contracts.errors import suggest_nearest
 from stages.contracts.section import Section
 
 VERBS = {
-    "assets": ("join", "snapshots", "draw"),
-    "scenes": ("render",),
-    "extraction": ("extract", "draw"),
-    "matching": ("features", "match", "distances", "draw"),
-    "generation": ("generate", "draw"),
-    "experiment": ("select", "pinned", "draw"),
-    "demonstrations": ("collect", "scene"),
+    "assets": ("join", "snapshots"),
+    "extraction": ("extract",),
+    "matching": ("features", "match", "distances"),
+    "generation": ("generate",),
+    "experiment": ("select", "pinned"),
+    "demonstrations": ("collect",),
     "training": ("train",),
     "evaluation": ("trial", "choose", "rollout", "skill", "gather", "leave_out", "score"),
-    "tables": ("scenes", "trainings", "policies"),
+    "tables": ("scenes", "policies"),
 }
 
 

@@ -1,4 +1,4 @@
-"""`look.json`: how the room of a picture looks, as `generation draw` estimates it and the exports read it."""
+"""`look.json`: how the room of a picture looks, as `pictures scenes` estimates it and the exports read it."""
 
 from typing import Literal
 

@@ -7,6 +7,5 @@ if __name__ == "__main__":
         "stages.demonstrations",
         {
             "collect": "run the skill on one asset until enough attempts succeed",
-            "scene": "a demonstration in every generated scene, with a film of it",
         },
     )

@@ -7,6 +7,5 @@ main(
     {
         "select": "name twin, cousins, dissimilar asset, training and test assets of a task",
         "pinned": "take them from a committed file, if the library has the very same models",
-        "draw": "pictures of them with their roles and attributes",
     },
 )

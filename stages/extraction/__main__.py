@@ -6,6 +6,5 @@ main(
     "stages.extraction",
     {
         "extract": "objects.json and its arrays from one input folder",
-        "draw": "the picture with what was found in it",
     },
 )

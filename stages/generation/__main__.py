@@ -6,6 +6,5 @@ main(
     "stages.generation",
     {
         "generate": "place the cousins of every rank: scene_<rank>.json",
-        "draw": "the scenes as pictures and as GLB",
     },
 )

@@ -8,6 +8,5 @@ main(
         "features": "encode the patches of one shard of snapshots",
         "match": "rank the cousins of every object of one scene",
         "distances": "how far the library's models look from the cousins of one object",
-        "draw": "each object beside its cousins, as a picture",
     },
 )

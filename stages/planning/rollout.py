@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.geometry.frames import inverse
-from stages.planning.clearance import CLEARANCE, Surroundings, arm_spheres
+from stages.planning.clearance import Surroundings, arm_spheres
 from stages.planning.path import make_line, measure_distance
-from stages.simulation.kinematics import MAX_JOINT_STEP, Array, Chain, pose_error, track
+from stages.simulation.kinematics import Array, Chain, pose_error, track
 from stages.simulation.robot import REST
 
 ROLLOUT_STEP = 0.03  # path length between rolled-out poses, radians between those on the way to rest; chosen for time
@@ -68,24 +68,6 @@ def find_feasible(
                 if margin >= spare:
                     return best
     return best
-
-
-def can_hold(
-    chain: Chain, joints: Array, poses: Array, stretch: Stretch, base_from_asset: Array, surroundings: Surroundings
-) -> Array:
-    """(N,) whether the arm, near its `joints` (7,), can hold the hand at poses (N, 4, 4) without touching anything.
-
-    It is cheaper than a whole candidate, and rules out useless poses early.
-
-    Args:
-        stretch: the state of robot and object; its path is ignored.
-    """
-    across = int(np.ceil(np.ptp([chain.lower, chain.upper], axis=0).max() / MAX_JOINT_STEP))  # of the widest range
-    q = track(chain, np.tile(joints, (len(poses), 1)), poses, across)
-    reached = (measure_deviation(poses, chain.pose(q)) < TOLERANCE).all(axis=1)
-    spheres = arm_spheres(inverse(base_from_asset) @ chain.frames(q), stretch.fingers, stretch.held)
-    gaps = surroundings.gaps(*spheres, np.full(len(poses), stretch.joint[0]))
-    return np.asarray(reached & (gaps > CLEARANCE).all(axis=1))
 
 
 def measure_deviation(goals: Array, poses: Array) -> Array:

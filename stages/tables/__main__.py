@@ -6,7 +6,6 @@ main(
     "stages.tables",
     {
         "scenes": "Table 2, its robustness variants and Figure 6, with the paper's values beside ours",
-        "trainings": "how every training ended, and which failed",
-        "policies": "success over unseen assets, Table 3, Figures 4 and 9, with the paper's values beside ours",
+        "policies": "Table 3, Figures 4 and 9, with the paper's values beside ours",
     },
 )

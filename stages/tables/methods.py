@@ -61,14 +61,6 @@ def kind(policy: str, known: Kinds) -> str:
     return known.get(policy, policy)
 
 
-def first_policies(policies: pd.DataFrame, options: MethodTables) -> dict[str, str]:
-    """Target or pool -> its first policy, which others are compared with: by the config, else by the order of rows."""
-    pools = {name: pool for pool, names in options.pools.items() for name in names}
-    known = reversed(options.policies.items())
-    first = {pools.get(name, name): policy for policy, about in known for name in about.targets}
-    return dict(policies.drop_duplicates("target")[["target", "policy"]].itertuples(index=False)) | first
-
-
 def join_published(published: pd.DataFrame, ours: pd.DataFrame, options: PolicyTables) -> pd.DataFrame:
     """Rows of the paper with `target` and `policy`: those of ours that they stand beside.
 

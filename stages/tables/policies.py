@@ -1,6 +1,7 @@
-"""Verb `policies`: success over unseen assets, Table 3, Figures 4 and 9, from the rollouts of policies."""
+"""Verb `policies`: Table 3, Figures 4 and 9, from the rollouts of policies."""
 
-from dataclasses import replace
+from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
@@ -8,16 +9,15 @@ import pandas as pd
 
 from stages.config.tables import PolicyTables
 from stages.contracts.files import read_options
-from stages.tables import asset_panels, assets, claims, policy_tables, table3
+from stages.tables import policy_tables, table3
 from stages.tables.cells import CELL, ROW
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table
-from stages.tables.methods import Kinds, first_policies, join_published, kinds_of, read_rollouts
-from stages.tables.policy_figures import figure4, figure9
+from stages.tables.methods import join_published, kinds_of, read_rollouts
+from stages.tables.policy_figures import Panels, figure4, figure9
 from stages.tables.policy_notes import policy_notes
 from stages.tables.pooling import pool_rollouts
 from stages.tables.rows import published_policies, published_runs
-from stages.tables.trainings import failed_note, read_trainings
 from stages.tables.writing import write, write_csv
 
 KNOWN = [*ROW, "cloud"]  # what is known of a row before it is rolled out
@@ -25,16 +25,29 @@ NOTHING_ASKED = pd.DataFrame(columns=[*CELL, "task", "cloud"])
 
 
 class PolicyResults(NamedTuple):
-    """The frames behind the tables of policies; `published`: the paper's cells, beside ours."""
+    """Rollouts, pools in the place of their targets, and the frames of Table 3.
 
-    assets: pd.DataFrame
-    by_handle: pd.DataFrame
+    published, published_runs: the paper's cells and runs, beside ours.
+    """
+
+    rollouts: pd.DataFrame
     runs: pd.DataFrame
     cells: pd.DataFrame
     differences: pd.DataFrame
-    claims: pd.DataFrame
-    stability: pd.DataFrame
     published: pd.DataFrame
+    published_runs: pd.DataFrame
+
+
+class More(NamedTuple):
+    """What a package adds: frames by the names of their CSV files, and tables of them by those of their pages.
+
+    Tables of `table3` stand below Table 3, `notes` below the tables of rollouts, `panels` before those of Figure 4.
+    """
+
+    frames: Mapping[str, pd.DataFrame] = {}
+    tables: Mapping[str, list[Table]] = {}
+    notes: list[str] = []
+    panels: Panels | None = None
 
 
 def collect(
@@ -45,52 +58,20 @@ def collect(
     paper, per_run = (
         join_published(table, ours, options) for table in (published_policies(published), published_runs(published))
     )
-    runs = table3.build(rollouts, pd.concat([asked, paper])[[*CELL, "task"]].drop_duplicates(), options)
     return PolicyResults(
-        assets=assets.build(rollouts, options, first_policies(rollouts, options)),
-        by_handle=assets.by_handle(rollouts, options),
-        runs=runs,
+        rollouts=rollouts,
+        runs=table3.build(rollouts, pd.concat([asked, paper])[[*CELL, "task"]].drop_duplicates(), options),
         cells=table3.cells(rollouts, options),
         differences=table3.differences(rollouts, options),
-        claims=claims.answer(rollouts, per_run, options),
-        stability=claims.stability(runs, per_run),
         published=paper,
+        published_runs=per_run,
     )
 
 
-def asset_tables(found: PolicyResults, options: PolicyTables, kinds: Kinds, notes: list[str]) -> list[Table]:
-    """The tables over sets of unseen assets; none if there are no such rows."""
-    if found.assets.empty:
-        return []
-    return [
-        policy_tables.assets_table(found.assets, options, kinds, notes),
-        policy_tables.by_handle_table(found.by_handle, options),
-    ]
-
-
-def target_tables(rollouts: pd.DataFrame, options: PolicyTables, kinds: Kinds) -> list[Table]:
-    """The table over unseen assets for the targets of pools, each for itself; `rollouts` as `read_rollouts` has it."""
-    alone = rollouts[rollouts["target"].isin([name for names in options.pools.values() for name in names])]
-    built = assets.build(alone, options, first_policies(alone, options.model_copy(update={"pools": {}})))
-    if built.empty:
-        return []
-    table = policy_tables.assets_table(built, options, kinds)
-    return [replace(table, name="assets_by_target", caption=f"{table.caption[:-1]}, target by target.")]
-
-
-def role_tables(found: PolicyResults, options: PolicyTables, kinds: Kinds, notes: list[str]) -> list[Table]:
-    """Table 3, the claims, the stability of training."""
-    tables = [policy_tables.policies_table(found.cells, found.published, options, kinds, notes)]
-    tables += [policy_tables.claims_table(found.claims, options)] if len(found.claims) else []
-    return tables + ([policy_tables.stability_table(found.stability)] if len(found.stability) else [])
-
-
-def write_figures(out: Path, rollouts: pd.DataFrame, found: PolicyResults, options: PolicyTables) -> None:
+def write_figures(out: Path, found: PolicyResults, options: PolicyTables, panels: Panels | None = None) -> None:
     """Write figure4 and figure9 (.svg, .png)."""
-    points = asset_panels.points(rollouts)
-    over_assets = (points, asset_panels.tabulate_thirds(rollouts, options)) if len(points) else None
     with style():
-        save(figure4(found.cells, found.published, over_assets, options.encoder), out, "figure4")
+        save(figure4(found.cells, found.published, panels, options.encoder), out, "figure4")
         save(figure9(found.cells, found.published), out, "figure9")
 
 
@@ -99,31 +80,36 @@ def run(
     out: Path,
     figures: Path | None = None,
     rollouts: tuple[Path, ...] = (),
-    trainings: Path | None = None,
+    more: tuple[str, ...] = (),
+    trainings: tuple[Path, ...] = (),
     published: Path = Path("report/published"),
     options: str = "",
 ) -> None:
-    """Write success over unseen assets, Table 3 (each .csv, .html, .tex) and Figures 4 and 9 (.svg, .png).
-
-    Also assets_by_handle.csv and table3_<what>.csv: cells, differences, claims, stability.
+    """Write Table 3 (.csv, .html, .tex), table3_cells.csv, table3_differences.csv and Figures 4 and 9 (.svg, .png).
 
     Args:
         out: folder to write the tables into.
         figures: folder to write the figures into; that of the tables if left out.
         rollouts: rollouts.csv files of policies and of the skill.
-        trainings: trainings.csv, to name below the tables which trainings failed.
+        more: modules whose `add_tables` adds tables and panels, e.g. plugins.claims.more (success over unseen assets,
+            claims, stability of training).
+        trainings: trainings.csv, for these: they name below the tables which trainings failed.
         published: folder with the paper's values, table3.csv.
-        options: JSON of the config section `tables`, and of what policies are and which targets are pooled.
+        options: JSON of the config section `tables`, and of what policies are and which targets are pool_rollouts.
     """
     settings = read_options(PolicyTables, options)
     rows, kinds = read_rollouts(rollouts, settings), kinds_of(settings)
-    episodes = pool_rollouts(rows, settings)
-    found = collect(episodes, published, settings)
-    notes = [*policy_notes(settings), *failed_note(read_trainings(trainings))]
-    tables = asset_tables(found, settings, kinds, notes) or [policy_tables.assets_table(found.assets, settings)]
-    write(out, "assets", found.assets, [*tables, *target_tables(rows, settings, kinds)])
-    write(out, "table3", found.runs, role_tables(found, settings, kinds, notes))
-    write_csv(out / "assets_by_handle.csv", found.by_handle)
-    for what in ("cells", "differences", "claims", "stability"):
-        write_csv(out / f"table3_{what}.csv", getattr(found, what))
-    write_figures(figures or out, episodes, found, settings)
+    found = collect(pool_rollouts(rows, settings), published, settings)
+    added: list[More] = [import_module(name).add_tables(found, rows, trainings, settings) for name in more]
+    notes = [*policy_notes(settings), *(note for each in added for note in each.notes)]
+    tables = [policy_tables.policies_table(found.cells, found.published, settings, kinds, notes)]
+    write(out, "table3", found.runs, [*tables, *(one for each in added for one in each.tables.get("table3", []))])
+    write_csv(out / "table3_cells.csv", found.cells)
+    write_csv(out / "table3_differences.csv", found.differences)
+    for each in added:
+        for name, frame in each.frames.items():
+            if name in each.tables:
+                write(out, name, frame, each.tables[name])
+            else:
+                write_csv(out / f"{name}.csv", frame)
+    write_figures(figures or out, found, settings, next((each.panels for each in added if each.panels), None))

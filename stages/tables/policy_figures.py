@@ -1,7 +1,8 @@
 """Figures 4 and 9: success on test assets that are less and less like the twin."""
 
+from collections.abc import Callable, Sequence
 from textwrap import fill
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -9,7 +10,6 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stages.tables import asset_panels
 from stages.tables.cells import ROW
 from stages.tables.drawing import GREY, colour, draw_rates, mark_not_run, rate_axis
 from stages.tables.order import row_title, set_key, title
@@ -20,7 +20,16 @@ from stages.tables.text import distance_from_twin
 Row = dict[str, Any]  # target, task, policy
 
 
-def _of(table: pd.DataFrame, row: Row, training_set: str | None = None) -> pd.DataFrame:
+class Panels(NamedTuple):
+    """Panels that Figure 4 has before its own: how many, their rows (`ROW`), and what draws those of one row."""
+
+    columns: int
+    rows: pd.DataFrame
+    draw: Callable[[Sequence[Axes], Row], None]
+
+
+def of_row(table: pd.DataFrame, row: Row, training_set: str | None = None) -> pd.DataFrame:
+    """The rows of a table about one target and policy, and about one training set if it is named."""
     found = table[(table["target"] == row["target"]) & (table["policy"] == row["policy"])]
     return found if training_set is None else found[found["training_set"] == training_set]
 
@@ -50,33 +59,27 @@ def _legend(figure: Figure, columns: int) -> None:
         figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=columns)
 
 
-def figure4(
-    cells: pd.DataFrame,
-    published: pd.DataFrame,
-    over: tuple[pd.DataFrame, pd.DataFrame] | None = None,
-    encoder: str = "",
-) -> Figure:
+def figure4(cells: pd.DataFrame, published: pd.DataFrame, more: Panels | None = None, encoder: str = "") -> Figure:
     """Success against what tells a test asset from the twin: a row per target and policy, a colour per set.
 
-    From the left, of `over` (as `asset_panels.points` and `.thirds` give): success on unseen assets against distance
-    and against the length of the handle; on the roles of Table 3, with our intervals; the paper's figure, its bars the
+    From the left: those of `more`; on the roles of Table 3, with our intervals; the paper's figure, its bars the
     standard deviation over runs. `encoder` is ours, by whose features distances are.
     """
     cells = _select_tested(cells)
-    rows = _rows(cells if over is None else pd.concat([cells, over[0]]), published)
-    first = 0 if over is None else len(asset_panels.AXES)
-    columns = first + (2 if len(cells) and any(len(_of(published, row)) for row in rows) else 1)
+    rows = _rows(cells if more is None else pd.concat([cells, more.rows]), published)
+    first = 0 if more is None else more.columns
+    columns = first + (2 if len(cells) and any(len(of_row(published, row)) for row in rows) else 1)
     width = max(4.6, 3.4 * columns)
     figure, axes = plt.subplots(
         len(rows), columns, figsize=(width, 3.0 * len(rows) + 0.3), squeeze=False, layout="constrained"
     )
     for panels, row in zip(axes, rows, strict=True):
-        if over is not None:
-            asset_panels.draw(panels[:first], _of(over[0], row), _of(over[1], row), encoder)
+        if more is not None:
+            more.draw(panels[:first], row)
         name = f"{row_title(row)}{', roles' if first else ''}"
-        _distances(panels[first], _of(cells, row), name, "not run", encoder)
+        _distances(panels[first], of_row(cells, row), name, "not run", encoder)
         if columns == first + 2:
-            paper = _with_deviation(_of(published, row))
+            paper = _with_deviation(of_row(published, row))
             _distances(panels[-1], paper, f"{row_title(row)}, paper", "not in the paper", "DINOv2")
         panels[0].set_ylabel("success (%)")
     _legend(figure, int(width / 2.2))
@@ -123,7 +126,7 @@ def figure9(cells: pd.DataFrame, published: pd.DataFrame) -> Figure:
             panel.set_xlim(-0.4, len(roles) - 0.6)
             if number == 0:
                 panel.set_title(title(name), color=colour(name))
-            _positions(panel, name, roles, _of(cells, row, name), _of(published, row, name))
+            _positions(panel, name, roles, of_row(cells, row, name), of_row(published, row, name))
         axes[number, 0].set_ylabel(f"{fill(row_title(row), 16)}\nsuccess (%)")
     _legend(figure, 6)
     return figure

@@ -1,6 +1,7 @@
 """Numbers as text."""
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 NOT_RUN = "not run"
@@ -34,6 +35,11 @@ def span(low: float, high: float) -> str:
     """An interval of rates in percent, '48–74', rounded outwards; with signs if it reaches below zero."""
     ends = math.floor(round(100 * low, 9)), math.ceil(round(100 * high, 9))
     return f"{ends[0]:+d} to {ends[1]:+d}".replace("-", "−") if low < 0 else f"{ends[0]}–{ends[1]}"
+
+
+def interval(row: Mapping[str, Any], prefix: str = "") -> str:
+    """That of a row, its ends in the columns `<prefix>low` and `<prefix>high`."""
+    return f"[{span(row[f'{prefix}low'], row[f'{prefix}high'])}]"
 
 
 def points(difference: float) -> str:

@@ -29,7 +29,6 @@ from stages.tasks.base_placement import AJAR, find_success_opening, place_robot_
 from stages.tasks.cameras import Camera, shoulder
 from stages.tasks.filmed import FilmedEnv
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
-from stages.tasks.movable import Movable
 from stages.tasks.observation import CameraRig, Observation, Sensing
 from stages.tasks.randomised import randomise, sample_factors
 from stages.tasks.task import OLD_NAMES, Task
@@ -282,10 +281,6 @@ class OpenTaskEnv(FilmedEnv):
 
     def _get_obs_extra(self, info: dict[str, Any]) -> dict[str, torch.Tensor]:
         return {"tcp_pose": self.agent.tcp.pose.raw_pose, "opened": info["opened"][:, None]}
-
-    def movable(self) -> Movable | None:
-        """What Pick and Place move, in the first environment; None if the task has nothing of the kind."""
-        return None
 
     def obstacles(self) -> Array:
         """(N, 3) points on what stands about besides the object, in the robot base frame: a skill keeps clear of it."""

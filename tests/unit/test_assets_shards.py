@@ -9,7 +9,8 @@ import pytest
 
 from plugins.importing import own
 from plugins.importing.shards import MEAN, Shard, groups, own_shards
-from stages.assets import draw, snapshots
+from plugins.pictures import snapshots as sheets
+from stages.assets import snapshots
 from stages.config.assets import AssetsConfig
 from stages.config.matching import EncoderOptions
 from stages.contracts import InputError, LibraryPart, read_json
@@ -102,8 +103,8 @@ def test_a_shard_of_broken_models_is_empty_all_the_way(tmp_path: Path) -> None:
     assert zipfile.ZipFile(tmp_path / "own_0.zip").namelist() == []
     shard, features = tmp_path / "shard_own_0.h5", tmp_path / "features.npy"
     snapshots.run(library=out, out=shard, options=options)
-    draw.run(snapshots=(shard,))
-    encode(snapshots=shard, out=features, options=json.dumps(HOG.keep_stored()))
+    sheets.run(snapshots=(shard,))
+    encode(snapshots=shard, out=features, options=json.dumps(HOG.stored()))
     assert check(["library_part", str(out), "snapshots", str(shard), "features", str(features)]) == 0
     with pytest.raises(InputError, match="names no feature store"):
         FeatureStore([features], settings_digest(HOG, make_encoder(HOG)))

@@ -10,9 +10,9 @@ import pytest
 from plugins.furniture import library
 from plugins.furniture.library import make
 from plugins.importing import own
+from plugins.pictures.snapshots import run as draw
 from stages.articulated.asset_folder import read_asset
 from stages.assets import join, snapshots
-from stages.assets.draw import run as draw
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, write_json
 from stages.contracts.library import SnapshotShard

@@ -376,7 +376,7 @@ def test_objects_of_an_own_scene_are_known_by_its_annotations(tmp_path: Path) ->
 
 def test_rooms_of_the_users_are_known(tmp_path: Path) -> None:
     file = tmp_path / "attic.yaml"
-    file.write_text((ROOT / "stages/scenes/rooms/room_2.yaml").read_text())
+    file.write_text((ROOT / "plugins/scenes/rooms/room_2.yaml").read_text())
     targets = "targets: {{drawer: {{room: attic, object: {}}}, door: null}}"
     text = f"experiment: {{{{room_files: [{file}], rooms: [attic], {targets}}}}}"
     assert lines(text.format("chest_of_drawers_1")) == []

@@ -16,11 +16,12 @@ import yaml
 
 from plugins.importing.own import run as own
 from plugins.importing.shards import own_shards
+from plugins.scenes.layout import arrange
+from plugins.scenes.room_files import read_room, room_files
 from stages.config import code
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.model import load, merge_mappings, with_defaults
-from stages.config.room_files import read_room, room_files
 from stages.contracts import InputError, LibraryPart, Objects, read_json
 from stages.contracts.policy_folder import read_config
 from stages.contracts.task_options import TaskConfig
@@ -31,7 +32,6 @@ from stages.geometry.boxes import UprightBox
 from stages.plugins import KINDS, find, list_available
 from stages.plugins import load as implementation
 from stages.policies.checkpoint import load_network
-from stages.scenes.layout import arrange
 from stages.tasks.api import TaskEnv
 from stages.tasks.base_placement import AJAR
 from stages.training.logbook import Logbook

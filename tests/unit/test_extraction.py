@@ -12,14 +12,15 @@ import numpy as np
 import pytest
 
 from stages.config.extraction import ExtractionConfig
+from stages.config.packages import verb
 from stages.contracts import InputError, Objects, read_json
 from stages.contracts.__main__ import main as check_contract
 from stages.contracts.objects import Mounting
-from stages.extraction.draw import run as draw
 from stages.extraction.extract import merge_own_options, run
 from stages.extraction.observation import read_folder
 from stages.geometry.boxes import UprightBox, oriented_iou
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_of_matrix
+from tests.packages import needs
 from tests.refusals import refused
 from tests.unit.synthetic_room import BACK_WALL, FLOOR, INTRINSICS, OBJECT, WALL, WORLD_FROM_CAMERA, write_room
 
@@ -93,7 +94,13 @@ def test_ids_files_and_annotations(furnished: tuple[Path, Objects]) -> None:
         assert clouds[item.id].dtype == np.float32
         rows, columns = np.nonzero(masks == item.mask)
         assert item.pixels == (columns.min(), rows.min(), columns.max() + 1, rows.max() + 1)
-    draw(objects=folder / "out/objects.json", image=folder / "input/rgb.png", out=folder / "overview.png")
+
+
+@needs("pictures")
+def test_what_was_found_is_drawn(furnished: tuple[Path, Objects]) -> None:
+    folder, _ = furnished
+    files = {"objects": folder / "out/objects.json", "image": folder / "input/rgb.png"}
+    verb("pictures", "objects")(**files, out=folder / "overview.png")
     assert (folder / "overview.png").stat().st_size > 10_000
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 ORDER = (
     *("geometry", "contracts", "plugins", "articulated", "config", "cli"),
-    *("simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction"),
+    *("simulation", "planning", "tasks", "skills", "assets", "policies", "extraction"),
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
-    *("tables", "api"),
+    "tables",
 )
 
 ON_OTHERS = {  # few, each for a reason
@@ -24,6 +24,11 @@ ON_OTHERS = {  # few, each for a reason
     ("patchnet", "pretrained"),
     ("segmenter", "pretrained"),
     ("inputs", "vlm"),  # captions may come from a language model
+    ("exports", "pictures"),  # the same GLB, room and light
+    ("look", "pictures"),
+    ("studies", "pictures"),  # assets with their roles
+    ("report", "claims"),  # their tables, on the page of a run
+    ("studies", "claims"),
     ("studies", "report"),  # the times of a run
     ("studio", "report"),  # doubts and pictures of models, as pages show them
     ("studio", "inputs"),  # a photograph's camera, and what an input folder is

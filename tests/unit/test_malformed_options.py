@@ -13,6 +13,7 @@ import pytest
 
 from plugins.furniture.catalogue import sample
 from plugins.furniture.folder import generate
+from plugins.scenes.config import ScenesConfig
 from stages.cli import main as stage
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
@@ -21,12 +22,12 @@ from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.matching import MatchingConfig
 from stages.config.packages import home_of
-from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
 from stages.contracts import InputError, read_options
 from stages.contracts.library import Recipe
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.training_run import TrainingRun
+from tests.packages import needs
 from tests.unit.contract_files import contents, write_files
 
 SECTIONS = [AssetsConfig, ScenesConfig, ExtractionConfig, MatchingConfig, GenerationConfig, DemonstrationsConfig,
@@ -87,7 +88,7 @@ def valid(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 COMMANDS = {
     "extraction extract": "--input input --scene room --out out/objects.json",
-    "extraction draw": "--objects extraction/objects.json --image input/rgb.png --out out/overview.png",
+    "pictures objects": "--objects extraction/objects.json --image input/rgb.png --out out/overview.png",
     "matching features": "--snapshots snapshots/shard_0.h5 --out out/shard_0.npy",
     "matching match": "--objects extraction/objects.json --image input/rgb.png --library library/library.json "
     "--features features/shard_0.npy --out out/cousins.json",
@@ -118,8 +119,10 @@ def truncated(path: Path) -> None:
     [
         ("extraction extract", "input/camera.json", no_json), ("extraction extract", "input/annotations.json", older),
         ("extraction extract", "input/rgb.png", truncated), ("extraction extract", "input/depth.npz", truncated),
-        ("extraction extract", "input/masks.png", truncated), ("extraction draw", "input/rgb.png", truncated),
-        ("extraction draw", "extraction/objects.json", older), ("extraction draw", "extraction/masks.png", truncated),
+        ("extraction extract", "input/masks.png", truncated),
+        pytest.param("pictures objects", "input/rgb.png", truncated, marks=needs("pictures")),
+        pytest.param("pictures objects", "extraction/objects.json", older, marks=needs("pictures")),
+        pytest.param("pictures objects", "extraction/masks.png", truncated, marks=needs("pictures")),
         ("matching features", "snapshots/shard_0.json", no_json),
         ("matching features", "snapshots/shard_0.h5", truncated),
         ("matching match", "extraction/objects.json", older), ("matching match", "library/library.json", no_json),

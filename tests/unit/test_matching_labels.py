@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-import stages.scenes.rooms
+import plugins.scenes.rooms
 from stages.config.matching import MatchingConfig
 from stages.contracts import Library
 from stages.contracts.categories import known_categories
@@ -165,7 +165,7 @@ def test_a_category_of_ones_own_is_known() -> None:
 
 
 def test_labels_of_our_rooms_are_understood() -> None:
-    rooms = Path(stages.scenes.rooms.__file__).parent.glob("*.yaml")
+    rooms = Path(plugins.scenes.rooms.__file__).parent.glob("*.yaml")
     labels = {
         line.split("label:")[1].strip(" }")
         for room in rooms

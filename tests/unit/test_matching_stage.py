@@ -5,12 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stages.config.packages import verb
 from stages.contracts import InputError, LeftOut, write_json
 from stages.geometry.frames import angle_difference
-from stages.matching.draw import run as draw
 from stages.matching.features import run as features
 from stages.matching.match import run as match
 from stages.plugins import list_available
+from tests.packages import needs
 from tests.refusals import refused
 from tests.unit.matching_data import SHOWN, World
 
@@ -56,8 +57,13 @@ def test_one_bad_object_does_not_stop_the_scene(world: World, tmp_path: Path) ->
     lost, unseen = result.objects[4:]
     assert (lost.status, lost.reason) == ("failed", "extraction: no points")
     assert unseen.status == "failed" and "mask 99 has no pixel" in unseen.reason
+
+
+@needs("pictures")
+def test_objects_are_drawn_beside_their_cousins(world: World, tmp_path: Path) -> None:
+    world.match(tmp_path / "cousins.json")
     files = {"cousins": tmp_path / "cousins.json", "objects": world.objects, "image": world.objects.parent / "rgb.png"}
-    draw(**files, snapshots=world.snapshots, out=tmp_path / "cousins.png")
+    verb("pictures", "cousins")(**files, snapshots=world.snapshots, out=tmp_path / "cousins.png")
     assert (tmp_path / "cousins.png").stat().st_size > 10_000
 
 

@@ -12,13 +12,14 @@ import pytest
 import yaml
 from matplotlib.figure import Figure
 
+from plugins.claims import claims
 from plugins.report import report
 from plugins.studies import conditions, results
 from stages.config.model import Config, load, with_defaults
 from stages.config.policy_kinds import policy_tables
 from stages.config.tables import PolicyAbout, PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout
-from stages.tables import claims, policies
+from stages.tables import policies
 from stages.tables.methods import check_methods, join_published, kinds_of
 from stages.tables.order import target_title
 from stages.tables.policy_notes import policy_notes
@@ -28,6 +29,7 @@ from tests.unit.tables_results import declared, rollout, write_rows, write_run
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "report" / "published"
+MORE = ("plugins.claims.more",)
 OPTIONS = TablesConfig(bootstrap_samples=100)
 SHORT = '{"bootstrap_samples": 100}'
 OPENED = {"lite": (16, 11), "mine": (7, 4)}  # of 16 on the twin, of 16 unseen assets
@@ -99,7 +101,9 @@ def test_no_table_page_or_figure_of_a_run_mixes_two_methods(tmp_path: Path, draw
     root = write_run(tmp_path / "run")
     out, rows = root / "results/tables", write_rows(tmp_path / "rollouts.csv", list(both()))
     options = policy_tables(load(yaml.safe_load(CONFIG))).model_dump_json() if known else SHORT
-    policies.run(out=out, figures=root / "results/figures", rollouts=(rows,), published=PUBLISHED, options=options)
+    policies.run(
+        out=out, figures=root / "results/figures", rollouts=(rows,), more=MORE, published=PUBLISHED, options=options
+    )
     there = write_rows(tmp_path / "conditions/noisy/door/rollouts.csv", list(both()))
     conditions.run(out=out, rollouts=(rows,), elsewhere=(there,), names=("noisy",), options=SHORT)
     if known:
@@ -179,7 +183,7 @@ def test_runs_that_trials_chose_are_pooled_and_said_to_be(tmp_path: Path) -> Non
     with refused("E-RUNS-MIXED", "lite and mine of door/best/"):
         check_methods(frame(rows), PolicyTables())
     path = write_rows(tmp_path / "rollouts.csv", rows)
-    policies.run(out=tmp_path, rollouts=(path,), published=PUBLISHED, options=options.model_dump_json())
+    policies.run(out=tmp_path, rollouts=(path,), more=MORE, published=PUBLISHED, options=options.model_dump_json())
     told = "my network (best 2 of lite, mine, third)"
     for name in ("assets.html", "table3.html", "table3.tex"):
         assert told in (tmp_path / name).read_text(), name
@@ -238,7 +242,7 @@ def test_what_policies_are_given_is_as_the_options_say() -> None:
     assert "depth without noise" not in note and "exact camera poses" not in note and "share" not in note
     for words in (
         "the mask of the target, and they start within 15 cm and 20 degrees", "has the noise of a depth camera",
-        "1 cm and 2 degrees elsewhere", "tests in MuJoCo",
+        "1 cm and 2 degrees off the pose that they assume", "tests in MuJoCo",
     ):  # fmt: skip
         assert words in note, words
     (one,) = policy_notes(policy_tables(config_of("{evaluation: {depth_noise: true}, task: {base_xy: 0.1}}")))

@@ -9,6 +9,7 @@ from stages.config.model import load
 from stages.config.packages import find_packages, home_of
 from stages.config.reads import READS, options_of, stores
 from stages.contracts.errors import InputError
+from stages.contracts.section import Section
 from stages.plugins import list_available
 from tests.packages import needs
 from tests.refusals import refused
@@ -39,8 +40,8 @@ LEFT = {"matching": {"model_selection": "distance", "orientation_selection": "di
 def test_a_section_belongs_to_its_package(name: str) -> None:
     """It is left out, also where a file gives it, if its package is off."""
     sections = find_packages()[name].sections
-    given = {section: {} for section in sections}
-    on, off = load(given), load(given | LEFT | {"packages": {name: False}})
+    given = {section: {} for section, (kind, _) in sections.items() if issubclass(kind, Section)}
+    on, off = load(given), load(given | LEFT | {"packages": {name: False}}, rooms_named=name != "scenes")
     assert all(hasattr(on, section) and not hasattr(off, section) for section in sections)
 
 
@@ -61,7 +62,15 @@ def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -
         mend = "packages: {render_and_compare: true}, or one of distance, priors, votes"
         with refused("E-CONFIG", "matching.model_selection: there is no 'geometry'", mend):
             load({"packages": {name: False}})
-    config = load(LEFT | {"packages": {name: False}})
+    packages = {name: False}
+    if name == "scenes":
+        with refused("E-CONFIG", "experiment.rooms: unknown scene 'room_1'. Fix: packages: {scenes: true}"):
+            load({"packages": packages})
+    if name == "pictures":
+        with refused("E-CONFIG", "packages.pictures: is off or not here, and pages of the report"):
+            load({"packages": packages})
+        packages |= {"report": False, "exports": False}
+    config = load(LEFT | {"packages": packages}, rooms_named=name != "scenes")
     wildcards = {"variant": "b", "run": "lite", "scene": "", "store": next(iter(stores(config)))}
     for stage, verb in READS:
         if stage != name and stage != "inputs":

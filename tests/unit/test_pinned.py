@@ -36,8 +36,8 @@ def test_a_file_is_taken_over_for_its_task(study: dict[str, Path], tmp_path: Pat
     pinned(**study, task="door", out=tmp_path / "assets.json")
     assert (tmp_path / "assets.json").read_bytes() == study["assets"].read_bytes()
     with refused("E-ASSETS-CHANGED"):
-        pinned(**study, task="put_away_bowl", out=tmp_path / "bowl.json")
-    assert not (tmp_path / "bowl.json").exists()
+        pinned(**study, task="drawer", out=tmp_path / "drawer.json")
+    assert not (tmp_path / "drawer.json").exists()
 
 
 def test_a_file_of_fewer_draws_than_seeds_need_is_refused(study: dict[str, Path], tmp_path: Path) -> None:

@@ -9,13 +9,12 @@ import pytest
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import inverse
 from stages.planning import rollout
 from stages.planning.articulation import choose_open_goals, choose_release_opening, list_approaches
 from stages.planning.clearance import Surroundings
 from stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, list_grasps, list_last_resorts
 from stages.planning.path import make_line, measure_distance
-from stages.planning.rollout import Stretch, can_hold, find_feasible, roll_out
+from stages.planning.rollout import Stretch, find_feasible, roll_out
 from stages.simulation.kinematics import Chain, track
 from stages.simulation.robot import REST
 from stages.skills import FAR, Outcome
@@ -100,22 +99,6 @@ def test_an_arm_that_is_elsewhere_may_go_through_rest(door: TaskEnv) -> None:
     for pose in way[: gaps.argmin() + 1]:
         joints = track(chain, joints[None], pose[None])[0]
     assert chain.margin(joints[None]).min() > 0.3, "the arm comes there with no joint at a limit"
-
-
-def test_a_hand_can_be_held_where_the_arm_reaches_and_nothing_is(door: TaskEnv) -> None:
-    door.place(0)
-    where, around = door.env.base_from_asset(), Surroundings(door.env.target)
-    here, far, inside = door.hand(), door.hand(), door.hand()
-    far[:3, 3] += [1.0, 0.0, 0.0]
-    middle = door.env.target.moving.bounds.mean(axis=0)
-    inside[:3, 3] = (where @ np.append(middle, 1.0))[:3]
-    poses = np.stack([here, far, inside])
-    state = Stretch(poses, 0.04, (door.env.target.lower,) * 2)
-    free = can_hold(door.chain, door.joints()[:7], poses, state, where, around)
-    assert free.tolist() == [True, False, False]
-    on_the_way = np.array([[*(inverse(here) @ np.append((where @ np.append(middle, 1.0))[:3], 1.0))[:3], 0.02]])
-    state = replace(state, held=on_the_way)  # a held thing that reaches into the door
-    assert not can_hold(door.chain, door.joints()[:7], poses, state, where, around)[0]
 
 
 def test_a_bar_is_held_from_above_only_on_a_drawer_and_last(door: TaskEnv, tmp_path: Path) -> None:

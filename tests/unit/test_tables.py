@@ -239,10 +239,9 @@ def test_verb_writes_the_tables_with_fixed_columns_and_the_same_bytes(tmp_path: 
         policies.run(out=tmp_path / out, rollouts=(episodes,), published=PUBLISHED)
     names = sorted(path.name for path in (tmp_path / "one").iterdir())
     assert names == sorted(
-        [f"{name}.{s}" for name in ("assets", "table2", "table2_robustness", "table3") for s in ("csv", "html", "tex")]
+        [f"{name}.{s}" for name in ("table2", "table2_robustness", "table3") for s in ("csv", "html", "tex")]
         + [f"figure{number}.{suffix}" for number in (4, 6, 9) for suffix in ("png", "svg")]
-        + ["assets_by_handle.csv"]
-        + [f"table3_{what}.csv" for what in ("cells", "claims", "differences", "stability")]
+        + [f"table3_{what}.csv" for what in ("cells", "differences")]
     )
     for name in names:
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()

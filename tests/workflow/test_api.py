@@ -1,4 +1,4 @@
-"""`stages.api` gives what the workflow gives, byte for byte, and the lines of the pages run."""
+"""`plugins.api` gives what the workflow gives, byte for byte, and the lines of the pages run."""
 
 import json
 import os
@@ -14,7 +14,7 @@ import pytest
 import yaml
 from PIL import Image
 
-from stages import api
+from plugins import api
 from tests.workflow.workspace import ROOT
 
 FENCE = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
@@ -30,7 +30,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A library, a room and its scenes, by the config of the micro run."""
     folder = tmp_path_factory.mktemp("made")
     text = f"""
-from stages.api import make_library, make_room, make_scenes
+from plugins.api import make_library, make_room, make_scenes
 library = make_library("library", {SMALL!r})
 picture = make_room("room_1", library, "rooms", {SMALL!r})
 make_scenes(picture, library, "scenes", {SMALL!r})

@@ -317,7 +317,7 @@ def test_own_models_are_inputs_of_the_library(folder: Path) -> None:
 
 
 def test_our_rooms_are_furnished_with_procedural_models_and_yours_with_all(folder: Path) -> None:
-    (folder / "attic.yaml").write_text((ROOT / "stages/scenes/rooms/room_1.yaml").read_text())
+    (folder / "attic.yaml").write_text((ROOT / "plugins/scenes/rooms/room_1.yaml").read_text())
     (folder / "rooms.yaml").write_text(
         "experiment: {rooms: [room_1, attic], room_files: [attic.yaml], targets: {door: null}}"
     )

@@ -23,7 +23,7 @@ from pathlib import Path
 sys.modules["snakemake"] = None  # an import of it fails
 import gymnasium
 import stages
-from stages.api import load_policy, models_of
+from plugins.api import load_policy, models_of
 from stages.contracts import TaskAssets, read_json
 
 results = Path(sys.argv[1])

@@ -8,6 +8,7 @@ import pytest
 import torch
 import trimesh
 
+from plugins.bowl.region import find_level_region, measure_headroom
 from plugins.bowl.skills.pick.grasps import TURNS, measure_turn, sample_grasps, sample_object_cloud, sort_by_turn
 from plugins.bowl.skills.place.predicates import DROP, find_places_inside, find_places_on_top, sample_placements
 from plugins.bowl.tasks.put_away_bowl.bowl import default_bowl, load_visual_mesh
@@ -17,7 +18,6 @@ from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.geometry.frames import apply, rigid, yaw_matrix
 from stages.planning.path import ANGLE_WEIGHT
-from stages.simulation.region import find_level_region, measure_headroom
 from stages.tasks.api import TaskEnv
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet

@@ -15,6 +15,7 @@ from trimesh import Trimesh
 from plugins.exports.scene_formats import mjcf, urdf
 from plugins.furniture import build
 from plugins.furniture.catalogue import sample
+from plugins.pictures import glb
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.model import Link, RobotModel, Visual
 from stages.articulated.surfaces import surfaces
@@ -22,7 +23,6 @@ from stages.articulated.urdf_reader import read_urdf
 from stages.contracts import GeneratedScene
 from stages.contracts.look import Look, Surface
 from stages.contracts.objects import Mounting, Wall
-from stages.generation import glb
 from stages.generation.placed import Placed
 from stages.generation.scene_models import Room, room_of
 from stages.geometry.boxes import UprightBox

@@ -12,11 +12,11 @@ from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
 from plugins.exports.scene_formats import mjcf, urdf
+from plugins.pictures import glb
 from stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.model import JointModel, Link, RobotModel, Visual
 from stages.contracts import GeneratedScene
-from stages.generation import glb
 from stages.generation.scene_models import Body, Room
 from stages.geometry.frames import inverse, rigid
 

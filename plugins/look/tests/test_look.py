@@ -10,10 +10,10 @@ from plugins.furniture import build
 from plugins.furniture.catalogue import sample
 from plugins.look.estimate import estimate_look, merge_meshes
 from plugins.look.surfaces import Seen, estimate_light, find_bounds, find_surfaces, to_direction
+from plugins.pictures.painting import furnish, make_usual_look
 from stages.contracts import GeneratedScene, Objects
 from stages.contracts.look import ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Mounting, SceneObject, Wall
-from stages.generation.painting import furnish, make_usual_look
 from stages.generation.placed import Placed
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at

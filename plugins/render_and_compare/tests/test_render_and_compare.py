@@ -12,6 +12,7 @@ import pytest
 import trimesh
 from PIL import Image
 
+from plugins.pictures.rows_of_cousins import write_picture
 from plugins.render_and_compare.config import GeometryConfig
 from plugins.render_and_compare.fitting import Measured, lay_over, measure
 from plugins.render_and_compare.in_place import InPlace
@@ -36,7 +37,6 @@ from stages.geometry.estimate import Sight
 from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
 from stages.matching.crop import View
 from stages.matching.judges import AbstainedError, Question
-from stages.matching.picture import write_picture
 from stages.matching.snapshots import Snapshots
 from tests.unit.matching_data import trace_box, write_snapshots
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plugins.pictures import glb
 from plugins.report import report
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.objects import Mounting, Wall
-from stages.generation import glb
 from stages.generation.placed import Placed
 from stages.generation.scene_models import room_of
 from stages.geometry.boxes import UprightBox

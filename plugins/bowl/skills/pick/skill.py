@@ -3,6 +3,7 @@
 import numpy as np
 
 from plugins.bowl.carry import CarrySkill, make_held_spheres, shift_pose
+from plugins.bowl.movable import Movable
 from plugins.bowl.skills.pick.grasps import sample_grasps, sample_object_cloud, sort_by_turn
 from stages.geometry.frames import apply, inverse
 from stages.planning.path import join_lines, make_line
@@ -10,7 +11,6 @@ from stages.planning.rollout import ON_THE_WAY, Stretch, plan_homing
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import GRIPPER_OPEN, REST
 from stages.skills.motion import CLOSED, OPEN, Motion
-from stages.tasks.movable import Movable
 
 
 class PickSkill(CarrySkill):

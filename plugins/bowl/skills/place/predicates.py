@@ -5,11 +5,11 @@ from collections.abc import Callable
 import numpy as np
 import trimesh
 
+from plugins.bowl.region import CELL, Region
 from stages.geometry.frames import inverse, rigid, yaw_matrix
 from stages.planning.clearance import CLEARANCE
 from stages.planning.path import ANGLE_WEIGHT
 from stages.simulation.kinematics import Array
-from stages.simulation.region import CELL, Region
 
 DROP = (0.012, 0.16)  # metres above the surface at which it is let go: a deep drawer has no room for the hand; chosen
 

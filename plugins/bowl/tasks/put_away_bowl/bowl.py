@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
+from plugins.bowl.region import Region, find_level_region, measure_headroom
 from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.articulated.model import RGBA, Link, RobotModel, Visual
 from stages.geometry.solids import DENSITY, MINIMUM_INERTIA
 from stages.simulation.kinematics import Array
-from stages.simulation.region import Region, find_level_region, measure_headroom
 from stages.simulation.robot import cache_folder
 from stages.simulation.target import Target
 

@@ -11,6 +11,8 @@ import trimesh
 from mani_skill.utils.structs import Actor
 from numpy.typing import NDArray
 
+from plugins.bowl.movable import Movable
+from plugins.bowl.region import Region
 from plugins.bowl.tasks.put_away_bowl import TASK
 from plugins.bowl.tasks.put_away_bowl.bowl import (
     AROUND,
@@ -28,13 +30,11 @@ from stages.planning.clearance import surface_points
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset
 from stages.simulation.poses import batch_poses
-from stages.simulation.region import Region
 from stages.simulation.studio import Prop
 from stages.tasks.base_placement import AJAR
 from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
 from stages.tasks.environment import OpenTaskEnv
 from stages.tasks.initial_state import nominal_root
-from stages.tasks.movable import Movable
 
 FOOT = (-0.01, 0.04)  # metres about the drawer's floor at which the foot of a bowl in it is
 SEEN = ((0.05, -0.6, 0.05), (1.0, 0.6, 0.95))  # workspace in the base frame that has the stand in it

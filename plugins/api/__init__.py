@@ -1,0 +1,174 @@
+"""The workflow as functions, without Snakemake: a library, the scenes of a picture, a trained policy, a film.
+
+Each calls what the rules call, with the options that they pass: the same config gives the same bytes. `config` is what
+differs from config.yaml, e.g. {"assets": {"counts": {"fridge": 12}}}.
+"""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from plugins.api.loaded import load_policy
+from stages.contracts.library_folder import AssetFolders
+from stages.simulation.films import write_film
+
+if TYPE_CHECKING:
+    from stages.config.model import Config
+
+__all__ = ["load_policy", "make_library", "make_room", "make_scenes", "models_of", "write_film"]
+
+
+def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Path:
+    """Make the models, import those of `assets.folders`, and photograph all of them, into the folder `out`.
+
+    A library that was there is replaced.
+
+    Returns:
+        library.json.
+    """
+    from stages.assets import join, snapshots
+    from stages.config.packages import shards_of, verb
+    from stages.config.sizes import fill_counts
+
+    folder, settings = Path(out), _settings(config)
+    counts, theirs = settings.assets.counts, shards_of(settings)
+    settings = fill_counts(settings, sum(counts.values()) + sum(len(shard.models) for shard in theirs.values()))
+    for old in (path for place in (".", "snapshots", "features/*") for path in folder.glob(f"{place}/shard_*")):
+        old.unlink()
+    shards = (settings.assets.shards or 1) if any(counts.values()) else 0
+    ours = [folder / f"shard_{number}.json" for number in range(shards)]
+    for number, part in enumerate(ours):
+        options = _options(settings, "furniture", "library")
+        verb("furniture", "library")(out=part, shard=number, shards=shards, options=options, seed=settings.seed)
+    for name, shard in theirs.items():
+        models = tuple(f"{model}={path}" for model, path in shard.models.items())
+        options = _options(settings, "importing", "own")
+        verb("importing", "own")(folder=shard.folder, models=models, out=folder / f"shard_{name}.json", options=options)
+    parts = [*ours, *(folder / f"shard_{name}.json" for name in theirs)]
+    for part in parts:
+        options = _options(settings, "assets", "snapshots")
+        snapshots.run(library=part, out=folder / "snapshots" / f"{part.stem}.h5", options=options)
+    join.run(library=tuple(ours), own=tuple(parts[shards:]), out=folder / "library.json")
+    return folder / "library.json"
+
+
+def make_room(name: str, library: str | Path, out: str | Path, config: Mapping[str, Any] | None = None) -> Path:
+    """Furnish one of the rooms that come with the package with procedural models and photograph it.
+
+    Args:
+        name: e.g. room_1.
+        library: library.json of `make_library`.
+        out: folder; gets <name>/input and <name>/truth.json.
+
+    Returns:
+        the input folder: rgb.png, camera.json, depth.npz, masks.png, annotations.json.
+    """
+    from stages.config.packages import verb
+
+    settings, folder = _settings(config), Path(out) / name
+    ours = [part for part in _parts(Path(library)) if not part.stem.startswith("shard_own")]
+    parts = tuple(ours) or (Path(library),)
+    verb("scenes", "render")(
+        library=parts, scene=name, out=folder, options=_options(settings, "scenes", "render"), seed=settings.seed
+    )
+    return folder / "input"
+
+
+def make_scenes(
+    picture: str | Path, library: str | Path, out: str | Path, config: Mapping[str, Any] | None = None
+) -> list[Path]:
+    """Find the objects of a picture, their cousins, and make the scene of every rank, into the folder `out`.
+
+    Beside scene_<rank>.json lie pictures (.png) and models to turn (.glb) of them, objects.json and cousins.json.
+
+    Args:
+        picture: an input folder (docs/scenes.md); the scene is named after it, or after the folder that holds `input`.
+        library: library.json of `make_library`; its features are kept beside it.
+
+    Returns:
+        scene_1.json, scene_2.json, ...
+    """
+    from stages.config.packages import list_drawers, verb
+    from stages.config.sizes import fill_counts
+    from stages.contracts.corrections import CORRECTIONS, corrections_of
+    from stages.extraction import extract
+    from stages.generation import generate
+    from stages.matching import match
+
+    source, index, folder = Path(picture), Path(library), Path(out)
+    settings = fill_counts(_settings(config), len(AssetFolders(index)))
+    scene, variant = _name_scene(source), settings.experiment.policy_variant
+    image, objects, cousins = source / "rgb.png", folder / "objects.json", folder / "cousins.json"
+    files = tuple(path for path in [source / CORRECTIONS] if path.is_file())
+    corrections = {stage: files if corrections_of(files, stage) else () for stage in ("extraction", "generation")}
+    extract.run(
+        input=source, scene=scene, out=objects, options=_options(settings, "extraction", "extract", scene=""),
+        own=tuple(path for path in [source / "config.yaml"] if path.is_file()),
+        corrections=corrections["extraction"], seed=settings.seed,
+    )  # fmt: skip
+    pictures = settings.matching_of(variant).compares_pictures
+    snapshots = _snapshots(index) if pictures else ()
+    match.run(
+        objects=objects, image=image, library=index, out=cousins, snapshots=snapshots,
+        features=tuple(_features(settings, variant, path) for path in snapshots),
+        options=_options(settings, "matching", "match", variant=variant),
+    )  # fmt: skip
+    generate.run(
+        cousins=cousins, objects=objects, library=index, variant=variant, out=folder,
+        options=_options(settings, "generation", "generate", variant=variant), corrections=corrections["generation"],
+    )  # fmt: skip
+    scenes = tuple(folder / f"scene_{rank}.json" for rank in range(1, settings.generation_of(variant).ranks + 1))
+    if settings.packages.get("pictures"):
+        look = tuple(list_drawers(settings.packages, "generation"))
+        verb("pictures", "scenes")(scenes=scenes, objects=objects, image=image, library=index, out=folder, look=look)
+    return list(scenes)
+
+
+def models_of(library: str | Path) -> AssetFolders:
+    """The folders of a library's models by id, for `gym.make(..., asset_folder=)`."""
+    return AssetFolders(Path(library))
+
+
+def _settings(config: Mapping[str, Any] | None) -> "Config":
+    from stages.config.model import load, with_defaults
+
+    given = with_defaults(dict(config or {}))
+    own = "experiment" in (config or {})
+    if not own:  # the usual rooms and targets would want models that a library need not have
+        given["experiment"] |= {"rooms": ["*"], "targets": {}}
+    return load(given, rooms_named=own)
+
+
+def _options(settings: "Config", stage: str, verb: str, **wildcards: str) -> str:
+    """The --options that the workflow passes to a verb."""
+    from stages.config.reads import options_of
+
+    return json.dumps(options_of(settings, stage, verb, wildcards), sort_keys=True)
+
+
+def _name_scene(picture: Path) -> str:
+    from stages.config.inputs import scene_of
+
+    picture = picture.absolute()
+    return scene_of(picture.parent if picture.name == "input" else picture)
+
+
+def _parts(library: Path) -> list[Path]:
+    """The indices of a library's shards, procedural ones first, in the workflow's order."""
+    return sorted(library.parent.glob("shard_*.json"), key=lambda path: (len(path.stem), path.stem))
+
+
+def _snapshots(library: Path) -> tuple[Path, ...]:
+    return tuple(library.parent / "snapshots" / f"{part.stem}.h5" for part in _parts(library))
+
+
+def _features(settings: "Config", variant: str, snapshots: Path) -> Path:
+    """The features of a shard, made if they are not there yet."""
+    from stages.matching import features
+
+    store = settings.matching_of(variant).store()
+    path = snapshots.parents[1] / "features" / store / f"{snapshots.stem}.npy"
+    if not path.exists():
+        features.run(snapshots=snapshots, out=path, options=_options(settings, "matching", "features", store=store))
+    return path

@@ -1,0 +1,34 @@
+"""What a task tells Pick and Place: the object that they move, and its goal."""
+
+from dataclasses import dataclass
+from typing import Literal, Protocol, runtime_checkable
+
+import trimesh
+
+from plugins.bowl.region import Region
+from stages.simulation.kinematics import Array
+
+
+@dataclass(frozen=True)
+class Movable:
+    """An object as it stands now; poses (4, 4) in the robot base frame.
+
+    mesh: in its own frame, upright. relation: of the object to `region` when it is where it belongs, a predicate of
+    the Place skill. region: in the frame that `base_from_region` says, which moves with a drawer. there: whether the
+    object is where it belongs, in the gripper or not.
+    """
+
+    mesh: trimesh.Trimesh
+    base_from_object: Array
+    relation: Literal["inside", "on_top"]
+    region: Region
+    base_from_region: Array
+    there: bool
+
+
+@runtime_checkable
+class CarryEnv(Protocol):
+    """An environment with something to carry."""
+
+    def movable(self) -> Movable:
+        """What Pick and Place move, in the first environment."""

@@ -1,0 +1,165 @@
+"""Verb `trainings`: how every training ended, and which failed: known before any rollout."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from plugins.claims.claims import MIN_SPREAD_RUNS
+from stages.contracts import read_json, trained
+from stages.contracts.trained import TrainedPolicy
+from stages.plugins import shorten_name
+from stages.tables.cells import in_order
+from stages.tables.markup import Table
+from stages.tables.order import row_title, title
+from stages.tables.rows import read_table, records
+from stages.tables.text import NOTHING, cell, count, number
+from stages.tables.writing import write
+
+ALIKE = ["target", "policy", "run"]  # trainings whose losses can be compared: one target's assets, one method
+COLUMNS = [
+    *("target", "task", "policy", "run", "training_set", "seed", "best_step", "validation_loss", "validation_error"),
+    *("constant_error", "plateau", "others", "others_loss", "outcome"),
+]
+LEARNED, LATE, BEHIND, STUCK = "learned", "learned late", "stayed behind", "did not learn"
+FAILED = (LATE, BEHIND, STUCK)
+AGAIN = "train the policy again"
+FAR = 3.0  # robust standard deviations of the others
+PART = 0.25  # of the others' loss; which episodes a seed validates on moved it by up to 0.15 (of 83 trainings)
+
+
+def collect(configs: Sequence[Path]) -> pd.DataFrame:
+    """A row per policy with `COLUMNS`; `configs`: .../<target>/<policy>/<training set>/<run>/seed_<n>/config.json.
+
+    others, others_loss: how many other seeds of its training set learned (or, without any, other trainings of its
+    target and policy), and their median loss. Without validation episodes losses and outcome are missing.
+    """
+    rows: list[dict[str, Any]] = []
+    for path in configs:
+        config, (target, policy, name, run) = read_json(TrainedPolicy, path, AGAIN), path.absolute().parts[-6:-2]
+        outcome = LATE if config.late else LEARNED if config.learned else STUCK
+        about = {
+            "target": target,
+            "task": shorten_name(config.task),
+            "policy": policy,
+            "run": run,
+            "training_set": name,
+        }
+        losses = {"validation_loss": config.best_loss, "validation_error": config.best_error}
+        losses |= {"seed": config.seed, "best_step": config.best_step}
+        constant = {"constant_error": config.constant_error, "plateau": config.plateau}
+        rows.append(about | losses | constant | {"outcome": None if config.best_loss is None else outcome})
+    table = in_order(pd.DataFrame(rows, columns=COLUMNS), [*ALIKE, "training_set", "seed"])
+    table = table.astype({"validation_loss": float, "plateau": "Int64", "others": "Int64"})
+    for index, row in table.dropna(subset="validation_loss").iterrows():
+        known = table.drop(index).dropna(subset="validation_loss")
+        alike = known[(known[ALIKE] == row[ALIKE]).all(axis=1) & ~known["outcome"].isin([LATE, STUCK])]  # no measure
+        of_set = alike.loc[alike["training_set"] == row["training_set"], "validation_loss"]
+        of_row = alike["validation_loss"]
+        others = of_set if len(of_set) else of_row
+        table.loc[index, ["others", "others_loss"]] = len(others), others.median()
+        if row["outcome"] == LEARNED and is_behind(row["validation_loss"], of_set, of_row):
+            table.loc[index, "outcome"] = BEHIND
+    return table
+
+
+def is_behind(loss: float, of_set: pd.Series, of_row: pd.Series) -> bool:
+    """Whether a loss lies far above those of the other seeds, and, if these are few, of the whole row, too.
+
+    A lone seed is not held against other sets: their demonstrations may be easier.
+    """
+    if not len(of_set) or len(of_row) < MIN_SPREAD_RUNS:
+        return False
+    return is_far(loss, of_set) and (len(of_set) >= MIN_SPREAD_RUNS or is_far(loss, of_row))
+
+
+def is_far(loss: float, others: pd.Series) -> bool:
+    """Whether a loss lies far above those of the others, by how they differ and by what they reached."""
+    median = others.median()
+    spread = 1.4826 * (others - median).abs().median()
+    return bool(loss - median > max(FAR * spread, PART * abs(median)))
+
+
+def read_trainings(path: Path | None) -> pd.DataFrame:
+    """The frame that `collect` gave, from its file; without one no rows."""
+    if path is None:
+        return collect([])
+    return read_table(path, COLUMNS, ["target", "task", "policy", "run", "training_set", "outcome"]).convert_dtypes(
+        convert_floating=False
+    )
+
+
+def failed(table: pd.DataFrame) -> list[str]:
+    """A phrase for every training that failed; `table` as `collect` gives."""
+    return [
+        f"{row_title(row)}, {title(row['training_set'])}{_run(row)}: {_phrase(row)}"
+        for row in records(table[table["outcome"].isin(FAILED)])
+    ]
+
+
+def _run(row: dict[str, Any]) -> str:
+    """The run, where the policy is not called so."""
+    return "" if row["run"] == row["policy"] else f", {row['run']}"
+
+
+def _phrase(row: dict[str, Any]) -> str:
+    text = f"seed {row['seed']} {row['outcome']}: validation loss {number(row['validation_loss'], 1)}"
+    return f"{text}, others {number(row['others_loss'], 1)}" if row["others"] else text
+
+
+def failed_note(table: pd.DataFrame) -> list[str]:
+    """The note about failed trainings below a table of rollouts; none without any."""
+    phrases = failed(table)
+    return [f"Of the trainings these failed, and count like all others: {'; '.join(phrases)}."] if phrases else []
+
+
+def _cells(group: pd.DataFrame) -> list[str]:
+    """What a training set's trainings reached, over its seeds, and which of them failed."""
+    losses = group["validation_loss"].dropna()
+    if losses.empty:
+        return [cell(NOTHING, count(len(group), "training")), NOTHING, NOTHING, ""]
+    ends = f"{number(losses.min(), 2)} to {number(losses.max(), 2)}, {count(len(losses), 'training')}"
+    errors = (number(group[name].median(), 2) for name in ("validation_error", "constant_error"))
+    phrases = map(_phrase, records(group[group["outcome"].isin(FAILED)]))
+    return [cell(number(losses.median(), 2), ends), *errors, "\n".join(phrases)]
+
+
+def trainings_table(table: pd.DataFrame) -> Table:
+    """A row per training set and hyper-parameter set; `table` as `collect` gives."""
+    groups = table.groupby([*ALIKE, "training_set"], sort=False)
+    return Table(
+        name="trainings",
+        caption="Trainings: what they reached on validation episodes, and which failed.",
+        columns=["Policy", "Hyper-parameters", "Training set", "Validation loss", "Error", "Constant action", "Failed"],
+        rows=[
+            [row_title(records(group)[0]), str(run), title(str(name)), *_cells(group)]
+            for (*_, run, name), group in groups
+        ],
+        headers=3,
+        notes=[
+            "Medians over seeds, of the weights that are rolled out. Error: root mean square of what actions are off "
+            "by, on demonstrations that training did not see; constant action: the same if the mean action of the "
+            "training episodes is taken whatever is seen. A training did not learn if its error is no smaller; it "
+            f"learned late if that was so for more than {100 * trained.LATE:g} % of its steps. It "
+            f"stayed behind if its loss lies above the median of the other seeds that learned by more than "
+            f"{100 * PART:g} % and {FAR:g} robust standard deviations; with fewer than {MIN_SPREAD_RUNS} such seeds, "
+            "also above that of all trainings of its row and hyper-parameters. Failed trainings count in all other "
+            "tables."
+        ],
+    )
+
+
+def run(*, out: Path, policies: tuple[Path, ...] = ()) -> None:
+    """Write trainings (.csv, .html, .tex), and name those that failed.
+
+    Args:
+        out: folder to write into.
+        policies: config.json of the policies, in the fixed layout of results/training.
+    """
+    table = collect(policies)
+    write(out, "trainings", table, [trainings_table(table)])
+    print(f"claims: {count(len(table), 'training')}, {len(failed(table)) or 'none'} failed", file=sys.stderr)
+    for phrase in failed(table):
+        print(f"claims: {phrase}", file=sys.stderr)

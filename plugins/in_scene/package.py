@@ -1,0 +1,6 @@
+"""What the core must know of this package."""
+
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.packages import Package
+
+PACKAGE = Package(verbs={"demonstrate": DemonstrationsConfig}, section="demonstrations")

@@ -1,0 +1,15 @@
+"""`python -m plugins.pictures VERB --help`."""
+
+from stages.cli import main
+
+if __name__ == "__main__":
+    main(
+        "plugins.pictures",
+        {
+            "snapshots": "contact sheets of the snapshots",
+            "objects": "the picture with what was found in it",
+            "cousins": "each object beside its cousins",
+            "scenes": "the scenes as pictures and as GLB",
+            "roles": "the assets of a target with their roles and attributes",
+        },
+    )

@@ -1,0 +1,163 @@
+# Pictures for people of what the stages wrote.
+# Reads:  snapshots, the files of extraction, matching and generation, the assets of targets.
+# Writes: results/assets/snapshots/shard_<i>.png, results/extraction/<scene>/overview.png,
+#         results/matching/<variant>/<scene>/cousins.png, results/experiment/<variant>/<target>/{assets,splits}.png,
+#         results/generation/<variant>/<scene>/{scene_<rank>.{png,glb},look.json,thumbnail.webp,view.glb,comparison.png}.
+
+
+container: CONFIG.containers.simulation
+
+
+rule draw_snapshots:
+    """Lay the snapshots of one shard out on a contact sheet."""
+    input:
+        images="results/assets/snapshots/shard_{shard}.h5",
+        index="results/assets/snapshots/shard_{shard}.json",
+    output:
+        sheet="results/assets/snapshots/shard_{shard}.png",
+    log:
+        "logs/assets/draw_{shard}.log",
+    group:
+        "shard"
+    resources:
+        **needs(1000, 10),
+    params:
+        **verb("pictures", "snapshots"),
+    shell:
+        "{params.command} --snapshots {input.images:q} 2>&1 | tee {log:q}"
+
+
+rule draw_objects:
+    """Draw what was found in one scene."""
+    input:
+        objects="results/extraction/{scene}/objects.json",
+        masks="results/extraction/{scene}/masks.png",
+        image=input_file("rgb.png"),
+    output:
+        overview=report(
+            "results/extraction/{scene}/overview.png",
+            caption="../../report/captions/scene.rst",
+            category="Scenes",
+            labels={"scene": "{scene}", "picture": "extraction"},
+        ),
+    log:
+        "logs/extraction/draw_{scene}.log",
+    group:
+        scene_group
+    container:
+        CONFIG.containers.learning
+    resources:
+        **needs(1000, 10),
+    params:
+        **verb("pictures", "objects"),
+    shell:
+        "{params.command} --objects {input.objects:q} --image {input.image:q} --out {output.overview:q} "
+        "2>&1 | tee {log:q}"
+
+
+rule draw_cousins:
+    """Draw the objects of one scene beside their cousins."""
+    input:
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        cousins="results/matching/{variant}/{scene}/cousins.json",
+        objects="results/extraction/{scene}/objects.json",
+        masks="results/extraction/{scene}/masks.png",
+        depth="results/extraction/{scene}/depth.npz",
+        image=input_file("rgb.png"),
+        snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=SHARDS),
+        indices=expand("results/assets/snapshots/shard_{shard}.json", shard=SHARDS),
+    output:
+        picture=report(
+            "results/matching/{variant}/{scene}/cousins.png",
+            caption="../../report/captions/scene.rst",
+            category="Scenes",
+            labels={"scene": "{scene}", "picture": "cousins ({variant})"},
+        ),
+    log:
+        "logs/matching/draw_{variant}_{scene}.log",
+    group:
+        scene_group
+    container:
+        CONFIG.containers.learning
+    resources:
+        **needs(1000, 10),
+    params:
+        **verb("pictures", "cousins", uses=list_drawers(CONFIG.packages, "matching")),
+        in_place=list_drawers(CONFIG.packages, "matching"),
+    shell:
+        "{params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
+        "--snapshots {input.snapshots:q} --library {input.library:q} --in-place {params.in_place} "
+        "--out {output.picture:q} 2>&1 | tee {log:q}"
+
+
+rule draw_scenes:
+    """Draw the generated scenes of one room beside its picture, in its light and colours, and export them as GLB."""
+    input:
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        scenes=expand("results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, allow_missing=True),
+        objects="results/extraction/{scene}/objects.json",
+        masks="results/extraction/{scene}/masks.png",
+        depth="results/extraction/{scene}/depth.npz",
+        image=input_file("rgb.png"),
+    output:
+        previews=expand("results/generation/{variant}/{scene}/scene_{rank}.png", rank=RANKS, allow_missing=True),
+        exports=expand("results/generation/{variant}/{scene}/scene_{rank}.glb", rank=RANKS, allow_missing=True),
+        look="results/generation/{variant}/{scene}/look.json",
+        thumbnail="results/generation/{variant}/{scene}/thumbnail.webp",
+        view="results/generation/{variant}/{scene}/view.glb",
+        comparison=report(
+            "results/generation/{variant}/{scene}/comparison.png",
+            caption="../../report/captions/scene.rst",
+            category="Scenes",
+            labels={"scene": "{scene}", "picture": "reconstruction ({variant})"},
+        ),
+    log:
+        "logs/generation/draw_{variant}_{scene}.log",
+    benchmark:
+        "benchmarks/generation/draw_{variant}_{scene}.tsv"
+    group:
+        scene_group
+    resources:
+        **needs(2000, 10),
+    params:
+        **verb("pictures", "scenes", uses=list_drawers(CONFIG.packages, "generation")),
+        look=list_drawers(CONFIG.packages, "generation"),
+        out=subpath(output.comparison, parent=True),
+    shell:
+        "{params.command} --scenes {input.scenes:q} --objects {input.objects:q} --image {input.image:q} "
+        "--library {input.library:q} --look {params.look} --out {params.out:q} 2>&1 | tee {log:q}"
+
+
+rule draw_roles:
+    """Draw the assets of a target with their roles and what a gripper meets there."""
+    input:
+        assets=f"results/experiment/{POLICY_VARIANT}/{{target}}/assets.json",
+        snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=SHARDS),
+        indices=expand("results/assets/snapshots/shard_{shard}.json", shard=SHARDS),
+    output:
+        picture=report(
+            "results/experiment/{variant}/{target}/assets.png",
+            caption="../../report/captions/roles.rst",
+            category="Policies",
+            labels={"target": "{target}", "picture": "assets"},
+        ),
+        splits=report(
+            "results/experiment/{variant}/{target}/splits.png",
+            caption="../../report/captions/roles.rst",
+            category="Policies",
+            labels={"target": "{target}", "picture": "validation and test assets"},
+        ),
+    log:
+        "logs/experiment/draw_{variant}_{target}.log",
+    localrule: True
+    container:
+        CONFIG.containers.learning
+    resources:
+        **needs(1000, 10),
+    params:
+        **verb("pictures", "roles"),
+    shell:
+        "{params.command} --assets {input.assets:q} --snapshots {input.snapshots:q} --out {output.picture:q} "
+        "--splits {output.splits:q} 2>&1 | tee {log:q}"

@@ -1,0 +1,125 @@
+"""Random variants of a room: places, camera, colours and models are sampled until every object is seen well."""
+
+import colorsys
+import zlib
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plugins.scenes.casting import ATTEMPTS, CastRoom, choose_models, founders
+from plugins.scenes.config import ScenesConfig
+from plugins.scenes.framing import frame
+from plugins.scenes.layout import arrange
+from plugins.scenes.recipe import Against, Beside, CameraStand, Colour, Floor, Hung, Item, On, Place, Room, WallName
+from stages.contracts import Asset, InputError
+from stages.geometry.boxes import UprightBox, corners, distances_along
+from stages.geometry.cameras import MARGIN
+
+ALONG, ON_FLOOR, HEIGHT = 0.35, 0.4, 0.12  # metres by which things move at most
+TURN = 25.0  # degrees by which free furniture turns at most
+ON_TOP = 0.5  # of the free top
+AZIMUTH, EYE, FOV = 10.0, 0.2, 5.0  # degrees, metres, degrees
+STEP = 4  # pixels between the rays by which is judged what is seen
+SEEN, RAYS = 0.45, 8  # share of every box, and rays on it, that the camera must see
+MIRRORED: dict[WallName, WallName] = {"back": "back", "left": "right", "right": "left"}
+Rng = np.random.Generator
+
+
+def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, options: ScenesConfig) -> CastRoom:
+    """A furnished room like `room`; its models come from the whole library, whatever stands in other rooms.
+
+    Things move the less the more attempts have failed.
+
+    Raises:
+        InputError: a category is short, or nothing fits.
+    """
+    rng = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(room.name.encode()))))
+    for attempt in range(ATTEMPTS):
+        drawn = redraw_recipe(room, rng, 1 - attempt / ATTEMPTS)
+        assets = choose_models(drawn, models, founders(models), rng, library)
+        layout = arrange(drawn, {name: asset.size for name, asset in assets.items()})
+        if layout is None:
+            continue
+        boxes = [standing.box for standing in layout.standing.values()]
+        points = np.concatenate([corners(box) for box in boxes])
+        camera = frame(points, drawn.camera, options.width, options.height, MARGIN)
+        if are_all_seen(boxes, *camera, options.width, options.height):
+            return CastRoom(drawn, layout, assets)
+    raise InputError(
+        library, f"{room.name}: no draw of models and places fits.", "change the seed", code="E-ROOM-LAYOUT"
+    )
+
+
+def redraw_recipe(room: Room, rng: Rng, reach: float = 1.0) -> Room:
+    """The recipe, perhaps mirrored, with everything moved by up to `reach` of what is allowed."""
+    mirror = bool(rng.random() < 0.5)
+    items = tuple(_move_item(_mirror_item(item) if mirror else item, rng, reach) for item in room.items)
+    stand = room.camera
+    camera = CameraStand(
+        azimuth=(-1 if mirror else 1) * stand.azimuth + AZIMUTH * reach * rng.uniform(-1, 1),
+        height=stand.height + EYE * rng.uniform(-1, 1),
+        fov=stand.fov + FOV * rng.uniform(-1, 1),
+    )
+    walls = tuple(MIRRORED[wall] for wall in room.walls) if mirror else room.walls
+    return room.model_copy(update={"items": items, "camera": camera, "walls": walls, **colours(rng)})
+
+
+def colours(rng: Rng) -> dict[str, Colour]:
+    """Colours of walls and floor."""
+    wall = colorsys.hsv_to_rgb(rng.random(), rng.uniform(0.02, 0.25), rng.uniform(0.65, 0.92))
+    floor = colorsys.hsv_to_rgb(rng.uniform(0.04, 0.13), rng.uniform(0.15, 0.55), rng.uniform(0.35, 0.75))
+    return {"wall_colour": wall, "floor_colour": floor}
+
+
+def _mirror_item(item: Item) -> Item:
+    """Left and right exchanged."""
+    place: Place = item.place
+    if isinstance(place, Against):
+        along = -place.along if place.against == "back" else place.along
+        place = Against(against=MIRRORED[place.against], along=along, gap=place.gap)
+    elif isinstance(place, Hung):
+        along = -place.along if place.hung == "back" else place.along
+        place = Hung(hung=MIRRORED[place.hung], along=along, z=place.z)
+    elif isinstance(place, Beside):
+        place = Beside(beside=place.beside, side="left" if place.side == "right" else "right", gap=place.gap)
+    elif isinstance(place, Floor):
+        place = Floor(floor=(place.floor[0], -place.floor[1]), yaw=-place.yaw)
+    else:
+        place = On(on_top=place.on_top, forward=place.forward, right=-place.right, yaw=-place.yaw)
+    return item.model_copy(update={"place": place})
+
+
+def _move_item(item: Item, rng: Rng, reach: float) -> Item:
+    a, b, c = (reach * rng.uniform(-1, 1, 3)).tolist()
+    place: Place = item.place
+    if isinstance(place, Against):
+        place = place.model_copy(update={"along": place.along + ALONG * a})
+    elif isinstance(place, Hung):
+        place = place.model_copy(update={"along": place.along + ALONG * a, "z": place.z + HEIGHT * b})
+    elif isinstance(place, Floor):
+        x, y = place.floor
+        place = Floor(floor=(x + ON_FLOOR * a, y + ON_FLOOR * b), yaw=place.yaw + TURN * c)
+    elif isinstance(place, On):
+        forward, right = np.clip([place.forward + ON_TOP * a, place.right + ON_TOP * b], -1, 1).tolist()
+        place = On(on_top=place.on_top, forward=forward, right=right, yaw=place.yaw + TURN * c)
+    return item.model_copy(update={"place": place})
+
+
+def are_all_seen(
+    boxes: Sequence[UprightBox],
+    intrinsics: NDArray[np.float64],
+    world_from_camera: NDArray[np.float64],
+    width: int,
+    height: int,
+) -> bool:
+    """Whether enough of every box is in front of all others."""
+    u, v = np.meshgrid(np.arange(0, width, STEP), np.arange(0, height, STEP))
+    pixels = np.stack([u.ravel(), v.ravel(), np.ones(u.size)], axis=1)
+    directions = np.asarray(pixels @ np.linalg.inv(intrinsics).T @ world_from_camera[:3, :3].T, dtype=float)
+    distances = np.stack([distances_along(world_from_camera[:3, 3], directions, box) for box in boxes])
+    hit = np.isfinite(distances)
+    nearest = np.where(hit.any(axis=0), distances.argmin(axis=0), -1)
+    front = np.array([(nearest == k).sum() for k in range(len(boxes))])
+    return bool((front >= np.maximum(RAYS, SEEN * hit.sum(axis=1))).all())

@@ -1,0 +1,118 @@
+"""Build a cast room in the simulator and take its picture."""
+
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+import sapien
+from numpy.typing import NDArray
+
+from plugins.scenes.casting import CastRoom
+from plugins.scenes.config import ScenesConfig
+from plugins.scenes.recipe import Room
+from plugins.scenes.repaint import AS_IS, Look
+from stages.simulation.backdrop import THICKNESS
+from stages.simulation.loading import load_asset, root_pose
+from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
+
+PLANK = 0.24  # metres
+PLANK_TONE = 0.035  # standard deviation of the planks' brightness
+WALL_HEIGHT = 4.5  # metres: above the upper border of the pictures; chosen
+AROUND_FURNITURE = 8.0  # metres by which floor and back wall go on beyond the furniture
+
+
+@dataclass(frozen=True)
+class Photograph:
+    """rgb (H, W, 3) uint8; depth (H, W) float32 metres, 0: nothing; masks (H, W) uint16: items 1..N, floor, walls."""
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    masks: NDArray[np.uint16]
+
+
+def _shell(scene: sapien.Scene, room: Room, half_width: float, length: float, seed: int) -> list[list[sapien.Entity]]:
+    """Floor (of planks) and the room's walls, each a list of its blocks."""
+    rng = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(room.name.encode()))))
+    left = -half_width if "left" in room.walls else -half_width - AROUND_FURNITURE
+    right = half_width if "right" in room.walls else half_width + AROUND_FURNITURE
+    planks = []
+    for k, y in enumerate(np.arange(left, right, PLANK)):
+        tone = np.clip(np.array(room.floor_colour) * (1 + PLANK_TONE * rng.standard_normal()), 0, 1)
+        center, size = (length / 2, y + PLANK / 2, -0.025), (length, PLANK - 0.002, 0.05)
+        planks.append(add_block(scene, center, size, tone.tolist(), f"plank_{k}", roughness=0.55))
+    middle, width = (left + right) / 2, right - left
+    under = add_block(scene, (length / 2, middle, -0.029), (length, width, 0.05), (0.2, 0.15, 0.1), "gaps")
+    parts = [[*planks, under]]
+    z, t = WALL_HEIGHT / 2, THICKNESS
+    shapes = {
+        "back": ((-t / 2, middle, z), (t, width + 2 * t, WALL_HEIGHT)),
+        "left": ((length / 2, left - t / 2, z), (length, t, WALL_HEIGHT)),
+        "right": ((length / 2, right + t / 2, z), (length, t, WALL_HEIGHT)),
+    }
+    for wall in room.walls:
+        center, size = shapes[wall]
+        parts.append([add_block(scene, center, size, room.wall_colour, wall)])
+    return parts
+
+
+def furnish(
+    scene: sapien.Scene,
+    cast_room: CastRoom,
+    folders: Mapping[str, Path],
+    fixed: bool,
+    made: Mapping[str, Path] | None = None,
+) -> dict[str, sapien.Entity | sapien.physx.PhysxArticulation]:
+    """Load every item at its place.
+
+    Args:
+        folders: of the library's models, by id.
+        fixed: no item can move; else only what hangs on a wall cannot.
+        made: folders of models, by item, that stand in for the library's.
+    """
+    bodies = {}
+    for name, standing in cast_room.layout.standing.items():
+        asset = cast_room.assets[name]
+        pose = root_pose(asset, standing.box.center.tolist(), standing.box.yaw)
+        held = fixed or standing.support == "wall"
+        folder = made[name] if made else folders[asset.id]
+        bodies[name] = load_asset(scene, folder, pose, held, name)
+    return bodies
+
+
+def photograph(
+    cast_room: CastRoom,
+    folders: Mapping[str, Path],
+    intrinsics: NDArray[np.float64],
+    world_from_camera: NDArray[np.float64],
+    options: ScenesConfig,
+    seed: int,
+    look: Look = AS_IS,
+) -> Photograph:
+    """The picture of a room from one camera; colours are smoothed by `supersampling`, depth and masks are not."""
+    room = cast_room.room
+    side = 1.0 if "right" in room.walls and "left" not in room.walls else -1.0  # light comes over the open side
+    scene = make_scene(shadows=options.shadows, light=look.light or (-0.55, 0.5 * side, -1.0))
+    length = float(world_from_camera[0, 3]) + 1.0
+    shell = _shell(scene, room, cast_room.layout.half_width, length, seed)
+    bodies = furnish(scene, cast_room, folders, fixed=True, made=look.folders)
+
+    groups = [[instance_id(body)] for body in bodies.values()]
+    groups += [[instance_id(entity) for entity in part] for part in shell]
+    plain = RenderCamera(scene, intrinsics, options.width, options.height).render(world_from_camera)
+    masks = np.zeros(plain.segmentation.shape, dtype=np.uint16)
+    for value, ids in enumerate(groups, start=1):
+        masks[np.isin(plain.segmentation, ids)] = value
+
+    rgb = plain.rgb
+    if options.supersampling > 1:
+        n = options.supersampling
+        fine = np.diag([n, n, 1.0]) @ intrinsics
+        fine[:2, 2] += (n - 1) / 2  # pixel centres are at integers
+        large = RenderCamera(scene, fine, n * options.width, n * options.height).render(world_from_camera).rgb
+        rgb = np.asarray(cv2.resize(large, (options.width, options.height), interpolation=cv2.INTER_AREA))
+    if look.gain is not None:
+        rgb = np.clip(rgb * look.gain, 0, 255).astype(np.uint8)
+    return Photograph(rgb, plain.depth, masks)

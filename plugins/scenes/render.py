@@ -1,0 +1,124 @@
+"""Verb `render`: one room -> what a camera sees of it (`input/`) and, apart from it, the truth."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from plugins.scenes.casting import CastRoom, cast
+from plugins.scenes.chance import draw_room
+from plugins.scenes.config import ScenesConfig
+from plugins.scenes.framing import frame
+from plugins.scenes.layout import scale_of
+from plugins.scenes.photograph import photograph
+from plugins.scenes.repaint import AS_IS, repaint_room
+from plugins.scenes.room_files import read_room, room_files, series
+from stages.contracts import Annotations, Camera, InputError, Truth, read_options, write_json
+from stages.contracts.library_folder import AssetFolders
+from stages.contracts.scene_input import write_scene_input
+from stages.contracts.scenes import Annotation, TrueObject
+from stages.geometry.boxes import corners
+from stages.geometry.cameras import MARGIN
+
+
+def mask_values(cast_room: CastRoom) -> dict[str, int]:
+    """Value in masks.png of every item; the floor and the walls come after them."""
+    return {item.name: value for value, item in enumerate(cast_room.room.items, start=1)}
+
+
+def truth_of(cast_room: CastRoom, world_from_camera: np.ndarray) -> Truth:
+    """Where everything really is."""
+    values = mask_values(cast_room)
+    objects = []
+    for name, standing in cast_room.layout.standing.items():
+        asset, box = cast_room.assets[name], standing.box
+        objects.append(
+            TrueObject(
+                mask=values[name],
+                asset=asset.id,
+                category=asset.category,
+                position=tuple(box.center.tolist()),
+                yaw=box.yaw,
+                size=tuple(box.size.tolist()),
+                symmetry=asset.symmetry,
+                support=str(values.get(standing.support, standing.support)),
+            )
+        )
+    return Truth(
+        scene=cast_room.room.name,
+        scale=scale_of(np.array([item.position for item in objects])),
+        world_from_camera=world_from_camera.tolist(),
+        objects=objects,
+    )
+
+
+def annotations_of(cast_room: CastRoom) -> Annotations:
+    """What a captioner would say: labels, doors and drawers, which mask is the floor and which are walls."""
+    values, assets = mask_values(cast_room), cast_room.assets
+    count = len(values)
+    return Annotations(
+        objects=[
+            Annotation(
+                mask=values[item.name],
+                label=item.label,
+                articulated=assets[item.name].articulated,
+                doors=assets[item.name].doors,
+                drawers=assets[item.name].drawers,
+            )
+            for item in cast_room.room.items
+        ],
+        floor=count + 1,
+        walls=[count + 2 + k for k in range(len(cast_room.room.walls))],
+    )
+
+
+def run(
+    *,
+    library: tuple[Path, ...],
+    scene: str,
+    out: Path,
+    options: str = "{}",
+    seed: int = 0,
+    room: Path | None = None,
+    layout_seed: int | None = None,
+    finish_seed: int | None = None,
+) -> None:
+    """Furnish and photograph one room.
+
+    Args:
+        library: indices of the models that play the objects, their archives beside them.
+        scene: name of the room, e.g. room_1.
+        out: folder; gets input/ and truth.json.
+        options: JSON of the config section `scenes`.
+        seed: decides which models are used.
+        room: YAML file of a room of your own, which draws its models from the whole library; default: ours.
+        layout_seed: draw places, camera, colours and models of the room by chance.
+        finish_seed: draw finish and size of every model, colours and light by chance.
+    """
+    config = read_options(ScenesConfig, options)
+    if room is None and scene not in room_files():
+        raise InputError(
+            "--scene", f"no room is called '{scene}'.", f"one of {', '.join(room_files())}", code="E-ROOM-NAME"
+        )
+    names = [path.stem for path in series()]
+    rooms = [read_room(room)] if room else [read_room(path) for path in series()[: names.index(scene) + 1]]
+    folders = AssetFolders(*library)
+    models, where = {asset: folders.asset(asset) for asset in folders}, library[0].parent
+    if layout_seed is None:
+        cast_room = cast(rooms, models, seed, where)[scene]
+    else:
+        cast_room = draw_room(rooms[-1], models, layout_seed, where, config)
+    with TemporaryDirectory() as folder:
+        look = AS_IS
+        if finish_seed is not None:
+            cast_room, look = repaint_room(cast_room, folders, Path(folder), finish_seed)
+        points = np.concatenate([corners(standing.box) for standing in cast_room.layout.standing.values()])
+        intrinsics, world_from_camera = frame(points, cast_room.room.camera, config.width, config.height, MARGIN)
+        picture = photograph(cast_room, folders, intrinsics, world_from_camera, config, seed, look)
+
+    camera = Camera(width=config.width, height=config.height, intrinsics=intrinsics.tolist())
+    annotations = annotations_of(cast_room)
+    write_scene_input(out / "input", picture.rgb, picture.depth, camera, picture.masks, annotations, exact=True)
+    truth = truth_of(cast_room, world_from_camera)
+    write_json(out / "truth.json", truth)
+    print(f"{scene}: {len(truth.objects)} objects, scale {truth.scale:.2f} m")

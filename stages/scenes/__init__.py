@@ -1,1 +1,0 @@
-"""Stage `scenes`: eight furnished rooms with a known truth, and their photographs (paper B.1, Table 2)."""

@@ -1,5 +1,0 @@
-"""`python -m stages.scenes render --help`."""
-
-from stages.cli import main
-
-main("stages.scenes", {"render": "furnish and photograph one room"})
