@@ -1,4 +1,4 @@
-"""`python -m stages.matching.wordnet FOLDER`: write text_encoders/wordnet.txt, which explains words by those we know.
+"""`python -m plugins.names.wordnet FOLDER`: write text_encoders/wordnet.txt, which explains words by those we know.
 
 `wok`: a pan. A word counts by its first sense that is an artefact, else a publication or picture. `FOLDER` has
 data.noun and index.noun of WordNet 3.0 (Debian: wordnet-base).
@@ -168,7 +168,7 @@ def run(folder: Path, out: Path = MEANINGS_FILE) -> None:
     """Write the table: a head and its words in a line."""
     lines = [f"{head} {' '.join(words)}" for head, words in explain(*read_senses(folder), read_heads()).items()]
     digest = hashlib.sha256((folder / "data.noun").read_bytes()).hexdigest()
-    notice = f"From data.noun of WordNet 3.0 (sha256 {digest}) by stages/matching/wordnet.py.\n\n{LICENSE}"
+    notice = f"From data.noun of WordNet 3.0 (sha256 {digest}) by plugins/names/wordnet.py.\n\n{LICENSE}"
     head = "".join(f"# {line}".rstrip() + "\n" for line in notice.strip().splitlines())
     out.write_text(head + "\n".join(lines) + "\n", encoding="utf-8")
 
