@@ -12,7 +12,7 @@ from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates, find_candidates
 from stages.matching.text_encoders import find_nearest_categories, make_text_encoder
-from stages.matching.text_encoders.lexical import TextEncoder
+from stages.matching.text_encoders.lexical import TextEncoder, split_words
 
 LEXICAL = TextEncoder(MatchingConfig())
 CATEGORIES = [
