@@ -1,4 +1,4 @@
-"""How well pictures are cut into things without a hand: `--auto` and `--clusters` beside the exact masks of open rooms.
+"""How well pictures are cut into things without a hand: `from-rgbd --auto` beside the exact masks of open rooms.
 
 python -m benchmarks.masks DIR --half work        DIR: of benchmarks.open_rooms render
 """
@@ -6,7 +6,6 @@ python -m benchmarks.masks DIR --half work        DIR: of benchmarks.open_rooms 
 import argparse
 import json
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.open_rooms.pictures import folders, read
-from plugins.inputs.rgbd.clusters import make_clusters
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from plugins.inputs.rgbd.pieces import cut_frame
 from stages.contracts import InputError
@@ -23,10 +21,6 @@ from stages.contracts.types import WALL
 
 FOUND = 0.5  # IoU
 SMALL, LARGE = 0.005, 0.05  # shares of the picture
-MAKERS: dict[str, Callable[[Frame], Labelled]] = {
-    "clusters": lambda frame: make_clusters(frame.depth, frame.intrinsics),
-    "auto": cut_frame,
-}
 
 
 @dataclass(frozen=True)
@@ -58,13 +52,13 @@ def overlaps(exact: NDArray[np.uint16], cut: NDArray[np.uint16]) -> tuple[NDArra
     return both / np.maximum(areas + sizes - both, 1), both / np.maximum(sizes, 1)
 
 
-def measure(folder: Path, make: Callable[[Frame], Labelled]) -> tuple[list[Thing], int, int, int, float]:
+def measure(folder: Path) -> tuple[list[Thing], int, int, int, float]:
     """The named things of a picture, how many pieces were cut, how many of them can be judged, how many are a thing,
     and seconds. A piece most of which shows what nobody named, neither thing nor floor nor wall, cannot be judged."""
     exact = cv2.imread(str(folder / "exact.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
     start = time.process_time()
     try:
-        cut = make(frame_of(folder))
+        cut = cut_frame(frame_of(folder))
     except InputError:
         cut = Labelled(np.zeros_like(exact), {})
     seconds = time.process_time() - start
@@ -108,19 +102,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--half", default="work")
-    parser.add_argument("--makers", nargs="+", choices=list(MAKERS), default=list(MAKERS))
     asked = parser.parse_args()
-    found = folders(asked.folder, asked.half)
-    header = ""
-    for name in asked.makers:
-        results = [measure(folder, MAKERS[name]) for folder in found]
-        things = [thing for each, *_ in results for thing in each]
-        row = summarise(things, *(sum(result[k] for result in results) for k in (1, 2, 3)))
-        row["CPU s a picture"] = f"{np.mean([result[4] for result in results]):.1f}"
-        if not header:
-            header = "| | " + " | ".join(row) + " |\n|" + "---|" * (len(row) + 1)
-            print(f"{len(found)} pictures\n\n{header}")
-        print(f"| {name} | " + " | ".join(row.values()) + " |", flush=True)
+    results = [measure(folder) for folder in folders(asked.folder, asked.half)]
+    things = [thing for each, *_ in results for thing in each]
+    row = summarise(things, *(sum(result[k] for result in results) for k in (1, 2, 3)))
+    row["CPU s a picture"] = f"{np.mean([result[4] for result in results]):.1f}"
+    print(f"{len(results)} pictures\n\n| {' | '.join(row)} |\n|{'---|' * len(row)}\n| {' | '.join(row.values())} |")
 
 
 if __name__ == "__main__":

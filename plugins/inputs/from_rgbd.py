@@ -9,7 +9,6 @@ import numpy as np
 
 from plugins.inputs.numbered import draw_numbers
 from plugins.inputs.rgbd.cameras import KNOWS, choose_intrinsics
-from plugins.inputs.rgbd.clusters import make_clusters
 from plugins.inputs.rgbd.edges import remove_edges
 from plugins.inputs.rgbd.frame import Frame, fit_frame
 from plugins.inputs.rgbd.layouts import find_view
@@ -39,7 +38,6 @@ def run(
     depth_is: Literal["z", "ray"] = "z",
     masks: Path | None = None,
     labels: Path | None = None,
-    clusters: bool = False,
     auto: bool = False,
 ) -> None:
     """Write an input folder from colour and depth of one view.
@@ -58,11 +56,10 @@ def run(
         depth_is: z: the distance along the optical axis; ray: along the ray of each pixel, as of many simulators.
         masks: COCO or labelme JSON, or a PNG of indices or colours.
         labels: names of the PNG's values, as JSON.
-        clusters: make masks of what stands on a table or floor, by depth alone; names are proposed.
-        auto: make masks of things, floor and walls by a network, named likewise; its weights are not shipped yet.
+        auto: make masks of things, floor and walls by a network, and propose names.
     """
-    if clusters and auto:
-        raise InputError("--clusters, --auto", "both make masks.", "give one of them", code="E-OPTION-CONFLICT")
+    if auto and masks is not None:
+        raise InputError("--masks, --auto", "both give masks.", "give one of them", code="E-OPTION-CONFLICT")
     stated = choose_intrinsics(intrinsics, camera, fov, matrix)
     if recording is not None:
         if rgb is not None or depth is not None:
@@ -98,14 +95,12 @@ def run(
     if flatter := find_flatter(frame.depth, frame.intrinsics):
         doubt = f"depth in doubt: floor and walls would be flat with --depth-is {'ray' if flatter == 'ray' else 'z'}"
         print(f"{depth or recording}: {doubt}")
+    if auto:
+        frame = name_things(replace(frame, masks=cut_frame(frame)))
     if frame.masks is not None:
         frame = replace(frame, depth=remove_edges(frame.depth, frame.masks.values))
-    elif clusters:
-        frame = name_things(replace(frame, masks=make_clusters(frame.depth, frame.intrinsics)))
-    elif auto:
-        frame = name_things(replace(frame, masks=cut_frame(frame)))
     written = write_frame(out, frame, doubt)
-    print_summary(out, frame, written, is_made=(clusters or auto) and masks is None)
+    print_summary(out, frame, written, is_made=auto)
 
 
 def print_summary(out: Path, frame: Frame, written: Annotations | None, is_made: bool) -> None:
@@ -115,12 +110,12 @@ def print_summary(out: Path, frame: Frame, written: Annotations | None, is_made:
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
     if written is None:
         print(f"{out}: no masks. Draw boxes: python -m plugins.studio annotate {out / 'rgb.png'} --out {out} --depth "
-              f"{out / 'depth.npz'} --camera {out / 'camera.json'}; or give --masks, --auto or --clusters")  # fmt: skip
+              f"{out / 'depth.npz'} --camera {out / 'camera.json'}; or give --masks or --auto")  # fmt: skip
         return
     floor = "a floor" if written.floor else "no floor named: what most of them stand on is the ground"
     print(f"{out}: {len(written.objects)} objects, {len(written.walls)} walls, {floor}")
     if is_made and frame.masks is not None:
-        shown = [frame.masks.values == value for value in frame.masks.labels]
+        shown = [frame.masks.values == item.mask for item in written.objects]
         with write_atomically(out / "numbers.png") as path:
             cv2.imwrite(str(path), draw_numbers(frame.rgb, shown)[..., ::-1])
         print(f"{out / 'annotations.json'}: names are proposed; put them right in it: numbers.png shows the masks; "

@@ -28,7 +28,7 @@ TOP = 0.3  # share of a piece that is level, at one height, if its top is looked
 MOST_TOPS = 3  # that are looked at again; chosen for time
 OFF_TOP = 0.012  # share of the distance by which a thing rises above the top that it stands on; chosen
 LEVEL = 0.95  # cosine between up and the normal of a level top
-ON_WALL = 0.06  # metres off a wall's plane, at 3 m
+ON_PLANE = 0.02  # share of the distance by which a pixel may be off the plane of the ground or a wall; chosen
 
 
 @dataclass(frozen=True)
@@ -114,6 +114,9 @@ def cut(depth: NDArray[np.float32], rgb: NDArray[np.uint8], intrinsics: Array, m
     matrix = scale_intrinsics(intrinsics, size[0] / width, size[1] / height)
     prediction = predict(small, colour, matrix, frame)
     kind = prediction.classes.argmax(axis=0)
+    coarse = apply(frame, back_project(small, matrix))[::STRIDE, ::STRIDE]
+    off = np.abs(coarse[..., 2]) > ON_PLANE * small[::STRIDE, ::STRIDE]
+    kind[(kind == FLOOR) & off & (small[::STRIDE, ::STRIDE] > 0)] = BACKGROUND
     labels = join_pixels(kind == THING, prediction.same, prediction.votes, prediction.radius)
     labels = drop_small(look_again(labels, small, colour, matrix, frame))
     scores = [score_piece(labels == label, prediction) for label in range(labels.max() + 1)]
@@ -204,7 +207,7 @@ def mask_walls(points: Array, known: Mask, behind: Mask, camera_height: float) -
     size = 2 * (known.shape[1] // 160) + 1
     for normal, offset, _ in planes:
         distance = np.linalg.norm(points - [0, 0, camera_height], axis=-1)
-        near = free & (np.abs(points @ normal - offset) < ON_WALL * np.maximum(1, distance / 3))
+        near = free & (np.abs(points @ normal - offset) < ON_PLANE * distance)
         wall = free & (cv2.medianBlur(near.astype(np.uint8), size) > 0)
         masks.append(wall)
         free &= ~wall

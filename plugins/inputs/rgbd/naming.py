@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from plugins.inputs.rgbd.clusters import TILT
 from plugins.inputs.rgbd.frame import Frame
+from plugins.inputs.rgbd.pieces import TILT
 from plugins.names.propose import propose_names
 from stages.geometry.cameras import back_project
 from stages.geometry.levels import find_ground

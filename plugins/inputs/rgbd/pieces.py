@@ -1,9 +1,10 @@
 """Masks without a segmenter of one's own: things, floor and walls as the network of plugins/segmenter cuts them."""
 
-from plugins.inputs.rgbd.clusters import TILT
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from stages.contracts import InputError
 from stages.contracts.types import WALL
+
+TILT = 75.0  # degrees: largest angle between image-up and the ground's normal, as cameras look down at tables; chosen
 
 
 def cut_frame(frame: Frame) -> Labelled:

@@ -9,7 +9,6 @@ import pytest
 import yaml
 
 from plugins.inputs import from_rgbd
-from plugins.inputs.rgbd.clusters import make_clusters
 from plugins.inputs.rgbd.edges import DEPTH_STEP, _as_far_as, remove_edges
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from plugins.inputs.rgbd.write import write_frame
@@ -68,16 +67,6 @@ def test_what_stands_on_something_unnamed_ends_there(tmp_path: Path) -> None:
     assert found["box_1"].size[2] == pytest.approx(0.2, abs=0.02)
     assert found["box_1"].center[2] == pytest.approx(TABLE.top + 0.1, abs=0.02)
     assert found["cabinet_1"].size[2] == pytest.approx(1.2, abs=0.03)
-
-
-def test_a_wall_behind_a_table_is_a_wall() -> None:
-    """As wide a box that the table is seen behind is a thing."""
-    wall, wide = UprightBox([3.42, 0.0, 1.2], [0.1, 6.0, 2.4], 0.0), UprightBox([2.6, 0.0, 0.9], [0.1, 1.4, 0.4], 0.0)
-    depth, masks = trace([TABLE, wall, wide, CAN], wall=False)
-    depth += np.random.default_rng(0).normal(0, 0.003, depth.shape)
-    found = make_clusters((0.4 * depth).astype(np.float32), INTRINSICS)
-    named = [found.labels[int(np.bincount(found.values[masks == OBJECT + k]).argmax())] for k in (1, 2, 3)]
-    assert named == ["wall", "object", "object"]
 
 
 def test_masks_may_be_some_pixels_off_and_edges_smeared(tmp_path: Path) -> None:
