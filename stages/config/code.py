@@ -14,7 +14,8 @@ ROOTS = {"stages": Path(__file__).resolve().parents[1], "plugins": plugins.PACKA
 MODULE_NAME = re.compile(r"""["'](\w+(?:\.\w+)+)(?::\w+)?["']""")  # as text: "stages.x.y" or "stages.x.y:Class"
 # Import statements are cut out before they are parsed: whole modules take a second more at every start of the workflow.
 IMPORT = re.compile(r"^[ \t]*((?:from\s+[\w.]+\s+)?import\b\s*(?:\([^)]*\)|(?:\\\n|[^\n(])*))", re.MULTILINE)
-DATA_SUFFIXES = {".jinja", ".mplstyle", ".html", ".css", ".js", ".csv", ".json", ".safetensors"}  # beside modules
+# Of files beside modules that a digest counts.
+DATA_SUFFIXES = set(".jinja .mplstyle .html .css .js .csv .json .txt .npz .safetensors".split())
 
 
 def cover(packages: Iterable[str]) -> None:

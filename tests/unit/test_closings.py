@@ -15,6 +15,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.evaluation.states import starts_of
 from stages.geometry.frames import rigid
 from stages.tasks.api import TaskEnv
+from tests.packages import needs
 from tests.unit.demo_assets import an_asset, cabinet
 
 
@@ -42,6 +43,7 @@ def test_a_hand_is_noted_where_it_first_closes_wherever_the_joint_then_is(tmp_pa
     task.close()
 
 
+@needs("bowl")
 def test_a_hand_that_is_to_pick_something_up_is_noted_beside_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from stages.config import code
+from tests.packages import needs
 
 ROOT = Path(__file__).parents[2] / "stages"
 PLUGINS = ROOT.with_name("plugins")
@@ -33,10 +34,12 @@ def digest(verb: str) -> str:
     return code.code_digest(verb)
 
 
+@needs("report")
 def test_the_page_has_templates_a_style_and_a_script() -> None:
     assert {path.suffix for path in DATA} == {".jinja", ".mplstyle", ".css", ".js"} and len(DATA) >= 8
 
 
+@needs("report")
 @pytest.mark.parametrize("name", DATA, ids=str)
 def test_an_edit_of_a_template_style_or_script_changes_the_digest_of_the_page(copied: Path, name: Path) -> None:
     page = "plugins.report.viewer" if "three" in name.parts else "plugins.report.report"
@@ -51,7 +54,7 @@ def test_an_edit_of_a_template_style_or_script_changes_the_digest_of_the_page(co
     assert digest(page) == before[page]
 
 
-@pytest.mark.parametrize("suffix", [".json", ".safetensors", ".csv"])
+@pytest.mark.parametrize("suffix", [".json", ".safetensors", ".csv", ".npz", ".txt"])
 def test_other_data_beside_a_module_counts(copied: Path, suffix: str) -> None:
     before, file = digest("stages.matching.match"), copied / f"matching/weights{suffix}"
     file.write_text("1")
@@ -74,6 +77,7 @@ def test_a_package_that_imports_all_its_modules_needs_them_and_those_to_come(cop
         new.unlink()
 
 
+@needs("mujoco")
 def test_a_rollout_needs_the_code_of_its_own_simulator() -> None:
     for verb in ("trial", "rollout", "skill"):
         assert not [name for name in code.closure(f"stages.evaluation.{verb}") if "mujoco" in name or "mjcf" in name]

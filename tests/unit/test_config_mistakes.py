@@ -211,8 +211,6 @@ CASES = [
     ),
     ("experiment: {draws: 0}", "experiment.draws: Input should be greater than or equal to 1"),
     ("experiment: {seeds: [-1]}", "experiment.seeds.0: Input should be greater than or equal to 0"),
-    ("evaluation: {conditions: {'a/b': {own_size: true}}}", "evaluation.conditions: 'a/b' is no name"),
-    ("evaluation: {conditions: {usual: {own_size: true}}}", "evaluation.conditions: 'usual' is what the table calls"),
     (
         "training: {runs: {lite: {steps: 10, keep: 20}}}",
         "training.runs.lite.keep: 20 checkpoints of 10 steps. Fix: lower it",
@@ -235,6 +233,12 @@ CASES = [
 
 
 OF_PACKAGES = [
+    (("studies",), "evaluation: {conditions: {'a/b': {own_size: true}}}", "evaluation.conditions: 'a/b' is no name"),
+    (
+        ("studies",),
+        "evaluation: {conditions: {usual: {own_size: true}}}",
+        "evaluation.conditions: 'usual' is what the table calls",
+    ),
     (("inputs",), "photo: {detector: {path: a}}", "photo.detector: Input should be a valid string"),
     (
         ("importing",),
