@@ -15,7 +15,7 @@ MODULE_NAME = re.compile(r"""["'](\w+(?:\.\w+)+)(?::\w+)?["']""")  # as text: "s
 # Import statements are cut out before they are parsed: whole modules take a second more at every start of the workflow.
 IMPORT = re.compile(r"^[ \t]*((?:from\s+[\w.]+\s+)?import\b\s*(?:\([^)]*\)|(?:\\\n|[^\n(])*))", re.MULTILINE)
 # Of files beside modules that a digest counts.
-DATA_SUFFIXES = set(".jinja .mplstyle .html .css .js .csv .json .txt .npz .safetensors".split())
+DATA_SUFFIXES = {*(".jinja", ".mplstyle", ".html", ".css", ".js"), *(".csv", ".json", ".txt", ".npz", ".safetensors")}
 
 
 def cover(packages: Iterable[str]) -> None:
