@@ -8,7 +8,6 @@ from typing import Any, Literal
 from pydantic import ConfigDict, Field, PrivateAttr, ValidationError
 
 from plugins.inputs.known_cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
-from plugins.inputs.rgbd.layouts import list_frames
 from stages.config.experiment import ExperimentConfig
 from stages.config.inputs import HOLDS, INPUT_FILES, NAME, Input, describe_missing, scene_of
 from stages.config.mistakes import Mistake
@@ -218,6 +217,8 @@ def of_picture(config: Any) -> Any:
     name = f"{name}-photo" if name in config.rooms() else name
     given = {"camera": config.camera} if config.camera else {}
     if path.is_dir():
+        from plugins.inputs.rgbd.layouts import list_frames  # what it imports takes a second at every start
+
         frames = range(len(list_frames(path)))
         inputs = {f"{name}-{k}": Picture(recording=config.image, number=k, **given) for k in frames}
     else:

@@ -104,7 +104,7 @@ def test_a_shard_of_broken_models_is_empty_all_the_way(tmp_path: Path) -> None:
     shard, features = tmp_path / "shard_own_0.h5", tmp_path / "features.npy"
     snapshots.run(library=out, out=shard, options=options)
     sheets.run(snapshots=(shard,))
-    encode(snapshots=shard, out=features, options=json.dumps(HOG.stored()))
+    encode(snapshots=shard, out=features, options=json.dumps(HOG.keep_stored()))
     assert check(["library_part", str(out), "snapshots", str(shard), "features", str(features)]) == 0
     with pytest.raises(InputError, match="names no feature store"):
         FeatureStore([features], settings_digest(HOG, make_encoder(HOG)))

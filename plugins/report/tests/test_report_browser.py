@@ -85,7 +85,13 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     scores = tuple(sorted(results.glob("evaluation/scenes/b/*/scores.csv")))
     scenes.run(out=results / "tables", figures=results / "figures", scores=scores, published=PUBLISHED)
     rollouts = tuple(sorted(results.glob("evaluation/policies/*/rollouts.csv")))
-    policies.run(out=results / "tables", figures=results / "figures", rollouts=rollouts, published=PUBLISHED)
+    policies.run(
+        out=results / "tables",
+        figures=results / "figures",
+        rollouts=rollouts,
+        more=("plugins.claims.more",),
+        published=PUBLISHED,
+    )
     viewer = Path(shutil.copy(VIEWER, root))
     report.run(out=root / "index.html", published=PUBLISHED, viewer=viewer, **declared(root))  # type: ignore[arg-type]
     return (root / "index.html").as_uri()

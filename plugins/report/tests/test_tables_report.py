@@ -52,7 +52,14 @@ def rolled(root: Path) -> tuple[Path, ...]:
 
 
 def write_policies(root: Path, out: Path, figures: Path) -> None:
-    policies.run(out=out, figures=figures, rollouts=rolled(root), published=PUBLISHED, options=OPTIONS)
+    policies.run(
+        out=out,
+        figures=figures,
+        rollouts=rolled(root),
+        more=("plugins.claims.more",),
+        published=PUBLISHED,
+        options=OPTIONS,
+    )
 
 
 def write_scenes(root: Path, out: Path, drawn: Path) -> None:
@@ -181,7 +188,7 @@ def test_page_and_figures_are_the_same_bytes_again(made: Path, tmp_path: Path) -
 
 
 def test_figures_without_results_are_drawn_as_not_run(tmp_path: Path) -> None:
-    policies.run(out=tmp_path, published=PUBLISHED)
+    policies.run(out=tmp_path, more=("plugins.claims.more",), published=PUBLISHED)
     scenes.run(out=tmp_path, published=PUBLISHED)
     assert sorted(path.name for path in tmp_path.glob("figure*")) == sorted(
         f"figure{n}.{suffix}" for n in (4, 6, 9) for suffix in ("png", "svg")
