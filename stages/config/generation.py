@@ -4,7 +4,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from stages.contracts.section import Range, Section
+from stages.contracts.section import Section
 from stages.geometry.estimate import TRIM
 
 
@@ -38,15 +38,15 @@ class GenerationConfig(Section):
     )
 
     # Size
-    trim: float = Field(TRIM, ge=0, lt=0.25, description="Share of the cloud left out at either end of an extent.")
-    aspect_prior: Literal["native", "off"] = Field(
-        "native",
-        description="native: a face is where points are densest, not where the error of depth carries some; a depth "
-        "that cannot be right (the far side is hidden) is taken from the asset's own proportions, and round assets "
-        "stay round. off: extents are quantiles of the cloud, as in the paper.",
+    trim: float = Field(
+        TRIM, ge=0, lt=0.25, description="Share of the cloud left out at either end of a measured extent."
     )
-    # Believable scale of the depth, relative to the median scale of the three axes.
-    aspect_range: ClassVar[Range] = (0.5, 2.0)
+    sizes: Literal["fitted", "measured"] = Field(
+        "fitted",
+        description="fitted: the model's box agrees best with the object's outline and points, with what hides or cuts "
+        "it, the walls, the usual sizes of its category and its own proportions. measured: extents are quantiles of "
+        "the cloud, as in the paper.",
+    )
     max_stretch: float | None = Field(
         2.0,
         ge=1,

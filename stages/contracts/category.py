@@ -13,6 +13,7 @@ from stages.contracts.types import Id, Panels, Size, Text
 
 Array = NDArray[np.float64]
 FEWEST_MODELS = 3  # that say how large a category is: the next one is outside n others with 2 chances of n + 1
+UNLIKE = 0.15  # deviation of logarithms of extents; chosen on `work`
 USUAL_SPREAD = float(np.log(1.5))  # by which an extent may lie beyond those of its category's models and still be usual
 # Words after that of a category that make another thing of it, or a part: `table_leg`, `bowl_drainer`.
 PARTS = {
@@ -68,6 +69,16 @@ class Category(Contract):
             return None
         extents = log_extents(sizes)
         return UsualSize(extents.min(axis=0), extents.max(axis=0))
+
+    def describe_spread(self) -> tuple[Array, Array] | None:
+        """Mean (3,) and covariance (3, 3) of the logarithms of depth, width and height; None: too few models say so.
+
+        Things of the world differ by `UNLIKE` more than the models and catalogues do.
+        """
+        sizes = np.log([*self.sizes, *self.further, *self.real] or np.empty((0, 3)))
+        if len(sizes) < FEWEST_MODELS:
+            return None
+        return sizes.mean(axis=0), np.cov(sizes.T) + UNLIKE**2 * np.eye(3)
 
 
 def describe_unusual(category: Category | None, size: ArrayLike, spread: float = USUAL_SPREAD) -> str:

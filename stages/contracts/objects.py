@@ -135,6 +135,7 @@ class Objects(Document):
     height: Side
     intrinsics: CameraMatrix
     floor_from_camera: RigidTransform
+    crop: Fraction = Field(1.0, gt=0, description="central share of the picture that was used, in either direction")
     depth_error: DepthError = Field(
         USUAL_ERROR, description="a (metres) and b (1/metres) of depth's standard deviation a + b z^2"
     )

@@ -77,6 +77,7 @@ def reconstruct(
             height=height,
             intrinsics=image.intrinsics.tolist(),
             floor_from_camera=frame.tolist(),
+            crop=options.crop,
             depth_error=error,
             walls=walls,
             objects=[one.object for one in found],

@@ -11,9 +11,12 @@ from stages.contracts import Cousins, InputError, Objects, read_json
 from stages.contracts.category import Category
 from stages.contracts.corrections import Correction, corrections_of
 from stages.contracts.cousins import Cousin, ObjectCousins
-from stages.contracts.extracted import read_clouds, read_object_masks
+from stages.contracts.extracted import read_clouds, read_metres, read_object_masks
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.objects import SceneObject
+from stages.geometry.estimate import REACH
+from stages.geometry.masks import central_crop
+from stages.geometry.outlines import Outline, measure_outline
 from stages.geometry.viewing import view_angle
 
 
@@ -21,16 +24,15 @@ from stages.geometry.viewing import view_angle
 class MatchedObject:
     """One object with all that is known of it.
 
-    cousins: best first. distances: of its label to categories. cloud: (N, 3), floor frame. bearings: least and largest
-    level direction (radians, floor frame) in which it is seen. correction: what a person says of it. failed: why no
-    cousin can stand for it; empty: one can.
+    cousins: best first. distances: of its label to categories. cloud: (N, 3), floor frame. outline: of its mask; None:
+    it has none. correction: what a person says of it. failed: why no cousin can stand for it; empty: one can.
     """
 
     object: SceneObject
     cousins: list[Cousin]
     distances: Mapping[str, float]
     cloud: NDArray[np.float32]
-    bearings: tuple[float, float] | None
+    outline: Outline | None
     correction: Correction
     failed: str = ""
 
@@ -80,7 +82,7 @@ def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[
         what = f"is of scene '{matched.scene}', {objects} of '{extracted.scene}'."
         raise InputError(cousins, what, "match them again", code="E-SCENE-MIXED")
     clouds = read_clouds(objects, extracted)
-    bearings = find_bearings(extracted, read_object_masks(objects, extracted))
+    outlines = measure_outlines(extracted, read_object_masks(objects, extracted), read_metres(objects, extracted))
     corrected = corrections_of(corrections, "generation")
     by_id = {entry.id: entry for entry in matched.objects}
     found = []
@@ -92,7 +94,7 @@ def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[
                 cousins=_turn(item, extracted, entry.cousins) if entry else [],
                 distances={match.category: match.distance for match in entry.categories} if entry else {},
                 cloud=clouds.get(item.id, np.empty((0, 3), np.float32)),
-                bearings=bearings.get(item.id),
+                outline=outlines.get(item.id),
                 correction=corrected.get(item.mask, Correction(mask=item.mask)),
                 failed=_find_failure(item, entry, item.id in clouds),
             )
@@ -135,16 +137,18 @@ def _sort_leaders_first(matched: list[MatchedObject]) -> list[MatchedObject]:
     return sorted(matched, key=leaders)
 
 
-def find_bearings(objects: Objects, masks: NDArray[np.uint16]) -> dict[str, tuple[float, float]]:
-    """Between which level directions each object is seen, from the outer edges of its pixels."""
-    pose, found = np.array(objects.floor_from_camera), {}
-    turn = pose[:3, :3] @ np.linalg.inv(np.array(objects.intrinsics))
-    for item in objects.objects:
-        rows, columns = np.nonzero(masks == item.mask)
-        if item.box is None or not len(rows):
-            continue
-        middle = np.arctan2(*(np.array(item.box.center)[:2] - pose[:2, 3])[::-1])
-        x, y, _ = turn @ [np.concatenate([columns - 0.5, columns + 0.5]), np.tile(rows, 2), np.ones(2 * len(rows))]
-        off = np.angle(np.exp(1j * (np.arctan2(y, x) - middle)))
-        found[item.id] = (float(middle + off.min()), float(middle + off.max()))
-    return found
+def measure_outlines(
+    objects: Objects, masks: NDArray[np.uint16], depth: NDArray[np.float32] | None
+) -> dict[str, Outline]:
+    """The outlines of the objects that are seen, by id; without depth nothing hides anything."""
+    inside = central_crop(masks.shape, objects.crop)
+    shown = np.zeros(masks.shape, np.float32) if depth is None else depth
+
+    def noise(distance: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(REACH * objects.depth_error.predict(distance))
+
+    return {
+        item.id: measure_outline(mask, shown, inside, noise)
+        for item in objects.objects
+        if item.box is not None and (mask := masks == item.mask).any()
+    }

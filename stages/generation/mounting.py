@@ -4,29 +4,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
-from stages.generation.placed import Placed
-from stages.generation.sizing import DEEP
 from stages.generation.turning import ALONG_SIDE
 from stages.geometry.boxes import THINNEST, UprightBox, corners, depth_behind, volume
-from stages.geometry.estimate import Sight, correct_depth
 from stages.geometry.frames import yaw_matrix
 
 CONTACT = 0.05  # metres by which a place may be missed: of the floor, of a wall; chosen
-
-
-def mount(placed: Placed, sight: Sight, reached: Sequence[Wall], options: GenerationConfig) -> Placed:
-    """A model with its rear at the walls that it reaches, and a believable depth."""
-    for wall in reached:
-        placed = placed.change_box(f"rear to {wall.id}", extend_to_wall(placed.box, wall))
-    if reached and options.aspect_prior == "native":
-        hangs = placed.wall_mounted
-        deep = correct_depth_at_wall(placed.box, placed.asset.size, sight, options.aspect_range, reached[0], hangs)
-        placed = placed.change_box(DEEP, deep)
-    return placed
 
 
 def fit_stated_box(box: UprightBox, yaw: float, walls: Sequence[Wall]) -> UprightBox:
@@ -38,22 +22,6 @@ def fit_stated_box(box: UprightBox, yaw: float, walls: Sequence[Wall]) -> Uprigh
     for wall in walls:
         box = min(box, extend_to_wall(box, wall), key=volume)
     return box
-
-
-def correct_depth_at_wall(
-    box: UprightBox, native: ArrayLike, sight: Sight, believable: tuple[float, float], wall: Wall, hangs: bool
-) -> UprightBox:
-    """The box of a model that was extended to a wall, with a plausible depth: the model's own if the cloud shows
-    none.
-
-    A standing object that came out far too deep does not reach the wall: only its front was seen.
-    """
-    normal = np.asarray(wall.normal)
-    unknown = sight.is_one_face(normal)
-    at_wall = correct_depth(box, native, -normal, (1, 1) if unknown else believable)
-    if not hangs and not unknown and volume(at_wall) < volume(box):
-        return correct_depth(box, native, normal, believable)
-    return at_wall
 
 
 def extend_to_wall(box: UprightBox, wall: Wall) -> UprightBox:

@@ -8,21 +8,20 @@ from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, read_json
 from stages.contracts.cousins import Cousin
 from stages.contracts.doubt import DoubtKind
-from stages.contracts.objects import DepthError, Mounting
+from stages.contracts.objects import Mounting
 from stages.generation.inputs import Inputs, MatchedObject
-from stages.generation.mounting import CONTACT, fit_stated_box, mount, move_out_of_walls
+from stages.generation.mounting import CONTACT, fit_stated_box, move_out_of_walls
 from stages.generation.placed import FLOOR, Placed
 from stages.generation.sizing import size
 from stages.generation.turning import find_yaw
 from stages.geometry.boxes import THINNEST, UprightBox
-from stages.geometry.estimate import Sight
 
 
 def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: GenerationConfig) -> Placed:
     """A cousin with the object's yaw, extents and position.
 
-    The paper takes extents as they are measured. Here what the camera could not see comes from the model's own
-    proportions (`aspect_prior`).
+    The paper takes extents as they are measured. Here the model is fitted to the picture, and what the camera could not
+    see comes from its own proportions and the sizes of its category (`sizes`).
 
     Raises:
         InputError: the library lacks it.
@@ -34,10 +33,8 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
     camera = np.array(scene.floor_from_camera)[:3, 3]
     walls = {wall.id: wall for wall in scene.walls}
     touched = [walls[name] for name in mounting.walls if name in walls and mounting.type != 2]  # the dominant one first
-    native = options.aspect_prior == "native"
-    is_round = native and asset.symmetry == "full"
+    is_round = options.sizes == "fitted" and asset.symmetry == "full"
     reached = touched if reaches_walls(mounting, box, is_round) else []
-    sight = Sight(one.cloud.astype(float), camera, (scene.depth_error if native else DepthError(0, 0)).predict)
     rank = next((each.rank for each in one.cousins if each.asset == cousin.asset), None)
     support = item.measured_support or FLOOR
     placed = Placed(item.id, item.label, asset, folder, box, mounting, support, cousin=rank)
@@ -47,8 +44,7 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
     if item.whole:
         placed = placed.change_box("as the input tells it", fit_stated_box(box, yaw, reached))
     else:
-        placed = size(placed, yaw, sight, one.bearings, reached, options)
-        placed = mount(placed, sight, reached, options)
+        placed = size(placed, yaw, one, scene, inputs.categories.get(asset.category), reached, options)
     if not reached:
         placed = placed.change_box("out of walls", move_out_of_walls(placed.box, scene.walls))
     return placed.change_box("least extent", replace(placed.box, size=np.maximum(placed.box.size, THINNEST)))

@@ -1,112 +1,70 @@
-"""Extents of a model from an object's cloud and, where the camera could not see, from its own proportions (A.7)."""
+"""Extents of a model: fitted to all that is known of its object, or measured as in the paper (A.7)."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
-from trimesh import Trimesh
+from numpy.typing import NDArray
 
 from stages.config.generation import GenerationConfig
+from stages.contracts import Objects
+from stages.contracts.category import Category
 from stages.contracts.objects import Wall
-from stages.generation.models import read_visuals
+from stages.generation.fitting import POINTS, Known, Sight, Usual, fit_box
+from stages.generation.inputs import MatchedObject
+from stages.generation.mounting import extend_to_wall
 from stages.generation.placed import Placed
-from stages.geometry.boxes import UprightBox
-from stages.geometry.estimate import BIN, Sight, correct_depth
-from stages.geometry.frames import wrap_angle, yaw_matrix
-
-FRONT_SHARE = 0.3  # least share of its outline that a front fills; chosen
-MEASURED, DEEP = "measured along the model's axes", "as deep as it can be"  # names of steps
+from stages.generation.solid import read_solid
+from stages.geometry.boxes import UprightBox, is_behind
+from stages.geometry.frames import yaw_matrix
 
 
 def size(
     placed: Placed,
     yaw: float,
-    sight: Sight,
-    bearings: tuple[float, float] | None,
+    one: MatchedObject,
+    scene: Objects,
+    category: Category | None,
     reached: Sequence[Wall],
     options: GenerationConfig,
 ) -> Placed:
-    """A model at a yaw with the measured extents; its depth is made plausible where no wall fixes it.
+    """A model at a yaw with the extents of its object.
 
     Args:
-        bearings: level directions between which the object is seen, radians, floor frame.
-        reached: walls that it is extended to, which tell its depth.
+        category: of the model.
+        reached: walls that it is extended to.
     """
-    native, camera, box = options.aspect_prior == "native", sight.camera, placed.box
-    if native and placed.asset.symmetry == "full" and not reached:
-        placed = placed.change_box(MEASURED, sight.measure_box(box, sight_yaw(box, camera), options.trim, False))
-        if bearings:
-            placed = placed.change_box("as wide as its outline", widen_to_outline(placed.box, camera, bearings))
-        return placed.change_box(DEEP, replace(make_round(placed.box, options.aspect_range), yaw=yaw))
-    beyond = measure_beyond_front(read_visuals(placed.folder)) if native else 0.0
-    placed = placed.change_box(MEASURED, sight.measure_box(box, yaw, options.trim, native, beyond))
-    if native and not reached:
-        deep = correct_depth_in_room(placed.box, placed.asset.size, sight, options.aspect_range)
-        placed = placed.change_box(DEEP, deep)
-    return placed
+    measured = measure_box(placed.box, one.cloud.astype(float), yaw, options.trim)
+    placed = placed.change_box("measured along the model's axes", measured)
+    if options.sizes == "measured":
+        for wall in reached:
+            placed = placed.change_box(f"rear to {wall.id}", extend_to_wall(placed.box, wall))
+        return placed
+    usual = category.describe_spread() if category else None
+    known = Known(
+        native=np.array(placed.asset.size),
+        is_round=placed.asset.symmetry == "full",
+        usual=Usual(*usual) if usual else None,
+        bottom=None if placed.wall_mounted else placed.bottom,
+        walls=[wall for wall in scene.walls if not is_behind(placed.box, wall.normal, wall.offset)],
+        touched=reached,
+    )
+    seen = Sight(
+        one.outline,
+        one.cloud[:: max(1, len(one.cloud) // POINTS)].astype(float),
+        np.array(scene.floor_from_camera),
+        np.array(scene.intrinsics),
+        scene.depth_error,
+    )
+    fit = fit_box(read_solid(placed.folder), placed.box, seen, known)
+    return placed.change_box("fitted to the picture", fit.box)
 
 
-def correct_depth_in_room(
-    box: UprightBox, native: ArrayLike, sight: Sight, believable: tuple[float, float]
-) -> UprightBox:
-    """The box of an object that touches no wall, with a plausible depth unless its depth was measured."""
-    return box if sight.sees_top(box) else correct_depth(box, native, sight.camera - box.center, believable)
-
-
-def sight_yaw(box: UprightBox, camera: ArrayLike) -> float:
-    """Yaw whose x axis points away from the camera."""
-    away = box.center[:2] - np.asarray(camera, dtype=float)[:2]
-    return wrap_angle(float(np.arctan2(away[1], away[0])))
-
-
-def widen_to_outline(box: UprightBox, camera: ArrayLike, bearings: tuple[float, float]) -> UprightBox:
-    """The box of a round model, not narrower than its outline: few points lie at the outline, and they are trimmed.
+def measure_box(box: UprightBox, points: NDArray[np.float64], yaw: float, trim: float) -> UprightBox:
+    """The box of points (N, 3) along axes turned by `yaw`, its heights those of `box`.
 
     Args:
-        box: measured along `sight_yaw`, so that y is width.
-        bearings: level directions between which the object is seen, radians, floor frame.
+        trim: share of the points left out at each end.
     """
-    center, size = box.center.copy(), box.size.copy()
-    to_center = center[:2] - np.asarray(camera, dtype=float)[:2]
-    distance, (low, high) = float(np.linalg.norm(to_center)), bearings
-    width = 2 * distance * float(np.sin((high - low) / 2))
-    if width <= size[1]:
-        return box
-    size[1] = width
-    center[:2] += distance * yaw_matrix((low + high) / 2)[:2, 0] - to_center
-    return UprightBox(center, size, box.yaw)
-
-
-def make_round(box: UprightBox, believable: tuple[float, float]) -> UprightBox:
-    """The box of a round model: as deep as it is wide.
-
-    Its width is seen whole; half of its surface is hidden, and noise and mixed pixels at its outline
-    stretch the other half along the line of sight.
-
-    Args:
-        box: measured along `sight_yaw`, so that x is depth and y is width.
-        believable: a depth beyond the second number times the width has points of the background in it.
-    """
-    depth, width, height = box.size
-    center = box.center
-    if depth < width or depth > believable[1] * width:
-        center = center + (width - depth) / 2 * yaw_matrix(box.yaw)[:, 0]
-    return UprightBox(center, [width, width, height], box.yaw)
-
-
-def measure_beyond_front(meshes: Sequence[Trimesh]) -> float:
-    """Metres by which a model's box reaches beyond the face that its front shows: its handles, the foot of a screen.
-
-    That face is where most of what faces +x lies, in the front half.
-    """
-    bounds = np.array([mesh.bounds for mesh in meshes])
-    low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
-    depths = high[0] - np.concatenate([mesh.triangles_center[:, 0] for mesh in meshes])
-    areas = np.concatenate([mesh.area_faces * np.clip(mesh.face_normals[:, 0], 0, None) for mesh in meshes])
-    half = (high[0] - low[0]) / 2
-    counts, edges = np.histogram(depths, max(1, round(half / BIN)), (0, half), weights=areas)
-    peak = int(np.argmax(counts))
-    if counts[peak] < FRONT_SHARE * np.prod((high - low)[1:]):
-        return 0.0
-    return float(np.average(depths, weights=areas * (depths >= edges[peak]) * (depths <= edges[peak + 1])))
+    turn = yaw_matrix(yaw)[:2, :2]
+    low, high = np.quantile(points[:, :2] @ turn, [trim, 1 - trim], axis=0)
+    return UprightBox([*turn @ (low + high) / 2, box.center[2]], [*high - low, box.size[2]], yaw)

@@ -1,0 +1,205 @@
+"""The box in which a model agrees best with all that is known of an object: seen, bounded, usual.
+
+Least squares over the centre and the logarithms of the extents, every term in its own standard deviations:
+* seen: the outline in the picture, and the object's points on the model's surface along their rays;
+* bounded: an outline that the picture cuts or something nearer hides ends there or later;
+* usual: the extents of the category's models, and the model's own proportions;
+* the room: the height of what carries it, walls that it touches, walls that nothing reaches behind.
+What is seen of another thing than it is (a mask without legs, a chair of other arms) is no Gaussian error, so that
+terms count as Cauchy's.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.contracts.objects import DepthError, Wall
+from stages.generation.solid import Hits, Solid
+from stages.geometry.boxes import THINNEST, UprightBox
+from stages.geometry.cameras import project
+from stages.geometry.frames import apply, inverse, yaw_matrix
+from stages.geometry.masks import OUTLINE
+from stages.geometry.outlines import DIRECTIONS, Outline
+
+POINTS = 400  # of a cloud, for time
+ROUNDS, STEPS = 5, 2  # in each of these, points are laid on the model anew; more change nothing
+INDEPENDENT_ENDS, INDEPENDENT_POINTS = 8, 20  # of an outline, of points: neighbours err alike; chosen on `work`
+SHAPE = 0.02  # of the diagonal: how far the surfaces of cousins are apart; chosen on `work`
+PROPORTIONS = 0.3  # deviation of the logarithm of one axis' scale over another's; chosen on `work`
+ROUND = 0.03  # the same of the level ones of what is round; chosen
+CONTACT = 0.01  # metres: of what stands on something, or touches a wall
+UNUSUAL = 2.0  # deviations from which on seen terms count less, and prior ones from half of that on; chosen on `work`
+LARGEST_STEP = (0.2, 0.3)  # metres, logarithm: of one step
+LARGEST_CHANGE = 1.5  # logarithm: extents never change by more
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What the picture shows of an object: its outline (None: no mask) and points (N, 3) of it, floor frame."""
+
+    outline: Outline | None
+    points: Array
+    floor_from_camera: Array
+    intrinsics: Array
+    error: DepthError
+
+    @property
+    def eye(self) -> Array:
+        """The camera (3,), floor frame."""
+        return self.floor_from_camera[:3, 3]
+
+    @cached_property
+    def camera_from_floor(self) -> Array:
+        """The camera's pose, inverted."""
+        return inverse(self.floor_from_camera)
+
+    @cached_property
+    def rays(self) -> Array:
+        """Unit vectors (N, 3) from the camera to the points."""
+        rays = self.points - self.eye
+        return rays / np.linalg.norm(rays, axis=1, keepdims=True)
+
+    @cached_property
+    def noise(self) -> Array:
+        """Standard deviation (N,), metres, of the points along their rays."""
+        return np.asarray(self.error.predict(apply(self.camera_from_floor, self.points)[:, 2]))
+
+    def project(self, points: Array) -> Array:
+        """Pixels (N, 2) of points (N, 3); those behind the camera as just before it."""
+        in_camera = apply(self.camera_from_floor, points)
+        in_camera[:, 2] = np.maximum(in_camera[:, 2], THINNEST)
+        return project(in_camera, self.intrinsics)
+
+
+class Usual(NamedTuple):
+    """Mean (3,) and covariance (3, 3) of the logarithms of a category's depth, width and height."""
+
+    mean: Array
+    covariance: Array
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known of an object but for its looks.
+
+    native: extents (3,) of the model in the library. is_round: from above. usual: None where no one says. bottom:
+    height of what carries it; None: it hangs. walls: of the room. touched: those at which it ends.
+    """
+
+    native: Array
+    is_round: bool
+    usual: Usual | None
+    bottom: float | None
+    walls: Sequence[Wall]
+    touched: Sequence[Wall]
+
+
+class Fit(NamedTuple):
+    """A box, and the standard deviations (3,) of the logarithms of its extents."""
+
+    box: UprightBox
+    spread: Array
+    cost: float
+
+
+class Terms(NamedTuple):
+    """Deviations (M,), how much each counts (M,), and from where on it counts less (M,)."""
+
+    off: Array
+    share: Array
+    unusual: Array
+
+    @property
+    def cost(self) -> float:
+        """Of all of them: minus the logarithm of how likely they are."""
+        square = np.where(np.isinf(self.unusual), 1.0, self.unusual) ** 2
+        lost = np.where(np.isinf(self.unusual), self.off**2, square * np.log1p(self.off**2 / square))
+        return float((self.share * lost).sum() / 2)
+
+
+def fit_box(solid: Solid, start: UprightBox, seen: Sight, known: Known) -> Fit:
+    """The best box of a model with the yaw of `start`, from there or from its own size there."""
+    own = UprightBox(start.center, known.native, start.yaw)
+    return min((improve_box(solid, box, seen, known) for box in (start, own)), key=lambda fit: fit.cost)
+
+
+def improve_box(solid: Solid, start: UprightBox, seen: Sight, known: Known) -> Fit:
+    """The best box of a model near `start`, whose yaw it keeps: Gauss-Newton with Cauchy's weights."""
+    size = np.maximum(start.size, THINNEST)
+    change, small = np.zeros(6), 1e-4
+    damping = np.repeat([1e-4 / 0.05**2, 1e-4 / 0.1**2], 3)
+    bound = np.repeat(LARGEST_STEP, 3)
+    curvature, tolerance = np.eye(6), SHAPE * float(np.linalg.norm(size))
+
+    def change_box(change: Array) -> UprightBox:
+        return UprightBox(start.center + change[:3], size * np.exp(change[3:]), start.yaw)
+
+    for _ in range(ROUNDS):
+        hits = solid.cast_rays(seen.eye, seen.rays, change_box(change))
+        for _ in range(STEPS):
+            now, *shifted = (
+                compare(change_box(change + row), solid, hits, seen, known, tolerance)
+                for row in small * np.eye(7, 6, k=-1)
+            )
+            jacobian = np.stack([(each.off - now.off) / small for each in shifted], axis=1)
+            weights = now.share / (1 + (now.off / now.unusual) ** 2)
+            curvature = jacobian.T @ (weights[:, None] * jacobian) + np.diag(damping)
+            step = np.linalg.solve(curvature, jacobian.T @ (weights * now.off))
+            change = change - np.clip(step, -bound, bound)
+            change[3:] = np.clip(change[3:], -LARGEST_CHANGE, LARGEST_CHANGE)
+    last = compare(change_box(change), solid, solid.cast_rays(seen.eye, seen.rays, change_box(change)), seen, known, tolerance)
+    return Fit(change_box(change), np.sqrt(np.diag(np.linalg.inv(curvature))[3:]), last.cost)
+
+
+def compare(box: UprightBox, solid: Solid, hits: Hits, seen: Sight, known: Known, tolerance: float) -> Terms:
+    """How far a box is off.
+
+    Args:
+        hits: where on the model the rays of the object's points lie.
+        tolerance: metres by which its surface may be another.
+    """
+    turn = yaw_matrix(box.yaw)
+    terms: list[tuple[Array, float, float]] = []
+    if seen.outline is not None:
+        pixels = seen.project(solid.outermost * box.size @ turn.T + box.center)
+        off = seen.outline.measure_misfit(pixels) / OUTLINE
+        terms.append((off, INDEPENDENT_ENDS / DIRECTIONS, UNUSUAL))
+    if len(hits.rays):
+        normals = hits.normals / box.size
+        normals = normals / np.linalg.norm(normals, axis=1, keepdims=True) @ turn.T
+        apart = ((hits.points * box.size @ turn.T + box.center - seen.points[hits.rays]) * normals).sum(axis=1)
+        noise = seen.noise[hits.rays] * (normals * seen.rays[hits.rays]).sum(axis=1)
+        off = apart / np.hypot(noise, tolerance)
+        terms.append((off, min(1.0, INDEPENDENT_POINTS / len(seen.points)), UNUSUAL))
+    missed = np.full(len(seen.points) - len(hits.rays), 2 * UNUSUAL)
+    terms.append((missed, min(1.0, INDEPENDENT_POINTS / len(seen.points)), UNUSUAL))
+    x, y, z = np.log(box.size / known.native)
+    level = ROUND if known.is_round else PROPORTIONS
+    prior = np.inf if known.is_round else UNUSUAL / 2
+    terms.append((np.array([(x - y) / level, (z - (x + y) / 2) / PROPORTIONS]), 1.0, prior))
+    if known.usual is not None:
+        root = np.linalg.cholesky(np.linalg.inv(known.usual.covariance)).T
+        terms.append((root @ (np.log(box.size) - known.usual.mean), 1.0, UNUSUAL / 2))
+    if known.bottom is not None:
+        terms.append((np.array([box.bottom - known.bottom]) / CONTACT, 1.0, np.inf))
+    behind = np.array([_measure_behind(box, turn, wall) for wall in known.walls]) / CONTACT
+    terms.append((np.maximum(behind, 0), 1.0, np.inf))
+    before = np.array([_measure_behind(box, turn, wall) for wall in known.touched]) / CONTACT
+    terms.append((np.minimum(before, 0), 1.0, UNUSUAL))
+    counts = [len(off) for off, _, _ in terms]
+    return Terms(
+        np.concatenate([off for off, _, _ in terms]),
+        np.repeat([share for _, share, _ in terms], counts),
+        np.repeat([unusual for _, _, unusual in terms], counts),
+    )
+
+
+def _measure_behind(box: UprightBox, turn: Array, wall: Wall) -> float:
+    """Metres by which a box reaches behind a wall; negative: it ends before it."""
+    normal = np.asarray(wall.normal)
+    return float(wall.offset - box.center @ normal + np.abs(normal @ turn) @ box.size / 2)
