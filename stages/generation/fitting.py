@@ -152,8 +152,9 @@ def improve_box(solid: Solid, start: UprightBox, seen: Sight, known: Known) -> F
             step = np.linalg.solve(curvature, jacobian.T @ (weights * now.off))
             change = change - np.clip(step, -bound, bound)
             change[3:] = np.clip(change[3:], -LARGEST_CHANGE, LARGEST_CHANGE)
-    last = compare(change_box(change), solid, solid.cast_rays(seen.eye, seen.rays, change_box(change)), seen, known, tolerance)
-    return Fit(change_box(change), np.sqrt(np.diag(np.linalg.inv(curvature))[3:]), last.cost)
+    box = change_box(change)
+    last = compare(box, solid, solid.cast_rays(seen.eye, seen.rays, box), seen, known, tolerance)
+    return Fit(box, np.sqrt(np.diag(np.linalg.inv(curvature))[3:]), last.cost)
 
 
 def compare(box: UprightBox, solid: Solid, hits: Hits, seen: Sight, known: Known, tolerance: float) -> Terms:

@@ -14,7 +14,10 @@ from stages.contracts.cousins import Cousin, ObjectCousins
 from stages.contracts.extracted import read_clouds, read_metres, read_object_masks
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.objects import SceneObject
+from stages.geometry.boxes import THINNEST
+from stages.geometry.cameras import back_project
 from stages.geometry.estimate import REACH
+from stages.geometry.frames import apply
 from stages.geometry.masks import central_crop
 from stages.geometry.outlines import Outline, measure_outline
 from stages.geometry.viewing import view_angle
@@ -142,10 +145,15 @@ def measure_outlines(
 ) -> dict[str, Outline]:
     """The outlines of the objects that are seen, by id; without depth nothing hides anything."""
     inside = central_crop(masks.shape, objects.crop)
-    shown = np.zeros(masks.shape, np.float32) if depth is None else depth
 
-    def noise(distance: NDArray[np.float64]) -> NDArray[np.float64]:
+    def noise(distance: NDArray[np.floating]) -> NDArray[np.float64]:
         return np.asarray(REACH * objects.depth_error.predict(distance))
+
+    if depth is None:
+        shown = np.zeros(masks.shape, np.float32)
+    else:  # the floor before a thing is nearer, and hides nothing
+        points = apply(np.array(objects.floor_from_camera), back_project(depth, objects.intrinsics))
+        shown = np.where((depth > 0) & (points[..., 2] < THINNEST + noise(depth)), np.inf, depth)
 
     return {
         item.id: measure_outline(mask, shown, inside, noise)

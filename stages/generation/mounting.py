@@ -43,6 +43,12 @@ def extend_to_wall(box: UprightBox, wall: Wall) -> UprightBox:
     return UprightBox(box.center + shift, size, box.yaw)
 
 
+def move_to_wall(box: UprightBox, wall: Wall) -> UprightBox:
+    """The box moved so that it ends at a wall, if it nearly does."""
+    depth = depth_behind(box, wall.normal, wall.offset)
+    return replace(box, center=box.center + depth * np.asarray(wall.normal)) if abs(depth) < CONTACT else box
+
+
 def move_out_of_walls(box: UprightBox, walls: list[Wall]) -> UprightBox:
     """The box moved out of the walls that it reaches into, if its centre is in front of them."""
     for wall in walls:

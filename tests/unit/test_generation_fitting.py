@@ -1,0 +1,142 @@
+"""The box in which a model agrees with the picture: known answers."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from stages.contracts.category import Category
+from stages.contracts.objects import DepthError, Wall
+from stages.generation.fitting import Known, Sight, Usual, fit_box
+from stages.generation.solid import Solid, find_outermost
+from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.cameras import back_project, intrinsics_from_fov
+from stages.geometry.frames import Array, apply, rigid
+from stages.geometry.outlines import Outline, measure_outline
+from tests.unit.generation_scenes import BACK
+
+WIDTH, HEIGHT = 320, 240
+K = intrinsics_from_fov(WIDTH, HEIGHT, 1.0)
+AXES = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # camera x right, y down, z ahead; floor x ahead, z up
+DOWN = np.array([[np.cos(0.35), 0, np.sin(0.35)], [0, 1, 0], [-np.sin(0.35), 0, np.cos(0.35)]])
+POSE = rigid(DOWN @ AXES, [0, 0, 1.5])
+ERROR = DepthError(0.001, 0.001)
+TRUE = UprightBox([3.2, 0.2, 0.35], [0.5, 0.9, 0.7], np.pi - 0.3)
+BLOCK = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+
+
+class Block(Solid):
+    """A model that fills its box."""
+
+    def __init__(self) -> None:
+        import open3d as o3d
+
+        mesh = o3d.geometry.TriangleMesh.create_box()
+        self.outermost = find_outermost(BLOCK)
+        self._scene = o3d.t.geometry.RaycastingScene(nthreads=1)
+        self._scene.add_triangles(
+            o3d.core.Tensor.from_numpy((np.asarray(mesh.vertices) - 0.5).astype(np.float32)),
+            o3d.core.Tensor.from_numpy(np.asarray(mesh.triangles).astype(np.uint32)),
+        )
+
+
+class Picture(NamedTuple):
+    """Depth (H, W) of a box on a floor, and its mask."""
+
+    depth: Array
+    mask: np.ndarray
+
+
+def draw(box: UprightBox = TRUE) -> Picture:
+    rays = back_project(np.ones((HEIGHT, WIDTH)), K).reshape(-1, 3) @ POSE[:3, :3].T
+    hits = Block().cast_rays(POSE[:3, 3], rays, box)
+    floor = np.where(rays[:, 2] < 0, -POSE[2, 3] / np.minimum(rays[:, 2], -1e-9), 0)
+    depth = floor.copy()
+    turned = hits.points * box.size
+    world = turned @ np.array(
+        [[np.cos(box.yaw), np.sin(box.yaw), 0], [-np.sin(box.yaw), np.cos(box.yaw), 0], [0, 0, 1]]
+    )
+    depth[hits.rays] = (world + box.center - POSE[:3, 3]) @ POSE[:3, 2]
+    mask = np.zeros(len(rays), bool)
+    mask[hits.rays] = True
+    return Picture(depth.reshape(HEIGHT, WIDTH), mask.reshape(HEIGHT, WIDTH))
+
+
+def outline_of(mask: np.ndarray, depth: Array, inside: np.ndarray) -> Outline:
+    """The outline where the floor hides nothing."""
+    floor = apply(POSE, back_project(depth, K))[..., 2] < 0.01
+    return measure_outline(mask, np.where(floor, np.inf, depth), inside, lambda far: 3 * ERROR.predict(far))
+
+
+def see(picture: Picture, mask: np.ndarray | None = None) -> Sight:
+    mask = picture.mask if mask is None else mask
+    points = apply(POSE, back_project(picture.depth, K)[mask])[::7]
+    outline = outline_of(mask, picture.depth, np.ones_like(mask))
+    return Sight(outline, points, POSE, K, ERROR)
+
+
+def known(native=(0.5, 0.9, 0.7), **values) -> Known:
+    return replace(Known(np.array(native), False, None, 0.0, [], []), **values)
+
+
+def test_a_box_seen_whole_is_found_from_a_wrong_start() -> None:
+    start = UprightBox([3.0, 0.1, 0.3], [0.3, 0.6, 0.6], TRUE.yaw)
+    fit = fit_box(Block(), start, see(draw()), known(native=(0.3, 0.6, 0.4)))
+    assert fit.box.size == pytest.approx(TRUE.size, abs=0.04)
+    assert fit.box.center == pytest.approx(TRUE.center, abs=0.02)
+    assert fit.spread.max() < 0.2
+
+
+def test_what_the_border_cuts_is_as_large_as_usual_and_its_spread_says_so() -> None:
+    picture = draw()
+    columns = np.flatnonzero(picture.mask.any(axis=0))
+    left = np.zeros_like(picture.mask)
+    left[:, : int(columns.mean())] = True
+    whole = see(picture)
+    inside = outline_of(picture.mask & left, picture.depth, left)
+    points = apply(POSE, back_project(picture.depth, K)[picture.mask & left])[::7]
+    cut = Sight(inside, points, POSE, K, ERROR)
+    usual = Usual(np.log([0.5, 0.9, 0.7]), 0.15**2 * np.eye(3))
+    seen_half = UprightBox(points.mean(axis=0) * [1, 1, 0] + [0, 0, 0.35], [0.5, 0.45, 0.7], TRUE.yaw)
+    fit = fit_box(Block(), seen_half, cut, known(native=(0.5, 0.5, 0.7), usual=usual))
+    assert np.isinf(inside.limit).any() and not np.isinf(whole.outline.limit).any()
+    assert fit.box.size[1] > 0.6  # less is seen of it
+    assert fit.spread[1] > 2 * fit_box(Block(), TRUE, whole, known(usual=usual)).spread[1]
+
+
+def test_what_hides_a_thing_says_how_far_it_goes_on_at_most() -> None:
+    picture = draw()
+    columns = np.flatnonzero(picture.mask.any(axis=0))
+    post = np.zeros_like(picture.mask)
+    post[:, columns[-1] - 20 : columns[-1] + 10] = True
+    depth, mask = np.where(post, 1.0, picture.depth), picture.mask & ~post
+    outline = outline_of(mask, depth, np.ones_like(mask))
+    right, left = 0, 16  # of 32 directions
+    assert outline.reach[right] < columns[-1] - 18
+    assert columns[-1] <= outline.limit[right] < columns[-1] + 25
+    assert outline.limit[left] == outline.reach[left] == pytest.approx(0.5 - columns[0])
+
+
+def test_a_wall_that_is_touched_says_where_a_thing_ends() -> None:
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.5, points=100)
+    box = UprightBox([3.2, 0, 0.35], [0.6, 0.9, 0.7], np.pi)
+    picture = draw(box)
+    fit = fit_box(Block(), UprightBox([3.1, 0, 0.35], [0.3, 0.9, 0.7], np.pi), see(picture), known(touched=[wall]))
+    assert corners(fit.box)[:, 0].max() == pytest.approx(3.5, abs=0.01)
+    assert fit.box.size == pytest.approx(box.size, abs=0.03)
+
+
+def test_nothing_reaches_behind_a_wall() -> None:
+    box = UprightBox([3.9, 0, 0.35], [0.6, 0.9, 0.7], np.pi)
+    fit = fit_box(Block(), box, see(draw(box)), known(walls=[BACK]))
+    assert corners(fit.box)[:, 0].max() < 4.03
+
+
+def test_sizes_of_a_category_have_a_mean_and_a_spread() -> None:
+    assert Category(name="mug", sizes=[(0.1, 0.1, 0.1)]).describe_spread() is None
+    known = Category(name="mug", sizes=[(0.1, 0.1, 0.1), (0.2, 0.2, 0.2)], real=[(0.4, 0.4, 0.4)])
+    mean, covariance = known.describe_spread()
+    assert np.exp(mean) == pytest.approx([0.2] * 3)
+    assert covariance[0, 1] == pytest.approx(np.log(2) ** 2)  # larger mugs are higher, too
+    assert covariance[0, 0] > covariance[0, 1]
