@@ -109,7 +109,7 @@ class DoubtKind(Enum):
     NAME = (
         "D-NAME", "name", "called {name} by looks, size and place, {share:.0f} % sure; else {others}",
         "how sure the first of the names is that are proposed", 0.9, "share",
-        "of 6 real things called something with more than .5, one was: plugins/names",
+        "of 17 things that were surer 14 were right, of 117 others 66: docs/results/masks.md",
     )  # fmt: skip
     MOUNTING_UNCLEAR = (
         "D-MOUNTING-UNCLEAR",
