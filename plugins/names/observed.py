@@ -138,4 +138,4 @@ def classify(rgb: NDArray[np.uint8], mask: NDArray[np.bool_]) -> Array | None:
     method = cv2.INTER_AREA if side > SIZE else cv2.INTER_LINEAR
     picture = cv2.resize(square, (SIZE, SIZE), interpolation=method)
     with torch.inference_mode():
-        return np.asarray(network(to_input(picture[None]))[0].double().numpy())
+        return np.asarray(network(to_input(np.asarray(picture[None], np.uint8)))[0].double().numpy())
