@@ -9,10 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.open_rooms import pictures
+from benchmarks.open_rooms.by_clicks import plan_corrections
+from benchmarks.open_rooms.pictures import BY_HAND
 from plugins.inputs import from_rgbd
 from stages.config.model import Config
 from stages.config.reads import options_of, stores
 from stages.contracts import Annotations, InputError, read_json, write_json
+from stages.contracts.corrections import CORRECTIONS, Corrections
 from stages.extraction import extract
 from stages.generation import generate
 from stages.matching import match
@@ -65,7 +68,7 @@ def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...],
         results: folder with the default library and its features.
         half: of the pictures; all if empty.
         only: in the names of pictures.
-        masks: exact, drawn.
+        masks: of `pictures.MASKS`; `corrected` corrects what `unaided` has made.
         rows: of `ROWS`.
     """
     config = make_config()
@@ -84,26 +87,21 @@ class _StoppedError(Exception):
 def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], config: Config, shelf: Shelves) -> None:
     out = root / "results" / kind / folder.name
     out.mkdir(parents=True, exist_ok=True)
-    truth = pictures.read(folder)
-    entry = out / "input"
+    entry = input_folder(root, folder, kind)
     objects = out / "extraction" / "objects.json"
     scene = folder.name.replace("-", "_")
     if not objects.is_file():
         with _log_stage(out / "extraction.log"):
-            from_rgbd.run(
-                out=entry,
-                rgb=folder / "rgb.png",
-                depth=folder / "depth.png",
-                unit="mm",
-                intrinsics=folder / "intrinsics.json",
-                masks=folder / f"{kind}.png",
-                labels=folder / f"{kind}.json",
-            )
-            _count_panels(entry, truth)
+            corrections = _make_input(root, folder, kind, entry)
             objects.parent.mkdir(exist_ok=True)
             options = options_of(config, "extraction", "extract", {"scene": scene})
             extract.run(
-                input=entry, scene=scene, out=objects, options=json.dumps(options), own=(entry / "config.yaml",)
+                input=entry,
+                scene=scene,
+                out=objects,
+                options=json.dumps(options),
+                own=(entry / "config.yaml",),
+                corrections=corrections,
             )
     for row in rows:
         cousins, scenes = out / row / "cousins.json", out / row
@@ -123,7 +121,8 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
                 )
         if not (scenes / "scene_1.json").is_file():
             options = options_of(config, "generation", "generate", {"variant": row})
-            options |= {} if row == "geometry" else {"ranks": 1}  # the others are there to be compared with
+            ranked = row == "geometry" and kind in BY_HAND
+            options |= {} if ranked else {"ranks": 1}  # the others are there to be compared with
             with _log_stage(out / f"{row}_generation.log"):
                 generate.run(
                     cousins=cousins,
@@ -133,6 +132,34 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
                     out=scenes,
                     options=json.dumps(options),
                 )
+
+
+def input_folder(root: Path, folder: Path, kind: str) -> Path:
+    """The input folder of a picture with masks of this kind; corrections are of the unaided one."""
+    return root / "results" / ("unaided" if kind == "corrected" else kind) / folder.name / "input"
+
+
+def _make_input(root: Path, folder: Path, kind: str, entry: Path) -> tuple[Path, ...]:
+    """Write the input folder, or corrections of the one that is there."""
+    truth = pictures.read(folder)
+    if kind == "corrected":
+        path = root / "results" / kind / folder.name / CORRECTIONS
+        told = [step.correction for step in plan_corrections(root, folder) if step.correction is not None]
+        write_json(path, Corrections(objects=told))
+        return (path,)
+    by_hand = {} if kind not in BY_HAND else {"masks": folder / f"{kind}.png", "labels": folder / f"{kind}.json"}
+    from_rgbd.run(
+        out=entry,
+        rgb=folder / "rgb.png",
+        depth=folder / "depth.png",
+        unit="mm",
+        intrinsics=folder / "intrinsics.json",
+        auto=not by_hand,
+        **by_hand,
+    )
+    if by_hand:
+        _count_panels(entry, truth)
+    return ()
 
 
 def _count_panels(entry: Path, truth: pictures.Picture) -> None:

@@ -1,11 +1,12 @@
 """What came out against the truth: a row per object and rank, and the tables of docs/results/open.md."""
 
+import itertools
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from benchmarks.open_rooms import packs, pictures
+from benchmarks.open_rooms.by_clicks import list_steps, plan_corrections
+from benchmarks.open_rooms.pairs import overlaps, pair_pieces
 from plugins.report.doubts import collect_doubts
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.categories import find_usual_size
@@ -21,11 +24,13 @@ from stages.contracts.doubt import Doubt
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import Asset, HingeSide
 from stages.contracts.library_folder import AssetFolders
+from stages.contracts.scene_input import read_scene_input
 from stages.evaluation.scoring import box_in_world, world_from_floor
 from stages.evaluation.shapes import CHAMFER_POINTS, DENSE, sample_surface
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import angle_difference, wrap_angle
 
+JUDGES = ("geometry", "hog", "no-image")
 SIZE_SHARE, SIZE_LEAST = 0.10, 0.03  # what an extent may be off: a share of it, or metres
 PLACE = 0.05  # metres between true and found centre
 YAW = np.deg2rad(15)
@@ -116,8 +121,19 @@ def handles_alike(handle: str, asset: Asset) -> bool | None:
 
 
 def find_true_carrier(true: pictures.TrueThing, ids: dict[int, str]) -> str | None:
-    """What carries a thing, as a scene says it; None: that has no name in these masks."""
+    """What carries a thing, as a scene says it; None: that has no name in these masks; empty: it was not found."""
     return true.support if true.support in ("floor", "wall") else ids.get(int(true.support))
+
+
+def find_masks(root: Path, folder: Path, masks: str, asked: list[pictures.TrueThing]) -> dict[int, int]:
+    """The value that every thing has in masks that nobody made by hand, by number; 0: nothing shows it."""
+    if masks == "corrected":
+        return {step.number: step.value for step in plan_corrections(root, folder) if step.number}
+    given = read_scene_input(root / "results" / masks / folder.name / "input")
+    found = np.where(np.isin(given.masks, [item.mask for item in given.annotations.objects]), given.masks, 0)
+    numbers = [thing.number for thing in asked]
+    pairs = pair_pieces(numbers, overlaps(pictures.read_masks(folder), found.astype(np.uint16))[0])
+    return {number: pairs.get(number, 0) for number in numbers}
 
 
 def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: AssetFolders) -> Iterator[Row]:
@@ -138,7 +154,12 @@ def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: Asset
         return
     objects = read_json(Objects, out / "extraction/objects.json")
     cousins = {entry.id: entry for entry in read_json(Cousins, out / judge / "cousins.json").objects}
-    ids = {item.mask: item.id for item in objects.objects}
+    by_mask = {item.mask: item.id for item in objects.objects}
+    ids = (
+        by_mask
+        if masks in pictures.BY_HAND
+        else {number: by_mask.get(value, "") for number, value in find_masks(root, folder, masks, asked).items()}
+    )
     for path in scenes:
         scene = read_json(GeneratedScene, path)
         placed = {item.id: item for item in scene.objects}
@@ -231,26 +252,26 @@ def _measure_chamfer(model: str, half: str, chosen: Path, size: tuple[float, flo
 
 
 def score(root: Path, results: Path, out: Path, version: str) -> None:
-    """Write open.csv, a row per object and rank, and open.md. Rank 1 of other versions stays as it is there.
+    """Write open.csv, a row per object and rank, clicks.csv and open.md. Rank 1 of other versions stays as it is there.
 
     Args:
         root: folder of `render` and `run`.
         results: folder with the library.
-        out: folder of both files.
+        out: folder of the files.
         version: name of the code that `run` ran; the page is about that which was scored last.
     """
     from benchmarks.open_rooms.tables import page
 
     ROOT[:] = [root]
     folders = AssetFolders(results / "assets/library/library.json")
-    rows = [
-        row
-        for masks in pictures.MASKS
-        for folder in pictures.folders(root)
-        for judge in ("geometry", "hog", "no-image")
-        if (root / "results" / masks / folder.name / f"{judge}.log").is_file()
-        for row in score_scene(root, folder, masks, judge, folders)
-    ]
+    rows, steps = list[Row](), list[dict[str, Any]]()
+    for masks in pictures.MASKS:
+        tried = [one for one in pictures.folders(root) if (root / "results" / masks / one.name).is_dir()]
+        logs = {path.stem for path in (root / "results" / masks).glob("*/*.log")}
+        for folder, judge in itertools.product(tried, sorted(logs & set(JUDGES))):
+            rows += score_scene(root, folder, masks, judge, folders)
+        if masks == "unaided":
+            steps = [row for folder in tried for row in list_steps(root, folder)]
     table = pd.DataFrame(rows).assign(version=version)
     out.mkdir(parents=True, exist_ok=True)
     if (out / "open.csv").is_file():
@@ -258,5 +279,8 @@ def score(root: Path, results: Path, out: Path, version: str) -> None:
         known = known[(known["version"] != version) & (known["rank"] == 1)]
         table = pd.concat([known, table]).reset_index(drop=True)
     table.to_csv(out / "open.csv", index=False)
-    (out / "open.md").write_text(page(table), encoding="utf-8")
+    if steps:
+        pd.DataFrame(steps).to_csv(out / "clicks.csv", index=False)
+    clicks = pd.read_csv(out / "clicks.csv") if (out / "clicks.csv").is_file() else pd.DataFrame()
+    (out / "open.md").write_text(page(table, clicks), encoding="utf-8")
     print(f"{out / 'open.md'}: {len(table)} rows")
