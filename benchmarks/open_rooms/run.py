@@ -26,6 +26,7 @@ ROWS: dict[str, dict[str, Any]] = {
     "hog": {"model_selection": "distance", "orientation_selection": "distance"},
     "no-image": {"model_selection": "priors", "orientation_selection": "priors"},
 }
+ONE_RANK = {"ranks": 1}
 
 
 @dataclass(frozen=True)
@@ -76,11 +77,11 @@ def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...],
     for kind in masks:
         for folder in sorted(pictures.folders(root, half), key=lambda path: path.name.split("_")[::-1]):
             if only in folder.name:
-                with contextlib.suppress(_StoppedError):
+                with contextlib.suppress(StoppedError):
                     _reconstruct(root, folder, kind, rows, config, shelf)
 
 
-class _StoppedError(Exception):
+class StoppedError(Exception):
     """A picture that a stage refused; the log says why."""
 
 
@@ -91,47 +92,58 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
     objects = out / "extraction" / "objects.json"
     scene = folder.name.replace("-", "_")
     if not objects.is_file():
-        with _log_stage(out / "extraction.log"):
+        with log_stage(out / "extraction.log"):
             corrections = _make_input(root, folder, kind, entry)
-            objects.parent.mkdir(exist_ok=True)
-            options = options_of(config, "extraction", "extract", {"scene": scene})
-            extract.run(
-                input=entry,
-                scene=scene,
-                out=objects,
-                options=json.dumps(options),
-                own=(entry / "config.yaml",),
-                corrections=corrections,
-            )
+            extract_objects(entry, scene, objects, config, corrections)
     for row in rows:
-        cousins, scenes = out / row / "cousins.json", out / row
-        if not cousins.is_file():
-            options = options_of(config, "matching", "match", {"variant": row})
-            looks = config.matching_of(row).compares_pictures
-            with _log_stage(out / f"{row}.log"):
-                cousins.parent.mkdir(exist_ok=True)
-                match.run(
-                    objects=objects,
-                    image=entry / "rgb.png",
-                    library=shelf.library,
-                    out=cousins,
-                    features=shelf.features if looks else (),
-                    snapshots=shelf.snapshots if looks else (),
-                    options=json.dumps(options),
-                )
-        if not (scenes / "scene_1.json").is_file():
-            options = options_of(config, "generation", "generate", {"variant": row})
-            ranked = row == "geometry" and kind in BY_HAND
-            options |= {} if ranked else {"ranks": 1}  # the others are there to be compared with
-            with _log_stage(out / f"{row}_generation.log"):
-                generate.run(
-                    cousins=cousins,
-                    objects=objects,
-                    library=shelf.library,
-                    variant=row.replace("-", "_"),
-                    out=scenes,
-                    options=json.dumps(options),
-                )
+        ranks = {} if row == "geometry" and kind in BY_HAND else ONE_RANK  # the others are there to be compared with
+        place_cousins(entry, objects, out, row, config, shelf, ranks)
+
+
+def extract_objects(entry: Path, scene: str, objects: Path, config: Config, corrections: tuple[Path, ...] = ()) -> None:
+    """Write the objects.json of an input folder."""
+    objects.parent.mkdir(exist_ok=True)
+    options = options_of(config, "extraction", "extract", {"scene": scene})
+    extract.run(
+        input=entry,
+        scene=scene,
+        out=objects,
+        options=json.dumps(options),
+        own=(entry / "config.yaml",),
+        corrections=corrections,
+    )
+
+
+def place_cousins(
+    entry: Path, objects: Path, out: Path, row: str, config: Config, shelf: Shelves, ranks: dict[str, int]
+) -> None:
+    """Write cousins.json and scenes of a row into a folder of `out`, if they are not there; `ranks`: options."""
+    cousins, scenes = out / row / "cousins.json", out / row
+    if not cousins.is_file():
+        options = options_of(config, "matching", "match", {"variant": row})
+        looks = config.matching_of(row).compares_pictures
+        with log_stage(out / f"{row}.log"):
+            cousins.parent.mkdir(exist_ok=True)
+            match.run(
+                objects=objects,
+                image=entry / "rgb.png",
+                library=shelf.library,
+                out=cousins,
+                features=shelf.features if looks else (),
+                snapshots=shelf.snapshots if looks else (),
+                options=json.dumps(options),
+            )
+    if not (scenes / "scene_1.json").is_file():
+        options = options_of(config, "generation", "generate", {"variant": row})
+        with log_stage(out / f"{row}_generation.log"):
+            generate.run(
+                cousins=cousins,
+                objects=objects,
+                library=shelf.library,
+                variant=row.replace("-", "_"),
+                out=scenes,
+                options=json.dumps(options | ranks),
+            )
 
 
 def input_folder(root: Path, folder: Path, kind: str) -> Path:
@@ -177,7 +189,7 @@ def _count_panels(entry: Path, truth: pictures.Picture) -> None:
 
 
 @contextlib.contextmanager
-def _log_stage(log: Path) -> Any:
+def log_stage(log: Path) -> Any:
     """What a stage prints goes into a file; where one stops, the picture is left and the reason stays there."""
     since = time.process_time()
     with log.open("w") as file, contextlib.redirect_stdout(file), contextlib.redirect_stderr(file):
@@ -186,6 +198,6 @@ def _log_stage(log: Path) -> Any:
         except Exception as error:
             traceback.print_exc()
             print(f"stopped: {error}")
-            raise _StoppedError from error
+            raise StoppedError from error
         finally:
             print(f"{time.process_time() - since:.1f} CPU s")
