@@ -164,6 +164,17 @@ def plan_corrections(root: Path, folder: Path) -> list[Step]:
     return plan_steps(things, exact, found, pieces, placed, Cutter(read_rgb(folder / "rgb.png")))
 
 
+def find_things(root: Path, folder: Path, masks: str) -> dict[int, int]:
+    """The value that every named thing has in masks that nobody made by hand, by number; 0: nothing shows it."""
+    if masks == "corrected":
+        return {step.number: step.value for step in plan_corrections(root, folder) if step.number}
+    numbers = [thing.number for thing in pictures.read(folder).things if thing.named]
+    annotations, found = read_annotations(root / "results" / masks / folder.name / "input" / "annotations.json")
+    pieces = np.where(np.isin(found, [item.mask for item in annotations.objects]), found, 0).astype(np.uint16)
+    pairs = pair_pieces(numbers, overlaps(pictures.read_masks(folder), pieces)[0])
+    return {number: pairs.get(number, 0) for number in numbers}
+
+
 def list_steps(root: Path, folder: Path) -> list[dict[str, Any]]:
     """The steps of a picture as rows of a table."""
     picture = pictures.read(folder)

@@ -3,7 +3,7 @@
 import itertools
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, get_args
@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from benchmarks.open_rooms import packs, pictures
-from benchmarks.open_rooms.by_clicks import list_steps, plan_corrections
-from benchmarks.open_rooms.pairs import overlaps, pair_pieces
+from benchmarks.open_rooms.by_clicks import find_things, list_steps
 from plugins.report.doubts import collect_doubts
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.categories import find_usual_size
@@ -24,7 +23,6 @@ from stages.contracts.doubt import Doubt
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import Asset, HingeSide
 from stages.contracts.library_folder import AssetFolders
-from stages.contracts.scene_input import read_scene_input
 from stages.evaluation.scoring import box_in_world, world_from_floor
 from stages.evaluation.shapes import CHAMFER_POINTS, DENSE, sample_surface
 from stages.geometry.boxes import UprightBox, corners
@@ -105,9 +103,14 @@ def measure_overreach(box: UprightBox, room: tuple[float, float]) -> float:
     return float(max((points - np.array(room)).max(), (-points).max(), 0.0))
 
 
+def knows_hinges(opens: tuple[str, ...]) -> bool:
+    """Whether something opens, and how is known."""
+    return bool(opens) and set(opens) <= set(get_args(HingeSide))
+
+
 def hinges_alike(opens: tuple[str, ...], asset: Asset) -> bool | None:
     """Whether as many doors hang on each side and as many drawers slide; None: nothing opens, or how is not known."""
-    if not opens or not set(opens) <= set(get_args(HingeSide)):
+    if not knows_hinges(opens):
         return None
     return sorted(opens) == sorted(joint.panel.hinge for joint in asset.joints if joint.panel is not None)
 
@@ -125,15 +128,18 @@ def find_true_carrier(true: pictures.TrueThing, ids: dict[int, str]) -> str | No
     return true.support if true.support in ("floor", "wall") else ids.get(int(true.support))
 
 
-def find_masks(root: Path, folder: Path, masks: str, asked: list[pictures.TrueThing]) -> dict[int, int]:
-    """The value that every thing has in masks that nobody made by hand, by number; 0: nothing shows it."""
-    if masks == "corrected":
-        return {step.number: step.value for step in plan_corrections(root, folder) if step.number}
-    given = read_scene_input(root / "results" / masks / folder.name / "input")
-    found = np.where(np.isin(given.masks, [item.mask for item in given.annotations.objects]), given.masks, 0)
-    numbers = [thing.number for thing in asked]
-    pairs = pair_pieces(numbers, overlaps(pictures.read_masks(folder), found.astype(np.uint16))[0])
-    return {number: pairs.get(number, 0) for number in numbers}
+def count_missing(
+    thing: pictures.TrueThing, opens: tuple[str, ...], handle: str, carrier: str | None
+) -> dict[str, bool]:
+    """What is wrong about a thing that no scene has, of what is not asked of every thing."""
+    asked = {
+        "yaw": thing.symmetry != "full",
+        "carrier": carrier is not None,
+        "panels": thing.doors + thing.drawers > 0,
+        "hinges": knows_hinges(opens),
+        "handles": bool(handle),
+    }
+    return {name: False for name in asked if asked[name]}
 
 
 def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: AssetFolders) -> Iterator[Row]:
@@ -145,12 +151,18 @@ def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: Asset
     scenes = sorted((out / judge).glob("scene_*.json"))
     base = {"half": truth.half, "masks": masks, "judge": judge, "picture": truth.name}
 
-    def make_row(thing: pictures.TrueThing, rank: int, status: str) -> Row:
+    def make_row(thing: pictures.TrueThing, rank: int, status: str, said: dict[str, Any]) -> Row:
         return Row(**base, rank=rank, number=thing.number, label=thing.label, kind=thing.kind, model=thing.model,
-                   seen=thing.seen, cut=thing.cut, status=status)  # fmt: skip
+                   seen=thing.seen, cut=thing.cut, status=status, **said)  # fmt: skip
+
+    def make_missing(thing: pictures.TrueThing, rank: int, status: str, ids: dict[int, str]) -> Row:
+        model = _model(thing.model, truth.half)
+        said = count_missing(thing, model.opens, model.handle, find_true_carrier(thing, ids))
+        return make_row(thing, rank, status, said)
 
     if not scenes:
-        yield from (make_row(thing, 1, "failed") for thing in asked)
+        unknown = dict.fromkeys((thing.number for thing in asked), "")
+        yield from (make_missing(thing, 1, "failed", unknown) for thing in asked)
         return
     objects = read_json(Objects, out / "extraction/objects.json")
     cousins = {entry.id: entry for entry in read_json(Cousins, out / judge / "cousins.json").objects}
@@ -158,20 +170,20 @@ def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: Asset
     ids = (
         by_mask
         if masks in pictures.BY_HAND
-        else {number: by_mask.get(value, "") for number, value in find_masks(root, folder, masks, asked).items()}
+        else {number: by_mask.get(value, "") for number, value in find_things(root, folder, masks).items()}
     )
     for path in scenes:
         scene = read_json(GeneratedScene, path)
         placed = {item.id: item for item in scene.objects}
         for thing in asked:
             item = placed.get(ids.get(thing.number, ""))
-            row = make_row(thing, scene.rank, "missed" if item is None else item.status)
             if item is None or item.status != "ok":
-                yield row
+                yield make_missing(thing, scene.rank, "missed" if item is None else item.status, ids)
                 continue
             seen = next(one for one in objects.objects if one.id == item.id)
             doubts = collect_doubts(cousins[item.id], seen, item, objects)
-            yield Row(**asdict(row) | _measure_thing(truth, thing, item, scene, objects, ids, folders, doubts))
+            said = _measure_thing(truth, thing, item, scene, objects, ids, folders, doubts)
+            yield make_row(thing, scene.rank, item.status, said)
 
 
 def _measure_thing(

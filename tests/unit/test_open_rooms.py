@@ -208,6 +208,13 @@ def test_what_carries_a_thing_must_have_a_name() -> None:
     assert score.find_true_carrier(replace(TRUE, support="7"), {}) is None
 
 
+def test_what_is_missing_is_wrong_in_all_that_is_asked_of_it() -> None:
+    wrong = score.count_missing(replace(TRUE, doors=1), ("left",), "bar", "floor")
+    assert wrong == dict.fromkeys(("yaw", "carrier", "panels", "hinges", "handles"), False)
+    assert score.count_missing(replace(TRUE, symmetry="full"), ("unknown",), "", None) == {}
+    assert score.count_missing(TRUE, (), "", "") == {"yaw": False, "carrier": False}  # its carrier is missing, too
+
+
 def row(number: int, rank: int = 1, judge: str = "geometry", **said: object) -> score.Row:
     """A row whose thing is right."""
     good = {"sensible": True, "size": True, "place": True, "carrier": True, "stable": True, "chamfer": 0.02}
