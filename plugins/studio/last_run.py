@@ -27,6 +27,12 @@ GRAVE = ("affordance", "place", "size")  # causes of doubts that are listed befo
 SHOWN = 24  # models that can be chosen, nearest first
 
 
+def describe_doubt(doubt: Doubt | str) -> dict[str, Any]:
+    """A doubt, or why there is nothing to doubt, as the page shows it."""
+    cause = doubt.cause if isinstance(doubt, Doubt) else ""
+    return {"text": str(doubt), "cause": cause, "grave": cause in GRAVE}
+
+
 @dataclass(frozen=True)
 class LastRun:
     """What a run made; all of it by mask value. Without a run it is empty.
@@ -51,8 +57,7 @@ class LastRun:
     def _describe_object(self, item: SceneObject) -> dict[str, Any]:
         entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
         found = self._doubts(item, entry, placed)
-        grave = sum(isinstance(one, Doubt) and one.cause in GRAVE for one in found)
-        about: dict[str, Any] = {"id": item.id, "doubts": [str(one) for one in found], "grave": grave}
+        about: dict[str, Any] = {"id": item.id, "doubts": [describe_doubt(one) for one in found]}
         if placed is None or placed.status == "failed":
             return about
         depth, width, height = placed.size
