@@ -75,7 +75,8 @@ TRAINED_TARGETS = [name for name in TARGETS if EXPERIMENT.sets_of(name)]
 DEMONSTRATED = [(name, role) for name in TARGETS for role in EXPERIMENT.list_trained_roles(name)]
 DEMONSTRATED = columns("target", "role", rows=DEMONSTRATED)
 CELLS = columns("target", "policy", "training_set", rows=EXPERIMENT.cells)
-# What packages add to Table 3: modules, the table of trainings that they read.
+# Modules that film demonstrations and rollouts, by stage. What packages add to Table 3: modules, the table of trainings that they read.
+FILMS = {stage: list_drawers(CONFIG.packages, stage) for stage in ("demonstrations", "evaluation")}
 MORE_TABLES = list_drawers(CONFIG.packages, "tables")
 TRAININGS = ["results/tables/trainings.csv"] if MORE_TABLES else []
 # Files of assets that the user has committed, by target.
@@ -139,8 +140,8 @@ def read_options(stage, name):
 
 
 def unless_replaced(stage, name, **outputs):
-    """Outputs for people, of our own verb: a command in its place need not make them."""
-    return {} if replacement(CONFIG, stage, name) else outputs
+    """Outputs for people, of our own verb: a command in its place need not make them, nor a run without films."""
+    return outputs if FILMS.get(stage, True) and not replacement(CONFIG, stage, name) else {}
 
 
 def in_report(path, kind, captions="../report/captions"):

@@ -49,16 +49,17 @@ rule rollout:
     resources:
         **needs(4000, 15 + test_episodes() / 10, gpu=True),
     params:
-        **verb("evaluation", "rollout", uses=rollout_modules, rollouts="rollouts"),
+        **verb("evaluation", "rollout", uses=with_films("evaluation", rollout_modules), rollouts="rollouts"),
         seed=CONFIG.seed,
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
         roles=trained_roles,
+        films=FILMS["evaluation"],
     shell:
         "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
         "--target {wildcards.target} --policy-name {wildcards.policy} --training-set {wildcards.training_set} "
         "--run-name {wildcards.run} --trained-roles {params.roles} --options {params.options:q} "
-        "--trial {input.trial:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
+        "--trial {input.trial:q} --films {params.films:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

@@ -33,3 +33,8 @@ def skill_modules(wildcards):
 def rollout_modules(wildcards):
     """The same, and the kind of policy."""
     return [*skill_modules(wildcards), *policy_modules(wildcards)]
+
+
+def with_films(stage, of):
+    """The modules that `of` gives, and those that film what a stage does."""
+    return lambda wildcards: [*of(wildcards), *FILMS[stage]]

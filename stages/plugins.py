@@ -42,6 +42,7 @@ KINDS = {
     "mesh_files": PluginKind("articulated.mesh_files", "READER"),
     "importers": PluginKind("assets.importers", "IMPORTER"),
     "skills": PluginKind("skills", "Skill"),
+    "renderers": PluginKind("tasks.renderers", "Renderer"),
     "simulators": PluginKind("evaluation.simulators", "Environment"),
 }
 

@@ -26,6 +26,9 @@ ON_OTHERS = {  # few, each for a reason
     ("inputs", "vlm"),  # captions may come from a language model
     ("exports", "pictures"),  # the same GLB, room and light
     ("look", "pictures"),
+    ("api", "films"),  # a policy is filmed
+    ("importing", "films"),  # the same way to frame a model
+    ("in_scene", "films"),  # its demonstrations are filmed
     ("studies", "pictures"),  # assets with their roles
     ("report", "claims"),  # their tables, on the page of a run
     ("studies", "claims"),
