@@ -39,6 +39,7 @@ KINDS = {
     "rooms": PluginKind("scenes.rooms", ".yaml"),
     "tasks": PluginKind("tasks", "TASK"),
     "policies": PluginKind("policies", "Policy"),
+    "markers": PluginKind("policies.markers", "MARKER"),
     "mesh_files": PluginKind("articulated.mesh_files", "READER"),
     "importers": PluginKind("assets.importers", "IMPORTER"),
     "skills": PluginKind("skills", "Skill"),

@@ -180,6 +180,9 @@ def networks(config: "Config") -> Iterator[Mistake]:
         if points and options.network.points > min(points):
             what = f"{options.network.points} of {points[min(points)]}.points = {min(points)}"
             yield Mistake(f"training.runs.{run}.network.points", what, "lower it or raise task.points")
+        if options.handle and config.packages.get("handle") is False:
+            what = "is what the package handle marks, which is off"
+            yield Mistake(f"training.runs.{run}.handle", what, "packages: {handle: true}")
         if options.keep > options.steps:
             what = f"{options.keep} checkpoints of {options.steps} steps"
             yield Mistake(f"training.runs.{run}.keep", what, "lower it")
