@@ -79,6 +79,9 @@ CELLS = columns("target", "policy", "training_set", rows=EXPERIMENT.cells)
 FILMS = {stage: list_drawers(CONFIG.packages, stage) for stage in ("demonstrations", "evaluation")}
 MORE_TABLES = list_drawers(CONFIG.packages, "tables")
 TRAININGS = ["results/tables/trainings.csv"] if MORE_TABLES else []
+# The companion of Table 2, by the package `robustness`.
+ROBUSTNESS = [f"results/tables/table2_robustness.{form}" for form in ("csv", "html", "tex")]
+ROBUSTNESS = ROBUSTNESS if CONFIG.packages.get("robustness") else []
 # Files of assets that the user has committed, by target.
 PINNED = {name: target.assets for name, target in EXPERIMENT.targets.items() if target.assets}
 # What packages beside the core add to the target `all`.

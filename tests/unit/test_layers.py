@@ -31,6 +31,8 @@ ON_OTHERS = {  # few, each for a reason
     ("importing", "films"),  # the same way to frame a model
     ("in_scene", "films"),  # its demonstrations are filmed
     ("studies", "pictures"),  # assets with their roles
+    ("report", "robustness"),  # and the companion of Table 2
+    ("studies", "robustness"),
     ("report", "claims"),  # their tables, on the page of a run
     ("studies", "claims"),
     ("studies", "report"),  # the times of a run
