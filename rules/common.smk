@@ -12,7 +12,6 @@ from stages.config.code import cover, files_digest
 from stages.config.commands import check_line, command_digest, command_line, replacement
 from stages.config.mistakes import check_keys
 from stages.config.model import load, with_defaults
-from stages.config.outside import container_environment
 from stages.config.packages import list_drawers, rule_files, shards_of
 from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, options_of, stores
 from stages.config.sizes import fill_counts
@@ -39,8 +38,7 @@ except InputError as error:
 
 # Snakemake keeps copies of what `workflow.source_path` names, in a folder of its own.
 PUBLISHED = str(Path([workflow.source_path(f"../report/published/table{n}.csv") for n in (2, 3)][0]).resolve().parent)
-os.environ.pop("ACDC_ONLINE", None)
-os.environ.update(container_environment(CONFIG, PUBLISHED))
+os.environ["ACDC_PAPER"] = PUBLISHED
 
 
 def columns(*names, rows):
@@ -79,6 +77,9 @@ CELLS = columns("target", "policy", "training_set", rows=EXPERIMENT.cells)
 FILMS = {stage: list_drawers(CONFIG.packages, stage) for stage in ("demonstrations", "evaluation")}
 MORE_TABLES = list_drawers(CONFIG.packages, "tables")
 TRAININGS = ["results/tables/trainings.csv"] if MORE_TABLES else []
+# Rollouts of the scripted skill, by the package `scripted`.
+SKILLS = expand("results/evaluation/skill/{target}/rollouts.csv", target=TRAINED_TARGETS)
+SKILLS = SKILLS if CONFIG.packages.get("scripted") else []
 # The companion of Table 2, by the package `robustness`.
 ROBUSTNESS = [f"results/tables/table2_robustness.{form}" for form in ("csv", "html", "tex")]
 ROBUSTNESS = ROBUSTNESS if CONFIG.packages.get("robustness") else []

@@ -1,9 +1,7 @@
 # Rollouts of the policies, one row each; nothing is aggregated here (paper B.3).
 # Reads:  policies, their trials and the assets of targets.
 # Writes: results/evaluation/policies/<target>/<policy>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films.zip},
-#         results/evaluation/policies/<target>/<policy>/<training set>/rollouts.csv,
-#         results/evaluation/skill/<target>/rollouts.csv.
-from stages.config.demonstrations import MotionOptions
+#         results/evaluation/policies/<target>/<policy>/<training set>/rollouts.csv.
 
 
 container: CONFIG.containers.simulation
@@ -63,32 +61,6 @@ rule rollout:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
-rule skill:
-    """Do a task by the scripted skill on what its policies are rolled out on, from the same states."""
-    input:
-        library="results/assets/library/library.json",
-        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
-        assets=f"results/experiment/{POLICY_VARIANT}/{{target}}/assets.json",
-    output:
-        rollouts="results/evaluation/skill/{target}/rollouts.csv",
-    log:
-        "logs/evaluation/skill_{target}.log",
-    benchmark:
-        "benchmarks/evaluation/skill_{target}.tsv"
-    resources:
-        **needs(3000, 15 + test_episodes() / 10),
-    params:
-        **verb("evaluation", "skill", uses=skill_modules, rollouts="rollouts"),
-        skill_options=CONFIG.demonstrations.model_dump_json(include=set(MotionOptions.model_fields)),
-        task_options=task_options,
-        seed=CONFIG.seed,
-    shell:
-        "({params.command} --assets {input.assets:q} --library {input.library:q} --target {wildcards.target} "
-        "--options {params.options:q} --skill-options {params.skill_options:q} "
-        "--task-options {params.task_options:q} --seed {params.seed} --out {output.rollouts:q} && "
-        "{params.check}) 2>&1 | tee {log:q}"
-
-
 rule gather:
     """Put the rollouts of all policies of one cell into one table."""
     input:
@@ -118,5 +90,5 @@ rule evaluation:
         expand("results/evaluation/scenes/{variant}/{room}/scores.csv", variant=VARIANTS, room=SCORED_ROOMS),
         policies("results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv"),
         expand("results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv", zip, **CELLS),
-        expand("results/evaluation/skill/{target}/rollouts.csv", target=TRAINED_TARGETS),
+        SKILLS,
     localrule: True

@@ -47,7 +47,7 @@ rule table3:
     """Table 3: every cell with its n, seeds and interval; Figures 4 and 9; what packages add: success over unseen assets, claims."""
     input:
         rollouts=expand("results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv", zip, **CELLS),
-        skills=expand("results/evaluation/skill/{target}/rollouts.csv", target=TRAINED_TARGETS),
+        skills=SKILLS,
         trainings=TRAININGS,
     output:
         csv="results/tables/table3.csv",

@@ -16,7 +16,7 @@ VERBS = {
     "experiment": ("select",),
     "demonstrations": ("collect",),
     "training": ("train",),
-    "evaluation": ("trial", "choose", "rollout", "skill", "gather", "score"),
+    "evaluation": ("trial", "choose", "rollout", "gather", "score"),
     "tables": ("scenes", "policies"),
 }
 

@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 import yaml
 
+from plugins.ops.outside import list_key_variables, list_outside_paths
 from reference.commands import rule_files
 from stages.config import reference
 from stages.config.containers import ContainersConfig, tag
 from stages.config.inputs import INPUT_FILES
 from stages.config.model import complete, load, with_defaults
-from stages.config.outside import list_key_variables, list_outside_paths
 from tests.workflow.workspace import ROOT, dry_run, make, planned
 
 STUDY = Path("config/study/table3.yaml")
