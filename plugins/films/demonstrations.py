@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.films.contract import Film
 from plugins.films.studio import Image, Studio, pick_evenly
 from plugins.films.writing import FRAMES, TILE, make_film_strip, write_films, write_png
-from stages.contracts.films import Film
 from stages.demonstrations.attempt import FilmedAttempt
 
 

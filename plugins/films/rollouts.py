@@ -7,9 +7,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from plugins.films.contract import Film
 from plugins.films.studio import Image, Studio
 from plugins.films.writing import FRAMES, make_film_strip, write_films, write_png
-from stages.contracts.films import Film
 from stages.evaluation.episodes import RolloutEpisode
 
 CAPTION = 40  # pixels of the line above a strip: read where the strip is shown at half its size

@@ -33,6 +33,8 @@ ON_OTHERS = {  # few, each for a reason
     ("studies", "pictures"),  # assets with their roles
     ("report", "robustness"),  # and the companion of Table 2
     ("studies", "robustness"),
+    ("report", "films"),  # what it shows
+    ("report", "in_scene"),
     ("report", "claims"),  # their tables, on the page of a run
     ("studies", "claims"),
     ("studies", "report"),  # the times of a run

@@ -9,10 +9,10 @@ import pytest
 from PIL import Image
 
 from plugins.films import rollouts
+from plugins.films.contract import Film, Films
 from plugins.films.rollouts import RolloutFilms, add_caption, pick_episodes
 from stages.contracts.archives import unpack
 from stages.contracts.files import read_json
-from stages.contracts.films import Film, Films
 from stages.demonstrations.collect import run
 from stages.evaluation.episodes import RolloutEpisode
 from tests.unit.demo_assets import an_asset

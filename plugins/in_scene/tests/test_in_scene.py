@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plugins.films.contract import read_films
 from plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
+from plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
 from plugins.in_scene.demonstrate import run
 from plugins.in_scene.room import GeneratedRoom, read_room
 from stages.contracts import read_json, write_json
 from stages.contracts.archives import unpack
 from stages.contracts.episode_store import read_episodes
-from stages.contracts.films import read_films
 from stages.contracts.generated import GeneratedScene, PlacedObject
-from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.contracts.library_folder import write_part
 from stages.contracts.objects import Wall
 from stages.contracts.task_options import TaskConfig
