@@ -80,10 +80,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
     ):
         for variant in chosen:
             if variant not in experiment.variants:
-                mend = f"one of {', '.join(experiment.variants)}"
-                yield Mistake(
-                    f"experiment.{key}", f"'{variant}' is not one of experiment.variants", mend, "E-CONFIG-UNKNOWN"
-                )
+                yield Mistake.unknown(f"experiment.{key}", variant, "experiment.variants", experiment.variants)
     for variant, changes in experiment.placements.items():
         if "ranks" in changes:
             yield Mistake(f"experiment.placements.{variant}.ranks", "is one for all variants", "set generation.ranks")
