@@ -23,8 +23,8 @@ from plugins.robustness import rows as robustness
 from plugins.robustness.table import robustness_table
 from stages.config.tables import PolicyTables
 from stages.contracts.files import read_options, read_text, write_text
-from stages.tables import policy_tables, scene_tables, table2, table3
-from stages.tables.cells import CELL
+from stages.tables import policy_tables, scene_tables, table2
+from stages.tables.cells import CELL, RATE
 from stages.tables.markup import Table, environment
 from stages.tables.methods import join_published, kinds_of
 from stages.tables.policy_notes import policy_notes
@@ -38,7 +38,7 @@ STAGES += ["demonstrations", "training", "evaluation", "tables"]
 COLUMNS = {
     "table2": table2.ALL_COLUMNS,
     "table2_robustness": robustness.COLUMNS,
-    "table3_cells": table3.CELL_COLUMNS,
+    "table3_cells": [*CELL, *RATE],
     "table3_claims": claims.COLUMNS,
     "table3_stability": claims.STABILITY,
     "assets": assets.COLUMNS,
