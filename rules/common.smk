@@ -38,7 +38,7 @@ except InputError as error:
 
 # Snakemake keeps copies of what `workflow.source_path` names, in a folder of its own.
 PUBLISHED = str(Path([workflow.source_path(f"../report/published/table{n}.csv") for n in (2, 3)][0]).resolve().parent)
-os.environ["ACDC_PAPER"] = PUBLISHED
+os.environ.update(ACDC_PAPER=PUBLISHED)
 
 
 def columns(*names, rows):
