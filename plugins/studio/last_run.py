@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.report.doubts import collect_doubts
-from plugins.report.snapshots import Snapshots
+from plugins.report.snapshots import Snapshots, views_of
 from plugins.studio.fronts import FACES, extents, front_corners
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.doubt import Doubt
-from stages.contracts.generated import PlacedObject, views_of
+from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import SceneObject
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project

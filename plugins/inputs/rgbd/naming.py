@@ -5,8 +5,8 @@ from dataclasses import replace
 from plugins.inputs.rgbd.frame import Frame
 from plugins.inputs.rgbd.pieces import TILT
 from plugins.names.propose import propose_names
+from plugins.segmenter.ground import find_ground
 from stages.geometry.cameras import back_project
-from stages.geometry.levels import find_ground
 from stages.geometry.room_planes import make_floor_frame
 
 UNNAMED = "object"  # what a mask is called that nobody named
