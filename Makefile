@@ -50,7 +50,7 @@ second: setup ## the second study of docs/results/design-second.md: a night of t
 	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/second.sh
 
 table2: setup ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
-	$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table2.yaml -- table2
+	$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table2.yaml -- table2 table2_robustness
 	$(BIN)/python -m plugins.studies results --table 2 --configs config.yaml config/study/table2.yaml --variants b ours-geometry --out docs/results
 
 picture: setup ## a frame of yours with depth, e.g. make picture RGB=color.png DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording

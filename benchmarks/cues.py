@@ -16,9 +16,9 @@ import pandas as pd
 import torch
 from torch import Tensor
 
+from plugins.handle.handle_points import mark_handle_points
 from stages.policies.bc_rnn_gmm.network import BcRnnGmm
 from stages.policies.checkpoint import load_network
-from stages.policies.handle_points import mark_handle_points
 from stages.training.dataset import read_demonstrations
 
 STEPS = 5  # of an episode that are looked at, all of them on the way to the handle

@@ -17,8 +17,10 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
+from plugins.films.studio import Image, Moment, Recording, Studio
+from plugins.films.writing import write_film
 from plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
-from plugins.in_scene.room import read_room
+from plugins.in_scene.room import GeneratedRoom, read_room
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts import read_json
 from stages.contracts.images import read_rgb
@@ -26,9 +28,6 @@ from stages.contracts.look import Look
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.plugins import load
-from stages.simulation.films import write_film
-from stages.simulation.room import Room
-from stages.simulation.studio import Image, Moment, Recording, Studio
 from stages.tasks.api import TaskEnv
 
 SMALL, LARGE = (320, 240), (640, 480)  # pixels: input and scene, the robot beside them
@@ -37,7 +36,7 @@ QUALITY, WAIT = 85, 8  # of the film; pictures before it moves
 GAP, WHITE = 6, 255
 
 
-def find_demonstration(room: Room, task: str) -> Recording:
+def find_demonstration(room: GeneratedRoom, task: str) -> Recording:
     """The first successful demonstration in a scene."""
     still = TaskConfig(object_xy=0.0, object_yaw=0.0, scale_range=(1.0, 1.0))
     joint = load("tasks", task).suitable_joint(room.target.folder)

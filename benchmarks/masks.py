@@ -11,15 +11,14 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from benchmarks.open_rooms.pairs import FOUND, overlaps
 from benchmarks.open_rooms.pictures import folders, read
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from plugins.inputs.rgbd.pieces import cut_frame
 from stages.contracts import InputError
 from stages.contracts.types import WALL
 
-FOUND = 0.5  # IoU
 SMALL, LARGE = 0.005, 0.05  # shares of the picture
 
 
@@ -42,14 +41,6 @@ def frame_of(folder: Path) -> Frame:
     rgb = np.asarray(cv2.imread(str(folder / "rgb.png"))[..., ::-1], np.uint8)
     depth = cv2.imread(str(folder / "depth.png"), cv2.IMREAD_UNCHANGED).astype(np.float32) / 1000
     return Frame(rgb, depth, matrix)
-
-
-def overlaps(exact: NDArray[np.uint16], cut: NDArray[np.uint16]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """IoU (E, M) of every exact mask with every mask that was cut, and the share of the latter inside; by value."""
-    both = np.zeros((int(exact.max()) + 1, int(cut.max()) + 1))
-    np.add.at(both, (exact.ravel(), cut.ravel()), 1)
-    areas, sizes = both.sum(axis=1, keepdims=True), both.sum(axis=0, keepdims=True)
-    return both / np.maximum(areas + sizes - both, 1), both / np.maximum(sizes, 1)
 
 
 def measure(folder: Path) -> tuple[list[Thing], int, int, int, float]:

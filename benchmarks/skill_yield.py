@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from plugins.films.demonstrations import film_demonstrations
 from stages.articulated.asset_folder import read_asset
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.film import write_demonstration_films
 from stages.plugins import load
 from stages.tasks.api import Size, TaskEnv
 
@@ -92,7 +92,7 @@ def film(
     world = TaskEnv(task, folder, row["joint"], size, TaskConfig(), render=True)
     recorder = Recorder(world, options, film=True, failures=True)
     recorder.attempt(int(row["seed"]))
-    write_demonstration_films(out, recorder.filmed, "twin", world.options.control_frequency)
+    film_demonstrations(out, recorder.filmed, "twin", world.options.control_frequency)
     world.close()
 
 

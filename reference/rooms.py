@@ -1,6 +1,7 @@
 """The folders of stages/: what each is for, and docs/images/rooms.svg, an arrow from each to those that it imports."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -31,11 +32,12 @@ def picture(root: Path) -> str:
 
 
 def table(root: Path) -> str:
-    """A row for every folder of the core, and for every package: its name and the first sentence of its docstring."""
+    """A row for every folder of the core and every package: its name, and the first line of its docstring."""
     rows = ["| folder | what it is |", "|---|---|"]
     for file in (path for home in ("stages", "plugins") for path in sorted((root / home).glob("*/__init__.py"))):
         docstring = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
-        rows.append(f"| `{file.parent.relative_to(root)}` | {docstring.partition(chr(10))[0]} |")
+        about = re.sub(r"docs/([\w-]+\.md)", r"[\1](\1)", docstring.partition("\n")[0])
+        rows.append(f"| `{file.parent.relative_to(root)}` | {about} |")
     return "\n".join(rows)
 
 

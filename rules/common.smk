@@ -12,7 +12,6 @@ from stages.config.code import cover, files_digest
 from stages.config.commands import check_line, command_digest, command_line, replacement
 from stages.config.mistakes import check_keys
 from stages.config.model import load, with_defaults
-from stages.config.outside import container_environment
 from stages.config.packages import list_drawers, rule_files, shards_of
 from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, options_of, stores
 from stages.config.sizes import fill_counts
@@ -39,8 +38,7 @@ except InputError as error:
 
 # Snakemake keeps copies of what `workflow.source_path` names, in a folder of its own.
 PUBLISHED = str(Path([workflow.source_path(f"../report/published/table{n}.csv") for n in (2, 3)][0]).resolve().parent)
-os.environ.pop("ACDC_ONLINE", None)
-os.environ.update(container_environment(CONFIG, PUBLISHED))
+os.environ.update(ACDC_PAPER=PUBLISHED)
 
 
 def columns(*names, rows):
@@ -75,9 +73,16 @@ TRAINED_TARGETS = [name for name in TARGETS if EXPERIMENT.sets_of(name)]
 DEMONSTRATED = [(name, role) for name in TARGETS for role in EXPERIMENT.list_trained_roles(name)]
 DEMONSTRATED = columns("target", "role", rows=DEMONSTRATED)
 CELLS = columns("target", "policy", "training_set", rows=EXPERIMENT.cells)
-# What packages add to Table 3: modules, the table of trainings that they read.
+# Modules that film demonstrations and rollouts, by stage. What packages add to Table 3: modules, the table of trainings that they read.
+FILMS = {stage: list_drawers(CONFIG.packages, stage) for stage in ("demonstrations", "evaluation")}
 MORE_TABLES = list_drawers(CONFIG.packages, "tables")
 TRAININGS = ["results/tables/trainings.csv"] if MORE_TABLES else []
+# Rollouts of the scripted skill, by the package `scripted`.
+SKILLS = expand("results/evaluation/skill/{target}/rollouts.csv", target=TRAINED_TARGETS)
+SKILLS = SKILLS if CONFIG.packages.get("scripted") else []
+# The companion of Table 2, by the package `robustness`.
+ROBUSTNESS = [f"results/tables/table2_robustness.{form}" for form in ("csv", "html", "tex")]
+ROBUSTNESS = ROBUSTNESS if CONFIG.packages.get("robustness") else []
 # Files of assets that the user has committed, by target.
 PINNED = {name: target.assets for name, target in EXPERIMENT.targets.items() if target.assets}
 # What packages beside the core add to the target `all`.
@@ -139,8 +144,8 @@ def read_options(stage, name):
 
 
 def unless_replaced(stage, name, **outputs):
-    """Outputs for people, of our own verb: a command in its place need not make them."""
-    return {} if replacement(CONFIG, stage, name) else outputs
+    """Outputs for people, of our own verb: a command in its place need not make them, nor a run without films."""
+    return outputs if FILMS.get(stage, True) and not replacement(CONFIG, stage, name) else {}
 
 
 def in_report(path, kind, captions="../report/captions"):

@@ -33,14 +33,21 @@ rule demonstrate:
     resources:
         **needs(3000, lambda wildcards: 15 + episodes_of(wildcards) / 5),
     params:
-        **verb("demonstrations", "collect", uses=task_modules, episodes="episodes", attempts="attempts"),
+        **verb(
+            "demonstrations",
+            "collect",
+            uses=with_films("demonstrations", task_modules),
+            episodes="episodes",
+            attempts="attempts",
+        ),
         task_options=task_options,
         episodes=episodes_of,
+        films=FILMS["demonstrations"],
         seed=CONFIG.seed,
     shell:
         "({params.command} --assets {input.assets:q} --library {input.library:q} --role {wildcards.role} "
         "--episodes {params.episodes} --options {params.options:q} --task-options {params.task_options:q} "
-        "--seed {params.seed} --out {output.episodes:q} && "
+        "--films {params.films:q} --seed {params.seed} --out {output.episodes:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

@@ -1,9 +1,7 @@
 # Rollouts of the policies, one row each; nothing is aggregated here (paper B.3).
 # Reads:  policies, their trials and the assets of targets.
 # Writes: results/evaluation/policies/<target>/<policy>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films.zip},
-#         results/evaluation/policies/<target>/<policy>/<training set>/rollouts.csv,
-#         results/evaluation/skill/<target>/rollouts.csv.
-from stages.config.demonstrations import MotionOptions
+#         results/evaluation/policies/<target>/<policy>/<training set>/rollouts.csv.
 
 
 container: CONFIG.containers.simulation
@@ -49,42 +47,17 @@ rule rollout:
     resources:
         **needs(4000, 15 + test_episodes() / 10, gpu=True),
     params:
-        **verb("evaluation", "rollout", uses=rollout_modules, rollouts="rollouts"),
+        **verb("evaluation", "rollout", uses=with_films("evaluation", rollout_modules), rollouts="rollouts"),
         seed=CONFIG.seed,
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
         roles=trained_roles,
+        films=FILMS["evaluation"],
     shell:
         "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
         "--target {wildcards.target} --policy-name {wildcards.policy} --training-set {wildcards.training_set} "
         "--run-name {wildcards.run} --trained-roles {params.roles} --options {params.options:q} "
-        "--trial {input.trial:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
-        "{params.check}) 2>&1 | tee {log:q}"
-
-
-rule skill:
-    """Do a task by the scripted skill on what its policies are rolled out on, from the same states."""
-    input:
-        library="results/assets/library/library.json",
-        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
-        assets=f"results/experiment/{POLICY_VARIANT}/{{target}}/assets.json",
-    output:
-        rollouts="results/evaluation/skill/{target}/rollouts.csv",
-    log:
-        "logs/evaluation/skill_{target}.log",
-    benchmark:
-        "benchmarks/evaluation/skill_{target}.tsv"
-    resources:
-        **needs(3000, 15 + test_episodes() / 10),
-    params:
-        **verb("evaluation", "skill", uses=skill_modules, rollouts="rollouts"),
-        skill_options=CONFIG.demonstrations.model_dump_json(include=set(MotionOptions.model_fields)),
-        task_options=task_options,
-        seed=CONFIG.seed,
-    shell:
-        "({params.command} --assets {input.assets:q} --library {input.library:q} --target {wildcards.target} "
-        "--options {params.options:q} --skill-options {params.skill_options:q} "
-        "--task-options {params.task_options:q} --seed {params.seed} --out {output.rollouts:q} && "
+        "--trial {input.trial:q} --films {params.films:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
@@ -117,5 +90,5 @@ rule evaluation:
         expand("results/evaluation/scenes/{variant}/{room}/scores.csv", variant=VARIANTS, room=SCORED_ROOMS),
         policies("results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv"),
         expand("results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv", zip, **CELLS),
-        expand("results/evaluation/skill/{target}/rollouts.csv", target=TRAINED_TARGETS),
+        SKILLS,
     localrule: True

@@ -51,32 +51,6 @@ rule select:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
-rule pinned:
-    """Take the assets of a target from a committed file, if the library has the very same models."""
-    input:
-        library="results/assets/library/library.json",
-        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
-        assets=lambda wildcards: PINNED[wildcards.target],
-    output:
-        assets="results/experiment/{variant}/{target}/assets.json",
-    log:
-        "logs/experiment/pinned_{variant}_{target}.log",
-    benchmark:
-        "benchmarks/experiment/{variant}_{target}.tsv"
-    wildcard_constraints:
-        target="|".join(PINNED) or "-",
-    localrule: True
-    resources:
-        **needs(1000, 10),
-    params:
-        **verb("experiment", "pinned", uses=task_modules, task="assets"),
-        task=task,
-    shell:
-        "({params.command} --assets {input.assets:q} --task {params.task} --library {input.library:q} "
-        "--out {output.assets:q} && "
-        "{params.check}) 2>&1 | tee {log:q}"
-
-
 rule experiment:
     """The assets of all targets, and their pictures."""
     input:

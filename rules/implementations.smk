@@ -1,5 +1,6 @@
 # Helpers: implementations whose code counts beside that of a verb, as modules. Functions of a job's wildcards. No rules.
 from stages.config.names import modules
+from stages.config.training import list_policy_modules
 from stages.plugins import qualify_module
 
 
@@ -20,7 +21,7 @@ def task_modules(wildcards):
 
 def policy_modules(wildcards):
     """The kind of policy that a hyper-parameter set is of."""
-    return modules(CONFIG.training.runs[wildcards.run], "policy")
+    return list_policy_modules(CONFIG.training.runs[wildcards.run])
 
 
 def skill_modules(wildcards):
@@ -33,3 +34,8 @@ def skill_modules(wildcards):
 def rollout_modules(wildcards):
     """The same, and the kind of policy."""
     return [*skill_modules(wildcards), *policy_modules(wildcards)]
+
+
+def with_films(stage, of):
+    """The modules that `of` gives, and those that film what a stage does."""
+    return lambda wildcards: [*of(wildcards), *FILMS[stage]]

@@ -1,29 +1,9 @@
-# Scores of the generated scenes, one row per object, and what matching does without (verbs of `evaluation`; paper B.1).
+# Scores of the generated scenes, one row per object (verb `score` of `evaluation`; paper B.1).
 # Reads:  generated scenes and the truth of their rooms; the library.
-# Writes: results/evaluation/scenes/<variant>/<scene>/scores.csv, results/evaluation/left_out/<scene>.json.
+# Writes: results/evaluation/scenes/<variant>/<scene>/scores.csv.
 
 
 container: CONFIG.containers.learning
-
-
-rule leave_out:
-    """Name the true models of a room with all their relatives, for matching to do without."""
-    input:
-        library="results/assets/library/library.json",
-        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
-        truth=expand("results/scenes/{room}/truth.json", room=known_scene),
-    output:
-        assets="results/evaluation/left_out/{scene}.json",
-    log:
-        "logs/evaluation/left_out_{scene}.log",
-    group:
-        scene_group
-    resources:
-        **needs(1000, 10),
-    params:
-        **verb("evaluation", "leave_out"),
-    shell:
-        "{params.command} --truth {input.truth:q} --library {input.library:q} --out {output.assets:q} 2>&1 | tee {log:q}"
 
 
 rule score:

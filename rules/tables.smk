@@ -1,26 +1,24 @@
 # The paper's tables and figures with ours beside them.
 # Reads:  evaluation rows, how trainings ended, the published values in report/published, pictures of the generated scenes.
-# Writes: results/tables/{table2,table2_robustness,table3,assets}.{csv,html,tex}, results/figures/figure{4,6,9}.{svg,png}.
+# Writes: results/tables/{table2,table3,assets}.{csv,html,tex}, results/figures/figure{4,6,9}.{svg,png}.
 
 
 container: CONFIG.containers.report
 
 
 rule table2:
-    """Table 2 and Figure 6, and the companion on robustness variants of the rooms; the published values beside ours."""
+    """Table 2 and Figure 6, the published values beside ours."""
     input:
         scores=expand("results/evaluation/scenes/{variant}/{room}/scores.csv", variant=VARIANTS, room=SCORED_ROOMS),
-        robustness=expand("results/evaluation/scenes/{variant}/{scene}/scores.csv", zip, **PROTOCOL_SCENES),
         comparisons=expand(
             "results/generation/{variant}/{scene}/comparison.png",
             scene=REPORT_ROOMS if DRAWN_ROOMS else [],
             variant=VARIANTS,
         ),
     output:
-        csv=expand("results/tables/{table}.csv", table=["table2", "table2_robustness"]),
+        csv="results/tables/table2.csv",
         html=in_report("results/tables/table2.html", "tables"),
-        robustness=in_report("results/tables/table2_robustness.html", "tables"),
-        tex=expand("results/tables/{table}.tex", table=["table2", "table2_robustness"]),
+        tex="results/tables/table2.tex",
         figure6=in_report("results/figures/figure6.svg", "figures"),
         png="results/figures/figure6.png",
     log:
@@ -40,7 +38,7 @@ rule table2:
         out=subpath(output.html, parent=True),
         figures=subpath(output.figure6, parent=True),
     shell:
-        "{params.command} --scores {input.scores:q} {input.robustness:q} --comparisons {params.comparisons:q} "
+        "{params.command} --scores {input.scores:q} --comparisons {params.comparisons:q} "
         '--published "$ACDC_PAPER" --options {params.options:q} --figures {params.figures:q} '
         "--out {params.out:q} 2>&1 | tee {log:q}"
 
@@ -49,7 +47,7 @@ rule table3:
     """Table 3: every cell with its n, seeds and interval; Figures 4 and 9; what packages add: success over unseen assets, claims."""
     input:
         rollouts=expand("results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv", zip, **CELLS),
-        skills=expand("results/evaluation/skill/{target}/rollouts.csv", target=TRAINED_TARGETS),
+        skills=SKILLS,
         trainings=TRAININGS,
     output:
         csv="results/tables/table3.csv",
@@ -95,6 +93,7 @@ rule tables:
     input:
         TRAININGS,
         rules.table2.output,
+        ROBUSTNESS,
         rules.table3.output,
     localrule: True
 

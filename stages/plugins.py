@@ -39,9 +39,11 @@ KINDS = {
     "rooms": PluginKind("scenes.rooms", ".yaml"),
     "tasks": PluginKind("tasks", "TASK"),
     "policies": PluginKind("policies", "Policy"),
+    "markers": PluginKind("policies.markers", "MARKER"),
     "mesh_files": PluginKind("articulated.mesh_files", "READER"),
     "importers": PluginKind("assets.importers", "IMPORTER"),
     "skills": PluginKind("skills", "Skill"),
+    "renderers": PluginKind("tasks.renderers", "Renderer"),
     "simulators": PluginKind("evaluation.simulators", "Environment"),
 }
 

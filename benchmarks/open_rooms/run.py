@@ -9,10 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.open_rooms import pictures
+from benchmarks.open_rooms.by_clicks import plan_corrections
+from benchmarks.open_rooms.pictures import BY_HAND
 from plugins.inputs import from_rgbd
 from stages.config.model import Config
 from stages.config.reads import options_of, stores
 from stages.contracts import Annotations, InputError, read_json, write_json
+from stages.contracts.corrections import CORRECTIONS, Corrections
 from stages.extraction import extract
 from stages.generation import generate
 from stages.matching import match
@@ -23,6 +26,7 @@ ROWS: dict[str, dict[str, Any]] = {
     "hog": {"model_selection": "distance", "orientation_selection": "distance"},
     "no-image": {"model_selection": "priors", "orientation_selection": "priors"},
 }
+ONE_RANK = {"ranks": 1}
 
 
 @dataclass(frozen=True)
@@ -65,7 +69,7 @@ def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...],
         results: folder with the default library and its features.
         half: of the pictures; all if empty.
         only: in the names of pictures.
-        masks: exact, drawn.
+        masks: of `pictures.MASKS`; `corrected` corrects what `unaided` has made.
         rows: of `ROWS`.
     """
     config = make_config()
@@ -73,66 +77,101 @@ def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...],
     for kind in masks:
         for folder in sorted(pictures.folders(root, half), key=lambda path: path.name.split("_")[::-1]):
             if only in folder.name:
-                with contextlib.suppress(_StoppedError):
+                with contextlib.suppress(StoppedError):
                     _reconstruct(root, folder, kind, rows, config, shelf)
 
 
-class _StoppedError(Exception):
+class StoppedError(Exception):
     """A picture that a stage refused; the log says why."""
 
 
 def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], config: Config, shelf: Shelves) -> None:
     out = root / "results" / kind / folder.name
     out.mkdir(parents=True, exist_ok=True)
-    truth = pictures.read(folder)
-    entry = out / "input"
+    entry = input_folder(root, folder, kind)
     objects = out / "extraction" / "objects.json"
     scene = folder.name.replace("-", "_")
     if not objects.is_file():
-        with _log_stage(out / "extraction.log"):
-            from_rgbd.run(
-                out=entry,
-                rgb=folder / "rgb.png",
-                depth=folder / "depth.png",
-                unit="mm",
-                intrinsics=folder / "intrinsics.json",
-                masks=folder / f"{kind}.png",
-                labels=folder / f"{kind}.json",
-            )
-            _count_panels(entry, truth)
-            objects.parent.mkdir(exist_ok=True)
-            options = options_of(config, "extraction", "extract", {"scene": scene})
-            extract.run(
-                input=entry, scene=scene, out=objects, options=json.dumps(options), own=(entry / "config.yaml",)
-            )
+        with log_stage(out / "extraction.log"):
+            corrections = _make_input(root, folder, kind, entry)
+            extract_objects(entry, scene, objects, config, corrections)
     for row in rows:
-        cousins, scenes = out / row / "cousins.json", out / row
-        if not cousins.is_file():
-            options = options_of(config, "matching", "match", {"variant": row})
-            looks = config.matching_of(row).compares_pictures
-            with _log_stage(out / f"{row}.log"):
-                cousins.parent.mkdir(exist_ok=True)
-                match.run(
-                    objects=objects,
-                    image=entry / "rgb.png",
-                    library=shelf.library,
-                    out=cousins,
-                    features=shelf.features if looks else (),
-                    snapshots=shelf.snapshots if looks else (),
-                    options=json.dumps(options),
-                )
-        if not (scenes / "scene_1.json").is_file():
-            options = options_of(config, "generation", "generate", {"variant": row})
-            options |= {} if row == "geometry" else {"ranks": 1}  # the others are there to be compared with
-            with _log_stage(out / f"{row}_generation.log"):
-                generate.run(
-                    cousins=cousins,
-                    objects=objects,
-                    library=shelf.library,
-                    variant=row.replace("-", "_"),
-                    out=scenes,
-                    options=json.dumps(options),
-                )
+        ranks = {} if row == "geometry" and kind in BY_HAND else ONE_RANK  # the others are there to be compared with
+        place_cousins(entry, objects, out, row, config, shelf, ranks)
+
+
+def extract_objects(entry: Path, scene: str, objects: Path, config: Config, corrections: tuple[Path, ...] = ()) -> None:
+    """Write the objects.json of an input folder."""
+    objects.parent.mkdir(exist_ok=True)
+    options = options_of(config, "extraction", "extract", {"scene": scene})
+    extract.run(
+        input=entry,
+        scene=scene,
+        out=objects,
+        options=json.dumps(options),
+        own=(entry / "config.yaml",),
+        corrections=corrections,
+    )
+
+
+def place_cousins(
+    entry: Path, objects: Path, out: Path, row: str, config: Config, shelf: Shelves, ranks: dict[str, int]
+) -> None:
+    """Write cousins.json and scenes of a row into a folder of `out`, if they are not there; `ranks`: options."""
+    cousins, scenes = out / row / "cousins.json", out / row
+    if not cousins.is_file():
+        options = options_of(config, "matching", "match", {"variant": row})
+        looks = config.matching_of(row).compares_pictures
+        with log_stage(out / f"{row}.log"):
+            cousins.parent.mkdir(exist_ok=True)
+            match.run(
+                objects=objects,
+                image=entry / "rgb.png",
+                library=shelf.library,
+                out=cousins,
+                features=shelf.features if looks else (),
+                snapshots=shelf.snapshots if looks else (),
+                options=json.dumps(options),
+            )
+    if not (scenes / "scene_1.json").is_file():
+        options = options_of(config, "generation", "generate", {"variant": row})
+        with log_stage(out / f"{row}_generation.log"):
+            generate.run(
+                cousins=cousins,
+                objects=objects,
+                library=shelf.library,
+                variant=row.replace("-", "_"),
+                out=scenes,
+                options=json.dumps(options | ranks),
+            )
+
+
+def input_folder(root: Path, folder: Path, kind: str) -> Path:
+    """The input folder of a picture with masks of this kind; corrections are of the unaided one."""
+    return root / "results" / ("unaided" if kind == "corrected" else kind) / folder.name / "input"
+
+
+def _make_input(root: Path, folder: Path, kind: str, entry: Path) -> tuple[Path, ...]:
+    """Write the input folder, or corrections of the one that is there."""
+    truth = pictures.read(folder)
+    if kind == "corrected":
+        path = root / "results" / kind / folder.name / CORRECTIONS
+        told = [step.correction for step in plan_corrections(root, folder) if step.correction is not None]
+        write_json(path, Corrections(objects=told))
+        return (path,)
+    by_hand = {} if kind not in BY_HAND else {"masks": folder / f"{kind}.png", "labels": folder / f"{kind}.json"}
+    from_rgbd.run(
+        out=entry,
+        rgb=folder / "rgb.png",
+        depth=folder / "depth.png",
+        unit="mm",
+        intrinsics=folder / "intrinsics.json",
+        auto=not by_hand,
+        **by_hand,
+    )
+    if by_hand:
+        _count_panels(entry, truth)
+    return ()
 
 
 def _count_panels(entry: Path, truth: pictures.Picture) -> None:
@@ -150,7 +189,7 @@ def _count_panels(entry: Path, truth: pictures.Picture) -> None:
 
 
 @contextlib.contextmanager
-def _log_stage(log: Path) -> Any:
+def log_stage(log: Path) -> Any:
     """What a stage prints goes into a file; where one stops, the picture is left and the reason stays there."""
     since = time.process_time()
     with log.open("w") as file, contextlib.redirect_stdout(file), contextlib.redirect_stderr(file):
@@ -159,6 +198,6 @@ def _log_stage(log: Path) -> Any:
         except Exception as error:
             traceback.print_exc()
             print(f"stopped: {error}")
-            raise _StoppedError from error
+            raise StoppedError from error
         finally:
             print(f"{time.process_time() - since:.1f} CPU s")

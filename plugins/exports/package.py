@@ -23,7 +23,14 @@ PACKAGE = Package(verbs={"scenes": None, "demonstrations": None, "policy": None}
 
 def has_portable_form(run: TrainingRun) -> bool:
     """Whether `exports policy` can write policies of these options: they see clouds, and their kind has code for it."""
-    return run.network.cloud and source(f"{qualify_module('policies', run.policy)}.portable") is not None
+    return run.network.cloud and find_portable_form(run.policy) is not None
+
+
+def find_portable_form(policy: str) -> str | None:
+    """Module of the portable form of a kind of policy: of this package, or beside the policy; None: there is none."""
+    module = qualify_module("policies", policy)
+    forms = (f"plugins.exports.{policy}.portable", f"{module}.portable")
+    return next((form for form in forms if source(form)), None)
 
 
 def with_portable_form(

@@ -4,12 +4,14 @@ import importlib
 import shutil
 from pathlib import Path
 
-from stages.config.code import cover, source
+from plugins.exports.package import find_portable_form
+from plugins.handle import handle_points
+from stages.config.code import cover
 from stages.contracts.errors import InputError
 from stages.contracts.files import write_atomically, write_json
 from stages.contracts.policy_folder import read_config
 from stages.plugins import qualify_module
-from stages.policies import Choice, handle_points
+from stages.policies import Choice
 from stages.policies.checkpoint import load_network, save_weights
 
 LAYOUT = {
@@ -31,15 +33,15 @@ def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "
         action: by which mode of the mixture it acts, as in `evaluation.action`.
     """
     config = read_config(policy)
-    module = qualify_module("policies", config.run.policy)
-    cover([module])
-    if source(f"{module}.portable") is None:
+    cover([qualify_module("policies", config.run.policy)])
+    module = find_portable_form(config.run.policy)
+    if module is None:
         what = f"a policy '{config.run.policy}' has no portable form."
-        raise InputError(policy, what, f"write {module}.portable", code="E-POLICY-PORTABLE")
+        raise InputError(policy, what, "write `portable.py` beside it", code="E-POLICY-PORTABLE")
     if not config.run.network.cloud:
         what = "sees no cloud: it is a baseline for rollouts."
         raise InputError(policy, what, "export one with network.cloud: true", code="E-POLICY-PORTABLE")
-    code = importlib.import_module(f"{module}.portable")
+    code = importlib.import_module(module)
     weights, about = code.portable(load_network(policy, checkpoint), action)
     options = config.task_options
     about |= {

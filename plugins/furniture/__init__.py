@@ -1,4 +1,4 @@
-"""Parametric models of household things, with doors and drawers: recipe + size -> asset folder. No simulator here."""
+"""Parametric models of household things, with doors and drawers: recipe + size -> asset folder (docs/assets.md)."""
 
 from plugins.furniture.folder import build, generate
 

@@ -1,1 +1,1 @@
-"""Models of the user: found, read, examined, repaired, made assets; a page shows what they were taken for."""
+"""Models of the user: found, read, examined, repaired, made assets, and shown on a page (docs/your-models.md)."""

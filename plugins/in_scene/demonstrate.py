@@ -9,22 +9,22 @@ from typing import Any
 
 import numpy as np
 
+from plugins.films.contract import Film
+from plugins.films.demonstrations import FilmedAttempt, make_strip, plot_cloud
+from plugins.films.studio import Studio
+from plugins.films.writing import FRAMES, write_films, write_png
 from plugins.in_scene.base_shifts import find_obstacle, find_touched, list_base_shifts
+from plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
 from plugins.in_scene.room import read_room
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts import GeneratedScene, InputError, read_json, read_options, write_json
 from stages.contracts.archives import pack
-from stages.contracts.films import Film
-from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.contracts.look import ROOM_LIGHT
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.collect import attempt_seeds
-from stages.demonstrations.film import FilmedAttempt, make_strip, plot_cloud
 from stages.demonstrations.store import StoreHeader, write_episodes
 from stages.plugins import load
-from stages.simulation.films import FRAMES, write_films, write_png
-from stages.simulation.studio import Studio
 from stages.tasks.api import TaskEnv
 from stages.tasks.task import Task
 

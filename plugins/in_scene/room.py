@@ -1,21 +1,115 @@
-"""Read a generated scene as the room of a task about one of its objects."""
+"""A generated scene about one of its objects: furniture, floor and walls, in the robot's way and behind its work."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+
+import numpy as np
+import sapien
+import trimesh
+from mani_skill.utils.geometry.trimesh_utils import get_component_meshes
+from sapien.physx import PhysxArticulation, PhysxRigidBaseComponent
 
 from stages.articulated.asset_folder import read_asset
 from stages.articulated.resizing import resize_asset
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene, PlacedObject
+from stages.contracts.library import Asset
 from stages.contracts.library_folder import AssetFolders
+from stages.contracts.look import Look
 from stages.geometry.boxes import UprightBox
-from stages.simulation.room import Furniture, Room
+from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
+from stages.simulation.backdrop import add_backdrop
+from stages.simulation.kinematics import Array
+from stages.simulation.loading import load_asset, physics_scene, root_pose
+from stages.simulation.room import Body
 
 AGAIN = "generate the scenes again"
+OBSTACLES_WITHIN = 1.6  # metres around the target within which furniture counts as an obstacle
 
 
-def read_room(path: Path, target: str, library: Path, cache: Path) -> Room:
+@dataclass(frozen=True)
+class Furniture:
+    """A placed model: its folder at its size, and its closed box in the floor frame."""
+
+    id: str
+    folder: Path
+    asset: Asset
+    box: UprightBox
+
+
+@dataclass
+class GeneratedRoom:
+    """A generated scene; `target` is the object that a task is about, `others` is what else stands in it.
+
+    shift: of the robot from its usual place before the target, x and y in the target's frame, metres.
+    look: colours and bounds of floor and walls; None: usual ones.
+    """
+
+    scene: GeneratedScene
+    target: Furniture
+    others: list[Furniture]
+    shift: tuple[float, float] = (0.0, 0.0)
+    look: Look | None = None
+
+    @property
+    def world_from_nominal(self) -> Array:
+        """(4, 4) pose of the frame in which the target's box stands above the origin, on z = 0, and faces +x."""
+        x, y, _ = self.target.box.center
+        return rigid(yaw_matrix(self.target.box.yaw), [x, y, self.target.box.bottom])
+
+    def stand(self, base: Array) -> Array:
+        """Where the robot stands, of its pose (4, 4) in the target's nominal frame: shifted, never below the floor."""
+        world: Array = self.world_from_nominal @ rigid(np.eye(3), [*self.shift, 0.0]) @ base
+        world[2, 3] = max(world[2, 3], 0.0)
+        return world
+
+    def load(self, scene: sapien.Scene) -> dict[str, Body]:
+        """Add floor, walls and all furniture but the target, which stays where it is; by name."""
+        boxes = [item.box for item in (self.target, *self.others)]
+        camera = np.array(self.scene.floor_from_camera)[:3, 3]
+        bodies: dict[str, Body] = {
+            block.name: block for block in add_backdrop(scene, boxes, self.scene.walls, camera, self.look)
+        }
+        for item in self.others:
+            pose = root_pose(item.asset, item.box.center.tolist(), item.box.yaw)
+            bodies[item.id] = load_asset(scene, item.folder, pose, True, item.id)
+        return bodies
+
+    @cached_property
+    def obstacles(self) -> Mapping[str, Array]:
+        """(N, 3) points on the surfaces of floor, walls and furniture, by name, as far as the robot may reach."""
+        center, reach = self.target.box.center, float(np.linalg.norm(self.target.box.size)) / 2 + OBSTACLES_WITHIN
+        scene = physics_scene()  # bodies die with it
+        found = {name: surface(body, center, reach) for name, body in self.load(scene).items()}
+        return {name: points for name, points in found.items() if len(points)}
+
+
+def surface(body: Body, center: Array, reach: float) -> Array:
+    """(N, 3) points on the collision meshes of a body within `reach` of `center`, world frame; always the same ones."""
+    links = (
+        body.links if isinstance(body, PhysxArticulation) else [body.find_component_by_type(PhysxRigidBaseComponent)]
+    )
+    points = [np.zeros((0, 3))]
+    for link in links:
+        pose = link.pose.to_transformation_matrix()
+        local = apply(inverse(pose), center)
+        for mesh in get_component_meshes(link):
+            low, high = np.clip(mesh.bounds, local - reach, local + reach)
+            if (low >= high).any():
+                continue
+            if len(mesh.vertices) == 8:  # a box: of walls and floors only what is near
+                mesh = trimesh.creation.box(bounds=[low, high])
+            count = int(mesh.area * 8000) + 1  # a little more than a centimetre apart
+            some = trimesh.sample.sample_surface(mesh, count, seed=np.random.default_rng(0))[0]
+            points.append(apply(pose, some))
+    near = np.concatenate(points)
+    return near[np.linalg.norm(near - center, axis=1) < reach]
+
+
+def read_room(path: Path, target: str, library: Path, cache: Path) -> GeneratedRoom:
     """The room of a generated scene about one of its objects.
 
     Args:
@@ -32,7 +126,7 @@ def read_room(path: Path, target: str, library: Path, cache: Path) -> Room:
         why = f"object '{target}' failed: {failed[target]}" if target in failed else f"has no object '{target}'"
         raise InputError(path, f"{why}.", f"those that stand: {', '.join(placed) or 'none'}", code="E-OBJECT-MISSING")
     items = {name: _furniture(item, folders, cache, path) for name, item in placed.items()}
-    return Room(generated, items.pop(target), list(items.values()))
+    return GeneratedRoom(generated, items.pop(target), list(items.values()))
 
 
 def _furniture(item: PlacedObject, folders: Mapping[str, Path], cache: Path, path: Path) -> Furniture:

@@ -32,8 +32,8 @@ from stages.simulation.controller import apply_delta, scale_action
 from stages.simulation.kinematics import IK_DAMPING, LIMIT_MARGIN, MAX_JOINT_STEP, Array
 from stages.simulation.loading import load_asset, physics_scene
 from stages.simulation.observation import CAMERA_FROM_IMAGE
+from stages.simulation.recording import Moment, Recording
 from stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
-from stages.simulation.studio import Moment, Recording
 from stages.simulation.target import Target, read_target
 from stages.tasks.api import Float, TaskEnv
 from stages.tasks.base_placement import AJAR, find_success_opening, place_robot_and_asset

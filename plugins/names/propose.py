@@ -1,4 +1,4 @@
-"""Propose names for the thing that a mask shows: what looks, size and height say, each with a weight of its own."""
+"""Propose names for the thing that a mask shows: what looks, size and place say, as if each were independent."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,13 +7,25 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import yaml
 from numpy.typing import NDArray
 
 from plugins.names.observed import Observed
 
 Array = NDArray[np.float64]
 TABLE = Path(__file__).with_name("names.npz")
+CLASSES = Path(__file__).with_name("classes.yaml")
+WEIGHTS = (
+    0.15,
+    1,
+    1,
+    1,
+    1,
+)  # of looks, classes, size, foot, out: our own pictures teach looks badly; benchmarks/names.py
 FEET = (-0.05, 0.05, 0.3, 0.6, 0.9, 1.3)  # metres: between them heights of feet are alike; chosen
+OUT = (0.1, 0.25, 0.6)  # metres out of a wall, between which things are alike; chosen
+BEHIND = -0.75  # metres out of a wall: what is seen there is in a mirror; chosen
+OTHER = 0.02  # added to the share of a category's classes: of 45 about one; chosen
 
 
 class Proposal(NamedTuple):
@@ -31,18 +43,19 @@ class Table:
         names: (C,).
         looks: (C, 112) by which a mean feature is multiplied, and `offset` (C,) added to it: log-likelihoods by
             Gaussians of one covariance (LDA).
-        size: (C, 3) means of logarithms of what is seen of extents, and `spread` (C, 3) their standard deviations.
+        size: (C, 3) means of logarithms of what is seen of extents; `whiten` (C, 3, 3) makes what differs from them
+            white.
         feet: (C, 7) log-probabilities of heights between `FEET`.
-        weights: (3,) of looks, size and feet.
+        out: (C, 6) log-probabilities of `place_at_wall`.
     """
 
     names: NDArray[np.str_]
     looks: Array
     offset: Array
     size: Array
-    spread: Array
+    whiten: Array
     feet: Array
-    weights: Array
+    out: Array
 
 
 @cache
@@ -53,15 +66,41 @@ def read_table() -> Table:
         return Table(names=file["names"], **numbers)
 
 
+@cache
+def read_classes() -> dict[str, list[int]]:
+    """The classes of ImageNet that are a category."""
+    return {name: list(classes) for name, classes in yaml.safe_load(CLASSES.read_text(encoding="utf-8")).items()}
+
+
+def share_classes(scores: Array, names: Sequence[str]) -> Array:
+    """The share (C,) of each category among those classes of ImageNet (1000 scores) that are ours at all."""
+    classes = read_classes()
+    ours = sorted({one for name in names for one in classes.get(name, [])})
+    share = np.zeros(len(scores))
+    share[ours] = np.exp(scores[ours] - scores[ours].max())
+    share /= share.sum()
+    return np.array([share[classes.get(name, [])].sum() for name in names])
+
+
+def place_at_wall(out: Array | None) -> int:
+    """0: there is no wall around it; 1: it is a mirror; else by how far it stands out of it."""
+    if out is None:
+        return 0
+    return 1 if out[0] < BEHIND else 2 + int(np.searchsorted(OUT, out[1]))
+
+
 def say(observed: Observed, table: Table) -> Array:
-    """Log-likelihoods (3, C) of what is observed, by looks, size and foot; 0: nothing is known."""
-    said = np.zeros((3, len(table.names)))
+    """Log-likelihoods (5, C) of what is observed, in the order of `WEIGHTS`; 0: nothing is known."""
+    said = np.zeros((len(WEIGHTS), len(table.names)))
     said[0] = table.looks @ observed.looks + table.offset
+    if observed.classes is not None:
+        said[1] = np.log(share_classes(observed.classes, [str(name) for name in table.names]) + OTHER)
     if observed.size is not None:
-        off = (observed.size - table.size) / table.spread
-        said[1] = -(off**2 / 2 + np.log(table.spread)).sum(axis=1)
+        off = np.einsum("cij,cj->ci", table.whiten, observed.size - table.size)
+        said[2] = np.linalg.slogdet(table.whiten).logabsdet - (off**2).sum(axis=1) / 2
     if observed.foot is not None:
-        said[2] = table.feet[:, np.searchsorted(FEET, observed.foot)]
+        said[3] = table.feet[:, np.searchsorted(FEET, observed.foot)]
+        said[4] = table.out[:, place_at_wall(observed.out)]
     return said
 
 
@@ -74,7 +113,7 @@ def propose_names(observed: Observed, table: Table | None = None, among: Sequenc
         among: names that come into question; None: all.
     """
     table = table or read_table()
-    total = table.weights @ say(observed, table)
+    total = np.array(WEIGHTS) @ say(observed, table)
     if among is not None:
         total = np.where(np.isin(table.names, list(among)), total, -np.inf)
     share = np.exp(total - total.max())

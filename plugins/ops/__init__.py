@@ -1,1 +1,1 @@
-"""Runs in operation: one workflow per folder, no job outlives it, fewer lines on the terminal, what a cluster lacks."""
+"""Runs in operation: one workflow per folder, no job outlives it, a short log, clusters (docs/running.md)."""

@@ -19,10 +19,12 @@ from plugins.report.page.benchmarks import by_stage, longest_table, read_jobs, t
 from plugins.report.page.charts import embed_svg
 from plugins.report.page.files import RunFiles
 from plugins.report.roles import role_title
+from plugins.robustness import rows as robustness
+from plugins.robustness.table import robustness_table
 from stages.config.tables import PolicyTables
 from stages.contracts.files import read_options, read_text, write_text
-from stages.tables import policy_tables, robustness, scene_tables, table2, table3
-from stages.tables.cells import CELL
+from stages.tables import policy_tables, scene_tables, table2
+from stages.tables.cells import CELL, RATE
 from stages.tables.markup import Table, environment
 from stages.tables.methods import join_published, kinds_of
 from stages.tables.policy_notes import policy_notes
@@ -36,7 +38,7 @@ STAGES += ["demonstrations", "training", "evaluation", "tables"]
 COLUMNS = {
     "table2": table2.ALL_COLUMNS,
     "table2_robustness": robustness.COLUMNS,
-    "table3_cells": table3.CELL_COLUMNS,
+    "table3_cells": [*CELL, *RATE],
     "table3_claims": claims.COLUMNS,
     "table3_stability": claims.STABILITY,
     "assets": assets.COLUMNS,
@@ -118,7 +120,7 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
             ],
             tables=[
                 *table(scene_tables.scenes_table, "table2", options),
-                *table(scene_tables.robustness_table, "table2_robustness"),
+                *table(robustness_table, "table2_robustness"),
                 *table(policy_tables.policies_table, "table3_cells", paper, options, kinds, notes),
                 *table(claim_tables.stability_table, "table3_stability"),
             ],

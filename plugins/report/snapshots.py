@@ -10,9 +10,11 @@ from PIL import Image
 
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
+from stages.contracts.generated import GeneratedScene
 from stages.contracts.library import SnapshotShard
 from stages.geometry.cameras import MARGIN
 from stages.geometry.frames import angle_difference
+from stages.geometry.viewing import view_angle
 
 
 class Snapshots:
@@ -56,3 +58,14 @@ def cut_out(rgb: NDArray[np.uint8], seen: NDArray[np.bool_]) -> Image.Image:
     half = (1 + 2 * MARGIN) * max(bottom - top, right - left) / 2
     x, y = (left + right) / 2, (top + bottom) / 2
     return picture.crop((round(x - half), round(y - half), round(x + half), round(y + half)))
+
+
+def views_of(scenes: Iterable[GeneratedScene], name: str) -> dict[str, float]:
+    """Yaws of snapshots at which the camera sees the models that stand for an object, by asset; first ranks first."""
+    found: dict[str, float] = {}
+    for scene in scenes:
+        camera = [row[3] for row in scene.floor_from_camera]
+        for item in scene.objects:
+            if item.id == name and item.status == "ok":
+                found.setdefault(item.asset, view_angle(camera, item.position, item.yaw))
+    return found

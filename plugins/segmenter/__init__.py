@@ -1,1 +1,1 @@
-"""Cuts a picture with depth into things, floor and walls, by a network that learnt from rooms of our own models."""
+"""Cuts a picture with depth into things, floor and walls, by a network learnt in our rooms (docs/your-data.md)."""

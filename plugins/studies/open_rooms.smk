@@ -1,7 +1,7 @@
 # Rooms that are not ours: pictures of rooms of other people's models, reconstructed and scored (docs/results/open.md).
-# `snakemake open_rooms` in a clone of this repository, no part of `all`: 0.8 GB of models, Mitsuba 3, two hours on two cores.
+# `snakemake open_rooms` in a clone of this repository, no part of `all`: 0.8 GB of models, Mitsuba 3, four hours on two cores.
 # Reads:  the default library and its features.
-# Writes: results/open_rooms/{packs,pictures,results}/, results/open_rooms/open.md, open.csv.
+# Writes: results/open_rooms/{packs,pictures,results}/, results/open_rooms/open.md, open.csv, clicks.csv.
 from plugins.studies.open_rooms import digest_of, picture_names
 
 
@@ -45,8 +45,11 @@ rule open_picture:
 
 
 rule open_room:
-    """Reconstruct one picture."""
+    """Reconstruct one picture; `corrected` corrects what `unaided` made."""
     input:
+        made=lambda wildcards: (
+            [f"results/open_rooms/results/unaided/{wildcards.picture}"] if wildcards.masks == "corrected" else []
+        ),
         library="results/assets/library/library.json",
         models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
         features=expand("results/matching/features/{store}/shard_{shard}.npy", store=next(iter(STORES)), shard=SHARDS),
@@ -76,10 +79,15 @@ rule open_rooms:
         library="results/assets/library/library.json",
         models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
         packs="results/open_rooms/packs",
-        scenes=expand("results/open_rooms/results/{masks}/{picture}", masks=["drawn", "exact"], picture=picture_names),
+        scenes=expand(
+            "results/open_rooms/results/{masks}/{picture}",
+            masks=["drawn", "exact", "unaided", "corrected"],
+            picture=picture_names,
+        ),
     output:
         page="results/open_rooms/open.md",
         rows="results/open_rooms/open.csv",
+        clicks="results/open_rooms/clicks.csv",
     log:
         "logs/open_rooms/score.log",
     benchmark:
@@ -87,6 +95,6 @@ rule open_rooms:
     resources:
         **needs(3000, 30),
     params:
-        code=digest_of("score.py", "tables.py", "intro.md", "kinds.yaml", "models.csv"),
+        code=digest_of("score.py", "by_clicks.py", "pairs.py", "tables.py", "intro.md", "kinds.yaml", "models.csv"),
     shell:
         "python -m benchmarks.open_rooms score results/open_rooms --library results --out results/open_rooms 2>&1 | tee {log:q}"

@@ -1,6 +1,20 @@
 """What the core must know of this package."""
 
+from collections.abc import Iterator
+from typing import Any
+
+from plugins.studies.pinned_assets import pinned_assets
+from stages.config.mistakes import Mistake
 from stages.config.packages import Package
 from stages.config.tables import MethodTables
 
-PACKAGE = Package(verbs={"conditions": MethodTables}, section="tables")
+
+def find_mistakes(config: Any) -> Iterator[Mistake]:
+    """Committed assets that are not as targets say; skills under conditions, without the package of skills."""
+    yield from pinned_assets(config)
+    if not config.packages.get("scripted"):
+        what = "is off or not here, and studies roll its skill out under every condition"
+        yield Mistake("packages.scripted", what, "packages: {scripted: true}, or {studies: false}, too")
+
+
+PACKAGE = Package(verbs={"conditions": MethodTables, "pinned": None}, section="tables", mistakes=find_mistakes)

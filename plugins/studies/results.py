@@ -10,6 +10,8 @@ import pandas as pd
 from plugins.claims import more, trainings
 from plugins.claims.assets import of_splits
 from plugins.report.roles import list_demonstrated_assets, lists_table, roles_table
+from plugins.robustness import rows as robustness
+from plugins.robustness.table import robustness_table
 from plugins.studies import conditions
 from plugins.studies.associations import Shown, associations_table, traits
 from plugins.studies.associations import build as associate
@@ -24,7 +26,7 @@ from stages.contracts.library import Library
 from stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
 from stages.contracts.training_sets import is_randomised
 from stages.tables import policy_tables as table3_text
-from stages.tables import robustness, table2, table3
+from stages.tables import table2, table3
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table
 from stages.tables.methods import kinds_of, read_pooled, read_rollouts
@@ -34,7 +36,7 @@ from stages.tables.policy_notes import policy_notes
 from stages.tables.pooling import pool_of, pool_rollouts
 from stages.tables.rows import ONE_SCENE, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
-from stages.tables.scene_tables import robustness_table, scenes_table
+from stages.tables.scene_tables import scenes_table
 from stages.tables.writing import write_csv
 
 SCENE_STAGES = ["assets", "scenes", "extraction", "matching", "generation", "evaluation", "tables"]

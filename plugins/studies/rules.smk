@@ -73,3 +73,31 @@ rule conditions:
     shell:
         "{params.command} --rollouts {input.rollouts:q} {input.skills:q} --elsewhere {input.elsewhere:q} --names {params.names:q} "
         "--options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"
+
+
+rule pinned:
+    """Take the assets of a target from a committed file, if the library has the very same models."""
+    input:
+        library="results/assets/library/library.json",
+        models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+        assets=lambda wildcards: PINNED[wildcards.target],
+    output:
+        assets="results/experiment/{variant}/{target}/assets.json",
+    log:
+        "logs/experiment/pinned_{variant}_{target}.log",
+    benchmark:
+        "benchmarks/experiment/{variant}_{target}.tsv"
+    wildcard_constraints:
+        target="|".join(PINNED) or "-",
+    localrule: True
+    container:
+        CONFIG.containers.learning
+    resources:
+        **needs(1000, 10),
+    params:
+        **verb("studies", "pinned", uses=task_modules, task="assets"),
+        task=task,
+    shell:
+        "({params.command} --assets {input.assets:q} --task {params.task} --library {input.library:q} "
+        "--out {output.assets:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"

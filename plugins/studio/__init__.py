@@ -1,1 +1,1 @@
-"""Draw camera, room and objects into a photograph: single-view metrology behind a page in the browser."""
+"""Draw camera, room and objects into a photograph: single-view metrology behind a page (docs/corrections.md)."""

@@ -83,10 +83,20 @@ function line(...parts) {
   return entry;
 }
 
+// A name is doubted no more once a person has said it.
+const renamed = (item) => item.named || item.label !== JSON.parse(state.before.get(item.mask) ?? '{}').label;
+const doubtsOf = (item) => (made(item).doubts ?? []).filter(({ cause }) => cause !== 'name' || !renamed(item));
+function doubtLine(item, { text, cause }) {
+  const names = cause === 'name' ? state.proposals[item.mask] ?? [] : [];
+  const about = button(item, names.length ? `${nameOf(item)}?` : `${nameOf(item)}: ${text}`);
+  if (names.length) about.title = text;
+  if (cause === 'name') about.addEventListener('click', () => { get('label').focus(); get('label').select(); });
+  return line(about, ...names.map((name) => proposal(item, name)));
+}
 function doubts() {
-  const all = things().flatMap((item) => (made(item).doubts ?? []).map((doubt, k) => ({ item, doubt, placed: k < made(item).grave })));
-  all.sort((one, other) => other.placed - one.placed); // what is odd about where and how large it stands comes first
-  const lines = all.map(({ item, doubt }) => line(button(item, `${nameOf(item)}: ${doubt}`)));
+  const all = things().flatMap((item) => doubtsOf(item).map((doubt) => ({ item, doubt })));
+  all.sort((one, other) => other.doubt.grave - one.doubt.grave); // what is odd about where and how large it stands comes first
+  const lines = all.map(({ item, doubt }) => doubtLine(item, doubt));
   get('in-doubt').hidden = !lines.length;
   get('in-doubt').querySelector('summary').textContent = `In doubt: ${lines.length}`;
   get('in-doubt').querySelector('ul').replaceChildren(...lines);
@@ -110,7 +120,7 @@ function panel() {
   if (!item) return;
   for (const id of ['label', 'doors', 'drawers']) if (document.activeElement !== get(id)) get(id).value = item[id] ?? (id === 'label' ? '' : 0);
   get('proposals').replaceChildren(...(state.proposals[item.mask] ?? []).map((text) => proposal(item, text)));
-  get('own-doubts').replaceChildren(...(made(item).doubts ?? []).map((doubt) => { const entry = line(doubt); entry.className = 'note'; return entry; }));
+  get('own-doubts').replaceChildren(...doubtsOf(item).map(({ text }) => { const entry = line(text); entry.className = 'note'; return entry; }));
   get('articulated').checked = item.articulated || item.doors + item.drawers > 0;
   get('thing').hidden = ROOM.includes(item.label);
   get('found').hidden = !state.known.includes(item.mask) || (!item.around && !item.outline.length);

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from plugins.inputs.own_scene import is_clone, to_run
 from plugins.studio.fronts import extents, jpeg, rectify_front
-from plugins.studio.last_run import LastRun, read_last_run
+from plugins.studio.last_run import LastRun, describe_doubt, read_last_run
 from plugins.studio.masks import (
     ROOM,
     Cutter,
@@ -127,7 +127,7 @@ class Correcting:
             "project": self._page(drawing),
             "categories": [*self.categories, FLOOR, WALL],
             "folder": str(self.folder / CORRECTIONS),
-            "made": self.made.describe_things(),
+            "made": self._doubts_of_input() | self.made.describe_things(),
             "pictured": self.made.picture is not None,
             "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in ids.values() else None),
             "proposals": {item.mask: item.proposals for item in self.given.annotations.objects},
@@ -135,6 +135,11 @@ class Correcting:
             "free": int(max(self.given.masks.max(), *self.found, *ids)) + 1,
             "command": self.command(),
         }
+
+    def _doubts_of_input(self) -> Answer:
+        """What the input itself doubts, by mask value: there before the first run."""
+        doubted = [item for item in self.given.annotations.objects if item.doubts]
+        return {str(item.mask): {"doubts": [describe_doubt(one) for one in item.doubts]} for item in doubted}
 
     def _page(self, drawing: Drawing) -> Answer:
         height, width = self.given.masks.shape

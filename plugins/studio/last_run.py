@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.report.doubts import collect_doubts
-from plugins.report.snapshots import Snapshots
+from plugins.report.snapshots import Snapshots, views_of
 from plugins.studio.fronts import FACES, extents, front_corners
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.doubt import Doubt
-from stages.contracts.generated import PlacedObject, views_of
+from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import SceneObject
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
@@ -25,6 +25,12 @@ from stages.geometry.frames import apply, inverse
 
 GRAVE = ("affordance", "place", "size")  # causes of doubts that are listed before the others
 SHOWN = 24  # models that can be chosen, nearest first
+
+
+def describe_doubt(doubt: Doubt | str) -> dict[str, Any]:
+    """A doubt, or why there is nothing to doubt, as the page shows it."""
+    cause = doubt.cause if isinstance(doubt, Doubt) else ""
+    return {"text": str(doubt), "cause": cause, "grave": cause in GRAVE}
 
 
 @dataclass(frozen=True)
@@ -51,8 +57,7 @@ class LastRun:
     def _describe_object(self, item: SceneObject) -> dict[str, Any]:
         entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
         found = self._doubts(item, entry, placed)
-        grave = sum(isinstance(one, Doubt) and one.cause in GRAVE for one in found)
-        about: dict[str, Any] = {"id": item.id, "doubts": [str(one) for one in found], "grave": grave}
+        about: dict[str, Any] = {"id": item.id, "doubts": [describe_doubt(one) for one in found]}
         if placed is None or placed.status == "failed":
             return about
         depth, width, height = placed.size

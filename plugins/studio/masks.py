@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.inputs.rgbd.write import says_opening
 from stages.contracts.corrections import MEASURED, Correction
 from stages.contracts.doubt import Doubt
 from stages.contracts.fronts import count_fronts
@@ -141,7 +142,7 @@ def correct_masks(
             Annotation(
                 mask=item.mask,
                 label=item.label or "object",
-                articulated=bool(item.articulated) or doors + drawers > 0,
+                articulated=is_opening(item, known.get(item.mask)) or doors + drawers > 0,
                 doors=doors,
                 drawers=drawers,
                 panels=item.panels or [],
@@ -155,6 +156,14 @@ def correct_masks(
     if not objects:
         return None, masks, notes
     return Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls), masks, notes
+
+
+def is_opening(item: Correction, found: Annotation | None) -> bool:
+    """Whether it opens, as far as its doors and drawers are not counted. A proposed name said so, and another name that
+    a person gives says it anew."""
+    if found is not None and found.proposals and item.label != found.label and item.articulated == found.articulated:
+        return says_opening(item.label or "")
+    return bool(item.articulated)
 
 
 def doubt_name(item: Correction, before: Annotation) -> list[Doubt]:

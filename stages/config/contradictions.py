@@ -12,7 +12,6 @@ from stages.config.evaluation import USUAL
 from stages.config.inputs import NAME
 from stages.config.mistakes import Mistake
 from stages.config.packages import packages_on
-from stages.config.pinned_assets import pinned_assets
 from stages.contracts.corrections import CORRECTIONS, corrections_of
 from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
 def contradictions(config: "Config") -> list[Mistake]:
     """All of them, in the order of config.yaml."""
     checks = (
-        _packages, _names, _scenes, experiment.targets, experiment.pools, pinned_assets, experiment.training_sets,
+        _packages, _names, _scenes, experiment.targets, experiment.pools, experiment.training_sets,
         experiment.test_assets, experiment.simulators, _library, _matching, experiment.policies,
         experiment.check_choices, experiment.networks, _environment, _stages,
     )  # fmt: skip
@@ -39,6 +38,8 @@ def _packages(config: "Config") -> Iterator[Mistake]:
         ("furniture", "assets.counts", any(config.assets.counts.values())),
         ("importing", "assets.folders", bool(config.assets.folders)),
         ("studies", "evaluation.conditions", bool(config.evaluation.conditions)),
+        ("studies", "experiment.targets", any(target.assets for target in config.experiment.targets.values())),
+        ("robustness", "experiment.protocols", bool(config.experiment.protocols)),
         ("inputs", "experiment.inputs", any(not room.folder for room in rooms)),
         ("inputs", "image", bool(config.image)),
     )
@@ -79,10 +80,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
     ):
         for variant in chosen:
             if variant not in experiment.variants:
-                mend = f"one of {', '.join(experiment.variants)}"
-                yield Mistake(
-                    f"experiment.{key}", f"'{variant}' is not one of experiment.variants", mend, "E-CONFIG-UNKNOWN"
-                )
+                yield Mistake.unknown(f"experiment.{key}", variant, "experiment.variants", experiment.variants)
     for variant, changes in experiment.placements.items():
         if "ranks" in changes:
             yield Mistake(f"experiment.placements.{variant}.ranks", "is one for all variants", "set generation.ranks")

@@ -1,6 +1,6 @@
 """What is wrong with the policy experiment: its targets, pools, policies, training sets and test assets."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from math import lcm
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,8 +23,8 @@ def targets(config: "Config") -> Iterator[Mistake]:
     except InputError:
         rooms = {}  # said above
     if experiment.targets and experiment.policy_variant not in experiment.variants:
-        what = f"'{experiment.policy_variant}' is not one of experiment.variants"
-        yield _check_known("experiment.policy_variant", what, experiment.variants)
+        key = "experiment.policy_variant"
+        yield Mistake.unknown(key, experiment.policy_variant, "experiment.variants", experiment.variants)
     for name, target in experiment.targets.items():
         key, task = f"experiment.targets.{name}", experiment.task(name)
         try:
@@ -58,7 +58,7 @@ def pools(config: "Config") -> Iterator[Mistake]:
             yield Mistake(key, "is the name of a target, too", "give the pool another name", "E-CONFIG-NAME")
         for name in names:
             if name not in known:
-                yield _check_known(key, f"'{name}' is not one of experiment.targets", experiment.targets)
+                yield Mistake.unknown(key, name, "experiment.targets", experiment.targets)
             if (first := pool_of.setdefault(name, pool)) != pool:
                 yield Mistake(key, f"{name} is in the pool {first}, too", "leave it in one")
         about = {name: (experiment.task(name), config.task_of(name), experiment.share(name, "twin")) for name in known}
@@ -139,12 +139,11 @@ def policies(config: "Config") -> Iterator[Mistake]:
         key = f"experiment.policies.{name}"
         for run in experiment.plan(name).runs:
             if run not in known:
-                where = f"{key}.runs" if policy.runs else key
-                yield _check_known(where, f"'{run}' is not one of training.runs", known)
+                yield Mistake.unknown(f"{key}.runs" if policy.runs else key, run, "training.runs", known)
         for target in policy.targets or ():
             if target not in experiment.targets and target not in experiment.pools:
-                mend = [*experiment.targets, *experiment.pools]
-                yield _check_known(f"{key}.targets", f"'{target}' is not one of experiment.targets", mend)
+                there = [*experiment.targets, *experiment.pools]
+                yield Mistake.unknown(f"{key}.targets", target, "experiment.targets", there)
 
 
 def check_choices(config: "Config") -> Iterator[Mistake]:
@@ -180,11 +179,9 @@ def networks(config: "Config") -> Iterator[Mistake]:
         if points and options.network.points > min(points):
             what = f"{options.network.points} of {points[min(points)]}.points = {min(points)}"
             yield Mistake(f"training.runs.{run}.network.points", what, "lower it or raise task.points")
+        if options.handle and config.packages.get("handle") is False:
+            what = "is what the package handle marks, which is off"
+            yield Mistake(f"training.runs.{run}.handle", what, "packages: {handle: true}")
         if options.keep > options.steps:
             what = f"{options.keep} checkpoints of {options.steps} steps"
             yield Mistake(f"training.runs.{run}.keep", what, "lower it")
-
-
-def _check_known(key: str, what: str, known: Iterable[str]) -> Mistake:
-    """A name that is none of those known."""
-    return Mistake(key, what, f"one of {', '.join(known) or 'none'}", "E-CONFIG-UNKNOWN")

@@ -1,7 +1,7 @@
 """Validate a config: what an overlay removes, and every mistake as one line with its key and how to mend it."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from copy import deepcopy
 from difflib import get_close_matches
 from pathlib import Path
@@ -57,6 +57,11 @@ class Mistake(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.key}: {self.what}." + (f" Fix: {self.mend}" if self.mend else "")
+
+    @classmethod
+    def unknown(cls, key: str, name: str, where: str, known: Iterable[str]) -> "Mistake":
+        """A key names what is not in another: `where`, which has the names in `known`."""
+        return cls(key, f"'{name}' is not one of {where}", f"one of {', '.join(known) or 'none'}", "E-CONFIG-UNKNOWN")
 
     @classmethod
     def of(cls, error: InputError, key: str = "") -> "Mistake":

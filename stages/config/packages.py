@@ -23,7 +23,8 @@ class Package:
         last: whether its rules.smk looks at the rules of all others.
         judges: whether judges of matching read its sections, each that of its name, so that variants may change them.
         draws: modules with which verbs show more, by stage: matching: `InPlace` shows cousins in an object's place;
-            generation: `estimate_look` finds a picture's light and colours; tables: `add_tables` adds to Table 3.
+            generation: `estimate_look` finds a picture's light and colours; demonstrations: `film_demonstrations` and
+            evaluation: `RolloutFilms` film episodes; tables: `add_tables` adds to Table 3.
         section: of config.yaml that its verbs read.
         shards: of the section `assets`, the shards of models that its rules add to the library, by name.
         verbs: its commands that rules call, and what each reads of the config (None: nothing).

@@ -4,7 +4,7 @@ from typing import Any
 
 from stages.config.assets import SnapshotOptions
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.evaluation import RolloutOptions, SkillOptions, TrialOptions
+from stages.config.evaluation import RolloutOptions, TrialOptions
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.matching import ComparisonOptions, EncoderOptions, matching_model
@@ -29,7 +29,6 @@ CORE: dict[tuple[str, str], type[Section]] = {
     ("training", "train"): TrainingRun,
     ("evaluation", "trial"): TrialOptions,
     ("evaluation", "rollout"): RolloutOptions,
-    ("evaluation", "skill"): SkillOptions,
     ("tables", "scenes"): TablesConfig,
     ("tables", "policies"): PolicyTables,
 }
@@ -59,7 +58,7 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
         return config.generation_of(wildcards["variant"])
     if stage == "training":
         return config.training.runs[wildcards["run"]]
-    if stage == "evaluation" and "condition" in wildcards:
+    if section_name(stage) == "evaluation" and "condition" in wildcards:
         return config.evaluation.under(wildcards["condition"])
     if section_name(stage) == "tables":
         return policy_tables(config)

@@ -13,10 +13,10 @@ VERBS = {
     "extraction": ("extract",),
     "matching": ("features", "match", "distances"),
     "generation": ("generate",),
-    "experiment": ("select", "pinned"),
+    "experiment": ("select",),
     "demonstrations": ("collect",),
     "training": ("train",),
-    "evaluation": ("trial", "choose", "rollout", "skill", "gather", "leave_out", "score"),
+    "evaluation": ("trial", "choose", "rollout", "gather", "score"),
     "tables": ("scenes", "policies"),
 }
 

@@ -107,9 +107,9 @@ class DoubtKind(Enum):
     CUT_OFF = ("D-CUT-OFF", "size", "cut off by the picture's border", "its mask with the border", 0, "pixels")
     LABEL = ("D-LABEL", "name", "{what}", "the words of its label with those that are known")
     NAME = (
-        "D-NAME", "name", "called {name} by looks, size and height, {share:.0f} % sure; else {others}",
+        "D-NAME", "name", "called {name} by looks, size and place, {share:.0f} % sure; else {others}",
         "how sure the first of the names is that are proposed", 0.9, "share",
-        "of 6 real things called something with more than .5, one was: plugins/names",
+        "of 17 things that were surer 14 were right, of 117 others 66: docs/results/masks.md",
     )  # fmt: skip
     MOUNTING_UNCLEAR = (
         "D-MOUNTING-UNCLEAR",

@@ -1,6 +1,5 @@
 """Contract of the `generation` stage: `scene.json`, one per cousin rank."""
 
-from collections.abc import Iterable
 from typing import Literal
 
 from pydantic import Field, model_validator
@@ -26,7 +25,6 @@ from stages.contracts.types import (
     check_unique,
     check_view,
 )
-from stages.geometry.viewing import view_angle
 
 
 class PlacedObject(Contract):
@@ -113,14 +111,3 @@ class GeneratedScene(Document):
             if strangers := set(getattr(self.plausibility, kind)) - set(placed):
                 raise ValueError(f"plausibility.{kind}: names '{min(strangers)}', which is not placed")
         return self
-
-
-def views_of(scenes: Iterable[GeneratedScene], name: str) -> dict[str, float]:
-    """Yaws of snapshots at which the camera sees the models that stand for an object, by asset; first ranks first."""
-    found: dict[str, float] = {}
-    for scene in scenes:
-        camera = [row[3] for row in scene.floor_from_camera]
-        for item in scene.objects:
-            if item.id == name and item.status == "ok":
-                found.setdefault(item.asset, view_angle(camera, item.position, item.yaw))
-    return found

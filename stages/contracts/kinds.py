@@ -10,9 +10,7 @@ from pydantic import BaseModel
 from stages.contracts.corrections import Corrections
 from stages.contracts.cousins import Cousins, Distances
 from stages.contracts.files import read_json, read_rows
-from stages.contracts.films import read_films
 from stages.contracts.generated import GeneratedScene
-from stages.contracts.in_scene import SceneDemonstrations
 from stages.contracts.library import Library
 from stages.contracts.policies import ChosenRuns, Rollout, SceneScore, TaskAssets
 from stages.contracts.scenes import Truth
@@ -62,9 +60,11 @@ KINDS: dict[str, FileKind] = {
         _with_companions("policy_folder:check_policy"), ("policy.safetensors", "last.safetensors", "checkpoints.zip")
     ),
     "metrics": FileKind(_with_companions("ledgers:read_metrics")),
-    "films": FileKind(read_films),
-    "in_scene": FileKind(_json(SceneDemonstrations)),
     "chosen": FileKind(_json(ChosenRuns)),
     "rollouts": FileKind(lambda path: read_rows(Rollout, path)),
     "scores": FileKind(lambda path: read_rows(SceneScore, path)),
 }
+PACKAGES = Path(__file__).resolve().parents[2] / "plugins"
+for _file in sorted(PACKAGES.glob("*/kinds.py")):  # those of packages: a check by the name of each
+    _checks = import_module(f"plugins.{_file.parent.name}.kinds").CHECKS
+    KINDS |= {name: FileKind(check) for name, check in _checks.items()}

@@ -1,18 +1,33 @@
 """One attempt at a demonstration: place, plan, run the skill, record."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.demonstrations.film import FilmedAttempt
 from stages.demonstrations.recovery import sample_disturbance
 from stages.demonstrations.store import RecordedEpisode
+from stages.simulation.recording import Recording
 from stages.skills import FAR, Float, Outcome
 from stages.skills.chain import SkillChain
 from stages.tasks.api import TaskEnv
 
 
+@dataclass(frozen=True)
+class FilmedAttempt:
+    """A success to be filmed, and the clouds that were seen at its moments."""
+
+    seed: int
+    asset: str
+    opened: float
+    recording: Recording
+    clouds: Sequence[NDArray[np.floating]]
+
+
 class Recorder:
-    """Runs attempts on a task by the skills of its chain; with `film` the first success is filmed."""
+    """Runs attempts on a task by the skills of its chain; with `film` the first success is recorded for a film."""
 
     def __init__(self, task: TaskEnv, options: DemonstrationsConfig, film: bool = False) -> None:
         self.task, self.options, self.film = task, options, film

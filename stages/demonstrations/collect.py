@@ -3,6 +3,7 @@
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from importlib import import_module
 from itertools import cycle
 from pathlib import Path
 
@@ -16,7 +17,6 @@ from stages.contracts.policies import Attempt, TaskAsset
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.training_sets import is_randomised
 from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.film import write_demonstration_films
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
 from stages.tasks.api import TaskEnv
 
@@ -33,9 +33,10 @@ def run(
     out: Path,
     options: str = "",
     task_options: str = "",
+    films: tuple[str, ...] = (),
     seed: int = 0,
 ) -> None:
-    """Write `episodes.h5` with as many successes as asked, with attempts.jsonl, film.png and films.zip beside it.
+    """Write `episodes.h5` with as many successes as asked, with attempts.jsonl beside it.
 
     Several assets take turns of one success or `TRIES` failures, so that the first n episodes are spread evenly.
 
@@ -51,6 +52,7 @@ def run(
         out: episodes.h5 to write.
         options: the `demonstrations` section as JSON.
         task_options: the `task` section as JSON; stored in the episodes for evaluation.
+        films: modules whose `film_demonstrations` films the first success, e.g. plugins.films.demonstrations.
         seed: of the first attempt; attempts and evaluation use disjoint seeds.
     """
     settings = read_options(DemonstrationsConfig, options)
@@ -64,12 +66,12 @@ def run(
     folder, entry = chosen[0]
     randomise = settings.randomise if is_randomised(role) else None
     task = TaskEnv(plan.task, folder, entry.joint, entry.size, world, randomise=randomise)
-    recorder = Recorder(task, settings, film=True)
+    recorder = Recorder(task, settings, film=bool(films))
     seeds = list(attempt_seeds(seed, role, int(np.ceil(episodes * settings.max_attempts_factor))))
     kept, ledger = take_turns(recorder, chosen, seeds, episodes)
     name = chosen[0][1].asset if len(chosen) == 1 else role
-    if len(kept) == episodes:
-        write_demonstration_films(out.parent, recorder.filmed, role, world.control_frequency)
+    for name in films if len(kept) == episodes else ():
+        import_module(name).film_demonstrations(out.parent, recorder.filmed, role, world.control_frequency)
     task.close()
     lines = "".join(line.model_dump_json() + "\n" for line in ledger)
     failed = out.parent / FAILED_LEDGER

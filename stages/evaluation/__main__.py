@@ -8,9 +8,7 @@ main(
         "trial": "roll the checkpoints of a policy out on the twin",
         "choose": "choose hyper-parameter sets by their trials",
         "rollout": "roll a policy out on the test assets",
-        "skill": "do a task by the scripted skill on the same assets",
         "gather": "put the rollouts of a training set into one table",
-        "leave_out": "name the true models of a room, for matching to do without",
         "score": "compare generated scenes with the truth",
     },
 )

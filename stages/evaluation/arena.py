@@ -2,7 +2,6 @@
 
 import tempfile
 from collections.abc import Sequence
-from functools import cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Self
@@ -24,7 +23,6 @@ from stages.evaluation.states import Start
 from stages.plugins import shorten_name
 from stages.policies import TrainablePolicy, make_actor
 from stages.policies.checkpoint import load_network
-from stages.simulation.studio import Studio
 from stages.tasks.api import TaskEnv
 from stages.tasks.observation import Sensing
 
@@ -85,11 +83,6 @@ class Arena:
         for task in self._tasks:
             task.close()
         self._sized.cleanup()
-
-    @cached_property
-    def studio(self) -> Studio:
-        """Where films are made, before the arena closes."""
-        return Studio()
 
     def tasks(self, count: int, asset: TaskAsset) -> list[TaskEnv]:
         """So many environments; new ones are made with the asset."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from stages.contracts.policies import TaskAsset
 from stages.evaluation.states import Start
 from stages.policies import ActorProtocol
-from stages.simulation.studio import Moment, Recording
+from stages.simulation.recording import Moment, Recording
 from stages.tasks.api import Observation, TaskEnv
 
 

@@ -1,10 +1,9 @@
 """Verb `rollout`: success of one policy on roles and on unseen assets, one row per episode (paper B.3, Table 3)."""
 
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Literal
-
-import numpy as np
 
 from stages.config.evaluation import RolloutOptions
 from stages.contracts.errors import InputError
@@ -13,10 +12,8 @@ from stages.contracts.policies import Rollout
 from stages.evaluation.arena import Acting, PolicyArena
 from stages.evaluation.choose import best_checkpoint
 from stages.evaluation.episodes import RolloutEpisode
-from stages.evaluation.film import Filmed, add_caption, take
 from stages.evaluation.rows import write_rows
 from stages.evaluation.states import starts_of
-from stages.simulation.films import FRAMES, write_films, write_png
 
 
 def run(
@@ -32,6 +29,7 @@ def run(
     out: Path,
     trial: tuple[Path, ...] = (),
     options: str = "",
+    films: tuple[str, ...] = (),
     seed: int = 0,
     device: Literal["cpu", "cuda"] = "cpu",
 ) -> None:
@@ -47,18 +45,19 @@ def run(
         training_set: name of the training set, for the rows.
         trained_roles: roles of the assets that it was trained on.
         run_name: name of the hyper-parameter set, for the rows.
-        out: rollouts.csv; film.png and films.zip lie beside it.
+        out: rollouts.csv.
         trial: rollouts.csv of the policy's trial, if there was one; `checkpoint: rollouts` goes by it.
         options: the `evaluation` section as JSON, or a JSON file.
+        films: modules whose `RolloutFilms` film a success and a failure per test asset, e.g. plugins.films.rollouts.
         seed: of the initial states; the same for every policy that is to be compared.
         device: where the policy runs.
     """
     settings = read_options(RolloutOptions, options)
     rows: list[Rollout] = []
-    films: list[Filmed] = []
     played: dict[
         tuple[tuple[str, int], ...], list[RolloutEpisode]
     ] = {}  # the twin's policy: one test serves twin and trained
+    filmers = [import_module(name).RolloutFilms() for name in films]
     with PolicyArena(policy, assets, library, settings, device) as arena:
         tested = starts_of(arena.plan, assets, settings, trained_roles, seed)
         checkpoint = checkpoint_of(settings, trial)
@@ -67,14 +66,14 @@ def run(
         for role, starts in tested.items():
             same = tuple((asset.asset, state) for asset, state in starts)
             if same not in played:
-                played[same] = arena.episodes(network, starts, record=True)
-                films += take(arena.studio, played[same], role, 2 * FRAMES)
+                played[same] = arena.episodes(network, starts, record=bool(filmers))
+                for filmer in filmers:
+                    filmer.take(played[same], role)
             successes = sum(episode.success for episode in played[same])
             print(f"evaluation: {role} {successes}/{len(starts)} succeeded", file=sys.stderr)
             rows += arena.rows(acting, role, played[same])
-    frequency = arena.options.control_frequency
-    write_films(out.parent / "films.zip", [(item.film, item.pictures) for item in films], frequency)
-    write_png(out.parent / "film.png", np.concatenate([add_caption(item) for item in films]))
+    for filmer in filmers:
+        filmer.write(out.parent, arena.options.control_frequency)
     write_rows(out, rows)
 
 

@@ -11,8 +11,6 @@ from stages.geometry.room_planes import PLANE_THRESHOLD, STRAY, sample_points, s
 
 LEAST_LEVEL = 0.05  # share of the largest level that another has at least: less is noise of a far floor; chosen
 FEWEST = 8  # cells of a level
-TABLE_WITHIN = 2.0  # metres of the median depth: nearer is a table, farther a room; chosen
-LARGE_LEVEL = 0.3  # share of the largest level that a table has at least: a lid has less; chosen
 OFF_LEVEL = 0.006  # share of the distance by which points of a level may be off; chosen
 LEVEL_FIT = np.cos(np.deg2rad(5))  # a plane fitted to a level is tilted by less, or it is none; chosen
 ROUNDS = 5  # of the fit
@@ -91,26 +89,6 @@ def find_floor(
         return sum(stands_on(one, level) for one in objects), -below
 
     return max(levels, key=score, default=None)
-
-
-def find_ground(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Plane | None:
-    """The level surface on which things stand in a picture without labels: a near table top, else the floor.
-
-    Args:
-        points: (H, W, 3) camera frame, metres.
-        known: (H, W) pixels with depth.
-        max_tilt: largest angle between image-up and its normal, degrees.
-    """
-    up = estimate_up(cell_normals(points, known)[1], max_tilt)
-    if up is None:
-        return None
-    distance = float(np.median(points[known][:, 2]))
-    levels = find_levels(points, known, up)
-    if distance >= TABLE_WITHIN:
-        return min(levels, key=lambda level: level.offset, default=None)
-    largest = max((level.inliers.sum() for level in levels), default=0)
-    large = [level for level in levels if level.inliers.sum() >= LARGE_LEVEL * largest]
-    return max(large, key=lambda level: level.offset, default=None)
 
 
 def stands_on(points: Array, level: Plane) -> bool:

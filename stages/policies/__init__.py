@@ -11,7 +11,7 @@ from torch import Tensor, nn
 
 from stages.contracts.training_run import TrainingRun
 from stages.plugins import load
-from stages.policies.handle_points import mark_handle_points
+from stages.policies.marking import load_marker
 
 Float = NDArray[np.float32]
 Choice = Literal["sample", "sharpened", "most_likely"]
@@ -67,10 +67,10 @@ def make_policy(run: TrainingRun) -> TrainablePolicy:
 
 
 class MarkingActor:
-    """An actor whose clouds are marked (`mark_handle_points`) before it sees them."""
+    """An actor whose clouds are marked before it sees them."""
 
     def __init__(self, actor: ActorProtocol) -> None:
-        self.actor = actor
+        self.actor, self.mark = actor, load_marker().mark
 
     def reset(self, slot: int, seed: int) -> None:
         """Start an episode."""
@@ -78,7 +78,7 @@ class MarkingActor:
 
     def act(self, slots: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
         """The actor's actions for the marked clouds."""
-        return self.actor.act(slots, list(mark_handle_points(torch.from_numpy(np.stack(clouds)))[0].numpy()), proprio)
+        return self.actor.act(slots, list(self.mark(torch.from_numpy(np.stack(clouds)))[0].numpy()), proprio)
 
 
 def make_actor(policy: TrainablePolicy, slots: int, choose: Choice) -> ActorProtocol:

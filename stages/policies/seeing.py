@@ -7,7 +7,7 @@ from torch import Tensor
 from stages.contracts.episode_store import PROPRIO
 from stages.contracts.training_run import TrainingRun
 from stages.policies import Float, TrainablePolicy
-from stages.policies.handle_points import find_handle_middles, offsets_to_handle
+from stages.policies.marking import load_marker
 from stages.policies.pointnet import PointNet
 
 
@@ -55,13 +55,13 @@ class SeeingPolicy(TrainablePolicy):
     def encode(self, clouds: Tensor, proprio: Tensor) -> Tensor:
         """Observations (..., F): features of clouds (..., P, 4), if the network has them, and proprioception (..., 9).
 
-        With `handle` the hand and the middle of the handle (`find_handle_middles`) come last.
+        With `handle` the hand and the middle of the handle (`Marker.find_middles`) come last.
         """
         own = (proprio - self.proprio_mean) / self.proprio_std
         if not self.network.cloud:
             return own
         features = self.pointnet(self.normalise(clouds, proprio).flatten(0, -3)).unflatten(0, clouds.shape[:-2])
-        seen = [proprio[..., :3], find_handle_middles(clouds)] if self.run.handle else []
+        seen = [proprio[..., :3], load_marker().find_middles(clouds)] if self.run.handle else []
         return torch.cat([features, own, *seen], dim=-1)
 
     def add_handle_offset(self, encoded: Tensor) -> Tensor:
@@ -69,7 +69,7 @@ class SeeingPolicy(TrainablePolicy):
         if not self.run.handle:
             return encoded
         encoded, hand, seen = encoded.split([encoded.shape[-1] - 7, 3, 4], dim=-1)
-        return torch.cat([encoded, offsets_to_handle(seen, hand)], dim=-1)
+        return torch.cat([encoded, load_marker().offsets(seen, hand)], dim=-1)
 
     def fit(self, clouds: Tensor, proprio: Tensor, actions: Tensor, frames: Tensor) -> None:
         """Mean and spread of proprioception, and of the clouds where `standardise` asks for it."""

@@ -1,108 +1,33 @@
-"""A generated scene about one of its objects: furniture, floor and walls, in the way of the robot and behind its work.
-
-World frame of a task in a room: the floor frame of the scene, z up.
-"""
+"""What a task may stand in, in the way of the robot and behind its work (the package `in_scene`: generated scenes)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property
-from pathlib import Path
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
-import numpy as np
 import sapien
-import trimesh
-from mani_skill.utils.geometry.trimesh_utils import get_component_meshes
-from numpy.typing import NDArray
-from sapien.physx import PhysxArticulation, PhysxRigidBaseComponent
+from sapien.physx import PhysxArticulation
 
-from stages.contracts.generated import GeneratedScene
-from stages.contracts.library import Asset
-from stages.contracts.look import Look
-from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
-from stages.simulation.backdrop import add_backdrop
-from stages.simulation.loading import load_asset, physics_scene, root_pose
+from stages.simulation.kinematics import Array
 
-Array = NDArray[np.float64]
 Body: TypeAlias = PhysxArticulation | sapien.Entity
-OBSTACLES_WITHIN = 1.6  # metres around the target within which furniture counts as an obstacle
 
 
-@dataclass(frozen=True)
-class Furniture:
-    """A placed model: its folder at its size, and its closed box in the floor frame."""
-
-    id: str
-    folder: Path
-    asset: Asset
-    box: UprightBox
-
-
-@dataclass
-class Room:
-    """A generated scene; `target` is the object that a task is about, `others` is what else stands in it.
-
-    shift: of the robot from its usual place before the target, x and y in the target's frame, metres.
-    look: colours and bounds of floor and walls; None: usual ones.
-    """
-
-    scene: GeneratedScene
-    target: Furniture
-    others: list[Furniture]
-    shift: tuple[float, float] = (0.0, 0.0)
-    look: Look | None = None
+class Room(Protocol):
+    """Furniture, floor and walls about the object of a task; its own frame is then the world, z up, metres."""
 
     @property
     def world_from_nominal(self) -> Array:
-        """(4, 4) pose of the frame in which the target's box stands above the origin, on z = 0, and faces +x."""
-        x, y, _ = self.target.box.center
-        return rigid(yaw_matrix(self.target.box.yaw), [x, y, self.target.box.bottom])
+        """(4, 4) pose of the frame in which the object's box stands above the origin, on z = 0, and faces +x."""
+        ...
 
     def stand(self, base: Array) -> Array:
-        """Where the robot stands, of its pose (4, 4) in the target's nominal frame: shifted, never below the floor."""
-        world: Array = self.world_from_nominal @ rigid(np.eye(3), [*self.shift, 0.0]) @ base
-        world[2, 3] = max(world[2, 3], 0.0)
-        return world
+        """Where the robot stands, (4, 4), of its pose (4, 4) in the object's nominal frame."""
+        ...
 
-    def load(self, scene: sapien.Scene) -> dict[str, Body]:
-        """Add floor, walls and all furniture but the target, which stays where it is; by name."""
-        boxes = [item.box for item in (self.target, *self.others)]
-        camera = np.array(self.scene.floor_from_camera)[:3, 3]
-        bodies: dict[str, Body] = {
-            block.name: block for block in add_backdrop(scene, boxes, self.scene.walls, camera, self.look)
-        }
-        for item in self.others:
-            pose = root_pose(item.asset, item.box.center.tolist(), item.box.yaw)
-            bodies[item.id] = load_asset(scene, item.folder, pose, True, item.id)
-        return bodies
+    def load(self, scene: sapien.Scene) -> Mapping[str, Body]:
+        """Add all but the object, which stays where it is; by name."""
+        ...
 
-    @cached_property
+    @property
     def obstacles(self) -> Mapping[str, Array]:
-        """(N, 3) points on the surfaces of floor, walls and furniture, by name, as far as the robot may reach."""
-        center, reach = self.target.box.center, float(np.linalg.norm(self.target.box.size)) / 2 + OBSTACLES_WITHIN
-        scene = physics_scene()  # bodies die with it
-        found = {name: surface(body, center, reach) for name, body in self.load(scene).items()}
-        return {name: points for name, points in found.items() if len(points)}
-
-
-def surface(body: Body, center: Array, reach: float) -> Array:
-    """(N, 3) points on the collision meshes of a body within `reach` of `center`, world frame; always the same ones."""
-    links = (
-        body.links if isinstance(body, PhysxArticulation) else [body.find_component_by_type(PhysxRigidBaseComponent)]
-    )
-    points = [np.zeros((0, 3))]
-    for link in links:
-        pose = link.pose.to_transformation_matrix()
-        local = apply(inverse(pose), center)
-        for mesh in get_component_meshes(link):
-            low, high = np.clip(mesh.bounds, local - reach, local + reach)
-            if (low >= high).any():
-                continue
-            if len(mesh.vertices) == 8:  # a box: of walls and floors only what is near
-                mesh = trimesh.creation.box(bounds=[low, high])
-            count = int(mesh.area * 8000) + 1  # a little more than a centimetre apart
-            some = trimesh.sample.sample_surface(mesh, count, seed=np.random.default_rng(0))[0]
-            points.append(apply(pose, some))
-    near = np.concatenate(points)
-    return near[np.linalg.norm(near - center, axis=1) < reach]
+        """(N, 3) points on the surfaces about, by name, as far as the robot may reach."""
+        ...

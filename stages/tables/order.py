@@ -35,12 +35,6 @@ def set_key(name: str) -> tuple[int, tuple[tuple[int, int, str], ...]]:
     return ((first | dict.fromkeys(SPLITS, 5) | {SKILL: 6}).get(strip_randomised(name), 1), sort_key(name))
 
 
-def title_of(number: int, name: str) -> str:
-    """A number of assets or roles with their title: '24 unseen assets', '1 unseen asset'."""
-    text = title(name)
-    return f"{number} {text if number != 1 else text.replace('assets', 'asset').replace('roles', 'role')}"
-
-
 def title(name: str) -> str:
     """A name for people: cousins_4 -> '4 cousins', cousin_2 -> 'cousin 2', cover_8_randomised -> '8 covering assets,
     randomised'."""

@@ -1,4 +1,4 @@
-"""Table 2 and its robustness variants as text."""
+"""Table 2 as text."""
 
 from typing import Any
 
@@ -7,7 +7,6 @@ import pandas as pd
 from stages.config.tables import TablesConfig
 from stages.tables.markup import Table
 from stages.tables.order import NO_IMAGE, VARIANTS, title
-from stages.tables.robustness import AFFORDANCES, order_rows
 from stages.tables.rows import records
 from stages.tables.table2 import COUNTS, METRICS
 from stages.tables.text import NOT_RUN, NOTHING, cell, number, spread
@@ -22,8 +21,6 @@ BASELINE = (
 )
 # Decimals of a measure by its unit.
 DIGITS = {"cm": 1, "rad": 2, "iou": 2}
-ROBUST = ["l2_cm", "worst_room_l2_cm", "orientation_rad", "oriented_iou", "fallen", "largest_shift_cm"]
-ROBUST += ["penetration_cm", "chamfer", "shape_iou"]
 
 
 def digits(measure: str) -> int:
@@ -36,7 +33,7 @@ def format_confidence(options: TablesConfig) -> str:
     return f"{100 * options.confidence:g} %"
 
 
-def _add_given(table: pd.DataFrame) -> list[str]:
+def add_given(table: pd.DataFrame) -> list[str]:
     """What every row knows before any picture is compared, and the row that judges are read against."""
     return [GIVEN, BASELINE] if NO_IMAGE in set(table["variant"]) else [GIVEN]
 
@@ -82,44 +79,6 @@ def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
             "The paper's assets and renderer differ from ours: the same measures, a different library. The paper gives "
             "one IoU per row; by its position it is taken to be that of axis-aligned boxes.",
             f"The paper's variants: {variants}. Judge: who decided here.",
-            *_add_given(table),
+            *add_given(table),
         ],
     )  # fmt: skip
-
-
-def robustness_table(table: pd.DataFrame) -> Table:
-    """The companion of Table 2: the robustness variants of the rooms."""
-    columns = ["Rooms", "Variant", "Judge", "Draws × objects", "Category", "Model", "L2 (cm)", "L2, worst room",
-               "Ori. (rad)", "Oriented IoU", "Fallen", "Largest shift (cm)", "Penetration (cm)", "Chamfer (%)",
-               "Shape IoU", "Panels, handles, hinges"]  # fmt: skip
-    rows = []
-    for row in order_rows(table):
-        head = [title(row["protocol"]), f"({row['variant']})"]
-        if pd.isna(row["n_draws"]):
-            rows.append([*head, "", NOT_RUN, *[""] * len(columns[len(head) + 2 :])])
-            continue
-        cells = [row["judge"], f"{row['n_draws']} × {row['n_objects']}"]
-        cells += [f"{_format_draws(row, name)} of {row['n_objects']}" for name in COUNTS]
-        cells += [_format_draws(row, name) or NOTHING for name in ROBUST]
-        panels = ", ".join(_format_draws(row, name) for name in AFFORDANCES)
-        cells.append(cell(panels if row["n_articulated"] else NOTHING, f"of {row['n_articulated']}"))
-        rows.append([*head, *cells])
-    return Table(
-        name="table2_robustness",
-        caption="Beside Table 2: robustness variants of the same rooms.",
-        columns=columns,
-        rows=rows,
-        headers=3,
-        notes=[
-            "Mean ± sample standard deviation over draws; a draw is all rooms once, with one seed.",
-            "Chamfer: mean distance between the surfaces of the chosen and the true model in the same box, in percent "
-            "of its diagonal; shape IoU: of the volumes that they fill. Panels, handles, hinges: how many of the "
-            "objects with doors or drawers got as many of them, the same kinds of handles, the same hinge sides.",
-            *_add_given(table),
-        ],
-    )
-
-
-def _format_draws(row: dict[str, Any], name: str) -> str:
-    factor = 100 if name == "chamfer" else 1
-    return spread(factor * row[f"{name}_mean"], factor * row[f"{name}_std"], digits(name))

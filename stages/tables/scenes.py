@@ -1,4 +1,4 @@
-"""Verb `scenes`: Table 2, its robustness variants and Figure 6, from the scores and pictures of generated scenes."""
+"""Verb `scenes`: Table 2 and Figure 6, from the scores and pictures of generated scenes."""
 
 from pathlib import Path
 
@@ -6,11 +6,11 @@ from stages.config.tables import TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
 from stages.contracts.policies import SceneScore
-from stages.tables import robustness, table2
+from stages.tables import table2
 from stages.tables.drawing import save, style
 from stages.tables.rows import ONE_SCENE, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
-from stages.tables.scene_tables import robustness_table, scenes_table
+from stages.tables.scene_tables import scenes_table
 from stages.tables.writing import write
 
 
@@ -35,7 +35,7 @@ def run(
     published: Path = Path("report/published"),
     options: str = "",
 ) -> None:
-    """Write table2 and table2_robustness (.csv, .html, .tex) into `out`, and figure6 (.svg, .png) into `figures`.
+    """Write table2 (.csv, .html, .tex) into `out`, and figure6 (.svg, .png) into `figures`.
 
     Args:
         out: folder to write the tables into.
@@ -48,8 +48,7 @@ def run(
     settings = read_options(TablesConfig, options)
     pictures = parse_comparisons(comparisons)
     rows = read_rows(SceneScore, scores, ONE_SCENE)
-    scenes, companion = table2.build(rows, published_scenes(published), settings), robustness.build(rows)
+    scenes = table2.build(rows, published_scenes(published), settings)
     write(out, "table2", scenes, [scenes_table(scenes, settings)])
-    write(out, "table2_robustness", companion, [robustness_table(companion)])
     with style():
         save(figure6(pictures, list(settings.scenes), settings.picture_width), figures or out, "figure6")

@@ -5,7 +5,7 @@ from typing import Any
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.cells import CELL, GAIN, RATE, rates, tabulate_gains
+from stages.tables.cells import CELL, GAIN, rates, tabulate_gains
 from stages.tables.order import SKILL, SPLITS, set_key
 from stages.tables.rows import records
 from stages.tables.statistics import wilson
@@ -16,7 +16,6 @@ COLUMNS = [
 ]  # fmt: skip
 ALL_COLUMNS = [*COLUMNS, "checkpoint", "asset", "status"]
 DIFFERENCE_COLUMNS = [*CELL, *GAIN]
-CELL_COLUMNS = [*CELL, *RATE]
 BASELINE, RANDOMISED, UNSEEN, TRAINED = "twin", "twin_randomised", "unseen", "trained"
 
 

@@ -19,9 +19,9 @@ from stages.contracts import Asset, InputError, read_json
 from stages.contracts.task_options import TaskConfig
 from stages.plugins import load
 from stages.simulation.kinematics import Array
+from stages.simulation.recording import Moment, Recording
 from stages.simulation.robot import panda_chain
 from stages.simulation.room import Room
-from stages.simulation.studio import Moment, Recording
 from stages.tasks.observation import Observation, Sensing
 from stages.tasks.task import Task
 

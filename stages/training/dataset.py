@@ -14,7 +14,7 @@ from stages.contracts.episode_store import read_episodes
 from stages.contracts.errors import InputError
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainingStore
-from stages.training.handles import mark_episodes
+from stages.policies.marking import load_marker
 
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
@@ -25,7 +25,7 @@ Float = NDArray[np.float32]
 class DemonstrationSet:
     """Episodes end to end: clouds (F, P, 4) float16, proprio (F, 9), actions (F, 7) float32; robot frame, metres.
 
-    fronts: (F, 3) the upright plane of the front as long as it stands still, else zeros (`policies.handle_points`); of
+    fronts: (F, 3) the upright plane of the front as long as it stands still, else zeros (`policies.marking`); of
     marked clouds alone.
     """
 
@@ -42,7 +42,7 @@ class DemonstrationSet:
 
     def mark_handles(self) -> "DemonstrationSet":
         """The same with the handles marked in the clouds."""
-        clouds, fronts = mark_episodes(self.clouds, self.lengths)
+        clouds, fronts = load_marker().mark_episodes(self.clouds, self.lengths)
         return replace(self, clouds=clouds, fronts=fronts)
 
     def on(self, device: str) -> "DemonstrationSet":

@@ -13,9 +13,9 @@ from stages.cli import progress
 from stages.contracts.training_run import TrainingRun
 from stages.policies import TrainablePolicy
 from stages.policies.checkpoint import save_weights
+from stages.policies.marking import load_marker
 from stages.training.augment import augment
 from stages.training.dataset import Batch, DemonstrationSet, gather, list_windows, split_episodes
-from stages.training.handles import vary_handles
 from stages.training.logbook import Line
 from stages.training.state import TrainingState
 
@@ -54,6 +54,7 @@ def optimise(policy: TrainablePolicy, state: TrainingState, setting: Setting, lo
     frames, real = list_windows(data, training, run.rnn_horizon, stride=1)
     held_out = list(validation_batches(setting, validation))
     keep_at = {round(run.steps * (k + 1) / run.keep) for k in range(run.keep)}
+    marker = load_marker() if run.handle else None
     losses: list[Tensor] = []
     for step in progress(range(state.step, run.steps), "training", run.steps - state.step):
         for group in state.optimiser.param_groups:
@@ -61,7 +62,7 @@ def optimise(policy: TrainablePolicy, state: TrainingState, setting: Setting, lo
         random = generator(setting.seed, step)
         chosen = torch.randint(len(frames), (run.batch_size,), generator=random).numpy()
         batch = gather(data, frames[chosen], real[chosen], run.network.points, random, run.handle)
-        batch = vary_handles(batch, random) if run.handle else batch
+        batch = marker.vary(batch, random) if marker else batch
         clouds, proprio = augment(batch.clouds, batch.proprio, run, random)
         loss, _ = policy.loss(clouds, proprio, batch.actions, batch.weights)
         state.optimiser.zero_grad()

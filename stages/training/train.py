@@ -12,13 +12,13 @@ from typing import Literal
 import torch
 
 from stages.config.code import code_digest, cover
+from stages.config.training import list_policy_modules
 from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options, write_json, write_text
 from stages.contracts.policy_folder import CHECKPOINTS
 from stages.contracts.trained import TrainedPolicy
 from stages.contracts.training_run import TrainingRun
-from stages.plugins import qualify_module
 from stages.policies import make_policy
 from stages.policies.checkpoint import FILES, save_weights
 from stages.training.dataset import DemonstrationSet, constant_error, frames_of, read_demonstrations, split_episodes
@@ -137,7 +137,7 @@ def outcome(policy: TrainedPolicy) -> str:
 
 def fingerprint(data: DemonstrationSet, run: TrainingRun, seed: int) -> str:
     """What must be equal for an interrupted run to go on: data, options, seed and code."""
-    policy = qualify_module("policies", run.policy)
-    cover([policy])
-    text = json.dumps([data.digest, run.model_dump(mode="json"), seed, code_digest(__name__, policy)], sort_keys=True)
+    modules = list_policy_modules(run)
+    cover(modules)
+    text = json.dumps([data.digest, run.model_dump(mode="json"), seed, code_digest(__name__, *modules)], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()

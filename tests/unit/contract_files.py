@@ -14,6 +14,7 @@ from safetensors.numpy import save_file
 
 from stages.contracts.__main__ import main
 from stages.contracts.archives import pack
+from stages.contracts.kinds import KINDS
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.training_run import TrainingRun
 from tests.unit.demo_assets import FRONT
@@ -48,6 +49,7 @@ FILES = {  # kind of file: where it lies
     "rollouts": "evaluation/rollouts.csv",
     "scores": "evaluation/scores.csv",
 }
+FILES = {kind: file for kind, file in FILES.items() if kind in KINDS}  # those of packages that are here
 
 
 def write_files(root: Path) -> Path:
@@ -165,6 +167,23 @@ def _library(root: Path) -> None:
     _json(root / FILES["library_part"], assets=entries, left_out=["chair.obj: is flat."])
 
 
+def _films(root: Path, folder: Path) -> None:
+    """Those of packages beside the core."""
+    if not {"films", "in_scene"} <= set(FILES):
+        return
+    film = {"role": "twin", "asset": "cabinet_0", "success": True, "steps": 6, "opened": 0.8}
+    films = [film | {"seed": seed, "file": f"twin_{seed}.webp"} for seed in (5, 7)]
+    _json(root / FILES["films"], films=films)
+    about = {"scene": "room", "variant": "b", "asset": "cabinet_0", "joint": "door_joint"}
+    done = [
+        {**about, "rank": 1, "status": "ok", "attempts": 2, "shift": [0.0, 0.12], "film": films[0]},
+        {**about, "rank": 2, "status": "failed", "reason": "the robot cannot open it: table_1 is in its place (25x)"},
+    ]
+    _json(root / FILES["in_scene"], task="door", object="cabinet_1", demonstrations=done)
+    for shot in films:
+        (folder / "films" / str(shot["file"])).write_bytes(b"film")
+
+
 def _policies(root: Path) -> None:
     sizes = {"size": [0.5, 0.6, 1.0], "category": "cabinet", "joint": "door_joint", **FRONT}
     roles = [("twin", "cabinet_0", 0.0), ("cousin_1", "cabinet_1", 1.0), ("cousin_2", "cabinet_2", 2.0)]
@@ -214,17 +233,7 @@ def _policies(root: Path) -> None:
             data[f"demo_{number}/obs/proprio"] = HAND
             data[f"demo_{number}/actions"] = np.full((6, 7), 0.5, np.float32)
             data[f"demo_{number}"].attrs["asset"] = "cabinet_0"
-    film = {"role": "twin", "asset": "cabinet_0", "success": True, "steps": 6, "opened": 0.8}
-    films = [film | {"seed": seed, "file": f"twin_{seed}.webp"} for seed in (5, 7)]
-    _json(root / FILES["films"], films=films)
-    about = {"scene": "room", "variant": "b", "asset": "cabinet_0", "joint": "door_joint"}
-    done = [
-        {**about, "rank": 1, "status": "ok", "attempts": 2, "shift": [0.0, 0.12], "film": films[0]},
-        {**about, "rank": 2, "status": "failed", "reason": "the robot cannot open it: table_1 is in its place (25x)"},
-    ]
-    _json(root / FILES["in_scene"], task="door", object="cabinet_1", demonstrations=done)
-    for shot in films:
-        (folder / "films" / str(shot["file"])).write_bytes(b"film")
+    _films(root, folder)
     folder = root / "training"
     store = {"file": "episodes.h5", "asset": "cabinet_0", "episodes": 2, "frames": 12}
     _json(folder / "config.json", task="door", task_options=options.model_dump(mode="json"),

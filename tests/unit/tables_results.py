@@ -12,9 +12,7 @@ from pydantic import BaseModel
 from stages.contracts.archives import pack
 from stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
 from stages.contracts.files import read_json, write_json
-from stages.contracts.films import Film, Films
 from stages.contracts.generated import GeneratedScene, PlacedObject, Plausibility
-from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.contracts.library import Library, LibraryEntry, SnapshotShard
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, TaskAssets
@@ -57,6 +55,8 @@ def film(path: Path, frames: int = 6) -> None:
 
 def films(folder: Path, roles: list[str]) -> None:
     """A success and a failure per asset and their list, and the archive of them."""
+    from plugins.films.contract import Film, Films
+
     entries = []
     for role in roles:
         for number, success in enumerate((True, False)):
@@ -209,6 +209,9 @@ def _room(results: Path, name: str) -> None:
 
 
 def _policies(results: Path) -> None:
+    from plugins.films.contract import Films
+    from plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
+
     assets = [
         TaskAsset(role=role, asset=f"cabinet_{number:02d}", category="cabinet", joint="door", size=(0.5, 0.6, 0.7),
                   distance=distance, family=f"cabinet_{number:02d}", **ABOUT)

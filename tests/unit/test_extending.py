@@ -44,7 +44,9 @@ from tests.unit.synthetic_room import write_room
 from tests.workflow.workspace import ROOT, make, snakemake
 
 DEFAULT = with_defaults({})
-YOURS = [kind for kind in KINDS if kind not in {"mesh_files", "correctors"}]  # those are found among ours alone
+YOURS = [
+    kind for kind in KINDS if kind not in {"mesh_files", "correctors", "markers", "renderers"}
+]  # those are found among ours alone
 BLOCK = re.compile(r"```(?:python|yaml)\n# (my_package/\S+)\n(.*?)```", re.DOTALL)
 
 

@@ -19,6 +19,7 @@ ON_OTHERS = {  # few, each for a reason
     ("names", "efficientnet"),  # how things look
     ("names", "furniture"),  # it learns from our models
     ("names", "segmenter"),  # in its rooms
+    ("exports", "handle"),  # an exported policy marks handles itself
     ("exports", "mujoco"),  # MJCF is MuJoCo's format
     ("inputs", "pretrained"),  # the same way to read weights
     ("patchnet", "pretrained"),
@@ -26,7 +27,14 @@ ON_OTHERS = {  # few, each for a reason
     ("inputs", "vlm"),  # captions may come from a language model
     ("exports", "pictures"),  # the same GLB, room and light
     ("look", "pictures"),
+    ("api", "films"),  # a policy is filmed
+    ("importing", "films"),  # the same way to frame a model
+    ("in_scene", "films"),  # its demonstrations are filmed
     ("studies", "pictures"),  # assets with their roles
+    ("report", "robustness"),  # and the companion of Table 2
+    ("studies", "robustness"),
+    ("report", "films"),  # what it shows
+    ("report", "in_scene"),
     ("report", "claims"),  # their tables, on the page of a run
     ("studies", "claims"),
     ("studies", "report"),  # the times of a run

@@ -208,6 +208,13 @@ def test_what_carries_a_thing_must_have_a_name() -> None:
     assert score.find_true_carrier(replace(TRUE, support="7"), {}) is None
 
 
+def test_what_is_missing_is_wrong_in_all_that_is_asked_of_it() -> None:
+    wrong = score.count_missing(replace(TRUE, doors=1), ("left",), "bar", "floor")
+    assert wrong == dict.fromkeys(("yaw", "carrier", "panels", "hinges", "handles"), False)
+    assert score.count_missing(replace(TRUE, symmetry="full"), ("unknown",), "", None) == {}
+    assert score.count_missing(TRUE, (), "", "") == {"yaw": False, "carrier": False}  # its carrier is missing, too
+
+
 def row(number: int, rank: int = 1, judge: str = "geometry", **said: object) -> score.Row:
     """A row whose thing is right."""
     good = {"sensible": True, "size": True, "place": True, "carrier": True, "stable": True, "chamfer": 0.02}
@@ -224,7 +231,7 @@ def test_the_page_counts_what_is_right_and_what_is_absurd() -> None:
     absurd = tables.scenes_of(table[table["judge"] == "geometry"]).iloc[0]
     assert absurd.to_dict() == {"held": 1, "floats": 0, "behind": 0, "too_large": 1}
     assert tables.compare_with_no_image(table, "geometry") == "+10.0 [+10.0, +10.0] of 4"
-    page = tables.page(table)
+    page = tables.page(table, pd.DataFrame())
     assert "| drawn | geometry | 1 | 0/1 | 1 | 0 | 0 | 1 |" in page and "## work" in page
 
 
@@ -285,7 +292,7 @@ def test_hinges_and_handles_are_compared_with_those_of_the_cousin() -> None:
 def test_other_versions_of_the_code_are_kept_beside() -> None:
     rows = pd.concat([pd.DataFrame([row(k, size=k > 1) for k in (1, 2)]).assign(version="before"),
                       pd.DataFrame([row(k) for k in (1, 2)]).assign(version="this")])  # fmt: skip
-    page = tables.page(rows)
+    page = tables.page(rows, pd.DataFrame())
     assert "| before | geometry | 2 | 100 " in page and "| this | geometry | 2 | 100 " in page
     assert page.count("| drawn | geometry | all | 1 | 2 | 2 | 100 ") == 1
 

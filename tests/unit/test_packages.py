@@ -59,10 +59,20 @@ def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -
             load({"packages": {name: False}})
         return
     if name == "render_and_compare":
-        mend = "packages: {render_and_compare: true}, or one of distance, priors, votes"
+        mend = "packages: {render_and_compare: true}, or one of distance, votes"
         with refused("E-CONFIG", "matching.model_selection: there is no 'geometry'", mend):
             load({"packages": {name: False}})
-    packages = {name: False}
+    packages, given = {name: False}, dict[str, Any](LEFT)
+    if name == "handle":
+        with refused(
+            "E-CONFIG-CLASH", "training.runs.lite_handle.handle: is what the package handle marks, which is off"
+        ):
+            load({"packages": packages})
+        given = given | {"experiment": {"policies": {"lite": {}}}}
+    if name == "scripted":
+        with refused("E-CONFIG-CLASH", "packages.scripted: is off or not here, and studies"):
+            load({"packages": packages})
+        packages |= {"studies": False}
     if name == "scenes":
         with refused("E-CONFIG", "experiment.rooms: unknown scene 'room_1'. Fix: packages: {scenes: true}"):
             load({"packages": packages})
@@ -70,7 +80,7 @@ def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -
         with refused("E-CONFIG", "packages.pictures: is off or not here, and pages of the report"):
             load({"packages": packages})
         packages |= {"report": False, "exports": False}
-    config = load(LEFT | {"packages": packages}, rooms_named=name != "scenes")
+    config = load(given | {"packages": packages}, rooms_named=name != "scenes")
     wildcards = {"variant": "b", "run": "lite", "scene": "", "store": next(iter(stores(config)))}
     for stage, verb in READS:
         if stage != name and stage != "inputs":

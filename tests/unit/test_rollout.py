@@ -1,4 +1,4 @@
-"""Rollouts: scheduling of episodes over environments, rows, films; on a toy task instead of the simulator."""
+"""Rollouts: scheduling of episodes over environments, rows; on a toy task instead of the simulator."""
 
 import csv
 import json
@@ -7,22 +7,18 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
-from PIL import Image
 from pydantic import BaseModel
 
 from stages.config.evaluation import RolloutOptions
-from stages.contracts.archives import unpack
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, read_rows, write_json
-from stages.contracts.films import Films
 from stages.contracts.kinds import KINDS
 from stages.contracts.library import Asset
 from stages.contracts.library_folder import write_part
 from stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
 from stages.evaluation import arena, choose, gather, rollout
 from stages.evaluation import trial as try_out
-from stages.evaluation.episodes import RolloutEpisode, roll_out
-from stages.evaluation.film import add_caption, pick_episodes, take
+from stages.evaluation.episodes import roll_out
 from stages.evaluation.simulators import maniskill
 from stages.evaluation.states import Purpose, Start, initial_states, share_states, starts_of
 from stages.policies.checkpoint import save_weights
@@ -77,13 +73,6 @@ class ToyTask:
         ToyTask.open_tasks -= 1
 
 
-class ToyStudio:
-    """Films without a renderer: a grey that gets lighter."""
-
-    def film(self, recording: list[int], frames: int) -> list[np.ndarray]:
-        return [np.full((64, 80, 3), 10 * (frame + len(recording)) % 256, np.uint8) for frame in range(frames)]
-
-
 class Expert:
     """Knows the goal; episodes with an odd seed stand still."""
 
@@ -116,17 +105,6 @@ def test_every_state_once_in_order_and_stopped_at_success() -> None:
     assert all(episode.recording == list(range(episode.steps + 1)) for episode in episodes)  # the end included
 
 
-def test_film_shows_a_success_and_a_failure() -> None:
-    cab = an_asset("cab")
-    episodes = [RolloutEpisode(cab, i, success=i in (2, 3), steps=9, recording=[i] if i else None) for i in range(6)]  # type: ignore[arg-type]
-    assert [episode.seed for episode in pick_episodes(episodes)] == [2, 1]
-    filmed = take(ToyStudio(), episodes, "twin", 4)  # type: ignore[arg-type]
-    assert {item.film.asset for item in filmed} == {"cab"}
-    assert [(item.film.seed, item.film.file) for item in filmed] == [(1, "twin_failure.webp"), (2, "twin_success.webp")]
-    assert add_caption(filmed[0]).shape == (40 + 192 * 4 // 5, 8 * 192, 3)
-    assert [len(take(ToyStudio(), part, "twin", 4)) for part in (episodes[4:], [])] == [1, 0]  # type: ignore[arg-type]
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A policy that can reach, and the files of an experiment with two assets and four unseen ones."""
@@ -155,6 +133,7 @@ def evaluate(
     out: Path,
     trained_roles: tuple[str, ...] = ("twin",),
     trial: tuple[Path, ...] = (),
+    films: tuple[str, ...] = (),
     **options: object,
 ) -> list[dict[str, str]]:
     settings = {"test_assets": ["twin", "cousin_2"], "rollouts": 5, "assets": 0} | options
@@ -169,6 +148,7 @@ def evaluate(
         run_name="lite",
         trial=trial,
         options=json.dumps(settings),
+        films=films,
         out=out,
     )
     KINDS["rollouts"].check(out)
@@ -187,7 +167,6 @@ def toy_simulator(monkeypatch: pytest.MonkeyPatch) -> Made:
         return ToyTask()
 
     monkeypatch.setattr(maniskill, "Environment", toy)
-    monkeypatch.setattr(arena, "Studio", ToyStudio)
     return made
 
 
@@ -212,14 +191,10 @@ def test_rows_are_paired_and_repeatable(folder: Path, tmp_path: Path) -> None:
     assert {(row["target"], row["task"], row["policy"]) for row in rows} == {("my_door", "door", "small")}
     assert {row["feature_distance"] for row in rows[5:]} == {"7.25"}
     evaluate(folder, tmp_path / "b" / "rollouts.csv")
-    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == ["film.png", "films.zip", "rollouts.csv"]
-    folder = unpack(tmp_path / "a" / "films.zip", "")
-    films = read_json(Films, folder / "films.json").films
-    assert {film.role for film in films} == {"twin", "cousin_2"}
-    with Image.open(folder / films[0].file) as opened:
-        assert opened.n_frames == 16 and opened.size == (80, 64)  # type: ignore[attr-defined]
-    for name in ["film.png", "rollouts.csv", "films.zip"]:
-        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+    assert (tmp_path / "a" / "rollouts.csv").read_bytes() == (tmp_path / "b" / "rollouts.csv").read_bytes()
+    assert [path.name for path in (tmp_path / "a").iterdir()] == ["rollouts.csv"], (
+        "nothing is filmed unless it is asked for"
+    )
     assert ToyTask.open_tasks <= 3  # those of the first test
 
 
@@ -233,8 +208,6 @@ def test_the_assets_of_the_training_take_turns(folder: Path, tmp_path: Path, rol
     states = [int(row["initial_state"]) for row in rows]
     assert states == sorted(set(states))
     assert {row["feature_distance"] for row in rows} == {"0.0", "7.25"}
-    films = read_json(Films, unpack(tmp_path / "films.zip", "") / "films.json").films
-    assert {film.role for film in films} == {"trained"}
 
 
 @pytest.mark.usefixtures("toy_simulator")
@@ -246,8 +219,6 @@ def test_unseen_assets_are_a_test_role_of_their_own(folder: Path, tmp_path: Path
     ]
     assert {(row["handle"], row["handle_length"]) for row in unseen} == {("knob", "0.03")}
     assert len(rows) == 2 * 5 + 6 and len({row["initial_state"] for row in rows}) == 5 + 6  # states of their own
-    films = read_json(Films, unpack(tmp_path / "films.zip", "") / "films.json").films
-    assert {film.role for film in films} == {"twin", "cousin_2", "test"}
     other = evaluate(folder, tmp_path / "b.csv", assets=2, asset_rollouts=1, split="validation")
     assert [row["asset"] for row in other if row["test_asset"] == "validation"] == ["e"]
 

@@ -12,11 +12,9 @@ from stages.contracts import (
     Asset,
     Cousins,
     GeneratedScene,
-    LeftOut,
     Library,
     Objects,
     Truth,
-    read_json,
     write_json,
 )
 from stages.contracts.__main__ import main as check_contract
@@ -26,7 +24,6 @@ from stages.contracts.library import LibraryEntry
 from stages.contracts.library_folder import write_part
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.contracts.scenes import TrueObject
-from stages.evaluation import leave_out
 from stages.evaluation.score import run
 from stages.evaluation.scoring import score_scene
 from stages.evaluation.shapes import measure_likeness
@@ -187,22 +184,6 @@ def test_models_are_compared_by_shape_and_by_what_they_offer(tmp_path: Path) -> 
     assert wider.chamfer < 0.01 and wider.shape_iou > 0.9 and wider[2:] == (True, True, True)
     assert sofa.chamfer > 2 * wider.chamfer and sofa.shape_iou < 0.8 and not sofa.panels_correct
     assert measure_likeness(tmp_path / "sofa", tmp_path / "true")[2:] == (None, None, None)
-
-
-@pytest.mark.parametrize("shown", ["cabinet_0", "cabinet_2"])
-def test_true_models_are_left_out_with_all_their_relatives(tmp_path: Path, shown: str) -> None:
-    founders = {"cabinet_0": None, "cabinet_1": None, "cabinet_2": "cabinet_0", "cabinet_3": "cabinet_1"}
-    for name, founder in {**founders, "cabinet_4": "cabinet_0", "mine_0": None}.items():
-        asset = build(sample("box", 0, 0), None, tmp_path / name, name, "cabinet")
-        recipe = (
-            None if name == "mine_0" else asset.recipe and asset.recipe.model_copy(update={"variation_of": founder})
-        )
-        write_json(tmp_path / name / "asset.json", asset.model_copy(update={"recipe": recipe}))
-    write_part(tmp_path / "library.json", tmp_path)
-    objects = [true(1, shown, (0, 0, 0)), true(2, "mine_0", (1, 0, 0)), true(3, "gone_0", (2, 0, 0))]
-    write_json(tmp_path / "truth.json", TRUTH.model_copy(update={"objects": objects}))
-    leave_out.run(truth=tmp_path / "truth.json", library=tmp_path / "library.json", out=tmp_path / "out.json")
-    assert read_json(LeftOut, tmp_path / "out.json").assets == ["cabinet_0", "cabinet_2", "cabinet_4", "mine_0"]
 
 
 def _write(folder: Path) -> dict:

@@ -8,7 +8,7 @@ import pytest
 
 from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout, SceneScore
-from stages.tables import policies, policy_tables, robustness, scene_tables, scenes, table2, table3
+from stages.tables import policies, policy_tables, scene_tables, scenes, table2, table3
 from stages.tables.markup import Table, html, latex, markdown
 from stages.tables.methods import join_published
 from stages.tables.order import set_key, sort_key
@@ -96,31 +96,6 @@ def test_table2_counts_lost_objects_as_wrong_and_leaves_them_out_of_means() -> N
     assert row["published_l2_cm_mean"] == 5.27 and row["status"] == "run"
 
 
-def test_robustness_variants_of_rooms_stand_in_the_companion_alone() -> None:
-    rows = [score(number=1), score(number=2, model_correct=False)]
-    for draw, distance in ((1, 2.0), (2, 4.0)):
-        met = {"protocol": "noise", "draw": draw, "l2_cm": distance, "shift_cm": 0.1, "chamfer": 0.02}
-        rows += [score(number=1, **met), score(number=2, **met | {"model_correct": draw == 1, "stable": False})]
-    assert cell(scene_cells(rows), scene="room_1", variant="b")["n_objects"] == 2
-    table = robustness.build(frame(rows))
-    first, noise = (cell(table, protocol=name) for name in ("as shipped", "noise"))
-    assert (first["n_draws"], first["model_correct_mean"]) == (1, 1) and np.isnan(first["model_correct_std"])
-    assert (noise["n_draws"], noise["n_objects"], noise["fallen_mean"]) == (2, 2, 1)
-    assert (noise["model_correct_mean"], noise["l2_cm_mean"]) == (1.5, 3.0)
-    assert noise["l2_cm_std"] == pytest.approx(np.sqrt(2))
-    text = scene_tables.robustness_table(table).rows[1]
-    assert text[:6] == ["noise", "(b)", "", "2 × 2", "2.0 ± 0.0 of 2", "1.5 ± 0.7 of 2"]
-    assert robustness.build(frame(rows[:2])).empty
-    untested = [score(number=n, protocol="noise", draw=1, stable=None) for n in (1, 2)]
-    assert cell(robustness.build(frame(rows[:2] + untested)), protocol="noise")["fallen_mean"] == 0
-
-
-def test_the_worst_room_is_that_with_the_largest_mean_over_its_things() -> None:
-    met = {"protocol": "noise", "draw": 1}
-    rows = [score("room_1", 1, l2_cm=1, **met), score("room_1", 2, l2_cm=9, **met), score("room_2", 1, l2_cm=6, **met)]
-    assert robustness.build(frame(rows))["worst_room_l2_cm_mean"].tolist() == [6.0]  # one thing is farther off
-
-
 def test_table2_counts_orientation_twice_modulo_the_period_and_as_the_paper() -> None:
     scores = [
         score(number=1, orientation_rad=0.3, orientation_paper_rad=0.3),
@@ -159,11 +134,8 @@ def test_table2_says_what_is_given_and_what_a_judge_is_read_against() -> None:
     rows = [score(), score(protocol="noise", draw=1)]
     for baseline in (False, True):
         rows += [score(variant="no-image"), score(variant="no-image", protocol="noise", draw=1)] if baseline else []
-        for shown in (
-            scene_tables.scenes_table(scene_cells(rows), OPTIONS),
-            scene_tables.robustness_table(robustness.build(frame(rows))),
-        ):
-            assert scene_tables.GIVEN in shown.notes and (scene_tables.BASELINE in shown.notes) == baseline
+        shown = scene_tables.scenes_table(scene_cells(rows), OPTIONS)
+        assert scene_tables.GIVEN in shown.notes and (scene_tables.BASELINE in shown.notes) == baseline
 
 
 def test_table2_names_the_judge_of_every_row() -> None:
@@ -239,7 +211,7 @@ def test_verb_writes_the_tables_with_fixed_columns_and_the_same_bytes(tmp_path: 
         policies.run(out=tmp_path / out, rollouts=(episodes,), published=PUBLISHED)
     names = sorted(path.name for path in (tmp_path / "one").iterdir())
     assert names == sorted(
-        [f"{name}.{s}" for name in ("table2", "table2_robustness", "table3") for s in ("csv", "html", "tex")]
+        [f"{name}.{s}" for name in ("table2", "table3") for s in ("csv", "html", "tex")]
         + [f"figure{number}.{suffix}" for number in (4, 6, 9) for suffix in ("png", "svg")]
         + [f"table3_{what}.csv" for what in ("cells", "differences")]
     )

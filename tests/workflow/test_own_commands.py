@@ -14,7 +14,7 @@ PYTHON = f"{sys.executable} -I -S"  # no site-packages, no repository
 SCORES = "results/evaluation/scenes/b/room_1/scores.csv"
 ASSETS = "results/experiment/b/door/assets.json"
 SCENES = {"generate", "draw_scenes", "score"}
-REPORT = {"trainings", "table2", "table3", "report_page"}
+REPORT = {"trainings", "table2", "table2_robustness", "table3", "report_page"}
 NO_POLICIES = "\nexperiment: {training_sets: []}"  # they read nothing that a stranger writes
 
 

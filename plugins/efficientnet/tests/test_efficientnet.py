@@ -2,7 +2,9 @@
 
 import hashlib
 from dataclasses import replace
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 import pytest
@@ -20,6 +22,7 @@ from tests.refusals import refused
 from tests.unit.matching_data import before_noise, view_of_box
 
 OPTIONS = MatchingConfig(encoder="plugins.efficientnet.encoders.efficientnet")
+PUBLISHED = "579344248a93e23026e6b78f1f6faf0bc1d282386f6c881cdbaacd49cabf77db"
 DIGEST = "5b72a2d8530a7d900e5cc8d64b7028d0d19b39605236f968371d47d78b0bef72"
 
 
@@ -108,10 +111,30 @@ def test_the_same_box_turned_a_little_is_nearer_than_turned_a_lot(encoder: Encod
     assert near < 0.8 * far
 
 
+def absent(name: str) -> NoReturn:
+    """A package that is not installed."""
+    raise PackageNotFoundError(name)
+
+
+def test_the_classifier_says_what_the_published_code_says() -> None:
+    """Logits of efficientnet-lite-pytorch 0.1.0 for a picture of two ramps."""
+    weights = network.published_file()
+    assert hashlib.sha256(weights.read_bytes()).hexdigest() == PUBLISHED
+    y, x = np.mgrid[:224, :224]
+    picture = np.stack([x, y, (x + y) // 2], axis=-1).astype(np.uint8)
+    with torch.inference_mode():
+        scores = network.fill(network.Classifier(), weights)(network.to_input(picture[None]))[0]
+    assert scores.shape == (1000,)
+    expected = torch.tensor([-0.1377, 0.1868, 1.1314, 3.9414, 3.8399])
+    torch.testing.assert_close(scores[[0, 1, 2, 818, 782]], expected, rtol=0, atol=1e-3)
+
+
 def test_the_last_blocks_come_from_the_installed_package(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     changed = OPTIONS.model_copy(update={"own": {"efficientnet": {"stride": 32}}})
-    with refused("E-WEIGHTS-MISSING"):
-        make_encoder(changed)
+    with monkeypatch.context() as without:
+        without.setattr("importlib.metadata.distribution", absent)
+        with refused("E-WEIGHTS-MISSING"):
+            make_encoder(changed)
     torch.save(published(), file := tmp_path / "lite0.pth")
     monkeypatch.setattr(network, "published_file", lambda: file)
     whole = make_encoder(changed)

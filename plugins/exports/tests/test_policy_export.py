@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 import torch
 
+from plugins.exports.bc_rnn_gmm.loader import PortablePolicy
 from plugins.exports.policy import run
+from plugins.handle.handle_points import mark_handle_points
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.policies import make_actor
-from stages.policies.bc_rnn_gmm.loader import PortablePolicy
 from stages.policies.checkpoint import load_network, save_weights
-from stages.policies.handle_points import mark_handle_points
 from tests.refusals import refused
 from tests.unit.trained_policy import trained
 

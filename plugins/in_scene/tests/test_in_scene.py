@@ -6,19 +6,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plugins.films.contract import read_films
 from plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
+from plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
 from plugins.in_scene.demonstrate import run
-from plugins.in_scene.room import read_room
+from plugins.in_scene.room import GeneratedRoom, read_room
 from stages.contracts import read_json, write_json
 from stages.contracts.archives import unpack
 from stages.contracts.episode_store import read_episodes
-from stages.contracts.films import read_films
 from stages.contracts.generated import GeneratedScene, PlacedObject
-from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.contracts.library_folder import write_part
 from stages.contracts.objects import Wall
 from stages.contracts.task_options import TaskConfig
-from stages.simulation.room import Room
 from stages.tasks.api import TaskEnv
 from tests.packages import needs
 from tests.refusals import refused
@@ -152,7 +151,7 @@ def test_what_a_task_brings_along_does_not_stand_in_furniture(library: Path, tmp
     task.close()
 
 
-def demo_task(room: Room, options: dict[str, object]):  # type: ignore[no-untyped-def]
+def demo_task(room: GeneratedRoom, options: dict[str, object]):  # type: ignore[no-untyped-def]
     """The door task in a room, placed, without a camera."""
     task = TaskEnv(
         "door", room.target.folder, "door_0_joint", None, TaskConfig.model_validate(options), render=False,

@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageOps
 
+from plugins.inputs.rgbd.cut_range import find_cut_range
 from plugins.inputs.rgbd.depth_scale import UNITS, Stated, find_scale
 from plugins.inputs.rgbd.exr import read_exr
 from stages.contracts import InputError
 from stages.contracts.arrays import explain_unreadable, read_npz
 from stages.contracts.depth import NEAREST, SKY, check_depth
 from stages.contracts.types import LARGEST
-from stages.geometry.depth_marks import find_cut_range, find_marks, remove_marks
+from stages.geometry.depth_marks import find_marks, remove_marks
 
 DEPTH_IMAGES = (".png", ".tif", ".tiff", ".pgm")
 DEPTH_FILES = (*DEPTH_IMAGES, ".exr", ".npz", ".npy")

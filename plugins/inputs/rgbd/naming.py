@@ -5,8 +5,8 @@ from dataclasses import replace
 from plugins.inputs.rgbd.frame import Frame
 from plugins.inputs.rgbd.pieces import TILT
 from plugins.names.propose import propose_names
+from plugins.segmenter.ground import find_ground
 from stages.geometry.cameras import back_project
-from stages.geometry.levels import find_ground
 from stages.geometry.room_planes import make_floor_frame
 
 UNNAMED = "object"  # what a mask is called that nobody named
@@ -15,7 +15,7 @@ PROPOSED = 3  # names of a thing
 
 def name_things(frame: Frame) -> Frame:
     """The frame with every `object` called by the surest of the names that are proposed for it; depth of its size."""
-    from plugins.names.observed import observe
+    from plugins.names.observed import WITHOUT, classifier, observe
 
     if frame.masks is None:
         return frame
@@ -30,4 +30,6 @@ def name_things(frame: Frame) -> Frame:
         if label == UNNAMED and (masks.values == value).any()
     }
     names = {value: found[0].name for value, found in proposals.items()}
+    if proposals and classifier() is None:
+        frame = replace(frame, notes=[*frame.notes, WITHOUT])
     return replace(frame, masks=replace(masks, labels=masks.labels | names, proposals=proposals))

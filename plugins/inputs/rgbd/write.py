@@ -24,6 +24,11 @@ OPENS = {
 }  # fmt: skip
 
 
+def says_opening(label: str) -> bool:
+    """Whether what is called so opens."""
+    return bool(OPENS & set(re.split(r"\W+", label.lower())))
+
+
 def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
     """masks.png and annotations.json; labels say what is floor or wall, and all floors become one.
 
@@ -44,7 +49,7 @@ def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
         Annotation(
             mask=value,
             label=masks.labels[value].strip(),
-            articulated=bool(OPENS & set(re.split(r"\W+", label))),
+            articulated=says_opening(label),
             doubts=doubt_name(masks.proposals.get(value, [])),
             proposals=[one.name for one in masks.proposals.get(value, [])],
         )

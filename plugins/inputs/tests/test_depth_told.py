@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
 from plugins.inputs import from_rgbd
+from plugins.inputs.rgbd.cut_range import find_cut_range
 from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
 from plugins.inputs.rgbd.depth_scale import find_stated_units
 from stages.contracts import Camera, read_json
 from stages.contracts.depth import read_depth
 from stages.contracts.scene_input import read_scene_input
 from stages.geometry.boxes import UprightBox
-from stages.geometry.depth_marks import find_cut_range, find_marks
+from stages.geometry.depth_marks import find_marks
 from stages.geometry.ray_depth import along_axis, find_flatter, ray_lengths
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, trace, write_room

@@ -145,7 +145,7 @@ def test_a_name_that_is_not_sure_is_doubted_until_it_is_said() -> None:
     assert [item.proposals for item in written.objects] == [["mug", "jar"], ["jar", "mug"]]
     named, (doubt,) = (item.doubts for item in written.objects)
     assert named == []
-    assert doubt.cause == "name" and doubt.what == "called jar by looks, size and height, 40 % sure; else mug"
+    assert doubt.cause == "name" and doubt.what == "called jar by looks, size and place, 40 % sure; else mug"
     for said, left in (({"doors": 0}, [doubt]), ({"named": True}, []), ({"label": "vase"}, [])):
         change = {2: Correction.model_validate({"mask": 2, **said})}
         corrected, _, _ = correct_masks(written, values, change, Cutter(np.zeros((3, 4, 3), np.uint8)))

@@ -6,9 +6,9 @@ from typing import Any
 import pytest
 
 from plugins.inputs.pictures import Picture
+from plugins.ops.outside import list_outside_paths
 from stages.config.inputs import INPUT_FILES
 from stages.config.model import load
-from stages.config.outside import list_outside_paths
 from stages.contracts import InputError
 
 HEAD = "scene,image,depth,unit,camera,fx,fy,cx,cy,fov,masks,labels,folder,recording,number"

@@ -2,20 +2,28 @@
 
 import hashlib
 from collections import Counter
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 
+from benchmarks.names import choose_looks, share_names
+from plugins.inputs.rgbd.frame import Frame, Labelled
+from plugins.inputs.rgbd.naming import name_things
+from plugins.names import observed
 from plugins.names.examples import Example, draw_examples
-from plugins.names.learn import choose_weights, learn_table
-from plugins.names.observed import Observed, observe
-from plugins.names.propose import FEET, TABLE, Table, propose_names, read_table
+from plugins.names.learn import learn_table
+from plugins.names.observed import WITHOUT, Observed, observe
+from plugins.names.propose import FEET, OUT, TABLE, WEIGHTS, place_at_wall, propose_names, read_classes, read_table, say
+from stages.contracts import InputError
 from stages.contracts.categories import known_categories, sizes_of
 from stages.contracts.category import log_extents
 from stages.geometry.boxes import UprightBox
-from tests.unit.synthetic_room import INTRINSICS, WORLD_FROM_CAMERA, trace
+from tests.unit.synthetic_room import BACK_WALL, INTRINSICS, WORLD_FROM_CAMERA, trace
 
-DIGEST = "784d542feba15360e6e80b277b6cdcc0b3831545f72ef582b0226aa4b2a9ab08"
+DIGEST = "310ee3bb901e08c1d2f0fe7dcc03ce8b45b83f315e2c925ba4560821ed9c8a9f"
 
 
 def test_the_table_is_the_shipped_one_and_knows_every_category() -> None:
@@ -23,14 +31,26 @@ def test_the_table_is_the_shipped_one_and_knows_every_category() -> None:
     table = read_table()
     assert list(table.names) == sorted(known_categories())
     assert np.exp(table.feet).sum(axis=1) == pytest.approx(np.ones(len(table.names)), abs=1e-5)
-    assert (table.weights > 0).all() and (table.weights < 1).all(), "less than all of what each says: they overlap"
+    assert np.exp(table.out).sum(axis=1) == pytest.approx(np.ones(len(table.names)), abs=1e-5)
+
+
+def test_every_category_but_flat_ones_has_classes_of_imagenet() -> None:
+    classes = read_classes()
+    assert set(classes) == set(known_categories())
+    assert all(0 <= one < 1000 for ours in classes.values() for one in ours)
+    assert {name for name, ours in classes.items() if not ours} == {"mirror", "picture"}
 
 
 def usual(category: str, foot: float) -> Observed:
     """A thing of a category's usual size, of looks that say nothing: the mean over all categories."""
     table = read_table()
     looks = np.linalg.lstsq(table.looks, table.offset.mean() - table.offset, rcond=None)[0]
-    return Observed(looks, np.median(log_extents(sizes_of(category)), axis=0), foot)
+    return Observed(looks, None, np.median(log_extents(sizes_of(category)), axis=0), foot)
+
+
+def share_of(category: str, observed: Observed) -> float:
+    """How sure a category is."""
+    return {one.name: one.probability for one in propose_names(observed)}[category.replace("_", " ")]
 
 
 @pytest.mark.parametrize(
@@ -45,9 +65,57 @@ def test_size_and_height_alone_say_much(category: str, foot: float) -> None:
 
 
 def test_what_hangs_is_no_chest_on_the_floor() -> None:
-    high, low = (propose_names(usual("chest_of_drawers", foot)) for foot in (1.4, 0.0))
-    share = [{one.name: one.probability for one in found}["chest of drawers"] for found in (high, low)]
-    assert share[1] > 2 * share[0]
+    high, low = (share_of("chest_of_drawers", usual("chest_of_drawers", foot)) for foot in (1.4, 0.0))
+    assert low > 1.4 * high
+
+
+def test_how_far_a_thing_stands_out_of_its_wall_tells_pictures_from_cabinets() -> None:
+    hung = usual("wall_cabinet", 1.4)
+    flat, deep = (replace(hung, out=np.array([0.0, out])) for out in (0.04, 0.36))
+    assert share_of("picture", flat) > 2 * share_of("picture", deep)
+    assert share_of("wall_cabinet", deep) > 1.5 * share_of("wall_cabinet", flat)
+
+
+def test_places_at_a_wall() -> None:
+    outs = [None, [-3.0, 0.05], [0.0, 0.05], [0.0, 0.2], [0.0, 0.4], [0.3, 1.0]]
+    assert [place_at_wall(None if out is None else np.array(out)) for out in outs] == list(range(len(OUT) + 3))
+
+
+def test_a_class_of_imagenet_is_a_vote_for_its_categories() -> None:
+    plain = usual("mug", 0.7)
+    scores = np.zeros(1000)
+    scores[504] = 8  # coffee mug
+    scores[0] = 20  # a tench is no thing of ours, and does not count
+    assert share_of("mug", replace(plain, classes=scores)) > 2 * share_of("mug", plain)
+    said = say(replace(plain, classes=scores), read_table())[1]
+    assert read_table().names[said.argmax()] == "mug"
+
+
+def test_without_the_classifier_names_are_proposed_and_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    depth, masks = trace([UprightBox([2.6, 0.0, 0.5], [0.4, 0.8, 1.0], 0.3)])
+    rgb = np.full((*depth.shape, 3), 120, np.uint8)
+    value = int(masks.max())
+    frame = Frame(rgb, depth, INTRINSICS, Labelled(masks.astype(np.uint16), {value: "object"}))
+
+    def weigh_with(scores: torch.Tensor | None) -> Frame:
+        monkeypatch.setattr(observed, "classifier", lambda: scores if scores is None else lambda picture: scores[None])
+        return name_things(frame)
+
+    without, seen = weigh_with(None), weigh_with(10.0 * torch.eye(1000)[504])
+    assert without.notes == [WITHOUT] and not seen.notes
+    assert without.masks is not None and seen.masks is not None
+    sure = [{one.name: one.probability for one in found.masks.proposals[value]} for found in (without, seen)]
+    assert len(sure[0]) == 3 and sure[0] != sure[1]
+
+
+def test_the_classifier_needs_its_weights(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def absent() -> Path:
+        raise InputError("weights", "are not installed.", "install them", code="E-WEIGHTS-MISSING")
+
+    monkeypatch.setattr(observed, "published_file", absent)
+    observed.classifier.cache_clear()
+    assert observed.classifier() is None
+    observed.classifier.cache_clear()
 
 
 def test_names_are_proposed_among_those_of_a_library() -> None:
@@ -55,7 +123,7 @@ def test_names_are_proposed_among_those_of_a_library() -> None:
     assert {one.name for one in found} == {"mug", "sofa"} and found[0].name == "mug"
 
 
-def test_size_and_foot_are_measured_above_the_floor() -> None:
+def test_size_foot_and_wall_are_measured() -> None:
     box = UprightBox([2.6, 0.0, 0.5], [0.4, 0.8, 0.3], 0.3)
     depth, masks = trace([box])
     rgb = np.full((*depth.shape, 3), 120, np.uint8)
@@ -64,9 +132,22 @@ def test_size_and_foot_are_measured_above_the_floor() -> None:
     assert np.exp(seen.size) == pytest.approx([0.4, 0.8, 0.3], rel=0.2)
     assert seen.looks.shape == (112,) and 0 < np.linalg.norm(seen.looks) <= 1
     blind = observe(rgb, np.zeros(depth.shape), masks == masks.max(), INTRINSICS, WORLD_FROM_CAMERA)
-    assert blind.size is None and blind.foot is None
+    assert blind.size is None and blind.foot is None and blind.out is None
     assert np.array_equal(blind.looks, seen.looks)
     assert len(propose_names(blind)) == len(known_categories())
+
+
+def test_what_hangs_stands_out_of_its_wall() -> None:
+    deep = 0.3
+    hung = UprightBox([BACK_WALL - deep / 2, 0.0, 1.2], [deep, 0.6, 0.5], 0.0)
+    depth, masks = trace([hung])
+    rgb = np.full((*depth.shape, 3), 120, np.uint8)
+    seen = observe(rgb, depth.astype(float), masks == masks.max(), INTRINSICS, WORLD_FROM_CAMERA)
+    assert seen.out is not None and seen.out[1] == pytest.approx(deep, abs=0.02)
+    lonely = observe(
+        rgb, np.where(masks == masks.max(), depth, 0.0), masks == masks.max(), INTRINSICS, WORLD_FROM_CAMERA
+    )
+    assert lonely.out is None
 
 
 def examples(count: int, seed: int) -> list[Example]:
@@ -77,26 +158,27 @@ def examples(count: int, seed: int) -> list[Example]:
         name = "abc"[number % 3]
         looks = rng.normal(0, 0.05, 112) + (name == "a") * np.eye(112)[0]
         size = rng.normal(-1 + (name == "b"), 0.1, 3)
-        found.append(Example(name, Observed(looks, size, 1.0 if name == "c" else 0.0)))
+        found.append(Example(name, Observed(looks, None, size, 1.0 if name == "c" else 0.0)))
     return found
 
 
-def test_a_table_is_learnt_and_weighed() -> None:
-    table = learn_table(examples(300, 0), np.ones(3))
-    others = examples(90, 1)
-    weights = choose_weights(table, others)
-    learnt = Table(**{**vars(table), "weights": weights})
-    right = [propose_names(one.observed, learnt)[0].name == one.name for one in others]
-    assert np.mean(right) > 0.95
-    assert np.searchsorted(FEET, 1.0) == table.feet[2].argmax()
+def said_of(things: list[Example]) -> tuple[np.ndarray, np.ndarray]:
+    """What a table that others taught says of things, and which names are right."""
+    table = learn_table(examples(300, 0))
+    return np.array([say(one.observed, table) for one in things]), np.array([table.names == one.name for one in things])
 
 
-def test_weights_are_calibrated() -> None:
-    """Things of no category: nothing that is said of them counts."""
-    table = learn_table(examples(300, 0), np.ones(3))
-    rng = np.random.default_rng(2)
-    shuffled = [Example(str(rng.choice(list("abc"))), one.observed) for one in examples(300, 3)]
-    assert choose_weights(table, shuffled).max() < 0.1
+def test_a_table_is_learnt_and_names_what_it_did_not_see() -> None:
+    said, right = said_of(examples(90, 1))
+    assert (share_names(said, WEIGHTS[0]).argmax(axis=1) == right.argmax(axis=1)).mean() > 0.95
+    assert np.searchsorted(FEET, 1.0) == learn_table(examples(300, 0)).feet[2].argmax()
+
+
+def test_looks_weigh_as_much_as_they_are_right() -> None:
+    said, right = said_of(examples(90, 1))
+    assert choose_looks(said, right) > 0.15
+    said[:, 0] = np.roll(said[:, 0], 1, axis=1)  # now they are wrong
+    assert choose_looks(said, right) < 0.1
 
 
 def test_examples_are_things_of_our_categories() -> None:

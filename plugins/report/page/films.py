@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from plugins.films.contract import Film
+from plugins.films.contract import read_films as read_list
 from plugins.report.album import Album, Animation
 from stages.contracts.archives import unpack
-from stages.contracts.films import Film
-from stages.contracts.films import read_films as read_list
 from stages.tables.order import title
 from stages.tables.text import percent
 

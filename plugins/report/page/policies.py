@@ -7,6 +7,7 @@ from typing import Any
 
 from markupsafe import Markup
 
+from plugins.in_scene.contract import SceneDemonstrations
 from plugins.report.album import Album, Picture
 from plugins.report.page.charts import Points, line_chart
 from plugins.report.page.files import RunFiles
@@ -14,7 +15,6 @@ from plugins.report.page.films import FilmedAsset, read_films
 from plugins.report.roles import lists_table, role_title, roles_table, used_roles
 from plugins.report.snapshots import Snapshots
 from stages.contracts.files import read_json
-from stages.contracts.in_scene import SceneDemonstrations
 from stages.contracts.ledgers import read_attempts, read_metrics
 from stages.contracts.policies import TaskAssets
 from stages.tables.markup import Table

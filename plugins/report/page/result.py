@@ -9,11 +9,11 @@ import pandas as pd
 from markupsafe import Markup
 
 from plugins.claims.claims import OPEN
-from plugins.claims.tables import count_lacking_runs, evidence
+from plugins.claims.tables import count_lacking_runs, evidence, title_of
 from plugins.report.page.charts import success_chart
 from plugins.report.page.rooms import RoomPart
 from stages.tables.methods import Kinds, kind
-from stages.tables.order import SKILL, set_key, target_title, title, title_of
+from stages.tables.order import SKILL, set_key, target_title, title
 from stages.tables.rows import records
 from stages.tables.text import count, percent
 

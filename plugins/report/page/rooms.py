@@ -12,12 +12,12 @@ from plugins.report.album import Album, Picture
 from plugins.report.page.files import RunFiles
 from plugins.report.page.findings import Findings
 from plugins.report.page.objects import Evidence, Match, match
-from plugins.report.snapshots import Snapshots
+from plugins.report.snapshots import Snapshots, views_of
 from stages.contracts.cousins import Cousins
 from stages.contracts.doubt import Doubt
 from stages.contracts.extracted import read_clouds, read_object_masks
 from stages.contracts.files import read_json
-from stages.contracts.generated import GeneratedScene, views_of
+from stages.contracts.generated import GeneratedScene
 from stages.contracts.images import read_rgb
 from stages.contracts.objects import Objects
 from stages.contracts.provenance import Provenance

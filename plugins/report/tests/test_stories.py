@@ -8,10 +8,10 @@ import pytest
 from plugins.report.album import THUMBNAIL, Album
 from plugins.report.doubts import group_doubts
 from plugins.report.page.objects import Evidence, Match, cloud_picture, fade_background, match
-from plugins.report.snapshots import Snapshots
+from plugins.report.snapshots import Snapshots, views_of
 from stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
 from stages.contracts.doubt import MEND, Doubt
-from stages.contracts.generated import GeneratedScene, PlacedObject, views_of
+from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 

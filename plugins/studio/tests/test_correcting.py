@@ -136,6 +136,42 @@ def test_parts_are_joined_and_nothing_else_is_gone(session: Correcting, source: 
         Corrections(objects=[Correction(mask=1, joins=[3]), Correction(mask=2, joins=[3])])
 
 
+def test_what_the_input_doubts_is_shown_before_the_first_run(session: Correcting, source: Path) -> None:
+    assert session.start()["made"] == {}
+    said = json.loads((source / "annotations.json").read_text())
+    doubt = {"cause": "name", "what": "called cabinet, 34 % sure"}
+    said["objects"][1]["doubts"] = [doubt, {"cause": "size", "what": "is large"}]
+    (source / "annotations.json").write_text(json.dumps(said))
+    ((mask, shown),) = Correcting(source, [], source.parent / "results", "kitchen").start()["made"].items()
+    assert mask == str(BOX) and [one["cause"] for one in shown["doubts"]] == ["name", "size"]
+    assert shown["doubts"][0]["text"].startswith(doubt["what"]) and [one["grave"] for one in shown["doubts"]] == [0, 1]
+
+
+@pytest.mark.parametrize(
+    ("told", "opens"),
+    [
+        ({}, True),
+        ({"label": "stool"}, False),
+        ({"label": "Dresser"}, True),
+        ({"label": "stool", "drawers": 1}, True),
+        ({"label": "dresser", "articulated": False}, False),
+    ],
+)
+def test_another_name_than_the_proposed_one_says_anew_whether_it_opens(
+    source: Path, told: dict[str, Any], opens: bool
+) -> None:
+    said = json.loads((source / "annotations.json").read_text())
+    said["objects"][0] |= {"doors": 0, "proposals": ["cabinet", "stool", "chair"]}
+    (source / "annotations.json").write_text(json.dumps(said))
+    image = correct_image(read_folder(source), {CABINET: Correction(mask=CABINET, **told)})
+    assert image.annotations.objects[0].articulated is opens
+    said["objects"][0].pop("proposals")  # what a person or a network has said stays
+    (source / "annotations.json").write_text(json.dumps(said))
+    stays = told.get("articulated", True)
+    image = correct_image(read_folder(source), {CABINET: Correction(mask=CABINET, **told)})
+    assert image.annotations.objects[0].articulated is stays
+
+
 def test_an_outline_says_which_pixels_and_two_floors_are_one(session: Correcting, source: Path) -> None:
     square = [(10.0, 300.0), (60.0, 300.0), (60.0, 340.0), (10.0, 340.0)]
     drawing = session.open_drawing()

@@ -145,6 +145,33 @@ def test_a_proposed_name_is_taken_by_a_click(browser: Any, tmp_path: Path) -> No
         assert names.count() == 0
 
 
+def test_doubted_names_come_first_and_a_click_settles_each(browser: Any, tmp_path: Path) -> None:  # noqa: F811
+    """Before any run: one of the proposed names is one click, another word a click and the word."""
+    folder = write_room(tmp_path / "kitchen", BOXES, ["cabinet", "sofa"])
+    given = json.loads((folder / "annotations.json").read_text())
+    for item, names in zip(given["objects"], (["cabinet", "fridge", "oven"], ["sofa", "bed", "box"]), strict=True):
+        doubt = {"cause": "name", "what": f"called {names[0]}, 34 % sure"}
+        item |= {"proposals": names, "doubts": [doubt]}
+    (folder / "annotations.json").write_text(json.dumps(given))
+    session = Correcting(folder, ["mug"], tmp_path / "results", "kitchen")
+    with watched(browser, session, "#over polygon") as page:
+        lines = page.locator("#in-doubt li")
+        assert page.locator("#in-doubt summary").text_content() == "In doubt: 2"
+        assert lines.nth(0).locator("button").all_text_contents() == ["cabinet?", "cabinet", "fridge", "oven"]
+        if shots := os.environ.get("ACDC_SCREENSHOTS"):
+            page.screenshot(path=f"{shots}/correct_names.png")
+        lines.nth(0).get_by_role("button", name="fridge").click()
+        assert _told(page, session) == {CABINET: {"label": "fridge", "named": True}}
+        assert lines.locator("button").all_text_contents() == ["sofa?", "sofa", "bed", "box"]
+        lines.locator("button").first.click()
+        page.keyboard.type("mug")
+        page.keyboard.press("Enter")
+        assert _told(page, session)[BOX] == {"label": "mug"}
+        assert page.locator("#in-doubt").is_hidden()
+        page.keyboard.press("Control+z")
+        page.wait_for_function("() => document.querySelectorAll('#in-doubt li').length === 1")
+
+
 def test_a_room_is_put_right_from_its_doubt_on_and_made_again(opened: Any, session: Correcting) -> None:
     """Nine actions; of what comes of them extraction reads all but the model, which generation reads."""
     page, results = opened, session.folder.parent / "results"

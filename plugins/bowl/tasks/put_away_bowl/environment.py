@@ -30,7 +30,7 @@ from stages.planning.clearance import surface_points
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset
 from stages.simulation.poses import batch_poses
-from stages.simulation.studio import Prop
+from stages.simulation.recording import Prop
 from stages.tasks.base_placement import AJAR
 from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
 from stages.tasks.environment import OpenTaskEnv

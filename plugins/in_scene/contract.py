@@ -4,8 +4,8 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
+from plugins.films.contract import Film
 from stages.contracts.files import Contract, Document
-from stages.contracts.films import Film
 from stages.contracts.objects import check_status
 from stages.contracts.types import Count, Id, Rank, Text, check_unique
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plugins.films.framing import FIELD_OF_VIEW, MARGIN, frame_all
+from plugins.films.studio import HAND_SHARE, Shot, Studio, directions, pick_evenly
 from stages.contracts.task_options import TaskConfig
-from stages.simulation.framing import FIELD_OF_VIEW, MARGIN, frame_all
-from stages.simulation.studio import HAND_SHARE, Shot, Studio, directions, pick_evenly
 from stages.tasks.api import TaskEnv
 from tests.unit.demo_assets import cabinet
 

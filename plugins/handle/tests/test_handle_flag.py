@@ -7,13 +7,8 @@ import pytest
 import torch
 from torch import Tensor
 
-from stages.contracts.task_options import TaskConfig
-from stages.contracts.trained import TrainingStore
-from stages.contracts.training_run import NetworkConfig, TrainingRun
-from stages.policies import make_actor, make_policy
-from stages.policies.handle_points import find_handle_middles, mark_handle_points, offsets_to_handle
-from stages.training.dataset import Batch, DemonstrationSet, gather, steps_until_release
-from stages.training.handles import (
+from plugins.handle.handle_points import find_handle_middles, mark_handle_points, offsets_to_handle
+from plugins.handle.sequences import (
     Variation,
     find_still,
     hide_handles,
@@ -22,6 +17,11 @@ from stages.training.handles import (
     vary_handles,
     widen_grips,
 )
+from stages.contracts.task_options import TaskConfig
+from stages.contracts.trained import TrainingStore
+from stages.contracts.training_run import NetworkConfig, TrainingRun
+from stages.policies import make_actor, make_policy
+from stages.training.dataset import Batch, DemonstrationSet, gather, steps_until_release
 
 FRONTS = Variation(front_probability=1.0, scale=(1.0, 1.0))
 

@@ -10,12 +10,12 @@ import numpy as np
 import torch
 from PIL import Image as Pillow
 
+from plugins.films.contract import Film, Films
+from plugins.films.studio import Image, pick_evenly
 from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
 from stages.contracts.files import write_atomically, write_json
-from stages.contracts.films import Film, Films
 from stages.contracts.images import TILE
-from stages.simulation.studio import Image, pick_evenly
 
 FRAMES = 8  # pictures on a strip; a film has twice as many
 LAST = 1200  # milliseconds that the last picture stays

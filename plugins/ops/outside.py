@@ -44,7 +44,6 @@ def container_environment(config: Config, published: str) -> dict[str, str]:
     return {
         "ACDC_IMAGE": config.containers.template,
         "ACDC_OUTSIDE": "\n".join([*list_outside_paths(config), published]),
-        "ACDC_PAPER": published,
         "ACDC_CODE": str(plugins.PACKAGES.parent),
         "ACDC_GPU": config.device.replace("cpu", ""),
     } | ({} if keys is None else {"ACDC_ONLINE": " ".join(keys)})

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from plugins.scripted.skill import run
 from stages.config.evaluation import RolloutOptions
 from stages.contracts.files import read_json, read_rows, write_json
 from stages.contracts.library_folder import write_part
 from stages.contracts.policies import Rollout, TaskAssets
-from stages.evaluation.skill import run
 from stages.evaluation.states import starts_of
 from tests.unit.demo_assets import an_asset, cabinet
 from tests.unit.test_demonstrations import experiment

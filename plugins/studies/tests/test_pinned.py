@@ -1,4 +1,4 @@
-"""`experiment pinned`: committed assets are used only with the very models that they were chosen from."""
+"""`studies pinned`: committed assets are used only with the very models that they were chosen from."""
 
 import os
 import subprocess
@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
+from plugins.studies.pinned import run as pinned
 from stages.config.model import load, merge_mappings, with_defaults
 from stages.contracts import InputError, TaskAssets, read_json, write_json
 from stages.contracts.library_folder import write_part
-from stages.experiment.pinned import run as pinned
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset, cabinet
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +88,7 @@ def test_committed_models_are_the_same_on_other_processors(seed: str, folder: st
     files = sorted((ROOT / "config/study/assets" / folder).glob("*.json"))
     plans = [read_json(TaskAssets, file) for file in files]
     known = {item.asset: item.digest for plan in plans for item in (*plan.assets, *plan.test_assets)}
-    command = [sys.executable, "-m", "tests.unit.pinned_models", seed, *map(str, files)]
+    command = [sys.executable, "-m", "plugins.studies.tests.pinned_models", seed, *map(str, files)]
     made = subprocess.run(command, cwd=ROOT, env=os.environ | kernels, check=True, capture_output=True, text=True)
     assert dict(line.split() for line in made.stdout.splitlines()) == known
 

@@ -1,13 +1,10 @@
 """Pictures of the robot at work, for people: a lit room with a floor, and all of the scene in the picture.
 
-A studio is a scene of its own; policies never see it. Episodes are recorded as poses and joint values,
-which costs nothing, and only those that are shown are rendered: the stock Panda has 135,000 triangles, too many for
-the policy's camera, which sees the low-poly one.
+A studio is a scene of its own; policies never see it. It has the stock Panda: 135,000 triangles, too many for the
+policy's camera, which sees the low-poly one.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Sequence
 from typing import TypeVar
 
 import cv2
@@ -19,9 +16,10 @@ from sapien.physx import PhysxArticulationLinkComponent as Link
 from sapien.render import RenderDirectionalLightComponent as DirectionalLight
 from trimesh.bounds import corners
 
+from plugins.films.framing import frame_all, intrinsics_of
 from stages.geometry.frames import apply, inverse
-from stages.simulation.framing import frame_all, intrinsics_of
 from stages.simulation.loading import load_asset, move, remove
+from stages.simulation.recording import Moment, Recording
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
 from stages.simulation.robot import PANDA
 from stages.simulation.room import Body, Room
@@ -37,38 +35,6 @@ HAND_SHARE = 0.6  # of the parts of the hand are seen: the farther finger may be
 HAND_DEPTH = 0.08  # metres from what is seen to the middle of a part of the hand, if that is what is seen
 ROOM_MARGIN = 0.15  # metres of a room that are shown about robot and asset
 LIT = 2.2  # metres about robot and asset that cast shadows
-
-
-@dataclass(frozen=True)
-class Moment:
-    """The state at one moment: (4, 4) poses of the roots in the world, joint values by name."""
-
-    robot: Array
-    robot_joints: Mapping[str, float]
-    asset: Array
-    asset_joints: Mapping[str, float]
-    props: Sequence[Array] = ()
-
-
-@dataclass(frozen=True)
-class Prop:
-    """A rigid thing of a task besides robot and asset: its asset folder and scale (3,)."""
-
-    folder: Path
-    scale: Array
-
-
-@dataclass(frozen=True)
-class Recording:
-    """An episode on the asset in `folder`, stretched by `scale` (3,); `side` is +1 or -1 along y, away from a door's
-    hinge, 0 for a drawer; `room`: the generated scene that it happened in, whose floor frame is then the world."""
-
-    folder: Path
-    scale: Array
-    side: float
-    moments: Sequence[Moment]
-    room: Room | None = None
-    props: Sequence[Prop] = ()
 
 
 class Studio:

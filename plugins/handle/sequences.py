@@ -3,20 +3,17 @@
 In every demonstration front and handle stay together, so a policy may as well go by the front's borders: here the
 front is shifted and stretched in its own plane, while handle, hand and actions stay. A knob is hidden by the fingers
 when they come near, and spreads them wider than a bar: here handles disappear near the hand, and grips are wider.
-docs/policies.md has what each brings. Clouds carry the flags of `policies.handle_points`; metres, robot base frame.
+docs/policies.md has what each brings. Clouds carry the flags of `handle_points`; metres, robot base frame.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import torch
 from torch import Tensor
 
-from stages.policies.handle_points import mark_handle_points
-
-if TYPE_CHECKING:
-    from stages.training.dataset import Batch
+from plugins.handle.handle_points import mark_handle_points
+from stages.training.dataset import Batch
 
 FRONT_TURNED, FRONT_PULLED = 0.07, 0.015  # radians, metres in two frames in a row: a front that moves; chosen
 HIDING = 0.05  # metres between hand and handle, below which the fingers may hide it; chosen
@@ -64,7 +61,7 @@ class Variation:
     hide: float = 0.5
 
 
-def vary_handles(batch: "Batch", random: torch.Generator) -> "Batch":
+def vary_handles(batch: Batch, random: torch.Generator) -> Batch:
     """The sequences with fronts that moved, wider grips and hidden handles."""
     options = Variation()
     batch = move_fronts(batch, options, random)
@@ -72,7 +69,7 @@ def vary_handles(batch: "Batch", random: torch.Generator) -> "Batch":
     return hide_handles(batch, options.hide, random)
 
 
-def move_fronts(batch: "Batch", options: Variation, random: torch.Generator) -> "Batch":
+def move_fronts(batch: Batch, options: Variation, random: torch.Generator) -> Batch:
     """Some sequences with their fronts shifted along and stretched in their planes, the handle still on them.
 
     The handle may be stretched about its middle, where it is held. Only sequences in which the front stands still and a
@@ -118,7 +115,7 @@ def _bound_places(places: Tensor, which: Tensor) -> tuple[Tensor, Tensor]:
     return low, torch.where(chosen, places, -torch.inf).flatten(1, 2).amax(1)
 
 
-def widen_grips(batch: "Batch", most: float, random: torch.Generator) -> "Batch":
+def widen_grips(batch: Batch, most: float, random: torch.Generator) -> Batch:
     """The sequences with fingers that stop up to `most` metres farther out, each, where they hold something."""
     chance = most * torch.rand((len(batch.clouds), 1), generator=random).to(batch.clouds.device)
     fingers = batch.proprio[..., 7:]
@@ -134,7 +131,7 @@ def widen_grips(batch: "Batch", most: float, random: torch.Generator) -> "Batch"
     return replace(batch, clouds=torch.cat([xyz, flag], dim=-1), proprio=proprio)
 
 
-def hide_handles(batch: "Batch", probability: float, random: torch.Generator) -> "Batch":
+def hide_handles(batch: Batch, probability: float, random: torch.Generator) -> Batch:
     """Some sequences in which the handle is not seen while the hand is near it; other points take its points' place."""
     chosen = (torch.rand(len(batch.clouds), generator=random) < probability).to(batch.clouds.device)
     handle = batch.clouds[..., 3] == -1

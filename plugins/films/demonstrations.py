@@ -1,26 +1,15 @@
 """Films of demonstrations; film.png: pictures of each episode in a row, above what the policy saw, from two sides."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.films import Film
-from stages.simulation.films import FRAMES, TILE, make_film_strip, write_films, write_png
-from stages.simulation.studio import Image, Recording, Studio, pick_evenly
-
-
-@dataclass(frozen=True)
-class FilmedAttempt:
-    """A success to be filmed, and the clouds that were seen at its moments."""
-
-    seed: int
-    asset: str
-    opened: float
-    recording: Recording
-    clouds: Sequence[NDArray[np.floating]]
+from plugins.films.contract import Film
+from plugins.films.studio import Image, Studio, pick_evenly
+from plugins.films.writing import FRAMES, TILE, make_film_strip, write_films, write_png
+from stages.demonstrations.attempt import FilmedAttempt
 
 
 def plot_cloud(cloud: NDArray[np.floating]) -> Image:
@@ -42,7 +31,7 @@ def make_strip(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]
     return np.concatenate([make_film_strip(pictures), np.concatenate(below, axis=1)])
 
 
-def write_demonstration_films(folder: Path, taken: Sequence[FilmedAttempt], role: str, frequency: float) -> None:
+def film_demonstrations(folder: Path, taken: Sequence[FilmedAttempt], role: str, frequency: float) -> None:
     """Write films.zip and film.png into `folder`; what was recorded must still be open."""
     studio = Studio()
     films, strips = [], []

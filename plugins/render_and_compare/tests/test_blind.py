@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
+from plugins.render_and_compare.judges.priors import Judge
 from stages.config.matching import MatchingConfig
 from stages.contracts import Cousins, Objects, read_json
 from stages.contracts.cousins import Candidate, Orientation
@@ -14,7 +15,6 @@ from stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from stages.geometry.frames import angle_difference, rigid, wrap_angle
 from stages.matching.crop import View
 from stages.matching.judges import AbstainedError, Question
-from stages.matching.judges.priors import Judge
 from stages.matching.match import run as match
 from stages.matching.snapshots import Snapshots
 from tests.refusals import refused

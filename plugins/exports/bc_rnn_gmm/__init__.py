@@ -1,0 +1,1 @@
+"""The policy `bc_rnn_gmm` for people without this workflow."""

@@ -1,0 +1,1 @@
+"""Films of demonstrations and rollouts, for people, and the pictures of `env.render()`."""

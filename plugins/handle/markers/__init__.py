@@ -1,0 +1,1 @@
+"""What marks points of clouds."""

@@ -1,0 +1,8 @@
+"""How files of this package are checked."""
+
+from functools import partial
+
+from plugins.in_scene.contract import SceneDemonstrations
+from stages.contracts.files import read_json
+
+CHECKS = {"in_scene": partial(read_json, SceneDemonstrations)}

@@ -1,0 +1,6 @@
+"""What the core must know of this package."""
+
+from stages.config.evaluation import SkillOptions
+from stages.config.packages import Package
+
+PACKAGE = Package(verbs={"skill": SkillOptions}, section="evaluation")

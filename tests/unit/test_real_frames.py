@@ -1,0 +1,49 @@
+"""The nine real frames: masks and names that were said by hand agree, and a frame is scored by them."""
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from benchmarks.real_frames.__main__ import HERE, Found, count, score_frame
+from stages.contracts import Annotations, Cousins, Objects, write_json
+from stages.contracts.categories import known_categories
+from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
+from stages.contracts.objects import Box, Mounting, SceneObject
+from stages.contracts.scenes import Annotation
+
+NAMES: dict[str, dict[str, list[str]]] = json.loads((HERE / "names.json").read_text())
+
+
+def test_every_mask_has_a_name_that_the_library_knows() -> None:
+    assert sum(map(len, NAMES.values())) == 33
+    for frame, names in NAMES.items():
+        masks = cv2.imread(str(HERE / f"{frame}.png"), cv2.IMREAD_UNCHANGED)
+        assert set(np.unique(masks)) == {0, *map(int, names)}
+        assert {one for each in names.values() for one in each} <= set(known_categories())
+
+
+def test_a_frame_is_scored_by_its_pieces_names_and_cousins(tmp_path: Path) -> None:
+    """Of the two mugs of a frame one is found, second among its names, and a jar stands for it."""
+    masks = cv2.imread(str(HERE / "0007.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
+    found = np.where(masks == 2, 9, 0).astype(np.uint16)
+    (tmp_path / "input").mkdir()
+    cv2.imwrite(str(tmp_path / "input/masks.png"), found)
+    item = Annotation(mask=9, label="jar", proposals=["jar", "mug", "box"])
+    write_json(tmp_path / "input/annotations.json", Annotations(objects=[item]))
+    height, width = found.shape
+    eye = [[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 1], [0, 0, 0, 1]]
+    view = {"scene": "a", "width": width, "height": height, "intrinsics": [[600, 0, 320], [0, 600, 240], [0, 0, 1]]}
+    box = Box(center=(1, 0, 0.1), size=(0.1, 0.1, 0.2), yaw=0)
+    known = SceneObject(id="jar_1", label="jar", mask=9, box=box, mounting=Mounting(type=2), pixels=(0, 0, 9, 9))
+    write_json(tmp_path / "objects.json", Objects(**view, floor_from_camera=eye, walls=[], objects=[known]))
+    turned = Orientation(yaw=0, distance=0)
+    cousin = Cousin(
+        rank=1, asset="jar_1", category="jar", distance=0, votes=None, orientation=turned, orientations=[turned]
+    )
+    matched = ObjectCousins(id="jar_1", label="jar", by_distance=[], cousins=[cousin])
+    write_json(tmp_path / "geometry/cousins.json", Cousins(scene="a", encoder="hog", objects=[matched]))
+    things, pieces = score_frame("0007", tmp_path)
+    assert things == [Found(shown=True, three=True), Found()] and pieces == 1
+    assert count(things) == ["1 / 2", "0 / 2", "1 / 2", "0 / 2"]
