@@ -312,7 +312,7 @@ def test_the_story_of_a_place_is_told(made: Path) -> None:
     cabinet, mug = read_json(GeneratedScene, made / "scene_1.json").objects[:2]
     assert cabinet.cousin == 1 and cabinet.doubts == []
     assert cabinet.steps[1] == "rear to wall_1: 0.550 x 0.891 x 0.800 m, moved 2.7 cm"
-    assert mug.steps == ["measured along the model's axes: turned +180.0°, 0.077 x 0.097 x 0.100 m"]
+    assert mug.steps == ["measured along the model's axes: turned +180.0°, 0.099 x 0.099 x 0.100 m"]
 
 
 def whats(item: Placed, walls: list[Wall], seen: SceneObject) -> list[str]:
