@@ -9,13 +9,13 @@ from plugins.render_and_compare.config import GeometryConfig
 from plugins.render_and_compare.fitting import Measured, lay_over, measure
 from plugins.render_and_compare.observation import observe
 from plugins.render_and_compare.rendering import Rendering, render
+from plugins.render_and_compare.sight import Sight
 from plugins.render_and_compare.solid import Solid
 from plugins.render_and_compare.terms import Terms, compare, line_field
 from plugins.render_and_compare.yaws import aligned_yaws, is_front_known, touched_walls
 from stages.contracts import Objects
 from stages.contracts.objects import SceneObject
 from stages.geometry.boxes import UprightBox
-from stages.geometry.estimate import Sight
 from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
 from stages.geometry.viewing import view_angle, view_yaw
 from stages.matching.crop import View

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.render_and_compare.observation import Observation
+from plugins.render_and_compare.sight import Sight
 from plugins.render_and_compare.solid import Solid
 from stages.geometry.boxes import UprightBox
-from stages.geometry.estimate import BIN, TRIM, Sight
+from stages.geometry.estimate import BIN, TRIM
 from stages.geometry.frames import SYMMETRY_PERIOD, yaw_matrix
 
 OUTERMOST = 2.0  # deviations of noise by which these lie beyond a face; chosen

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 import open3d as o3d
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 from stages.articulated.asset_folder import read_asset, urdf_of
 from stages.articulated.forward_kinematics import frames_of
@@ -17,6 +16,7 @@ from stages.articulated.urdf_reader import UrdfReader
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.contracts.look import GAMMA
+from stages.generation.solid import find_outermost
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, yaw_matrix
 
@@ -99,14 +99,6 @@ class Solid:
             columns, rows = np.floor(uv[own, 0] * width).astype(int), np.floor(-uv[own, 1] * height).astype(int)
             colours[own] = image[rows % height, columns % width]
         return colours
-
-
-def find_outermost(points: Array) -> Array:
-    """The points (N, 3) that every outline is made of; all of them if they lie in a plane."""
-    try:
-        return points[ConvexHull(points).vertices]
-    except QhullError:
-        return points
 
 
 class Looks(NamedTuple):

@@ -53,8 +53,3 @@ def read_links(folder: Path) -> list[Link]:
 def read_collisions(folder: Path) -> list[Trimesh]:
     """The convex pieces that collide."""
     return [mesh for link in read_links(folder) for mesh in link.collisions]
-
-
-def read_visuals(folder: Path) -> list[Trimesh]:
-    """What is seen, with its colours."""
-    return [visual.paint() for link in read_links(folder) for visual in link.visuals]

@@ -63,8 +63,8 @@ CASES = [
     ("task: {workspace_min: [2, -0.5, 0]}", "task.workspace_min: x = 2 is not below workspace_max's 1"),
     ("task: {finger_points: 512}", "task.finger_points: is no option. Fix: leave it out: an eighth of `points`"),
     (
-        "generation: {aspect_range: [2, 1]}",
-        "generation.aspect_range: is no option: it is (0.5, 2.0). Fix: leave it out",
+        "generation: {support_overlap: 0.5}",
+        "generation.support_overlap: is no option: it is 0.7. Fix: leave it out",
     ),
     ("matching: {vlm: {model: x}}", "matching.vlm: is no option. Fix: the section `vlm`, on the top level"),
     ("experiment: {variants: {b: {coverage: 0.4}}}", "experiment.variants.b.coverage: is no option. Fix: leave it out"),

@@ -22,7 +22,7 @@ from stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from stages.generation.doubts import doubt_placement
 from stages.generation.generate import run
 from stages.generation.inputs import Inputs, read_inputs
-from stages.generation.models import read_collisions, read_visuals
+from stages.generation.models import read_collisions, read_links
 from stages.generation.placed import Placed
 from stages.generation.scene_file import summarise, to_contract
 from stages.generation.settling import find_behind, load_items, run_physics, settle, write_models
@@ -268,7 +268,7 @@ def test_same_scene_same_pictures(scene: dict[str, Path], drawn: Path, tmp_path:
 def test_collision_and_visual_meshes_fill_the_closed_box(scene: dict[str, Path]) -> None:
     folder = AssetFolders(scene["library"])["bottom_cabinet_0"]
     asset = read_json(Asset, folder / "asset.json")
-    bounds = trimesh.util.concatenate(read_visuals(folder)).bounds
+    bounds = trimesh.util.concatenate([visual.mesh for link in read_links(folder) for visual in link.visuals]).bounds
     assert bounds == pytest.approx(np.array([asset.box_min, asset.box_max]), abs=1e-3)
     assert trimesh.util.concatenate(read_collisions(folder)).extents == pytest.approx(asset.size, abs=0.05)
 

@@ -21,6 +21,7 @@ from plugins.render_and_compare.judges.geometry import Judge as Geometry
 from plugins.render_and_compare.judges.rerender import Judge as Rerender
 from plugins.render_and_compare.observation import Observation, free_sides, observe
 from plugins.render_and_compare.rendering import Rendering, render
+from plugins.render_and_compare.sight import Sight
 from plugins.render_and_compare.solid import Solid, find_outermost
 from plugins.render_and_compare.terms import colour_agreement, compare, line_agreement, line_field, outline_agreement
 from stages.articulated.asset_folder import Description, write_asset
@@ -33,7 +34,6 @@ from stages.contracts.library_folder import write_part
 from stages.contracts.objects import USUAL_ERROR, Box, Mounting, SceneObject, Wall
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at
-from stages.geometry.estimate import Sight
 from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
 from stages.matching.crop import View
 from stages.matching.judges import AbstainedError, Question
