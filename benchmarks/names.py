@@ -20,8 +20,8 @@ from benchmarks.open_rooms.pictures import folders, read
 from plugins.inputs.rgbd.pieces import TILT
 from plugins.names.observed import Observed, observe
 from plugins.names.propose import WEIGHTS, read_table, say
+from plugins.segmenter.ground import find_ground
 from stages.geometry.cameras import back_project
-from stages.geometry.levels import find_ground
 from stages.geometry.room_planes import make_floor_frame
 
 Array = NDArray[np.float64]
