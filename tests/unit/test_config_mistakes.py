@@ -86,9 +86,6 @@ CASES = [
     ("experiment: {placements: {b: {ranks: 2}}}", "experiment.placements.b.ranks: is one for all variants"),
     ("experiment: {placements: {b: {trim: -1}}}", "experiment.placements.b.trim: Input should be greater than or"),
     ("experiment: {placements: {b: {touch: 1}}}", "experiment.placements.b.touch: is no option: it is 0.001"),
-    ("experiment: {protocols: {a: {variants: [c]}}}", "experiment.protocols.a.variants: 'c' is not one of"),
-    ("experiment: {protocols: {a.b: {}}}", "experiment.protocols: 'a.b' is no name"),
-    ("experiment: {protocols: {a: {seeds: [1, 1]}}}", "experiment.protocols.a.seeds: '1' is named 2 times"),
     ("experiment: {rooms: [room_1]}", "experiment.targets.door.room: 'room_3' is not one of experiment.rooms"),
     ("experiment: {rooms: []}", "experiment.rooms: List should have at least 1 item"),
     ("experiment: {targets: {door: {object: cabinet_7}}}", "experiment.targets.door.object: room_3 has no 'cabinet_7'"),
@@ -233,6 +230,17 @@ CASES = [
 
 
 OF_PACKAGES = [
+    (
+        ("robustness",),
+        "experiment: {protocols: {a: {variants: [c]}}}",
+        "experiment.protocols.a.variants: 'c' is not one of",
+    ),
+    (("robustness",), "experiment: {protocols: {a.b: {}}}", "experiment.protocols: 'a.b' is no name"),
+    (
+        ("robustness",),
+        "experiment: {protocols: {a: {seeds: [1, 1]}}}",
+        "experiment.protocols.a.seeds: '1' is named 2 times",
+    ),
     (("studies",), "evaluation: {conditions: {'a/b': {own_size: true}}}", "evaluation.conditions: 'a/b' is no name"),
     (
         ("studies",),
