@@ -10,7 +10,7 @@ from stages.contracts.cousins import Cousin
 from stages.contracts.doubt import DoubtKind
 from stages.contracts.objects import Mounting
 from stages.generation.inputs import Inputs, MatchedObject
-from stages.generation.mounting import CONTACT, fit_stated_box, move_out_of_walls, move_to_wall
+from stages.generation.mounting import CONTACT, fit_stated_box, move_out_of_walls
 from stages.generation.placed import FLOOR, Placed
 from stages.generation.sizing import size
 from stages.generation.turning import find_yaw
@@ -45,8 +45,6 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
         placed = placed.change_box("as the input tells it", fit_stated_box(box, yaw, reached))
     else:
         placed = size(placed, yaw, one, scene, inputs.categories.get(asset.category), reached, options)
-        for wall in reached:
-            placed = placed.change_box(f"to {wall.id}", move_to_wall(placed.box, wall))
     if not reached:
         placed = placed.change_box("out of walls", move_out_of_walls(placed.box, scene.walls))
     return placed.change_box("least extent", replace(placed.box, size=np.maximum(placed.box.size, THINNEST)))

@@ -11,7 +11,7 @@ from stages.contracts.category import Category
 from stages.contracts.objects import Wall
 from stages.generation.fitting import POINTS, Known, Sight, Usual, fit_box
 from stages.generation.inputs import MatchedObject
-from stages.generation.mounting import extend_to_wall
+from stages.generation.mounting import extend_to_wall, move_to_wall
 from stages.generation.placed import Placed
 from stages.generation.solid import read_solid
 from stages.geometry.boxes import UprightBox, is_behind
@@ -56,7 +56,10 @@ def size(
         scene.depth_error,
     )
     fit = fit_box(read_solid(placed.folder), placed.box, seen, known)
-    return placed.change_box("fitted to the picture", fit.box)
+    placed = placed.change_box("fitted to the picture", fit.box)
+    for wall in reached:
+        placed = placed.change_box(f"to {wall.id}", move_to_wall(placed.box, wall))
+    return placed
 
 
 def measure_box(box: UprightBox, points: NDArray[np.float64], yaw: float, trim: float) -> UprightBox:
