@@ -4,16 +4,19 @@
 .DEFAULT_GOAL := help
 CORES ?= 2
 CLUSTER ?= tests/cluster
+IN ?= .
+COMMIT ?= $(shell git describe --always --dirty --exclude "*")
 BIN := .venv/bin
 STAMP := .venv/.installed
 
+# A study in a folder that holds results/ (IN), which finds committed assets in config/; its tables, with the commit that they name.
+RUN := $(BIN)/snakemake --cores $(CORES) --keep-going --directory $(IN) --configfile config.yaml
+RESULTS := $(BIN)/python -m plugins.studies results --results $(IN)/results --benchmarks $(IN)/benchmarks --commit "$(COMMIT)" --configs config.yaml
 # Table 3 by config/study/table3.yaml, on and on after what fails.
-STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml --
-# Success over unseen assets, of the same assets, by config/study/over_assets.yaml.
-UNSEEN := $(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml config/study/over_assets.yaml --
+STUDY := -$(RUN) config/study/table3.yaml --
 cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(policy)/$(set)/rollouts.csv))
 
-.PHONY: help setup site wheel demo all study unseen registered second table2 picture photo test slurm test-cluster lint types config reference loc lock containers clean
+.PHONY: help setup site wheel demo all study unseen registered second table2 paper folder picture photo test slurm test-cluster lint types config reference loc lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -31,17 +34,17 @@ demo: setup ## a picture, its cousins and a scene to turn, in about a minute
 all: setup ## run the default workflow: library, scenes, policies, tables, report
 	$(BIN)/snakemake --cores $(CORES) all
 
-study: setup ## Table 3 on two cores, overnight; the cells that tell most come first
+study: setup folder ## Table 3 on two cores, overnight; the cells that tell most come first
 	$(STUDY) $(call cells,door/lite door/lite_handle,twin cousins_8)
 	$(STUDY) $(call cells,drawer/lite drawer/lite_handle_floor,twin cousins_8)
 	$(STUDY) $(call cells,door_object/lite_object,twin cousins_8)
 	$(STUDY) $(call cells,door/lite drawer/lite,cousins_4 all cousins_2)
 	$(STUDY) all
-	$(BIN)/python -m plugins.studies results --configs config.yaml config/study/table3.yaml --out docs/results
+	$(RESULTS) config/study/table3.yaml --out docs/results/roles
 
-unseen: setup ## success over unseen assets as docs/results has it, in an hour or two on two cores
-	$(UNSEEN) table3
-	$(BIN)/python -m plugins.studies results --configs config.yaml config/study/table3.yaml config/study/over_assets.yaml --out docs/results
+unseen: setup folder ## success over unseen assets as docs/results has it, in an hour or two on two cores
+	$(RUN) config/study/table3.yaml config/study/over_assets.yaml -- table3
+	$(RESULTS) config/study/table3.yaml config/study/over_assets.yaml --out docs/results
 
 registered: setup ## the registered study of docs/results/design.md: two nights of two cores; it goes on where it stopped
 	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/registered.sh
@@ -49,9 +52,15 @@ registered: setup ## the registered study of docs/results/design.md: two nights 
 second: setup ## the second study of docs/results/design-second.md: a night of two cores for the first run; it goes on where it stopped
 	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/second.sh
 
-table2: setup ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
-	$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table2.yaml -- table2 table2_robustness
-	$(BIN)/python -m plugins.studies results --table 2 --configs config.yaml config/study/table2.yaml --variants b ours-geometry --out docs/results
+table2: setup folder ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
+	$(RUN) config/study/table2.yaml -- table2 table2_robustness
+	$(RESULTS) config/study/table2.yaml --table 2 --variants b ours-geometry --out docs/results
+
+paper: setup ## every figure of docs/results by one commit, but what is pinned in its machines.md: a day of two cores; it goes on where it stopped
+	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/paper.sh
+
+folder:
+	@[ $(IN) = . ] || { mkdir -p $(IN) && ln -sfn $(CURDIR)/config $(IN)/config; }
 
 picture: setup ## a frame of yours with depth, e.g. make picture RGB=color.png DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
 	$(BIN)/snakemake --cores $(CORES) photo --config image="$(RGB)" $(if $(DEPTH),depth="$(DEPTH)") $(if $(INTRINSICS),camera="$(INTRINSICS)")
