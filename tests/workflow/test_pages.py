@@ -68,7 +68,7 @@ def test_a_page_names_the_commits_of_its_rows(page: Path) -> None:
     if page == MACHINES:
         text = re.sub(r"^\|.*", "", text, flags=re.MULTILINE)
     rows = rows_of(name)
-    assert rows, f"{name}: no row of docs/results/machines.md"
+    assert rows or page.name == "README.md", f"{name}: no row of docs/results/machines.md"
     stray = commits_in(text) - {commit for row in rows for commit in row.commits.split()}
     assert not stray, f"{name}: names {stray}, which no row of docs/results/machines.md has for it"
 
