@@ -25,11 +25,11 @@ from stages.contracts.library import Asset, HingeSide
 from stages.contracts.library_folder import AssetFolders
 from stages.evaluation.scoring import box_in_world, world_from_floor
 from stages.evaluation.shapes import CHAMFER_POINTS, DENSE, sample_surface
-from stages.geometry.boxes import UprightBox, corners
+from stages.generation.doubts import RIGHT_LEAST, RIGHT_SHARE, measure_sureness
+from stages.geometry.boxes import UprightBox, axis_aligned_iou, corners, oriented_iou
 from stages.geometry.frames import angle_difference, wrap_angle
 
 JUDGES = ("geometry", "hog", "no-image")
-SIZE_SHARE, SIZE_LEAST = 0.10, 0.03  # what an extent may be off: a share of it, or metres
 PLACE = 0.05  # metres between true and found centre
 YAW = np.deg2rad(15)
 FLOATS, BEHIND, TOO_LARGE = 0.03, 0.10, 2.0  # metres, metres, times the largest of its category
@@ -74,6 +74,9 @@ class Row:
     behind: bool = False
     too_large: bool = False
     doubt_of_size: bool = False
+    sure_of_size: float | None = None
+    iou: float | None = None
+    oriented_iou: float | None = None
 
 
 def size_errors(true: pictures.TrueThing, size: tuple[float, float, float], yaw: float) -> NDArray[np.float64]:
@@ -87,7 +90,7 @@ def size_errors(true: pictures.TrueThing, size: tuple[float, float, float], yaw:
 
 def is_size_right(errors: NDArray[np.float64], truth: tuple[float, float, float]) -> bool:
     """Whether every extent is within 10 % or 3 cm."""
-    return bool((np.abs(errors) <= np.maximum(SIZE_SHARE * np.array(truth), SIZE_LEAST)).all())
+    return bool((np.abs(errors) <= np.maximum(RIGHT_SHARE * np.array(truth), RIGHT_LEAST)).all())
 
 
 def chamfer(one: NDArray[np.float64], other: NDArray[np.float64], size: tuple[float, float, float]) -> float:
@@ -197,6 +200,7 @@ def _measure_thing(
     doubts: list[Doubt],
 ) -> dict[str, object]:
     box = box_in_world(item, world_from_floor(truth.pose, scene.floor_from_camera))
+    truth_box = UprightBox(thing.position, thing.size, thing.yaw)
     errors = size_errors(thing, item.size, box.yaw)
     off = float(np.linalg.norm(np.array(box.center) - np.array(thing.position)))
     turn = None if thing.symmetry == "full" else angle_difference(box.yaw, thing.yaw, thing.symmetry)
@@ -233,6 +237,9 @@ def _measure_thing(
         "behind": measure_overreach(box, truth.size) > BEHIND,
         "too_large": known is not None and bool((plan > known.high + np.log(TOO_LARGE)).any()),
         "doubt_of_size": any(doubt.cause == "size" for doubt in doubts),
+        "sure_of_size": None if item.size_spread is None else round(measure_sureness(item.size, item.size_spread), 3),
+        "iou": round(axis_aligned_iou(box, truth_box), 3),
+        "oriented_iou": round(oriented_iou(box, truth_box), 3),
     }
 
 
