@@ -4,18 +4,16 @@ import itertools
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
 import pandas as pd
-import trimesh
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from benchmarks.open_rooms import packs, pictures
 from benchmarks.open_rooms.by_clicks import find_things, list_steps
+from benchmarks.open_rooms.shapes import ROOT, find_model, measure_chamfer
 from plugins.report.doubts import collect_doubts
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.categories import find_usual_size
@@ -24,12 +22,11 @@ from stages.contracts.generated import PlacedObject
 from stages.contracts.library import Asset, HingeSide
 from stages.contracts.library_folder import AssetFolders
 from stages.evaluation.scoring import box_in_world, world_from_floor
-from stages.evaluation.shapes import CHAMFER_POINTS, DENSE, sample_surface
-from stages.geometry.boxes import UprightBox, corners
+from stages.generation.doubts import RIGHT_LEAST, RIGHT_SHARE, measure_sureness
+from stages.geometry.boxes import UprightBox, axis_aligned_iou, corners, oriented_iou
 from stages.geometry.frames import angle_difference, wrap_angle
 
 JUDGES = ("geometry", "hog", "no-image")
-SIZE_SHARE, SIZE_LEAST = 0.10, 0.03  # what an extent may be off: a share of it, or metres
 PLACE = 0.05  # metres between true and found centre
 YAW = np.deg2rad(15)
 FLOATS, BEHIND, TOO_LARGE = 0.03, 0.10, 2.0  # metres, metres, times the largest of its category
@@ -74,6 +71,9 @@ class Row:
     behind: bool = False
     too_large: bool = False
     doubt_of_size: bool = False
+    sure_of_size: float | None = None
+    iou: float | None = None
+    oriented_iou: float | None = None
 
 
 def size_errors(true: pictures.TrueThing, size: tuple[float, float, float], yaw: float) -> NDArray[np.float64]:
@@ -87,14 +87,7 @@ def size_errors(true: pictures.TrueThing, size: tuple[float, float, float], yaw:
 
 def is_size_right(errors: NDArray[np.float64], truth: tuple[float, float, float]) -> bool:
     """Whether every extent is within 10 % or 3 cm."""
-    return bool((np.abs(errors) <= np.maximum(SIZE_SHARE * np.array(truth), SIZE_LEAST)).all())
-
-
-def chamfer(one: NDArray[np.float64], other: NDArray[np.float64], size: tuple[float, float, float]) -> float:
-    """Mean distance of two surfaces (N, 3), each in the unit box, in a box of `size`, over its diagonal."""
-    a, b = one * np.array(size), other * np.array(size)
-    distances = np.concatenate([cKDTree(b).query(a)[0], cKDTree(a).query(b)[0]])
-    return float(distances.mean() / np.linalg.norm(size))
+    return bool((np.abs(errors) <= np.maximum(RIGHT_SHARE * np.array(truth), RIGHT_LEAST)).all())
 
 
 def measure_overreach(box: UprightBox, room: tuple[float, float]) -> float:
@@ -156,7 +149,7 @@ def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: Asset
                    seen=thing.seen, cut=thing.cut, status=status, **said)  # fmt: skip
 
     def make_missing(thing: pictures.TrueThing, rank: int, status: str, ids: dict[int, str]) -> Row:
-        model = _model(thing.model, truth.half)
+        model = find_model(thing.model, truth.half)
         said = count_missing(thing, model.opens, model.handle, find_true_carrier(thing, ids))
         return make_row(thing, rank, status, said)
 
@@ -197,12 +190,13 @@ def _measure_thing(
     doubts: list[Doubt],
 ) -> dict[str, object]:
     box = box_in_world(item, world_from_floor(truth.pose, scene.floor_from_camera))
+    truth_box = UprightBox(thing.position, thing.size, thing.yaw)
     errors = size_errors(thing, item.size, box.yaw)
     off = float(np.linalg.norm(np.array(box.center) - np.array(thing.position)))
     turn = None if thing.symmetry == "full" else angle_difference(box.yaw, thing.yaw, thing.symmetry)
     carrier = find_true_carrier(thing, ids)
     asset = folders.asset(item.asset)
-    model = _model(thing.model, truth.half)
+    model = find_model(thing.model, truth.half)
     check = scene.plausibility
     beneath = {one.id: one.position[2] + one.size[2] / 2 for one in scene.objects if one.status == "ok"}
     level = 0.0 if item.support == "floor" else beneath.get(item.support)
@@ -223,7 +217,7 @@ def _measure_thing(
         "off_height_cm": round(100 * float(errors[2]), 1),
         "off_place_cm": round(100 * off, 1),
         "yaw_degrees": None if turn is None else round(float(np.rad2deg(turn)), 1),
-        "chamfer": round(_measure_chamfer(thing.model, truth.half, folders[item.asset], tuple(thing.size)), 4),
+        "chamfer": round(measure_chamfer(thing.model, truth.half, folders[item.asset], tuple(thing.size)), 4),
         "panels": (asset.doors, asset.drawers) == (thing.doors, thing.drawers) if thing.doors + thing.drawers else None,
         "hinges": hinges_alike(model.opens, asset),
         "handles": handles_alike(model.handle, asset),
@@ -233,38 +227,14 @@ def _measure_thing(
         "behind": measure_overreach(box, truth.size) > BEHIND,
         "too_large": known is not None and bool((plan > known.high + np.log(TOO_LARGE)).any()),
         "doubt_of_size": any(doubt.cause == "size" for doubt in doubts),
+        "sure_of_size": None if item.size_spread is None else round(measure_sureness(item.size, item.size_spread), 3),
+        "iou": round(axis_aligned_iou(box, truth_box), 3),
+        "oriented_iou": round(oriented_iou(box, truth_box), 3),
     }
 
 
-ROOT: list[Path] = []  # the folder that is scored: models are read from it
-
-
-@cache
-def _models(half: str) -> dict[str, packs.Model]:
-    return {one.id: one for one in packs.models(ROOT[0] / "packs", half)}
-
-
-def _model(model: str, half: str) -> packs.Model:
-    return _models(half)[model]
-
-
-@cache
-def _surface_of(model: str, half: str) -> NDArray[np.float64]:
-    """Points (CHAMFER_POINTS, 3) of a true model in the unit box."""
-    found = _model(model, half)
-    mesh = trimesh.util.concatenate([trimesh.Trimesh(p.vertices, p.faces, process=False) for p in found.parts])
-    points = np.asarray(trimesh.sample.sample_surface(mesh, CHAMFER_POINTS, seed=0)[0])
-    low, high = mesh.bounds
-    return np.asarray((points - low) / np.maximum(high - low, 1e-9))
-
-
-@cache
-def _measure_chamfer(model: str, half: str, chosen: Path, size: tuple[float, float, float]) -> float:
-    return chamfer(_surface_of(model, half), sample_surface(chosen)[:: DENSE // CHAMFER_POINTS], size)
-
-
 def score(root: Path, results: Path, out: Path, version: str) -> None:
-    """Write open.csv, a row per object and rank, clicks.csv and open.md. Rank 1 of other versions stays as it is there.
+    """Write open.csv (a row per object and rank), clicks.csv, open_sizes.svg, open.md; rank 1 of other versions stays.
 
     Args:
         root: folder of `render` and `run`.
@@ -272,6 +242,7 @@ def score(root: Path, results: Path, out: Path, version: str) -> None:
         out: folder of the files.
         version: name of the code that `run` ran; the page is about that which was scored last.
     """
+    from benchmarks.open_rooms.plots import draw_sureness
     from benchmarks.open_rooms.tables import page
 
     ROOT[:] = [root]
@@ -294,5 +265,7 @@ def score(root: Path, results: Path, out: Path, version: str) -> None:
     if steps:
         pd.DataFrame(steps).to_csv(out / "clicks.csv", index=False)
     clicks = pd.read_csv(out / "clicks.csv") if (out / "clicks.csv").is_file() else pd.DataFrame()
+    main = table[(table["version"] == version) & (table["rank"] == 1) & (table["judge"] == "geometry")]
+    draw_sureness(main[main["masks"] == "drawn"], out / "open_sizes.svg")
     (out / "open.md").write_text(page(table, clicks), encoding="utf-8")
     print(f"{out / 'open.md'}: {len(table)} rows")

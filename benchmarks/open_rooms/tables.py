@@ -5,11 +5,14 @@ from pathlib import Path
 
 import pandas as pd
 
+from benchmarks.open_rooms.plots import bin_sureness
 from stages.config.tables import TablesConfig
 from stages.tables.intervals import pair_sides, quantiles, rate_interval, rate_of, resample_rates, side_of
 
 MEASURES = ["sensible", "size", "place", "yaw", "carrier", "stable", "panels", "hinges", "handles"]
 WHOLE = 0.5  # share of a thing that shows, from which on it counts as seen whole
+OFF = ["depth", "width", "height", "place"]
+OVERLAP = ["iou", "oriented_iou"]
 FAULTS = ["held", "floats", "behind", "too_large"]
 EFFORT = ["clicks", "words", "clicks_by_hand", "words_by_hand"]
 OPTIONS = TablesConfig()
@@ -104,6 +107,24 @@ def _versions(rows: pd.DataFrame) -> Iterator[str]:
     )
 
 
+def group_by_view(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """All things, those that the border cuts, those of which others hide more than half, and the whole ones."""
+    hidden = ~rows["cut"] & (rows["seen"] < WHOLE)
+    return {
+        "all": rows,
+        "cut": rows[rows["cut"]],
+        "hidden": rows[hidden],
+        "whole": rows[~rows["cut"] & ~hidden],
+    }
+
+
+def _describe_errors(rows: pd.DataFrame) -> list[str]:
+    off = (rows[f"off_{name}_cm"].abs() for name in OFF)
+    ends = (f"{each.median():.1f}, {each.quantile(0.9):.1f}" for each in off)
+    overlap = (f"{rows[name].mean():.2f}, {rows[name].median():.2f}" for name in OVERLAP)
+    return [*ends, f"{rows['off_place_cm'].mean():.1f}", *overlap]
+
+
 def _describe_half(rows: pd.DataFrame) -> Iterator[str]:
     first = rows[rows["rank"] == 1]
     whole = ~first["cut"] & (first["seen"] >= WHOLE)
@@ -157,13 +178,24 @@ def _describe_half(rows: pd.DataFrame) -> Iterator[str]:
             for masks, group in rows.groupby("masks")
         ),
     )
-    yield "What is off (rank 1, `geometry`, placed objects): median, and 90 % are within, cm:\n"
-    columns = ["off_depth_cm", "off_width_cm", "off_height_cm", "off_place_cm"]
+    yield "What is off (rank 1, `geometry`, placed objects): median, and 90 % within, cm; also the mean of place (L2);"
+    yield "mean and median of both IoU with the true box:\n"
     yield table(
-        ["masks", *(name.removeprefix("off_").removesuffix("_cm") for name in columns)],
+        ["masks", "things", "objects", *OFF, "mean L2", *OVERLAP],
         (
-            [str(masks), *(f"{group[c].abs().median():.1f}, {group[c].abs().quantile(0.9):.1f}" for c in columns)]
-            for masks, group in first[(first["judge"] == "geometry") & (first["status"] == "ok")].groupby("masks")
+            [str(masks), about, str(len(group)), *_describe_errors(group)]
+            for masks, mine in first[(first["judge"] == "geometry") & (first["status"] == "ok")].groupby("masks")
+            for about, group in group_by_view(mine).items()
+        ),
+    )
+    yield "Sizes that are right, by how sure of them the scene is (rank 1, drawn masks, `geometry`):\n"
+    yield table(
+        ["sure, percent", "right, percent", "things"],
+        (
+            [f"{100 * sure:.0f}", f"{100 * right:.0f}", f"{things:.0f}"]
+            for sure, right, things in bin_sureness(
+                first[(first["judge"] == "geometry") & (first["masks"] == "drawn")]
+            ).itertuples(index=False)
         ),
     )
     best = first[(first["masks"] == "drawn") & (first["judge"] == "geometry")]

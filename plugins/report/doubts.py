@@ -60,7 +60,7 @@ def collect_doubts(
         found.append(DoubtKind.MOUNTING_UNCLEAR.of(note=item.note))
     if item.measured_mounting is not None and "mounting" not in item.told and not mountings_agree(item):
         found.append(DoubtKind.MOUNTING_DIFFERS.of(found=describe_mounting(item.measured_mounting)))
-    if "size" not in item.told:
+    if "size" not in item.told and (placed is None or placed.size_spread is None):  # else the fit says how sure it is
         if item.points < DoubtKind.FEW_POINTS.threshold:
             found.append(DoubtKind.FEW_POINTS.of(points=item.points))
         if _is_cut(item, objects):

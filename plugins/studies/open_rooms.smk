@@ -88,6 +88,7 @@ rule open_rooms:
         page="results/open_rooms/open.md",
         rows="results/open_rooms/open.csv",
         clicks="results/open_rooms/clicks.csv",
+        sureness="results/open_rooms/open_sizes.svg",
     log:
         "logs/open_rooms/score.log",
     benchmark:
@@ -95,6 +96,6 @@ rule open_rooms:
     resources:
         **needs(3000, 30),
     params:
-        code=digest_of("score.py", "by_clicks.py", "pairs.py", "tables.py", "intro.md", "kinds.yaml", "models.csv"),
+        code=digest_of("score.py", "by_clicks.py", "pairs.py", "plots.py", "tables.py", "intro.md", "kinds.yaml", "models.csv"),
     shell:
         "python -m benchmarks.open_rooms score results/open_rooms --library results --out results/open_rooms 2>&1 | tee {log:q}"

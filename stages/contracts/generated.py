@@ -39,6 +39,9 @@ class PlacedObject(Contract):
     position: Position = Field((0.0, 0.0, 0.0), description="centre of the asset's box, metres")
     yaw: Angle = Field(0.0, description="turn of the asset about z, radians")
     size: Vector = Field((0.0, 0.0, 0.0), description="box extents along the asset's own axes, metres")
+    size_spread: Vector | None = Field(
+        None, description="standard deviations of the logarithms of `size`; null: it was not fitted"
+    )
     support: str = Field(
         "floor", description="'floor', 'wall', the id of the object beneath, or 'unnamed': on what is no object here"
     )

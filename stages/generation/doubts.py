@@ -1,9 +1,8 @@
 """Doubts about a placed object: its size, its place, its support. The kinds of doubts: `contracts.doubt`."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-
-import numpy as np
 
 from stages.contracts.category import Category, describe_unusual, find_category
 from stages.contracts.doubt import Doubt, DoubtKind
@@ -11,6 +10,8 @@ from stages.contracts.objects import SceneObject, Wall
 from stages.generation.inputs import Inputs
 from stages.generation.placed import UNNAMED, Placed
 from stages.geometry.boxes import depth_behind, is_behind
+
+RIGHT_SHARE, RIGHT_LEAST = 0.10, 0.03  # a size is right if every extent is: within a share of it, or metres
 
 
 def doubt_placements(items: list[Placed], inputs: Inputs) -> list[Placed]:
@@ -36,7 +37,17 @@ def doubt_placement(item: Placed, walls: list[Wall], seen: SceneObject, known: M
             found.append(DoubtKind.BEHIND_WALL.of(depth=100 * depth, wall=wall.id))
     if seen.depth_known is not None and seen.depth_known < DoubtKind.DEPTH_UNKNOWN.threshold:
         found.append(DoubtKind.DEPTH_UNKNOWN.of(share=100 * seen.depth_known))
-    odd = describe_unusual(find_category(item.label, known), item.size, float(np.log(DoubtKind.UNUSUAL_SIZE.threshold)))
-    if odd and "size" not in seen.told:
-        found.append(DoubtKind.UNUSUAL_SIZE.of(what=odd))
+    if "size" not in seen.told:
+        limit = math.log(DoubtKind.UNUSUAL_SIZE.threshold)
+        if odd := describe_unusual(find_category(item.label, known), item.size, limit):
+            found.append(DoubtKind.UNUSUAL_SIZE.of(what=odd))
+        if item.spread and (sure := measure_sureness(item.size, item.spread)) < DoubtKind.SIZE_UNSURE.threshold:
+            depth, width, height = (100 * math.expm1(each) for each in item.spread)
+            found.append(DoubtKind.SIZE_UNSURE.of(share=100 * sure, depth=depth, width=width, height=height))
     return replace(item, doubts=(*item.doubts, *found))
+
+
+def measure_sureness(size: Iterable[float], spread: Iterable[float]) -> float:
+    """The chance that extents (3,), metres, are all right, given the standard deviations (3,) of their logarithms."""
+    within = (math.log1p(max(RIGHT_SHARE, RIGHT_LEAST / extent)) for extent in size)
+    return math.prod(math.erf(far / (each * math.sqrt(2))) for far, each in zip(within, spread, strict=True))

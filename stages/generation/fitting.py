@@ -33,6 +33,7 @@ PROPORTIONS = 0.3  # deviation of the logarithm of one axis' scale over another'
 ROUND = 0.03  # the same of the level ones of what is round; chosen
 CONTACT = 0.01  # metres: of what stands on something, or touches a wall
 UNUSUAL = 2.0  # deviations from which on seen terms count less, and prior ones from half of that on; chosen on `work`
+TOO_SURE = 2.0  # by which the terms, which err alike, understate the spread; calibrated on `work`
 LARGEST_STEP = (0.2, 0.3)  # metres, logarithm: of one step
 LARGEST_CHANGE = 1.5  # logarithm: extents never change by more
 Array = NDArray[np.float64]
@@ -154,7 +155,7 @@ def improve_box(solid: Solid, start: UprightBox, seen: Sight, known: Known) -> F
             change[3:] = np.clip(change[3:], -LARGEST_CHANGE, LARGEST_CHANGE)
     box = change_box(change)
     last = compare(box, solid, solid.cast_rays(seen.eye, seen.rays, box), seen, known, tolerance)
-    return Fit(box, np.sqrt(np.diag(np.linalg.inv(curvature))[3:]), last.cost)
+    return Fit(box, TOO_SURE * np.sqrt(np.diag(np.linalg.inv(curvature))[3:]), last.cost)
 
 
 def compare(box: UprightBox, solid: Solid, hits: Hits, seen: Sight, known: Known, tolerance: float) -> Terms:

@@ -35,8 +35,9 @@ class Placed:
 
     folder: of the model. sized: the model at its size, unless that is the folder's. prisms: of its collision shapes, in
     the asset frame. support: 'floor', 'wall', the id of the object beneath, or 'unnamed': it stands on something that
-    is no object of the scene; as extraction saw it until it is stacked. cousin: its rank in cousins.json. chosen: by a
-    person. steps: what each step changed so far. doubts: what may be wrong.
+    is no object of the scene; as extraction saw it until it is stacked. spread: standard deviations of the logarithms
+    of fitted extents. cousin: its rank in cousins.json. chosen: by a person. steps: what each step changed so far.
+    doubts: what may be wrong.
     """
 
     id: str
@@ -48,6 +49,7 @@ class Placed:
     support: str = FLOOR
     sized: SizedModel | None = None
     prisms: tuple[Prism, ...] = ()
+    spread: tuple[float, float, float] | None = None
     moved: float = 0.0
     cousin: int | None = None
     chosen: bool = False

@@ -35,6 +35,7 @@ def to_contract(
                 position=round_vector(item.center),
                 yaw=round(item.box.yaw, 6),
                 size=round_vector(item.size),
+                size_spread=None if item.spread is None else round_vector(item.spread),
                 support=item.support,
                 mounting=item.mounting,
                 cousin=item.cousin,

@@ -1,6 +1,7 @@
 """Extents of a model: fitted to all that is known of its object, or measured as in the paper (A.7)."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,7 +57,7 @@ def size(
         scene.depth_error,
     )
     fit = fit_box(read_solid(placed.folder), placed.box, seen, known)
-    placed = placed.change_box("fitted to the picture", fit.box)
+    placed = replace(placed.change_box("fitted to the picture", fit.box), spread=tuple(fit.spread.tolist()))
     for wall in reached:
         placed = placed.change_box(f"to {wall.id}", move_to_wall(placed.box, wall))
     return placed

@@ -71,7 +71,8 @@ def _measure_hidden(
 ) -> float:
     """Pixels by which a thing may go on beyond most of the pixels `ends` (N, 2), `own` (N,) metres away."""
     height, width = mask.shape
-    gap = NEARER + noise(own)
+    known = np.isfinite(own)  # not where it is shown as floor: nothing hides that
+    gap = np.where(known, NEARER + noise(own), 0)
 
     def look(step: float) -> tuple[Mask, Array]:
         """Which pixels, `step` farther out, are outside the picture, and the depth of the others."""
@@ -82,7 +83,7 @@ def _measure_hidden(
         return ~there, np.where(there & ~mask[y, x], depth[y, x], 0)
 
     outside, shown = look(float(steps[0]))
-    nearer = (shown > 0) & (shown < own - gap)
+    nearer = (shown > 0) & (shown < own - gap) & known
     if (outside | nearer).mean() < 0.5:
         return 0.0
     far = np.full(len(ends), np.inf)

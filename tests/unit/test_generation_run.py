@@ -19,7 +19,7 @@ from stages.contracts.categories import known_categories
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.library_folder import AssetFolders, write_part
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
-from stages.generation.doubts import doubt_placement
+from stages.generation.doubts import doubt_placement, measure_sureness
 from stages.generation.generate import run
 from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.models import read_collisions, read_links
@@ -335,6 +335,20 @@ def test_what_is_too_large_or_behind_a_wall_is_doubted() -> None:
     fridge = SceneObject(id="fridge_1", label="fridge", mask=1)  # of a photograph whose camera is taken too high
     assert "243 cm high" in whats(thing("fridge", (2, 0, 1.2), (0.8, 0.9, 2.43)), [], fridge)[0]
     assert whats(thing("fridge", (2, 0, 0.9), (0.7, 0.9, 1.9)), [], fridge) == []
+
+
+def test_a_size_that_the_fit_is_not_sure_of_is_doubted() -> None:
+    fridge, seen = thing("fridge", (2, 0, 0.9), (0.7, 0.9, 1.8)), SceneObject(id="fridge_1", label="fridge", mask=1)
+    assert whats(replace(fridge, spread=(0.04, 0.03, 0.01)), [], seen) == []
+    unsure = replace(fridge, spread=(0.3, 0.03, 0.01))
+    assert whats(unsure, [], seen) == ["size is 25 % sure: depth by 35 %, width by 3 %, height by 1 %"]
+    assert whats(unsure, [], seen.model_copy(update={"told": ["size"]})) == [], "a person says so"
+
+
+def test_sureness_is_the_chance_that_every_extent_is_right() -> None:
+    rng, spread, size = np.random.default_rng(0), [0.2, 0.1, 0.05], [0.1, 0.5, 1.0]
+    times = np.exp(np.abs(rng.normal(0, spread, (20000, 3))))
+    assert measure_sureness(size, spread) == pytest.approx((times < [1.3, 1.1, 1.1]).all(axis=1).mean(), abs=0.01)
 
 
 def test_a_wall_ends_before_what_is_seen_beyond_it() -> None:

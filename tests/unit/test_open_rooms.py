@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from shapely import Point
 
-from benchmarks.open_rooms import blend, fetch, packs, pictures, rooms, score, sensor, tables, views
+from benchmarks.open_rooms import blend, fetch, packs, pictures, plots, rooms, score, sensor, shapes, tables, views
 from plugins.furniture.catalogue import CATEGORIES
 from stages.contracts import InputError
 from stages.contracts.library import FrontPanel, Joint
@@ -190,9 +190,9 @@ def test_size_is_right_within_a_tenth_or_three_centimetres() -> None:
 
 def test_shapes_alike_are_at_no_distance() -> None:
     points = np.random.default_rng(0).random((500, 3))
-    assert score.chamfer(points, points, (1.0, 2.0, 0.5)) == 0
+    assert shapes.chamfer(points, points, (1.0, 2.0, 0.5)) == 0
     plane, other = points * [1, 1, 0], points * [1, 1, 0] + [0, 0, 1]
-    assert score.chamfer(plane, other, (3.0, 4.0, 12.0)) == pytest.approx(12 / 13)
+    assert shapes.chamfer(plane, other, (3.0, 4.0, 12.0)) == pytest.approx(12 / 13)
 
 
 def test_behind_a_wall_is_measured_from_the_room() -> None:
@@ -233,6 +233,22 @@ def test_the_page_counts_what_is_right_and_what_is_absurd() -> None:
     assert tables.compare_with_no_image(table, "geometry") == "+10.0 [+10.0, +10.0] of 4"
     page = tables.page(table, pd.DataFrame())
     assert "| drawn | geometry | 1 | 0/1 | 1 | 0 | 0 | 1 |" in page and "## work" in page
+
+
+def test_sizes_are_binned_by_how_sure_they_are_and_errors_by_what_is_seen(tmp_path: Path) -> None:
+    rows = [row(k, sure_of_size=0.9, off_place_cm=1.0, oriented_iou=0.8) for k in range(3)]
+    rows += [row(3, sure_of_size=0.1, size=False, cut=True, off_place_cm=9.0), row(4), row(5, seen=0.2)]
+    table = pd.DataFrame(rows)
+    found = plots.bin_sureness(table)
+    assert found["right"].tolist() == [0.0, 1.0] and found["things"].tolist() == [1, 3]
+    assert {name: len(group) for name, group in tables.group_by_view(table).items()} == {
+        "all": 6,
+        "cut": 1,
+        "hidden": 1,
+        "whole": 4,
+    }
+    plots.draw_sureness(table, tmp_path / "sizes.svg")
+    assert (tmp_path / "sizes.svg").read_text().startswith("<?xml")
 
 
 def test_the_table_of_kinds_speaks_of_our_categories_and_of_all_models() -> None:

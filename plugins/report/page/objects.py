@@ -14,6 +14,7 @@ from stages.contracts.cousins import Candidate, Cousin, ObjectCousins
 from stages.contracts.doubt import Doubt
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Objects, SceneObject
+from stages.generation.doubts import measure_sureness
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
 from stages.tables.text import NOTHING, count
@@ -211,6 +212,9 @@ def _facts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None)
         on = PLACES.get(placed.support, f"on {placed.support}")
         turn = f"turned by {np.degrees(placed.yaw):.0f}°"
         facts.append(("placed", f"{placed.asset.replace('_', ' ')} {on}, {_metres(placed.size)}, {turn}"))
+        if placed.size_spread is not None:
+            sure = 100 * measure_sureness(placed.size, placed.size_spread)
+            facts.append(("size", f"{sure:.0f} % sure to be right within 10 % or 3 cm"))
         facts += [("then" if number else "how", what) for number, what in enumerate(placed.steps)]
     return facts
 

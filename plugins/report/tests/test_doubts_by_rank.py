@@ -52,6 +52,12 @@ def test_what_reaches_before_the_front_that_is_seen_is_doubted() -> None:
     assert told(cabinet(told=["size"]), placed("a", 1.5)) == [], "a person says so"
 
 
+def test_what_the_border_cuts_is_doubted_where_no_fit_says_how_sure_it_is() -> None:
+    cut = cabinet(pixels=(0, 9, 40, 40))
+    assert told(cut, placed("a", 0.6)) == ["cut off by the picture's border"]
+    assert told(cut, placed("a", 0.6, size_spread=(0.02, 0.02, 0.02))) == []
+
+
 def test_what_was_guessed_in_a_drawing_is_doubted_until_a_person_says_its_size() -> None:
     guessed = Doubt(cause="size", what="depth is guessed")
     moved = Doubt(cause="place", what="11 % nearer")
