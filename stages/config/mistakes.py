@@ -17,6 +17,7 @@ M = TypeVar("M", bound=BaseModel)
 # Keys of older versions that configs may still have, and what to do instead. Those that are fixed now say so.
 GONE = {
     "articulated_only": "leave it out: articulated objects get articulated cousins",
+    "aspect_prior": "sizes: fitted, where it was native; sizes: measured, where it was off",
     "assets_of": "leave it out: every policy of `experiment.policies` opens every target",
     "batch": "leave it out: pictures are encoded one by one",
     "coverage": "leave it out: a patch counts if the mask covers half of it",
