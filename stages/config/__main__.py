@@ -1,4 +1,4 @@
-"""`python -m stages.config`: write config/schema.json and docs/config.md; `... show [FILE ...]`: print every key.
+"""`python -m stages.config`: write config/schema.json and docs/config.md in a clone; `show [FILE ...]`: print all keys.
 
 `show` prints the default run with what the files change, later ones over earlier ones.
 """
@@ -28,6 +28,8 @@ def show(files: Sequence[str]) -> int:
 if __name__ == "__main__":
     if sys.argv[1:2] == ["show"]:
         sys.exit(show(sys.argv[2:]))
+    if sys.argv[1:] or not Path("config/schema.json").is_file():
+        sys.exit(__doc__)
     if home_of("furniture") == "plugins.furniture":  # else what is known of its categories stays
         subprocess.run([sys.executable, "-m", "plugins.furniture", "facts"], check=True)
     from stages.config.reference import write

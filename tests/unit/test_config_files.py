@@ -1,5 +1,6 @@
 """A config that is missing or broken, and a target that an option swallowed: one line with file and line."""
 
+import os
 import re
 import subprocess
 import sys
@@ -151,3 +152,12 @@ def test_every_key_of_a_run_is_shown(tmp_path: Path, capsys: pytest.CaptureFixtu
     (tmp_path / "all.yaml").write_text(shown)
     assert read_files([tmp_path / "all.yaml"]) == read_files([tmp_path / "mine.yaml"])
     assert show([str(tmp_path / "none.yaml")]) == 1 and "E-FILE-MISSING" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [(), ("--help",)])
+def test_no_reference_is_written_beside_a_clone(tmp_path: Path, words: tuple[str, ...]) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "stages.config", *words]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environment)
+    assert done.returncode == 1 and done.stderr.startswith("`python -m stages.config`: ")
+    assert not list(tmp_path.iterdir())

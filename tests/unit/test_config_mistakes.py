@@ -68,6 +68,7 @@ CASES = [
     ),
     ("matching: {vlm: {model: x}}", "matching.vlm: is no option. Fix: the section `vlm`, on the top level"),
     ("experiment: {variants: {b: {coverage: 0.4}}}", "experiment.variants.b.coverage: is no option. Fix: leave it out"),
+    ("generation: {aspect_prior: native}", "generation.aspect_prior: is no option. Fix: sizes: fitted"),
     *((f"tables: {{{key}: 1}}", f"tables.{key}: is no option. Fix: {mend}") for key, mend in GONE.items()),
     ("encoder: {steps: 3}", "encoder: is no option. Fix: python -m plugins.patchnet"),
     ("demonstrations: {noise: -1}", "demonstrations.noise: Input should be greater"),
