@@ -34,7 +34,7 @@ while IFS='|' read -r -u 3 _ step pages commits hours command reason _; do
         printf '%-12s %-8s %5s h  %s\n' "$step" "$(state "$step")" "$hours" "$command"
     elif [[ $(state "$step") != done ]]; then
         echo "$step (was: $(state "$step")): $command"
-        if eval "$command" 2>&1 | tee "$STAMPS/$step.log" && [[ $(read_commit) == "$COMMIT" ]]; then
+        if bash -c "$command" 2>&1 | tee "$STAMPS/$step.log" && [[ $(read_commit) == "$COMMIT" ]]; then
             echo "$COMMIT" >"$STAMPS/$step.txt"
         else
             failed=1
