@@ -9,9 +9,11 @@ from stages.config.packages import Package
 
 def shards_of(config: AssetsConfig) -> Mapping[str, Any]:
     """The models of `assets.folders` in shards, by name."""
-    from plugins.importing.shards import own_shards  # takes a second
+    if not config.folders:
+        return {}
+    from plugins.importing.shards import own_shards  # takes two seconds
 
-    return own_shards(config) if config.folders else {}
+    return own_shards(config)
 
 
 PACKAGE = Package(verbs={"own": OwnOptions}, section="assets", shards=shards_of)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import stdtrit
 
 from stages.config.tables import TablesConfig
 from stages.tables.intervals import quantiles
@@ -49,7 +49,7 @@ def estimate(rows: pd.DataFrame, options: TablesConfig) -> Estimate:
     mean = float(rows.groupby("object")["success"].mean().mean())
     if min(objects, families) < 2:
         return Estimate(objects, families, len(rows), mean, NAN, NAN, Interval(NAN, NAN))
-    half = standard_error(rows) * stats.t.ppf((1 + options.confidence) / 2, min(objects, families) - 1)
+    half = standard_error(rows) * stdtrit(min(objects, families) - 1, (1 + options.confidence) / 2)
     crossed = quantiles(resample_means(rows, options), options)
     return Estimate(objects, families, len(rows), mean, mean - half, mean + half, crossed)
 

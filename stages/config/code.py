@@ -42,7 +42,7 @@ def source(module: str) -> Path | None:
 @cache
 def _text(module: str) -> str:
     path = source(module)
-    return path.read_text(encoding="utf-8") if path else ""
+    return _read_bytes(path).decode() if path else ""
 
 
 @cache
@@ -109,16 +109,26 @@ def code_digest(*modules: str) -> str:
     """Digest (12 hex digits) of the modules, of all that they need, and of the data files beside them."""
     files = {path for name in closure(*modules) if (path := source(name))}
     for folder in {path.parent for path in files}:
-        files.update(path for path in folder.iterdir() if path.suffix in DATA_SUFFIXES)
+        files.update(_list_data(folder))
     digest = hashlib.sha256()
     for path in sorted(files):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+        digest.update(path.name.encode() + b"\0" + _read_bytes(path) + b"\0")
     return digest.hexdigest()[:12]
+
+
+@cache
+def _list_data(folder: Path) -> tuple[Path, ...]:
+    return tuple(path for path in folder.iterdir() if path.suffix in DATA_SUFFIXES)
+
+
+@cache
+def _read_bytes(path: Path) -> bytes:
+    return path.read_bytes()
 
 
 def forget() -> None:
     """Read the code anew for the next digest."""
-    for cached in (source, _text, _imports, _list_needs, code_digest):
+    for cached in (source, _text, _imports, _list_needs, _list_data, _read_bytes, code_digest):
         cached.cache_clear()
 
 

@@ -57,6 +57,7 @@ class Package:
     check: Callable[[], tuple[str, bool, str]] | None = None
 
 
+@cache
 def find_packages() -> dict[str, Package]:
     """The packages of this checkout by name."""
     return {module.rpartition(".")[2]: import_module(f"{module}.package").PACKAGE for module in plugins.list_shipped()}

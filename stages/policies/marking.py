@@ -1,6 +1,7 @@
 """What a policy that goes by the handle needs (`handle` of a hyper-parameter set): the package `handle` brings it."""
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import torch
@@ -27,7 +28,8 @@ class Marker(NamedTuple):
     offsets: Callable[[Tensor, Tensor], Tensor]
 
 
+@cache
 def load_marker() -> Marker:
-    """The marker of the package `handle`."""
+    """The marker of the package `handle`; asked for in every step, so looked for once."""
     marker: Marker = load("markers", "handle")
     return marker

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from plugins.furniture import build
+from plugins.furniture.folder import build
 from stages.contracts.library import Asset, Recipe
 from stages.contracts.policies import TaskAsset
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plugins.furniture import build
 from plugins.furniture.catalogue import sample
+from plugins.furniture.folder import build
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, read_json
 from stages.contracts.objects import Mounting

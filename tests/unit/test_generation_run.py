@@ -10,8 +10,8 @@ import pytest
 import trimesh
 from PIL import Image
 
-from plugins.furniture import build as build_asset
 from plugins.furniture.catalogue import sample
+from plugins.furniture.folder import build as build_asset
 from stages.config.generation import GenerationConfig
 from stages.config.packages import verb
 from stages.contracts import Asset, Cousins, GeneratedScene, InputError, Objects, read_json, write_json

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plugins.furniture import build
 from plugins.furniture.catalogue import sample
+from plugins.furniture.folder import build
 from stages.contracts import (
     Asset,
     Cousins,

@@ -13,8 +13,8 @@ from PIL import Image
 from trimesh import Trimesh
 
 from plugins.exports.scene_formats import mjcf, urdf
-from plugins.furniture import build
 from plugins.furniture.catalogue import sample
+from plugins.furniture.folder import build
 from plugins.pictures import glb
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.model import Link, RobotModel, Visual

@@ -8,11 +8,11 @@ import pytest
 import trimesh
 import yaml
 
-from plugins.furniture import build, generate
 from plugins.furniture.cabinet import Cabinet
 from plugins.furniture.catalogue import CATEGORIES, sample
 from plugins.furniture.facts import categories_text, counts_text, describe_category
 from plugins.furniture.finishes import finish_of
+from plugins.furniture.folder import build, generate
 from plugins.furniture.front_cells import cells
 from plugins.furniture.model import bounds
 from plugins.furniture.real_sizes import REAL_SIZES

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from plugins.furniture import generate
 from plugins.furniture.catalogue import CATEGORIES, sample
 from plugins.furniture.finishes import finish_of
+from plugins.furniture.folder import generate
 from plugins.furniture.model import bounds, parts_of
 from plugins.furniture.refinishing import is_finish, refinish
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plugins.furniture import build, generate
 from plugins.furniture.catalogue import sample
 from plugins.furniture.finishes import MATERIALS, Finish, change_material, finish_of, shade
+from plugins.furniture.folder import build, generate
 from plugins.furniture.robot import robot_of
 from plugins.furniture.textures import SIDE, pattern_of, texture_of
 from stages.articulated.model import Texture

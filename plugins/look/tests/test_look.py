@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.furniture import build
 from plugins.furniture.catalogue import sample
+from plugins.furniture.folder import build
 from plugins.look.estimate import estimate_look, merge_meshes
 from plugins.look.surfaces import Seen, estimate_light, find_bounds, find_surfaces, to_direction
 from plugins.pictures.painting import furnish, make_usual_look

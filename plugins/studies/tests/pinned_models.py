@@ -4,8 +4,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from plugins.furniture import build
 from plugins.furniture.catalogue import sample
+from plugins.furniture.folder import build
 from stages.contracts import TaskAssets, read_json
 
 seed, plans = int(sys.argv[1]), [read_json(TaskAssets, Path(file)) for file in sys.argv[2:]]
