@@ -1,4 +1,4 @@
-# make demo   set up what is missing, then a picture, its cousins and a scene to turn, in a minute
+# make demo   set up what is missing, then a picture, its cousins and a scene to turn, in two minutes
 # make all    the same set-up, then the whole workflow
 # make test   the same set-up, then lint, types and tests
 .DEFAULT_GOAL := help
@@ -27,7 +27,7 @@ $(STAMP): envs/requirements.txt envs/setup.sh pyproject.toml
 	@bash envs/setup.sh
 	@touch $@
 
-demo: setup ## a picture, its cousins and a scene to turn, in about a minute
+demo: setup ## a picture, its cousins and a scene to turn, in two minutes
 	$(BIN)/snakemake --cores $(CORES) --directory results/demo --configfile config/demo.yaml -- pages
 	@echo "Open results/demo/results/report/scenes/room_1.html"
 
