@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from stages.config.code import ROOTS, closure, code_digest, files_digest
+from stages.config.code import ROOTS, closure, code_digest, files_digest, forget
 from stages.config.experiment import ExperimentConfig
 from stages.config.model import load
 from stages.config.packages import find_packages, home_of
@@ -150,7 +150,7 @@ def test_code_digest_follows_what_a_registry_names_as_text(tmp_path: Path, monke
     before = code_digest("toy_registry.main")
     for name in ("unused", "chosen"):
         (package / f"{name}.py").write_text("x = 1")
-        code_digest.cache_clear()
+        forget()
         assert (code_digest("toy_registry.main") != before) == (name == "chosen")
 
 
