@@ -341,7 +341,7 @@ def test_a_size_that_the_fit_is_not_sure_of_is_doubted() -> None:
     fridge, seen = thing("fridge", (2, 0, 0.9), (0.7, 0.9, 1.8)), SceneObject(id="fridge_1", label="fridge", mask=1)
     assert whats(replace(fridge, spread=(0.04, 0.03, 0.01)), [], seen) == []
     unsure = replace(fridge, spread=(0.3, 0.03, 0.01))
-    assert whats(unsure, [], seen) == ["size is 25 % sure: depth by 35 %, width by 3 %, height by 1 %"]
+    assert whats(unsure, [], seen) == ["size is 25 % sure: depth ±35 %, width ±3 %, height ±1 %"]
     assert whats(unsure, [], seen.model_copy(update={"told": ["size"]})) == [], "a person says so"
 
 
