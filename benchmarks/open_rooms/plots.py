@@ -33,7 +33,8 @@ def draw_sureness(rows: pd.DataFrame, path: Path) -> None:
                 continue
             deviation = np.sqrt(np.maximum(found["right"] * (1 - found["right"]), 0.05) / found["things"])
             axes.errorbar(
-                100 * found["sure"] + place - 1, 100 * found["right"], yerr=100 * deviation, color=colour, marker="o",
+                100 * found["sure"] + place - 1,  # side by side
+                100 * found["right"], yerr=100 * deviation, color=colour, marker="o",
                 linewidth=1.8, elinewidth=1, capsize=2.5, label=f"{half.replace('_', ' ')} ({found['things'].sum()})",
             )  # fmt: skip
         axes.set_xlabel("sure of the size (%)")

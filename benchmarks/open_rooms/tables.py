@@ -127,12 +127,12 @@ def _describe_errors(rows: pd.DataFrame) -> list[str]:
 
 def _describe_half(rows: pd.DataFrame) -> Iterator[str]:
     first = rows[rows["rank"] == 1]
-    whole = ~first["cut"] & (first["seen"] >= WHOLE)
+    views = group_by_view(first)
     groups = [
-        (masks, judge, about, first[(first["masks"] == masks) & (first["judge"] == judge) & which])
+        (masks, judge, about, views[about][(views[about]["masks"] == masks) & (views[about]["judge"] == judge)])
         for masks in ("drawn", "exact", "unaided", "corrected")
         for judge in ("geometry", "hog", "no-image")
-        for about, which in (("all", whole | True), ("whole", whole))
+        for about in ("all", "whole")
     ]
     yield "Rank 1, percent:\n"
     yield table(

@@ -96,6 +96,16 @@ rule open_rooms:
     resources:
         **needs(3000, 30),
     params:
-        code=digest_of("score.py", "by_clicks.py", "pairs.py", "plots.py", "tables.py", "intro.md", "kinds.yaml", "models.csv"),
+        code=digest_of(
+            "score.py",
+            "by_clicks.py",
+            "pairs.py",
+            "plots.py",
+            "shapes.py",
+            "tables.py",
+            "intro.md",
+            "kinds.yaml",
+            "models.csv",
+        ),
     shell:
         "python -m benchmarks.open_rooms score results/open_rooms --library results --out results/open_rooms 2>&1 | tee {log:q}"

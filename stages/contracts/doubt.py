@@ -107,10 +107,18 @@ class DoubtKind(Enum):
         "its box with the library's model", "generation.max_stretch", "times",
     )  # fmt: skip
     FEW_POINTS = (
-        "D-FEW-POINTS", "size", "only {points} points in its cloud", "points of its cloud", 300, "points",
+        "D-FEW-POINTS", "size", "only {points} points in its cloud", "points of its cloud, where nothing was fitted",
+        300, "points",
         "`generation.trim` leaves out 1.5 points of so many at either end",
     )  # fmt: skip
-    CUT_OFF = ("D-CUT-OFF", "size", "cut off by the picture's border", "its mask with the border", 0, "pixels")
+    CUT_OFF = (
+        "D-CUT-OFF",
+        "size",
+        "cut off by the picture's border",
+        "its mask with the border, where nothing was fitted",
+        0,
+        "pixels",
+    )
     LABEL = ("D-LABEL", "name", "{what}", "the words of its label with those that are known")
     NAME = (
         "D-NAME", "name", "called {name} by looks, size and place, {share:.0f} % sure; else {others}",
