@@ -18,11 +18,10 @@ from plugins.report.doubts import collect_doubts
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.categories import find_usual_size
 from stages.contracts.doubt import Doubt
-from stages.contracts.generated import PlacedObject
+from stages.contracts.generated import RIGHT_LEAST, RIGHT_SHARE, PlacedObject, measure_sureness
 from stages.contracts.library import Asset, HingeSide
 from stages.contracts.library_folder import AssetFolders
 from stages.evaluation.scoring import box_in_world, world_from_floor
-from stages.generation.doubts import RIGHT_LEAST, RIGHT_SHARE, measure_sureness
 from stages.geometry.boxes import UprightBox, axis_aligned_iou, corners, oriented_iou
 from stages.geometry.frames import angle_difference, wrap_angle
 

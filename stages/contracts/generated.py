@@ -1,5 +1,7 @@
 """Contract of the `generation` stage: `scene.json`, one per cousin rank."""
 
+import math
+from collections.abc import Iterable
 from typing import Literal
 
 from pydantic import Field, model_validator
@@ -25,6 +27,8 @@ from stages.contracts.types import (
     check_unique,
     check_view,
 )
+
+RIGHT_SHARE, RIGHT_LEAST = 0.10, 0.03  # a size is right if every extent is: within a share of it, or metres
 
 
 class PlacedObject(Contract):
@@ -114,3 +118,9 @@ class GeneratedScene(Document):
             if strangers := set(getattr(self.plausibility, kind)) - set(placed):
                 raise ValueError(f"plausibility.{kind}: names '{min(strangers)}', which is not placed")
         return self
+
+
+def measure_sureness(size: Iterable[float], spread: Iterable[float]) -> float:
+    """The chance that extents (3,), metres, are all right, given the standard deviations (3,) of their logarithms."""
+    within = (math.log1p(max(RIGHT_SHARE, RIGHT_LEAST / extent)) for extent in size)
+    return math.prod(math.erf(far / (each * math.sqrt(2))) for far, each in zip(within, spread, strict=True))

@@ -1,17 +1,16 @@
 """Doubts about a placed object: its size, its place, its support. The kinds of doubts: `contracts.doubt`."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 from stages.contracts.category import Category, describe_unusual, find_category
 from stages.contracts.doubt import Doubt, DoubtKind
+from stages.contracts.generated import measure_sureness
 from stages.contracts.objects import SceneObject, Wall
 from stages.generation.inputs import Inputs
 from stages.generation.placed import UNNAMED, Placed
 from stages.geometry.boxes import depth_behind, is_behind
-
-RIGHT_SHARE, RIGHT_LEAST = 0.10, 0.03  # a size is right if every extent is: within a share of it, or metres
 
 
 def doubt_placements(items: list[Placed], inputs: Inputs) -> list[Placed]:
@@ -45,9 +44,3 @@ def doubt_placement(item: Placed, walls: list[Wall], seen: SceneObject, known: M
             depth, width, height = (100 * math.expm1(each) for each in item.spread)
             found.append(DoubtKind.SIZE_UNSURE.of(share=100 * sure, depth=depth, width=width, height=height))
     return replace(item, doubts=(*item.doubts, *found))
-
-
-def measure_sureness(size: Iterable[float], spread: Iterable[float]) -> float:
-    """The chance that extents (3,), metres, are all right, given the standard deviations (3,) of their logarithms."""
-    within = (math.log1p(max(RIGHT_SHARE, RIGHT_LEAST / extent)) for extent in size)
-    return math.prod(math.erf(far / (each * math.sqrt(2))) for far, each in zip(within, spread, strict=True))

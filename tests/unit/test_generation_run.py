@@ -17,9 +17,10 @@ from stages.config.packages import verb
 from stages.contracts import Asset, Cousins, GeneratedScene, InputError, Objects, read_json, write_json
 from stages.contracts.categories import known_categories
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
+from stages.contracts.generated import measure_sureness
 from stages.contracts.library_folder import AssetFolders, write_part
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
-from stages.generation.doubts import doubt_placement, measure_sureness
+from stages.generation.doubts import doubt_placement
 from stages.generation.generate import run
 from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.models import read_collisions, read_links

@@ -12,9 +12,8 @@ from plugins.report.doubts import collect_doubts, collect_notes, describe_mounti
 from plugins.report.snapshots import Snapshots
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins
 from stages.contracts.doubt import Doubt
-from stages.contracts.generated import PlacedObject
+from stages.contracts.generated import PlacedObject, measure_sureness
 from stages.contracts.objects import Objects, SceneObject
-from stages.generation.doubts import measure_sureness
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
 from stages.tables.text import NOTHING, count

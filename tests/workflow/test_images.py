@@ -1,0 +1,73 @@
+"""What a rule runs is imported with nothing but its image's packages: `envs/<family>.txt`."""
+
+import re
+import subprocess
+import sys
+from collections import defaultdict
+
+import pytest
+
+from reference.commands import module_of, verbs
+from tests.workflow.workspace import ROOT
+
+FAMILY = re.compile(r"CONFIG\.containers\.(\w+)")
+VERB = re.compile(r'\bverb\(\s*"(\w+)",\s*"([\w-]+)"')
+
+IMPORTS = """
+import importlib, importlib.metadata, re, sys
+def plain(name): return re.sub(r"[-_.]+", "-", name).lower()
+lines = open(sys.argv[1]).read().splitlines()
+there = {plain(line.split("==")[0]) for line in lines if "==" in line and not line.startswith(("#", " "))}
+packages = importlib.metadata.packages_distributions().items()
+OURS = {"stages", "plugins", "reference", "benchmarks", "tests"}
+missing = {name for name, of in packages if name not in OURS and not there & {plain(each) for each in of}}
+class Image:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] not in missing:
+            return next((spec for each in finders if (spec := each.find_spec(name, path, target))), None)
+    def find_distributions(self, context):
+        found = (each.find_distributions(context) for each in finders if hasattr(each, "find_distributions"))
+        return (one for group in found for one in group if plain(one.metadata["Name"]) in there)
+finders, sys.meta_path[:] = sys.meta_path[:], [Image()]
+for name in sys.argv[2:]:
+    try:
+        importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        print(f"{name}: {error}")
+"""
+
+
+def list_modules() -> dict[str, set[str]]:
+    """Modules of the verbs that rules run, by the family of the rule's image."""
+    folders = {}
+    for folder in ("stages", "plugins"):
+        folders |= {path.parent.name: folder for path in (ROOT / folder).glob("*/__main__.py")}
+    found: dict[str, set[str]] = defaultdict(set)
+    for path in [*ROOT.glob("rules/*.smk"), *ROOT.glob("plugins/*/*.smk")]:
+        head, *rules = re.split(r"^ *(?:rule|checkpoint) \w+:$", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
+        usual = FAMILY.search(head)
+        for text in rules:
+            own = FAMILY.search(text) or usual
+            for stage, name in VERB.findall(text):
+                assert own, f"{path}: {stage} {name} has no image"
+                found[own[1]].add(f"{folders[stage]}.{stage}.{module_of(name).removesuffix('.py')}")
+    return found
+
+
+def test_every_verb_of_a_rule_is_found() -> None:
+    found = set().union(*list_modules().values())
+    known = {f"{each.stage}.{module_of(each.name).removesuffix('.py')}" for each in verbs(ROOT)}
+    assert len(found) > 40 and {name.split(".", 1)[1] for name in found} <= known
+
+
+@pytest.mark.parametrize("family", ["report", "learning", "simulation"])
+def test_rules_import_what_their_image_has(family: str) -> None:
+    modules = sorted(list_modules()[family])
+    command = [sys.executable, "-c", IMPORTS, str(ROOT / f"envs/{family}.txt"), *modules]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert modules and done.stdout == ""
+
+
+def test_what_an_image_lacks_is_refused() -> None:
+    command = [sys.executable, "-c", IMPORTS, str(ROOT / "envs/report.txt"), "trimesh"]
+    assert "trimesh" in subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
