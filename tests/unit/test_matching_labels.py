@@ -63,6 +63,15 @@ def test_nearest_category(label: str, expected: str) -> None:
 LIBRARY_CATEGORIES = sorted(known_categories())
 
 
+def test_a_further_name_of_several_words_means_its_category() -> None:
+    for row in known_categories().values():
+        for name in row.names:
+            if " " in name:
+                found = find_nearest_categories(f"old {name}", LIBRARY_CATEGORIES, 3, LEXICAL)
+                assert found[0][0] == row.name, name
+    assert find_nearest_categories("upper cabinet", ["bed", "bottom_cabinet"], 3, LEXICAL)[0][0] == "bottom_cabinet"
+
+
 @pytest.mark.parametrize(
     ("label", "expected"),
     [

@@ -56,6 +56,8 @@ for row in known_categories().values():
             CANONICAL.setdefault(word.replace(" ", ""), head)
         for kind in row.kin:
             GROUPS.setdefault(kind, set()).add(head)
+# Further names of several words: "upper cabinet" is a wall cabinet. A single word may be short for several categories.
+NAMES = {name.replace(" ", ""): row.name for row in known_categories().values() for name in row.names if " " in name}
 MEANINGS_FILE = Path(__file__).with_name("wordnet.txt")  # a word that is known, and words that are kinds of it
 MEANINGS = {
     word: first
@@ -110,6 +112,9 @@ def understand(label: str, categories: Sequence[str]) -> Understood:
     named = [word for name in categories for word in split_words(name)]
     known = KNOWN.union(named)
     tokens = split_words(ASIDE.split(label)[0])
+    for start in range(len(tokens)):
+        if (name := NAMES.get("".join(tokens[start:]), "")) in categories:
+            return Understood([*tokens[:start], *split_words(name)], "")
     if (pair := "".join(tokens[-2:])) in MEANINGS.keys() - known:  # "dutch oven"
         tokens[-2:] = [pair]
     while len(tokens) > 1 and tokens[-1] in FILLERS - known:
