@@ -1,7 +1,8 @@
 """The box in which a model agrees best with all that is known of an object: seen, bounded, usual.
 
 Least squares over the centre and the logarithms of the extents, every term in its own standard deviations:
-* seen: the outline in the picture, and the object's points on the model's surface along their rays;
+* seen: the outline in the picture, and the object's points on the model's surface along their rays, or nearest to it
+  where their rays miss it;
 * bounded: an outline that the picture cuts or something nearer hides ends there or later;
 * usual: the extents of the category's models, and the model's own proportions;
 * the room: the height of what carries it, walls that it touches, walls that nothing reaches behind.
@@ -18,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.objects import DepthError, Wall
-from stages.generation.solid import Hits, Solid
+from stages.generation.solid import Correspondences, Solid
 from stages.geometry.boxes import THINNEST, UprightBox
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse, yaw_matrix
@@ -141,10 +142,10 @@ def improve_box(solid: Solid, start: UprightBox, seen: Sight, known: Known) -> F
         return UprightBox(start.center + change[:3], size * np.exp(change[3:]), start.yaw)
 
     for _ in range(ROUNDS):
-        hits = solid.cast_rays(seen.eye, seen.rays, change_box(change))
+        on = solid.find_correspondences(seen.eye, seen.points, change_box(change))
         for _ in range(STEPS):
             now, *shifted = (
-                compare(change_box(change + row), solid, hits, seen, known, tolerance)
+                compare(change_box(change + row), solid, on, seen, known, tolerance)
                 for row in small * np.eye(7, 6, k=-1)
             )
             jacobian = np.stack([(each.off - now.off) / small for each in shifted], axis=1)
@@ -154,15 +155,15 @@ def improve_box(solid: Solid, start: UprightBox, seen: Sight, known: Known) -> F
             change = change - np.clip(step, -bound, bound)
             change[3:] = np.clip(change[3:], -LARGEST_CHANGE, LARGEST_CHANGE)
     box = change_box(change)
-    last = compare(box, solid, solid.cast_rays(seen.eye, seen.rays, box), seen, known, tolerance)
+    last = compare(box, solid, solid.find_correspondences(seen.eye, seen.points, box), seen, known, tolerance)
     return Fit(box, TOO_SURE * np.sqrt(np.diag(np.linalg.inv(curvature))[3:]), last.cost)
 
 
-def compare(box: UprightBox, solid: Solid, hits: Hits, seen: Sight, known: Known, tolerance: float) -> Terms:
+def compare(box: UprightBox, solid: Solid, on: Correspondences, seen: Sight, known: Known, tolerance: float) -> Terms:
     """How far a box is off.
 
     Args:
-        hits: where on the model the rays of the object's points lie.
+        on: where on the model the object's points belong.
         tolerance: metres by which its surface may be another.
     """
     turn = yaw_matrix(box.yaw)
@@ -171,15 +172,11 @@ def compare(box: UprightBox, solid: Solid, hits: Hits, seen: Sight, known: Known
         pixels = seen.project(solid.outermost * box.size @ turn.T + box.center)
         off = seen.outline.measure_misfit(pixels) / OUTLINE
         terms.append((off, INDEPENDENT_ENDS / DIRECTIONS, UNUSUAL))
-    if len(hits.rays):
-        normals = hits.normals / box.size
-        normals = normals / np.linalg.norm(normals, axis=1, keepdims=True) @ turn.T
-        apart = ((hits.points * box.size @ turn.T + box.center - seen.points[hits.rays]) * normals).sum(axis=1)
-        noise = seen.noise[hits.rays] * (normals * seen.rays[hits.rays]).sum(axis=1)
-        off = apart / np.hypot(noise, tolerance)
-        terms.append((off, min(1.0, INDEPENDENT_POINTS / len(seen.points)), UNUSUAL))
-    missed = np.full(len(seen.points) - len(hits.rays), 2 * UNUSUAL)
-    terms.append((missed, min(1.0, INDEPENDENT_POINTS / len(seen.points)), UNUSUAL))
+    normals = on.normals / box.size
+    normals = normals / np.linalg.norm(normals, axis=1, keepdims=True).clip(1e-12) @ turn.T
+    apart = ((on.points * box.size @ turn.T + box.center - seen.points) * normals).sum(axis=1)
+    noise = seen.noise * (normals * seen.rays).sum(axis=1)
+    terms.append((apart / np.hypot(noise, tolerance), min(1.0, INDEPENDENT_POINTS / len(seen.points)), UNUSUAL))
     x, y, z = np.log(box.size / known.native)
     level = ROUND if known.is_round else PROPORTIONS
     prior = np.inf if known.is_round else UNUSUAL / 2

@@ -1,4 +1,4 @@
-"""A model of the library in the unit box: its outermost points, and where rays meet its visible surface."""
+"""A model of the library in the unit box: its outermost points, and where on its visible surface points belong."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -17,10 +17,9 @@ from stages.geometry.frames import yaw_matrix
 Array = NDArray[np.float64]
 
 
-class Hits(NamedTuple):
-    """Where rays meet a surface: which rays (M,), and points and normals (M, 3) in the unit box."""
+class Correspondences(NamedTuple):
+    """What of a surface belongs to each of N points: points and normals (N, 3) in the unit box."""
 
-    rays: NDArray[np.intp]
     points: Array
     normals: Array
 
@@ -42,17 +41,22 @@ class Solid:
             o3d.core.Tensor.from_numpy(np.concatenate(faces).astype(np.uint32)),
         )
 
-    def cast_rays(self, origin: Array, directions: Array, box: UprightBox) -> Hits:
-        """Where rays from `origin` (3,) along `directions` (N, 3) meet the model when its box is `box`."""
+    def find_correspondences(self, eye: Array, points: Array, box: UprightBox) -> Correspondences:
+        """Where rays from `eye` (3,) to `points` (N, 3) meet the model when its box is `box`; of points whose rays
+        miss it, what of its surface is nearest to them in the unit box.
+        """
         turn = yaw_matrix(box.yaw)
-        rays = np.empty((len(directions), 6), np.float32)
-        rays[:, :3] = (origin - box.center) @ turn / box.size
-        rays[:, 3:] = directions @ turn / box.size
+        origin, ends = (eye - box.center) @ turn / box.size, (points - box.center) @ turn / box.size
+        rays = np.concatenate([np.broadcast_to(origin, ends.shape), ends - origin], axis=1).astype(np.float32)
         hits = self._scene.cast_rays(o3d.core.Tensor.from_numpy(rays), nthreads=1)
-        far = hits["t_hit"].numpy()
-        met = np.flatnonzero(np.isfinite(far))
-        points = rays[met, :3] + rays[met, 3:] * far[met, None]
-        return Hits(met, points.astype(float), hits["primitive_normals"].numpy()[met].astype(float))
+        far, normals = hits["t_hit"].numpy(), hits["primitive_normals"].numpy().astype(float)
+        missed = np.isinf(far)
+        found = origin + rays[:, 3:] * np.where(missed, 0.0, far)[:, None]
+        if missed.any():
+            queries = o3d.core.Tensor.from_numpy(ends[missed].astype(np.float32))
+            found[missed] = self._scene.compute_closest_points(queries, nthreads=1)["points"].numpy()
+            normals[missed] = (ends - found)[missed] * box.size**2  # in metres along what is between the two
+        return Correspondences(found, normals)
 
 
 def find_outermost(points: Array) -> Array:

@@ -12,7 +12,7 @@ from stages.generation.fitting import TOO_SURE, Known, Sight, Usual, fit_box
 from stages.generation.solid import Solid, find_outermost
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import back_project, intrinsics_from_fov
-from stages.geometry.frames import Array, apply, rigid
+from stages.geometry.frames import Array, apply, rigid, yaw_matrix
 from stages.geometry.outlines import Outline, measure_outline
 from tests.unit.generation_scenes import BACK
 
@@ -40,6 +40,12 @@ class Block(Solid):
             o3d.core.Tensor.from_numpy(np.asarray(mesh.triangles).astype(np.uint32)),
         )
 
+    def cast(self, rays: Array) -> Array:
+        """How far rays (N, 6) go until they meet it."""
+        import open3d as o3d
+
+        return self._scene.cast_rays(o3d.core.Tensor.from_numpy(rays.astype(np.float32)))["t_hit"].numpy()
+
 
 class Picture(NamedTuple):
     """Depth (H, W) of a box on a floor, and its mask."""
@@ -50,16 +56,12 @@ class Picture(NamedTuple):
 
 def draw(box: UprightBox = TRUE) -> Picture:
     rays = back_project(np.ones((HEIGHT, WIDTH)), K).reshape(-1, 3) @ POSE[:3, :3].T
-    hits = Block().cast_rays(POSE[:3, 3], rays, box)
+    turn = yaw_matrix(box.yaw)
+    ends = np.concatenate([np.broadcast_to(POSE[:3, 3] - box.center, rays.shape), rays], axis=1).reshape(-1, 2, 3)
+    far = Block().cast((ends @ turn / box.size).reshape(-1, 6))
+    mask = np.isfinite(far)
     floor = np.where(rays[:, 2] < 0, -POSE[2, 3] / np.minimum(rays[:, 2], -1e-9), 0)
-    depth = floor.copy()
-    turned = hits.points * box.size
-    world = turned @ np.array(
-        [[np.cos(box.yaw), np.sin(box.yaw), 0], [-np.sin(box.yaw), np.cos(box.yaw), 0], [0, 0, 1]]
-    )
-    depth[hits.rays] = (world + box.center - POSE[:3, 3]) @ POSE[:3, 2]
-    mask = np.zeros(len(rays), bool)
-    mask[hits.rays] = True
+    depth = np.where(mask, far, floor)
     return Picture(depth.reshape(HEIGHT, WIDTH), mask.reshape(HEIGHT, WIDTH))
 
 
@@ -86,6 +88,22 @@ def test_a_box_seen_whole_is_found_from_a_wrong_start() -> None:
     assert fit.box.size == pytest.approx(TRUE.size, abs=0.04)
     assert fit.box.center == pytest.approx(TRUE.center, abs=0.02)
     assert fit.spread.max() < 0.2 * TOO_SURE
+
+
+def test_points_whose_rays_miss_the_model_count_by_how_far_they_are_off() -> None:
+    box = UprightBox([0.0, 0.0, 0.0], [2.0, 1.0, 1.0], 0.0)
+    points = np.array([[0.2, 0.0, 0.0], [1.5, 0.0, 0.0], [0.0, 0.9, 0.0]])
+    on = Block().find_correspondences(np.array([0.0, 0.0, 3.0]), points, box)
+    np.testing.assert_allclose(on.points * box.size, [[1 / 6, 0, 0.5], [1, 0, 0], [0, 0.5, 0]], atol=1e-5)
+    across = on.normals / box.size
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    off = np.abs(((on.points * box.size - points) * across).sum(axis=1))
+    assert off[1:] == pytest.approx([0.5, 0.4], abs=1e-5)
+
+
+def test_a_model_does_not_shrink_until_the_rays_miss_it() -> None:
+    seen, thin = see(draw()), UprightBox([2.9, 0.1, 0.35], [0.12, 0.9, 0.7], TRUE.yaw)
+    assert fit_box(Block(), thin, seen, known(native=(0.12, 0.9, 0.7))).box.size == pytest.approx(TRUE.size, abs=0.06)
 
 
 def test_what_the_border_cuts_is_as_large_as_usual_and_its_spread_says_so() -> None:
