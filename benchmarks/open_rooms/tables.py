@@ -16,7 +16,7 @@ OVERLAP = ["iou", "oriented_iou"]
 FAULTS = ["held", "floats", "behind", "too_large"]
 EFFORT = ["clicks", "words", "clicks_by_hand", "words_by_hand"]
 OPTIONS = TablesConfig()
-HALVES = {"work": "to work on", "held_out": "looked at three times", "third": "looked at once"}
+HALVES = {"work": "to work on", "held_out": "looked at four times", "third": "looked at twice"}
 
 
 def _side(rows: pd.DataFrame, measure: str) -> pd.DataFrame:
