@@ -42,7 +42,7 @@ def cabinet_of(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) 
     "bottom_cabinet",
     founders=24,
     count=56,
-    names="cabinet, cupboard, storage furniture",
+    names="cabinet, cupboard, storage furniture, base cabinet, lower cabinet, floor cabinet, sink cabinet",
     kin="storage",
     varied=True,
     fronts=(

@@ -118,7 +118,13 @@ def sample_table(rng: Rng, index: int) -> Sampled:
     return Sampled(size, _sample_table(rng, index, legs, "round" if is_round else "rectangle", 0.0))
 
 
-@category("coffee_table", founders=4, count=10, names="table coffee", kin="table")
+@category(
+    "coffee_table",
+    founders=4,
+    count=10,
+    names="table coffee, low table, tea table, cocktail table, center table, centre table",
+    kin="table",
+)
 def sample_coffee_table(rng: Rng, index: int) -> Sampled:
     """Low tables, some with a shelf, some round."""
     legs = ["square", "splayed", "panels", "round"][index % 4]
