@@ -56,8 +56,6 @@ for row in known_categories().values():
             CANONICAL.setdefault(word.replace(" ", ""), head)
         for kind in row.kin:
             GROUPS.setdefault(kind, set()).add(head)
-# Further names of several words: "upper cabinet" is a wall cabinet. A single word may be short for several categories.
-NAMES = {name.replace(" ", ""): row.name for row in known_categories().values() for name in row.names if " " in name}
 MEANINGS_FILE = Path(__file__).with_name("wordnet.txt")  # a word that is known, and words that are kinds of it
 MEANINGS = {
     word: first
@@ -90,6 +88,12 @@ def split_words(label: str) -> list[str]:
         if word:
             result.append(word)
     return result
+
+
+# Further names of several words: "upper cabinet" is a wall cabinet. A single word may be short for several categories.
+NAMES = {
+    "".join(split_words(name)): row.name for row in known_categories().values() for name in row.names if " " in name
+}
 
 
 def _texts(tokens: list[str]) -> dict[str, str]:
