@@ -1,0 +1,15 @@
+"""What the core must know of this package."""
+
+from plugins.eyes.weights import ALL, is_there
+from stages.config.packages import Package
+
+
+def check_weights() -> tuple[str, bool, str]:
+    """The published weights: name, whether all are there, what."""
+    lacking = [weights.name for weights in ALL if not is_there(weights)]
+    if lacking:
+        return "eyes", False, f"no {', '.join(lacking)}: python -m plugins.eyes fetch (110 MB)"
+    return "eyes", True, "weights: MobileSAM, SSD MobileNet v2"
+
+
+PACKAGE = Package(verbs={"fetch": None}, check=check_weights)
