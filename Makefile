@@ -16,7 +16,7 @@ RESULTS := $(BIN)/python -m plugins.studies results --results $(IN)/results --be
 STUDY := -$(RUN) config/study/table3.yaml --
 cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(policy)/$(set)/rollouts.csv))
 
-.PHONY: help setup site wheel demo all study unseen registered second table2 paper folder picture photo test slurm test-cluster lint types config reference loc lock containers clean
+.PHONY: help setup site wheel demo all study unseen registered second table2 paper folder weights picture photo test slurm test-cluster lint types config reference loc lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -62,10 +62,13 @@ paper: setup ## every figure of docs/results by one commit, but what is pinned i
 folder:
 	@[ $(IN) = . ] || { mkdir -p $(IN) && ln -sfn $(CURDIR)/config $(IN)/config; }
 
-picture: setup ## a frame of yours with depth, e.g. make picture RGB=color.png DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
+weights: $(STAMP) ## fetch the weights of the two networks that look at pictures, 110 MB, once; a line says if that fails
+	@$(BIN)/python -m plugins.eyes fetch
+
+picture: setup weights ## a frame of yours with depth, e.g. make picture RGB=color.png DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
 	$(BIN)/snakemake --cores $(CORES) photo --config image="$(RGB)" $(if $(DEPTH),depth="$(DEPTH)") $(if $(INTRINSICS),camera="$(INTRINSICS)")
 
-photo: setup ## a picture of yours, e.g. make photo IMAGE=kitchen.jpg; needs weights: docs/your-data.md
+photo: setup weights ## a picture of yours, e.g. make photo IMAGE=kitchen.jpg; needs weights: docs/your-data.md
 	$(BIN)/snakemake --cores $(CORES) photo --config image=$(IMAGE)
 
 test: setup lint types ## lint, types and all tests; Chromium for those of the report page

@@ -155,7 +155,7 @@ class MaskDecoder(nn.Module):
 def _refine(picture: Tensor, finer: Any) -> Tensor:
     """Four places (N, 4 P, outputs) of each (N, P, inputs), by rows, by a transposed convolution of 2 x 2, stride 2."""
     weight = finer.weight.permute(2, 3, 1, 0).flatten(0, 2)
-    return functional.linear(picture, weight, finer.bias.repeat(4)).view(len(picture), -1, len(finer.bias))
+    return functional.linear(picture, weight, finer.bias.repeat(4)).unflatten(2, (4, -1)).flatten(1, 2)
 
 
 class PromptEncoder(nn.Module):

@@ -7,6 +7,7 @@ import tarfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
+from http.client import HTTPException
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import IO
@@ -80,7 +81,7 @@ def _keep(weights: Weights, source: Open, where: str, folder: Path) -> str:
                     size += out.write(piece)
             if digest.hexdigest() != weights.sha256:
                 raise RefusedError("other bytes than were published")
-    except (OSError, KeyError, BadZipFile, tarfile.TarError, EOFError, RefusedError) as error:
+    except (OSError, HTTPException, KeyError, BadZipFile, tarfile.TarError, EOFError, RefusedError) as error:
         return f"{where}: {error}"
     print(f"{folder / weights.name}: {weights.size / 1e6:.1f} MB, {weights.licence}, from {where}", flush=True)
     return ""

