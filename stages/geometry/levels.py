@@ -14,6 +14,11 @@ FEWEST = 8  # cells of a level
 OFF_LEVEL = 0.006  # share of the distance by which points of a level may be off; chosen
 LEVEL_FIT = np.cos(np.deg2rad(5))  # a plane fitted to a level is tilted by less, or it is none; chosen
 ROUNDS = 5  # of the fit
+TABLE_WITHIN = 2.0  # metres of the median depth: nearer is a table, farther a room; chosen
+LARGE_LEVEL = 0.3  # share of the largest level that a table has at least: a lid has less; chosen
+STEP = 0.02  # metres between heights at which a room's floor is sought; chosen
+DEEPER = 0.08  # metres: what is farther below a floor is below it, not its noise; chosen
+BELOW = 0.015  # share of the points that may lie below the floor: reflections, noise; chosen
 Array = NDArray[np.float64]
 
 
@@ -89,6 +94,37 @@ def find_floor(
         return sum(stands_on(one, level) for one in objects), -below
 
     return max(levels, key=score, default=None)
+
+
+def find_ground(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Plane | None:
+    """The level surface on which things stand in a picture without labels: a near table top, else the room's floor.
+
+    The floor is the height with most points of those below which hardly any lie: the little that is seen of it between
+    furniture will do. Its `inliers` are over `points[known]`.
+
+    Args:
+        points: (H, W, 3) camera frame, metres.
+        known: (H, W) pixels with depth.
+        max_tilt: largest angle between image-up and its normal, degrees.
+    """
+    up = estimate_up(cell_normals(points, known)[1], max_tilt)
+    if up is None:
+        return None
+    cloud = points[known]
+    if float(np.median(cloud[:, 2])) < TABLE_WITHIN:
+        levels = find_levels(points, known, up)
+        largest = max((level.inliers.sum() for level in levels), default=0)
+        large = [level for level in levels if level.inliers.sum() >= LARGE_LEVEL * largest]
+        return max(large, key=lambda level: level.offset, default=None)
+    heights = cloud @ up
+    edges = np.arange(heights.min(), STEP, STEP)
+    if len(edges) < 2:
+        return None  # nothing lies below the camera
+    counts = np.convolve(np.histogram(heights, edges)[0], np.ones(3), "same")
+    below = np.searchsorted(np.sort(heights), edges[:-1] - DEEPER) / len(heights)
+    height = float(edges[np.argmax(counts * (below < BELOW))]) + STEP / 2
+    near = np.abs(heights - height) < 1.5 * STEP
+    return Plane(up, float(np.median(heights[near])), near)
 
 
 def stands_on(points: Array, level: Plane) -> bool:
