@@ -151,7 +151,8 @@ def wall_point(size: Array, side: int, along: float, off: float) -> tuple[Array,
     return point, yaw
 
 
-def _draw_scaled(kind: str, pool: dict[str, list[Solid]], rng: Rng, spread: float = 0.12) -> tuple[Solid, Array]:
+def draw_scaled(kind: str, pool: dict[str, list[Solid]], rng: Rng, spread: float = 0.12) -> tuple[Solid, Array]:
+    """A solid of a kind and factors (3,) on its size; `spread`: of the logarithms, as a whole and of each side."""
     solids = pool[kind]
     whole = np.exp(rng.normal(0, spread))
     return solids[int(rng.integers(len(solids)))], whole * np.exp(rng.normal(0, spread, 3))
@@ -165,7 +166,7 @@ def _stand_along(room: Room, side: int, pool: dict[str, list[Solid]], rng: Rng) 
     along = rng.uniform(0, 0.4 * length)
     while along < length:
         kind = str(rng.choice(kinds))
-        solid, scale = _draw_scaled(kind, pool, rng)
+        solid, scale = draw_scaled(kind, pool, rng)
         deep, wide, _ = solid.size * scale
         off = deep / 2 + (0.0 if tight else rng.uniform(0.0, 0.1))
         point, yaw = wall_point(room.size, side, along + wide / 2, off)
@@ -180,7 +181,7 @@ def _stand_along(room: Room, side: int, pool: dict[str, list[Solid]], rng: Rng) 
 
 def _seat(room: Room, table: Placed, side: int, pool: dict[str, list[Solid]], rng: Rng) -> None:
     """A chair at one of a table's sides, pushed in or not."""
-    solid, scale = _draw_scaled(str(rng.choice(SEATS)), pool, rng, 0.07)
+    solid, scale = draw_scaled(str(rng.choice(SEATS)), pool, rng, 0.07)
     angle = table.yaw + side * np.pi / 2
     half = table.size[side % 2] / 2
     off = half + solid.size[0] / 2 * rng.uniform(-0.3, 1.2)
@@ -195,7 +196,7 @@ def _seat(room: Room, table: Placed, side: int, pool: dict[str, list[Solid]], rn
 def _stand_in_the_middle(room: Room, pool: dict[str, list[Solid]], rng: Rng) -> None:
     for _ in range(4):
         kind = str(rng.choice(MIDDLE))
-        solid, scale = _draw_scaled(kind, pool, rng)
+        solid, scale = draw_scaled(kind, pool, rng)
         yaw = rng.choice([0, 1, 2, 3]) * np.pi / 2 + rng.normal(0, 0.3)
         point = rng.uniform(0.2, 0.8, 2) * room.size[:2]
         new = Placed(solid, scale, yaw, np.array([*point, 0.0]), FLOOR)
@@ -214,7 +215,7 @@ def _hang(room: Room, side: int, pool: dict[str, list[Solid]], rng: Rng) -> None
     bottom = rng.uniform(1.0, 1.7)
     for _ in range(int(rng.choice([0, 1, 1, 1, 2, 3, 5]))):
         kind = kind if rng.random() < 0.7 else str(rng.choice(HANGING))
-        solid, scale = _draw_scaled(kind, pool, rng, 0.25)
+        solid, scale = draw_scaled(kind, pool, rng, 0.25)
         deep, wide, _ = solid.size * scale
         point, yaw = wall_point(room.size, side, along + wide / 2, deep / 2)
         new = Placed(solid, scale, yaw, np.array([*point, bottom + rng.normal(0, 0.05)]), WALL)
@@ -235,7 +236,7 @@ def _set_upon(room: Room, owner: int, pool: dict[str, list[Solid]], rng: Rng) ->
     soft = below.solid.kind in ("sofa", "bed", "armchair", "office_chair", "chair", "bench")
     mine: list[Placed] = []
     for _ in range(min(count, 14)):
-        solid, scale = _draw_scaled("pillow" if soft and rng.random() < 0.6 else str(rng.choice(SMALL)), pool, rng, 0.2)
+        solid, scale = draw_scaled("pillow" if soft and rng.random() < 0.6 else str(rng.choice(SMALL)), pool, rng, 0.2)
         base, number = below, owner
         if mine and rng.random() < 0.15:  # a stack
             base = mine[int(rng.integers(len(mine)))]
@@ -246,7 +247,7 @@ def _set_upon(room: Room, owner: int, pool: dict[str, list[Solid]], rng: Rng) ->
         c, s = np.cos(base.yaw), np.sin(base.yaw)
         point = base.position[:2] + np.array([[c, -s], [s, c]]) @ spot
         new = Placed(solid, scale, turn, np.array([*point, 0.0]), number + 2)
-        level = _find_level_below(base, new)
+        level = find_level_below(base, new)
         if level is None:
             continue
         new = Placed(solid, scale, turn, np.array([*point, level]), number + 2)
@@ -255,7 +256,7 @@ def _set_upon(room: Room, owner: int, pool: dict[str, list[Solid]], rng: Rng) ->
             room.things.append(new)
 
 
-def _find_level_below(base: Placed, new: Placed) -> float | None:
+def find_level_below(base: Placed, new: Placed) -> float | None:
     """The height at which the base carries a new thing; None: it does not lie flat there."""
     inner = new.corners(-0.25 * float(new.size[:2].min()))
     mesh = np.concatenate([inner, inner.mean(axis=0, keepdims=True)])

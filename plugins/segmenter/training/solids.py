@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 import open3d as o3d
@@ -48,7 +48,7 @@ class Solid:
     heights: Array
     mirror: int = -1
 
-    @property
+    @cached_property
     def size(self) -> Array:
         """(3,) metres."""
         return np.asarray(np.ptp(self.vertices, axis=0))
