@@ -15,7 +15,7 @@ from plugins.segmenter.training.solids import Rng
 
 LEAST = 80  # pixels of a mask in a picture of 320 x 240
 VIEWS = 6  # of a room
-AS_IF = {"office_chair": "chair", "screen": "television"}  # kinds that the library lacks
+AS_IF = {"office_chair": "chair"}  # kinds that the library lacks
 
 
 class Example(NamedTuple):
