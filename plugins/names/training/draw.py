@@ -24,8 +24,7 @@ VIEWS = 7  # of a room
 PATCHES = 1  # of no thing, in a picture
 KINECT = 0.5  # share of pictures that a Kinect sees
 NONE = "other"
-# Kinds of the segmenter's rooms, and the first of these that the library has.
-AS_IF = {"office_chair": ("chair",), "screen": ("monitor", "television"), "pillow": ("cushion",)}
+AS_IF = {"office_chair": "chair"}  # a kind of the rooms that the library lacks
 
 
 class Examples(NamedTuple):
@@ -44,7 +43,8 @@ def list_names() -> list[str]:
 
 def name_kind(kind: str) -> str:
     """The name of a kind of the rooms."""
-    return next((name for name in AS_IF.get(kind, (kind,)) if name in CATEGORIES), NONE)
+    name = AS_IF.get(kind, kind)
+    return name if name in CATEGORIES else NONE
 
 
 def draw_examples(rooms: int, models: int, seed: int, processes: int = 1) -> Examples:

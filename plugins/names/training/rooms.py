@@ -6,19 +6,19 @@ import numpy as np
 
 from plugins.names.training.junk import JUNK, make_junk
 from plugins.segmenter.training import rooms
+from plugins.segmenter.training.kinds import SMALL, TOPS
 from plugins.segmenter.training.pictures import MODELS, make_pool
 from plugins.segmenter.training.rooms import FLOOR, WALL, Placed, Room, draw_scaled, wall_point
 from plugins.segmenter.training.solids import Rng, Solid
 
 Pool = dict[str, list[Solid]]
-# What hangs, and metres between which its foot is; chosen. What is named here and in no library is junk.
+# What hangs, and metres between which its foot is; chosen. Beside it hangs what has its top at `TOPS`.
 HUNG = {
-    "a_door": (0.0, 0.01), "a_window": (0.6, 1.2), "clock": (1.2, 2.0), "curtain": (0.0, 0.3), "mirror": (0.1, 1.6),
-    "picture": (0.7, 1.9), "radiator": (0.05, 0.2), "television": (0.6, 1.4), "wall_cabinet": (1.1, 1.6),
-    "wall_shelf": (0.6, 1.9),
+    "a_door": (0.0, 0.01), "a_window": (0.6, 1.2), "clock": (1.2, 2.0), "mirror": (0.1, 1.6), "picture": (0.7, 1.9),
+    "television": (0.6, 1.4), "wall_cabinet": (1.1, 1.6), "wall_shelf": (0.6, 1.9),
 }  # fmt: skip
 AGAINST_WALL = 0.6  # share of large things on the floor that stand with their back to a wall; chosen
-SMALL = (0.65, 0.7)  # metres of ground plan and height: what is smaller stands on others; chosen
+LITTLE = 0.5  # metres: junk that is smaller stands on others, as what is in `SMALL` does; chosen
 ON_FLOOR = 0.2  # share of small things that lie on the floor all the same; chosen
 MORE, TRIES = 24, 4  # things more in a room, and places that are tried for one
 
@@ -51,11 +51,13 @@ def _place(room: Room, solid: Solid, scale: np.ndarray, rng: Rng) -> Placed | No
     """A place for a thing, where such things are; None: there is none."""
     size, side = solid.size * scale, int(rng.integers(4))
     along = rng.uniform(size[1] / 2, max(size[1] / 2, room.size[side % 2] - size[1] / 2))
-    if solid.kind in HUNG:
-        foot = rng.uniform(*HUNG[solid.kind])
+    if solid.kind in HUNG or solid.kind in TOPS:
+        top = TOPS.get(solid.kind, 0.0) * rng.uniform(0.9, 1.15)
+        foot = rng.uniform(*HUNG[solid.kind]) if solid.kind in HUNG else max(0.0, top - size[2])
         point, yaw = wall_point(room.size, side, along, size[0] / 2)
         return Placed(solid, scale, yaw, np.array([*point, foot]), WALL) if foot + size[2] < room.size[2] else None
-    if max(size[:2]) < SMALL[0] and size[2] < SMALL[1] and rng.random() > ON_FLOOR:
+    little = solid.kind in SMALL or (solid.kind in JUNK and size.max() < LITTLE)
+    if little and rng.random() > ON_FLOOR:
         return _place_upon(room, solid, scale, rng)
     if rng.random() < AGAINST_WALL:
         point, yaw = wall_point(room.size, side, along, size[0] / 2 + rng.choice([0.0, rng.uniform(0, 0.15)]))

@@ -7,20 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.furniture.shapes import CUBE
+from plugins.segmenter.training.kinds import HANGING, KITCHEN, LOW, MIDDLE, SEATS, SMALL, TALL, TOPS
 from plugins.segmenter.training.solids import CELLS, Array, Rng, Solid
 from stages.geometry.frames import yaw_matrix
 
-TALL = ("wardrobe", "bookshelf", "fridge", "floor_lamp", "plant_pot", "chest_of_drawers", "bookshelf")
-LOW = ("sideboard", "tv_stand", "desk", "bed", "sofa", "armchair", "nightstand", "bench", "trash_can", "basket", "box")
-KITCHEN = ("bottom_cabinet", "oven", "dishwasher", "bottom_cabinet", "fridge")
-MIDDLE = ("coffee_table", "table", "desk", "armchair", "sofa", "stool", "office_chair", "plant_pot", "basket", "heap")
-SEATS = ("chair", "chair", "chair", "stool", "office_chair", "bench")
-SMALL = (
-    *("book", "bottle", "bowl", "box", "candlestick", "clock", "cooking_pot", "jar", "kettle", "laptop", "microwave"),
-    *("mug", "pan", "plant_pot", "plate", "table_lamp", "television", "toaster", "vase", "screen", "keyboard", "heap"),
-    *("heap", "heap", "sheet", "book", "mug", "basket"),
-)
-HANGING = ("picture", "picture", "picture", "mirror", "clock", "wall_cabinet", "wall_shelf", "television")
 FLAT = 0.025  # metres by which what a thing stands on may be uneven
 FLOOR, WALL = 0, 1  # owners; things are numbered from 2 on
 
@@ -95,6 +85,8 @@ def furnish(pool: dict[str, list[Solid]], rng: Rng) -> Room:
             _stand_along(room, side, pool, rng)
     for _ in range(int(rng.integers(0, 5))):
         _stand_in_the_middle(room, pool, rng)
+    if rng.random() < 0.4:
+        _lay_rug(room, pool, rng)
     for side in range(4):
         _hang(room, side, pool, rng)
     for owner in range(len(room.things)):
@@ -168,10 +160,12 @@ def _stand_along(room: Room, side: int, pool: dict[str, list[Solid]], rng: Rng) 
         kind = str(rng.choice(kinds))
         solid, scale = draw_scaled(kind, pool, rng)
         deep, wide, _ = solid.size * scale
-        off = deep / 2 + (0.0 if tight else rng.uniform(0.0, 0.1))
+        bottom = max(0.0, TOPS.get(kind, 0.0) - solid.size[2] * scale[2])
+        off = deep / 2 + (0.0 if tight or bottom else rng.uniform(0.0, 0.1))
         point, yaw = wall_point(room.size, side, along + wide / 2, off)
         turn = rng.normal(0, 0.15) if kind in ("armchair", "plant_pot", "heap") else 0.0
-        new = Placed(solid, scale, yaw + turn, np.array([*point, 0.0]), FLOOR)
+        support = WALL if bottom else FLOOR
+        new = Placed(solid, scale, yaw + turn, np.array([*point, bottom]), support)
         if room.is_free(new, room.things):
             room.things.append(new)
             if kind == "desk":
@@ -208,6 +202,15 @@ def _stand_in_the_middle(room: Room, pool: dict[str, list[Solid]], rng: Rng) -> 
             return
 
 
+def _lay_rug(room: Room, pool: dict[str, list[Solid]], rng: Rng) -> None:
+    """A rug, beneath what stands there."""
+    solid, scale = draw_scaled("rug", pool, rng)
+    point = rng.uniform(0.3, 0.7, 2) * room.size[:2]
+    new = Placed(solid, scale, rng.choice([0, 1]) * np.pi / 2 + rng.normal(0, 0.1), np.array([*point, 0.0]), FLOOR)
+    if room.is_free(new, []):
+        room.things.append(new)
+
+
 def _hang(room: Room, side: int, pool: dict[str, list[Solid]], rng: Rng) -> None:
     """What hangs on a wall: one, a row or a group of pictures."""
     kind = str(rng.choice(HANGING))
@@ -236,7 +239,8 @@ def _set_upon(room: Room, owner: int, pool: dict[str, list[Solid]], rng: Rng) ->
     soft = below.solid.kind in ("sofa", "bed", "armchair", "office_chair", "chair", "bench")
     mine: list[Placed] = []
     for _ in range(min(count, 14)):
-        solid, scale = draw_scaled("pillow" if soft and rng.random() < 0.6 else str(rng.choice(SMALL)), pool, rng, 0.2)
+        kind = "cushion" if soft and rng.random() < 0.6 else str(rng.choice(SMALL))
+        solid, scale = draw_scaled(kind, pool, rng, 0.2)
         base, number = below, owner
         if mine and rng.random() < 0.15:  # a stack
             base = mine[int(rng.integers(len(mine)))]

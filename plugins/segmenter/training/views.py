@@ -135,7 +135,7 @@ def _draw_looks(room: Room, rng: Rng) -> tuple[Array, NDArray[np.int64], Array, 
         colour.append(own * (1 + rng.normal(0, 0.05, (parts, 1))))
         pattern.append(solid.patterns if mode < 0.75 else np.full(parts, rng.integers(0, patterns)))
         repeat.append(solid.repeat)
-        pictured = {"picture": 0.85, "television": 0.3, "screen": 0.5, "book": 0.2, "box": 0.15}.get(solid.kind, 0.02)
+        pictured = {"picture": 0.85, "television": 0.3, "monitor": 0.5, "book": 0.2, "box": 0.15}.get(solid.kind, 0.02)
         painted.append(np.full(parts, int(rng.integers(4)) if rng.random() < pictured else -1))
     joined = np.concatenate(colour).clip(0.01, 1.0)
     return joined, np.concatenate(pattern), np.concatenate(repeat), np.concatenate(painted)
