@@ -1,11 +1,16 @@
-"""How well things are named that exact masks show: names proposed, beside the sensible ones of open_rooms/kinds.yaml.
+"""How well things are named in pictures of other people's models, and how sure: beside open_rooms/kinds.yaml.
 
-python -m benchmarks.names DIR --half work        DIR: of benchmarks.open_rooms render; --fit: with the weight of
-looks that was chosen on the other rooms of the half, as that of `plugins.names.propose.WEIGHTS` was on all of `work`
+python -m benchmarks.names DIR --half work [--coco FILE] [--fit]
+
+DIR: of benchmarks.open_rooms render. FILE: JSON, by picture and number of a thing what a detector calls it:
+{"couch": 0.9}. Beside every thing's exact mask there is one with faults, or a piece of floor or wall, by
+plugins/names/training/dirt.py.
 """
 
 import argparse
+import json
 from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -13,64 +18,79 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
 from benchmarks.masks import frame_of
 from benchmarks.open_rooms import packs
 from benchmarks.open_rooms.pictures import folders, read
 from plugins.inputs.rgbd.pieces import TILT
-from plugins.names.observed import Observed, observe
-from plugins.names.propose import WEIGHTS, read_table, say
+from plugins.names.observed import observe
+from plugins.names.propose import Weights, combine, gather, read_network
+from plugins.names.training.dirt import OTHER, SAME, cut_patch, share_owner, soil
 from plugins.segmenter.ground import find_ground
 from stages.geometry.cameras import back_project
 from stages.geometry.room_planes import make_floor_frame
 
 Array = NDArray[np.float64]
-LOOKS = np.arange(0, 1.01, 0.05)  # weights that are tried
+Words = Mapping[str, Mapping[str, Mapping[str, float]]]
 SAMPLES = 2000  # of the bootstrap
 SURE = (0.0, 0.3, 0.5, 0.7, 0.9, 1.01)  # bounds of the rows of the table of certainty
+NONE = "other"
+WITHOUT = {"shape": 0, "ImageNet": 1, "COCO's word": 2}
 
 
 @dataclass(frozen=True)
 class Thing:
-    """A named thing of a picture; `sensible`: the categories that are right for it."""
+    """A mask of a picture; `right`: the names that are right for it; `said` (3, C): see `gather`."""
 
-    picture: str
     model: str
     kind: str
-    sensible: list[str]
-    observed: Observed
+    right: list[str]
+    exact: bool
+    said: Array
 
 
-def things_of(folder: Path) -> list[Thing]:
-    """The named things of a picture for which any category is right."""
-    frame, exact = frame_of(folder), cv2.imread(str(folder / "exact.png"), cv2.IMREAD_UNCHANGED)
-    depth, found = frame.depth.astype(float), []
+def things_of(folder: Path, words: Words, names: list[str]) -> Iterator[Thing]:
+    """The named things of a picture for which any category is right, by exact masks and by ones with faults."""
+    rng, frame = np.random.default_rng(0), frame_of(folder)
+    exact, depth = cv2.imread(str(folder / "exact.png"), cv2.IMREAD_UNCHANGED), frame.depth.astype(float)
     ground = find_ground(back_project(depth, frame.intrinsics), depth > 0, TILT)
     if ground is None:
-        return []
-    level = make_floor_frame(ground)
-    for thing in read(folder).things:
-        mask, sensible = exact == thing.number, packs.kinds()[thing.kind].sensible
-        if thing.named and sensible and mask.any():
-            seen = observe(frame.rgb, depth, mask, frame.intrinsics, level)
-            found.append(Thing(folder.name, thing.model, thing.kind, sensible, seen))
-    return found
+        return
+    level, things = make_floor_frame(ground), {thing.number: thing for thing in read(folder).things}
+    wholes = {number: [exact == number] for number in things if (exact == number).any()}
+    owner = np.searchsorted([-1, 0, *wholes], exact).astype(np.uint8)
+
+    def look(mask: NDArray[np.bool_], number: int, clean: bool) -> Thing:
+        thing = things.get(number)
+        right = packs.kinds()[thing.kind].sensible if thing else [NONE]
+        coco = words.get(folder.name, {}).get(str(number)) if thing else None
+        said = gather(observe(frame.rgb, depth, mask, frame.intrinsics, level), coco, names)
+        return Thing(thing.model if thing else "", thing.kind if thing else NONE, right, clean, said)
+
+    for number, (mask,) in wholes.items():
+        if not (things[number].named and packs.kinds()[things[number].kind].sensible):
+            continue
+        yield look(mask, number, True)
+        faulty = soil(mask, owner, rng) if rng.random() < 0.7 else cut_patch(exact == 0, rng)
+        found, iou = share_owner(faulty, wholes)
+        if faulty.sum() > 60 and not OTHER < iou < SAME:
+            yield look(faulty, found if iou >= SAME else 0, False)
 
 
-def share_names(said: Array, looks: float) -> Array:
-    """How sure each name is (N, C) by log-likelihoods (N, K, C), the first of which has a weight."""
-    total = looks * said[:, 0] + said[:, 1:].sum(axis=1)
-    share = np.exp(total - total.max(axis=1, keepdims=True))
-    return np.asarray(share / share.sum(axis=1, keepdims=True))
+def likelihood(share: Array, right: NDArray[np.bool_]) -> float:
+    """Mean logarithm of the probabilities (N, C) of the right names (N, C), things and what is none each half of it."""
+    each, none = np.log((share * right).sum(axis=1).clip(1e-12)), right[:, -1]
+    return float((each[~none].mean() + each[none].mean()) / 2) if none.any() else float(each.mean())
 
 
-def choose_looks(said: Array, right: NDArray[np.bool_]) -> float:
-    """The weight of looks by which the right names (N, C) are most likely."""
+def fit(said: Array, right: NDArray[np.bool_]) -> Weights:
+    """The weights by which the right names are most likely."""
 
-    def loss(looks: float) -> float:
-        return -float(np.log((share_names(said, looks) * right).sum(axis=1).clip(1e-12)).mean())
+    def loss(values: Array) -> float:
+        return -likelihood(combine(said, Weights(*values)), right)
 
-    return float(min(LOOKS, key=loss))
+    return Weights(*minimize(loss, Weights(), method="Nelder-Mead", options={"maxiter": 800}).x.round(2))
 
 
 def interval(right: Array, models: NDArray[np.str_]) -> str:
@@ -82,37 +102,54 @@ def interval(right: Array, models: NDArray[np.str_]) -> str:
     return f"{100 * right.mean():.0f} [{100 * low:.0f}, {100 * high:.0f}]"
 
 
+def report(title: str, share: Array, right: NDArray[np.bool_], models: NDArray[np.str_]) -> NDArray[np.bool_]:
+    """Print how often the surest category is right, and one of three; which surest are."""
+    hits = np.take_along_axis(right, np.argsort(-share[:, :-1], axis=1, kind="stable"), axis=1)
+    first, three = (interval(one.astype(float), models) for one in (hits[:, 0], hits[:, :3].any(axis=1)))
+    print(f"{title}: {first} / {three}, log-likelihood {likelihood(share, right):.2f}")
+    return np.asarray(hits[:, 0])
+
+
+def report_certainty(share: Array, right: NDArray[np.bool_]) -> None:
+    """Print what is said of the surest category beside how often it is right, and how none is told from a thing."""
+    surest, none = share[:, :-1].max(axis=1), right[:, -1]
+    hit = np.take_along_axis(right, share[:, :-1].argmax(axis=1)[:, None], axis=1)[:, 0]
+    for low, high in pairwise(SURE):
+        if (some := (surest >= low) & (surest < high)).any():
+            print(f"surer than {low}: {some.sum()}, said {surest[some].mean():.2f}, right {hit[some].mean():.2f}")
+    better = (share[none, -1][:, None] > share[~none, -1]).mean()
+    print(f"none: {share[none, -1].mean():.2f} of what is, {share[~none, -1].mean():.2f} of things, apart {better:.2f}")
+
+
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--half", default="work")
+    parser.add_argument("--coco", type=Path)
     parser.add_argument("--fit", action="store_true")
     asked = parser.parse_args()
-    things = [thing for folder in folders(asked.folder, asked.half) for thing in things_of(folder)]
-    names, pictures = list(read_table().names), np.array([thing.picture for thing in things])
-    said = np.array([say(thing.observed, read_table()) for thing in things])
-    right = np.array([[name in thing.sensible for name in names] for thing in things])
-    if asked.fit:
-        print(f"looks weigh {choose_looks(said, right):.2f}")
-        share = np.zeros(right.shape)
-        for picture in np.unique(pictures):
-            one = pictures == picture
-            share[one] = share_names(said[one], choose_looks(said[~one], right[~one]))
-    else:
-        share = share_names(said, WEIGHTS[0])
-    order = np.argsort(-share, axis=1, kind="stable")
-    hits = np.take_along_axis(right, order, axis=1)
-    models = np.array([thing.model for thing in things])
-    print(f"{len(things)} things; first right, one of three right, %:")
-    print(interval(hits[:, 0].astype(float), models), interval(hits[:, :3].any(axis=1).astype(float), models))
-    surest = share.max(axis=1)
-    for low, high in pairwise(SURE):
-        if (some := (surest >= low) & (surest < high)).any():
-            print(f"surer than {low}: {some.sum()}, said {surest[some].mean():.2f}, right {hits[some, 0].mean():.2f}")
-    wrong = Counter(
-        (thing.kind, names[row[0]]) for thing, row, hit in zip(things, order, hits, strict=True) if not hit[0]
-    )
+    words = json.loads(asked.coco.read_text()) if asked.coco else {}
+    _, names = read_network()
+    things = [one for folder in folders(asked.folder, asked.half) for one in things_of(folder, words, names)]
+    said = np.array([thing.said for thing in things])
+    right = np.array([[name in thing.right for name in names] for thing in things])
+    models, exact = (np.array([getattr(thing, name) for thing in things]) for name in ("model", "exact"))
+    weights = fit(said, right) if asked.fit else Weights()
+    print(weights)
+    share, real = combine(said, weights), ~right[:, -1]
+    print(f"{exact.sum()} things, {(real & ~exact).sum()} of them by faulty masks, {(~real).sum()} masks of none")
+    print("first right / one of three right, %, by")
+    hit = report("exact masks", share[exact], right[exact], models[exact])
+    report("masks with faults", share[real & ~exact], right[real & ~exact], models[real & ~exact])
+    for title, row in WITHOUT.items():
+        silent = said.copy()
+        silent[:, row] = 1 / len(names)
+        report(f"without {title}", combine(silent, weights)[exact], right[exact], models[exact])
+    report_certainty(share, right)
+    surest = share[exact, :-1].argmax(axis=1)
+    kinds = np.array([thing.kind for thing in things])[exact]
+    wrong = Counter((kind, names[one]) for kind, one, good in zip(kinds, surest, hit, strict=True) if not good)
     print(", ".join(f"{kind} as {name} {count}" for (kind, name), count in wrong.most_common(12)))
 
 

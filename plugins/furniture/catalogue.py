@@ -70,9 +70,9 @@ def has_fronts(category: str) -> tuple[bool, bool]:
 def leaves(category: str) -> tuple[int, int]:
     """How many doors on upright hinges, and how many flaps, the founders of a category have."""
     founders = range(CATEGORIES[category].founders if category in CATEGORIES else 0)
-    layouts = [getattr(_sample_indexed(category, index, 0)[0].recipe, "layout", []) for index in founders]
-    cells = [cell for layout in layouts for line in layout for cell in line]
-    return cells.count("door"), cells.count("flap")
+    recipes = [_sample_indexed(category, index, 0)[0].recipe for index in founders]
+    flaps = sum(line.count("flap") for recipe in recipes for line in getattr(recipe, "layout", []))
+    return sum(recipe.fronts[0] for recipe in recipes) - flaps, flaps
 
 
 @cache

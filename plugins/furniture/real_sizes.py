@@ -17,5 +17,12 @@ REAL_SIZES: Mapping[str, tuple[tuple[float, float, float], ...]] = {
     # IKEA MALM; PAX; BILLY and KALLAX.
     "chest_of_drawers": ((0.48, 0.40, 0.55), (0.48, 0.40, 1.23), (0.48, 1.60, 0.78)),
     "wardrobe": ((0.35, 0.50, 2.01), (0.58, 3.00, 2.36)),
+    # EN 442: 61 to 155 mm deep, 300 to 900 high; of towels up to 1.8 m.
+    "radiator": ((0.061, 0.40, 0.30), (0.155, 3.00, 0.90), (0.10, 0.60, 1.80)),
+    # Slim ones; those of North America.
+    "washing_machine": ((0.33, 0.60, 0.82), (0.81, 0.69, 0.99)),
+    # EN 31 and 33: basins that hang and stand on pedestals; tanks up to a sill.
+    "sink": ((0.25, 0.36, 0.10), (0.56, 1.20, 1.00)),
+    "toilet": ((0.48, 0.34, 0.34), (0.80, 0.45, 1.00)),
     "bookshelf": ((0.28, 0.40, 1.06), (0.39, 1.82, 2.37)),
 }

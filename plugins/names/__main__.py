@@ -3,4 +3,4 @@
 from stages.cli import main
 
 if __name__ == "__main__":
-    main("plugins.names", {"learn": "what is known of the looks and sizes of our categories, from random rooms"})
+    main("plugins.names", {"learn": "shapes in random rooms, and the network that names them"})

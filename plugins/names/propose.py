@@ -1,31 +1,36 @@
-"""Propose names for the thing that a mask shows: what looks, size and place say, as if each were independent."""
+"""Propose names for the thing that a mask shows: what shape, ImageNet's classifier and a detector say, in one."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import torch
 import yaml
 from numpy.typing import NDArray
 
+from plugins.names.network import ShapeNetwork
 from plugins.names.observed import Observed
+from plugins.names.shape import Shape
+from plugins.pretrained.weights import load_weights
 
 Array = NDArray[np.float64]
-TABLE = Path(__file__).with_name("names.npz")
-CLASSES = Path(__file__).with_name("classes.yaml")
-WEIGHTS = (
-    0.15,
-    1,
-    1,
-    1,
-    1,
-)  # of looks, classes, size, foot, out: our own pictures teach looks badly; benchmarks/names.py
-FEET = (-0.05, 0.05, 0.3, 0.6, 0.9, 1.3)  # metres: between them heights of feet are alike; chosen
-OUT = (0.1, 0.25, 0.6)  # metres out of a wall, between which things are alike; chosen
-BEHIND = -0.75  # metres out of a wall: what is seen there is in a mirror; chosen
-OTHER = 0.02  # added to the share of a category's classes: of 45 about one; chosen
+HERE = Path(__file__).parent
+NETWORK, CLASSES, COCO = HERE / "shape.safetensors", HERE / "classes.yaml", HERE / "coco.yaml"
+FLOORS = np.array([[1e-4], [0.02], [0.0]])  # added to what each says: classes of ImageNet are ours but nearly; chosen
+FIX = "python -m plugins.names learn writes it"
+
+
+class Weights(NamedTuple):
+    """Exponents of the probabilities by shape, ImageNet's classifier and a detector; `other`: added to the logarithm of
+    that of none of the categories. By `benchmarks/names.py --fit` on `work`.
+    """
+
+    shape: float = 0.8
+    classes: float = 0.5
+    coco: float = 0.7
+    other: float = 0.0
 
 
 class Proposal(NamedTuple):
@@ -35,35 +40,21 @@ class Proposal(NamedTuple):
     probability: float
 
 
-@dataclass(frozen=True)
-class Table:
-    """What is known of C categories.
+class Names(NamedTuple):
+    """Categories, surest first, and the probability that it is none of them: together 1."""
 
-    Attributes:
-        names: (C,).
-        looks: (C, 112) by which a mean feature is multiplied, and `offset` (C,) added to it: log-likelihoods by
-            Gaussians of one covariance (LDA).
-        size: (C, 3) means of logarithms of what is seen of extents; `whiten` (C, 3, 3) makes what differs from them
-            white.
-        feet: (C, 7) log-probabilities of heights between `FEET`.
-        out: (C, 6) log-probabilities of `place_at_wall`.
-    """
-
-    names: NDArray[np.str_]
-    looks: Array
-    offset: Array
-    size: Array
-    whiten: Array
-    feet: Array
-    out: Array
+    proposals: list[Proposal]
+    other: float
 
 
 @cache
-def read_table() -> Table:
-    """The table that is shipped."""
-    with np.load(TABLE) as file:
-        numbers = {name: file[name].astype(float) for name in file.files if name != "names"}
-        return Table(names=file["names"], **numbers)
+def read_network() -> tuple[ShapeNetwork, list[str]]:
+    """The network that is shipped, and the names that its outputs are; the last is none of the categories."""
+    from safetensors import safe_open
+
+    with safe_open(NETWORK, "pt") as file:
+        names = file.metadata()["names"].split()
+    return load_weights(ShapeNetwork(len(names)), NETWORK, FIX), names
 
 
 @cache
@@ -72,8 +63,23 @@ def read_classes() -> dict[str, list[int]]:
     return {name: list(classes) for name, classes in yaml.safe_load(CLASSES.read_text(encoding="utf-8")).items()}
 
 
+@cache
+def read_coco() -> dict[str, dict[str, float]]:
+    """For each of COCO's indoor classes how often what is called so is of which category."""
+    found: dict[str, dict[str, float]] = yaml.safe_load(COCO.read_text(encoding="utf-8"))
+    return found
+
+
+def share_shape(shape: Shape, names: Sequence[str]) -> Array:
+    """The probability (C,) of each name by its shape."""
+    network, known = read_network()
+    with torch.inference_mode():
+        share = network(*(torch.from_numpy(part)[None] for part in shape))[0].double().softmax(dim=0).numpy()
+    return np.array([share[known.index(name)] for name in names])
+
+
 def share_classes(scores: Array, names: Sequence[str]) -> Array:
-    """The share (C,) of each category among those classes of ImageNet (1000 scores) that are ours at all."""
+    """The share (C,) of each name among those classes of ImageNet (1000 scores) that are ours at all."""
     classes = read_classes()
     ours = sorted({one for name in names for one in classes.get(name, [])})
     share = np.zeros(len(scores))
@@ -82,42 +88,44 @@ def share_classes(scores: Array, names: Sequence[str]) -> Array:
     return np.array([share[classes.get(name, [])].sum() for name in names])
 
 
-def place_at_wall(out: Array | None) -> int:
-    """0: there is no wall around it; 1: it is a mirror; else by how far it stands out of it."""
-    if out is None:
-        return 0
-    return 1 if out[0] < BEHIND else 2 + int(np.searchsorted(OUT, out[1]))
+def share_coco(said: Mapping[str, float], names: Sequence[str]) -> Array:
+    """The probability (C,) of each name by a detector's scores of COCO's classes; what they leave is of all alike."""
+    share = np.zeros(len(names))
+    for word, score in said.items():
+        parts = np.array([read_coco().get(word, {}).get(name, 0.0) for name in names])
+        share += score * parts / max(parts.sum(), 1e-9)
+    return (share + max(0.0, 1 - share.sum()) / len(names)) / max(1.0, share.sum())
 
 
-def say(observed: Observed, table: Table) -> Array:
-    """Log-likelihoods (5, C) of what is observed, in the order of `WEIGHTS`; 0: nothing is known."""
-    said = np.zeros((len(WEIGHTS), len(table.names)))
-    said[0] = table.looks @ observed.looks + table.offset
+def gather(observed: Observed, coco: Mapping[str, float] | None, names: Sequence[str]) -> Array:
+    """Probabilities (3, C) of the names by shape, ImageNet's classifier and a detector; all alike by who is silent."""
+    said = np.full((3, len(names)), 1 / len(names))
+    if observed.shape is not None:
+        said[0] = share_shape(observed.shape, names)
     if observed.classes is not None:
-        said[1] = np.log(share_classes(observed.classes, [str(name) for name in table.names]) + OTHER)
-    if observed.size is not None:
-        off = np.einsum("cij,cj->ci", table.whiten, observed.size - table.size)
-        said[2] = np.linalg.slogdet(table.whiten).logabsdet - (off**2).sum(axis=1) / 2
-    if observed.foot is not None:
-        said[3] = table.feet[:, np.searchsorted(FEET, observed.foot)]
-        said[4] = table.out[:, place_at_wall(observed.out)]
+        said[1] = share_classes(observed.classes, names)
+    if coco:
+        said[2] = share_coco(coco, names)
     return said
 
 
-def propose_names(observed: Observed, table: Table | None = None, among: Sequence[str] | None = None) -> list[Proposal]:
-    """The categories, surest first; every one is as likely before anything is observed.
+def combine(said: Array, weights: Weights) -> Array:
+    """The probabilities (..., C) of the names by what is said (..., 3, C); the last name is none of the categories."""
+    total = np.log(said + FLOORS) * [[weight] for weight in weights[:3]]
+    summed = total.sum(axis=-2)
+    summed[..., -1] += weights.other
+    share = np.exp(summed - summed.max(axis=-1, keepdims=True))
+    return np.asarray(share / share.sum(axis=-1, keepdims=True))
+
+
+def propose_names(observed: Observed, coco: Mapping[str, float] | None = None) -> Names:
+    """The categories, surest first, and how likely it is none of them; every name is as likely before.
 
     Args:
         observed: of a mask, see `observe`.
-        table: of what is known; None: the one that is shipped.
-        among: names that come into question; None: all.
+        coco: what a detector takes it for: scores, 0 to 1, of COCO's classes by their names; None: nothing.
     """
-    table = table or read_table()
-    total = np.array(WEIGHTS) @ say(observed, table)
-    if among is not None:
-        total = np.where(np.isin(table.names, list(among)), total, -np.inf)
-    share = np.exp(total - total.max())
-    share /= share.sum()
-    order = np.argsort(-share, kind="stable")
-    words = [str(name).replace("_", " ") for name in table.names]
-    return [Proposal(words[one], float(share[one])) for one in order if np.isfinite(total[one])]
+    _, names = read_network()
+    share = combine(gather(observed, coco, names), Weights())
+    order = np.argsort(-share[:-1], kind="stable")
+    return Names([Proposal(names[one].replace("_", " "), float(share[one])) for one in order], float(share[-1]))

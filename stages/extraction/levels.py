@@ -27,7 +27,7 @@ cabinet cupboard drawer dresser commode bureau chest stand unit wardrobe closet 
 dishwasher oven stove cooker microwave fridge refrigerator freezer washer dryer machine
 """
 SHELVES = "shelf shelve shelving bookshelf bookshelve bookcase rack"  # boards one above the other
-SEATS = "chair armchair stool sofa couch settee loveseat bench bed ottoman seat"  # stand on the floor
+SEATS = "chair armchair stool sofa couch settee loveseat bench bed ottoman pouf footstool seat"  # stand on the floor
 
 
 def fit_box_and_levels(

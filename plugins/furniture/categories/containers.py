@@ -54,7 +54,7 @@ class TrashCan(Generator):
 @category(
     "trash_can",
     founders=3,
-    names="bin, bucket, wastebasket",
+    names="bin, bucket, wastebasket, garbage can, waste bin, rubbish bin",
     like="trash, trashbin, garbage, rubbish, dustbin, garbagecan",
     kin="box",
 )

@@ -54,7 +54,7 @@ class Television(Generator):
         return Model(parts, placement="object")
 
 
-@category("television", founders=4, count=10, names="tv", like="telly, monitor, screen", kin="flat")
+@category("television", founders=4, count=10, names="tv", like="telly", kin="flat")
 def sample_television(rng: Rng, index: int) -> Sampled:
     """Small to large, wide or old-fashioned 4:3."""
     wide = rng.uniform(0.7, 1.25)

@@ -176,7 +176,7 @@ class Jar(Generator):
         return Model(parts, symmetry="full", placement="object")
 
 
-@category("jar", founders=4, like="canister, can, tin, tincan", kin="dish")
+@category("jar", founders=4, like="canister", kin="dish")
 def sample_jar(rng: Rng, index: int) -> Sampled:
     """Preserving jars, storage jars with a knob."""
     diameter = uniform(rng, 0.075, 0.13, 4)

@@ -183,7 +183,7 @@ class Stool(Generator):
         return Model(parts, symmetry="quarter_turn" if count == 4 else "none")
 
 
-@category("stool", founders=3, count=10, like="footstool, ottoman", kin="seat")
+@category("stool", founders=3, count=10, kin="seat")
 def sample_stool(rng: Rng, index: int) -> Sampled:
     """Low stools and bar stools."""
     wide = uniform(rng, 0.32, 0.42)

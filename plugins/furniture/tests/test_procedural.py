@@ -93,7 +93,8 @@ def test_default_library_is_as_large_as_promised() -> None:
 def test_the_studys_libraries_are_as_large_as_promised(overlay: str) -> None:
     study = yaml.safe_load((Path(__file__).parents[3] / f"config/{overlay}.yaml").read_text())
     counts = COUNTS | study["assets"]["counts"]
-    assert all(count >= (CATEGORIES[name].further or [COUNTS[name]])[0] for name, count in counts.items())
+    given = {name: count for name, count in counts.items() if count}  # without categories that came later
+    assert all(count >= (CATEGORIES[name].further or [COUNTS[name]])[0] for name, count in given.items())
     assert sum(counts.values()) >= 600
     doors, drawers = fronts(counts)
     assert doors >= 190 and drawers >= 120

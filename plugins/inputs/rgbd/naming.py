@@ -24,12 +24,13 @@ def name_things(frame: Frame) -> Frame:
     if ground is None:
         return frame
     level, masks = make_floor_frame(ground), frame.masks
-    proposals = {
-        value: propose_names(observe(frame.rgb, depth, masks.values == value, frame.intrinsics, level))[:PROPOSED]
+    found = {
+        value: propose_names(observe(frame.rgb, depth, masks.values == value, frame.intrinsics, level))
         for value, label in masks.labels.items()
         if label == UNNAMED and (masks.values == value).any()
     }
-    names = {value: found[0].name for value, found in proposals.items()}
+    proposals = {value: one.proposals[:PROPOSED] for value, one in found.items()}
+    names = {value: first.name for value, (first, *_) in proposals.items()}
     if proposals and classifier() is None:
         frame = replace(frame, notes=[*frame.notes, WITHOUT])
     return replace(frame, masks=replace(masks, labels=masks.labels | names, proposals=proposals))

@@ -1,94 +1,128 @@
-"""Names that are proposed: what is observed of a mask, how it is weighed, how the table is learnt."""
+"""Names that are proposed: the shape of a mask, how what is said of it is weighed, and what the network says."""
 
 import hashlib
-from collections import Counter
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
-from benchmarks.names import choose_looks, share_names
+from benchmarks.names import fit, likelihood
+from plugins.furniture.catalogue import CATEGORIES
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from plugins.inputs.rgbd.naming import name_things
 from plugins.names import observed
-from plugins.names.examples import Example, draw_examples
-from plugins.names.learn import learn_table
 from plugins.names.observed import WITHOUT, Observed, observe
-from plugins.names.propose import FEET, OUT, TABLE, WEIGHTS, place_at_wall, propose_names, read_classes, read_table, say
-from stages.contracts import InputError
-from stages.contracts.categories import known_categories, sizes_of
-from stages.contracts.category import log_extents
-from stages.geometry.boxes import UprightBox
-from tests.unit.synthetic_room import BACK_WALL, INTRINSICS, WORLD_FROM_CAMERA, trace
-
-DIGEST = "310ee3bb901e08c1d2f0fe7dcc03ce8b45b83f315e2c925ba4560821ed9c8a9f"
-
-
-def test_the_table_is_the_shipped_one_and_knows_every_category() -> None:
-    assert hashlib.sha256(TABLE.read_bytes()).hexdigest() == DIGEST
-    table = read_table()
-    assert list(table.names) == sorted(known_categories())
-    assert np.exp(table.feet).sum(axis=1) == pytest.approx(np.ones(len(table.names)), abs=1e-5)
-    assert np.exp(table.out).sum(axis=1) == pytest.approx(np.ones(len(table.names)), abs=1e-5)
-
-
-def test_every_category_but_flat_ones_has_classes_of_imagenet() -> None:
-    classes = read_classes()
-    assert set(classes) == set(known_categories())
-    assert all(0 <= one < 1000 for ours in classes.values() for one in ours)
-    assert {name for name, ours in classes.items() if not ours} == {"mirror", "picture"}
-
-
-def usual(category: str, foot: float) -> Observed:
-    """A thing of a category's usual size, of looks that say nothing: the mean over all categories."""
-    table = read_table()
-    looks = np.linalg.lstsq(table.looks, table.offset.mean() - table.offset, rcond=None)[0]
-    return Observed(looks, None, np.median(log_extents(sizes_of(category)), axis=0), foot)
-
-
-def share_of(category: str, observed: Observed) -> float:
-    """How sure a category is."""
-    return {one.name: one.probability for one in propose_names(observed)}[category.replace("_", " ")]
-
-
-@pytest.mark.parametrize(
-    ("category", "foot"),
-    [("wall_cabinet", 1.4), ("picture", 1.5), ("mug", 0.0), ("bottle", 0.0), ("stool", 0.0)],
+from plugins.names.propose import (
+    NETWORK,
+    Weights,
+    combine,
+    gather,
+    propose_names,
+    read_classes,
+    read_coco,
+    read_network,
+    share_classes,
+    share_coco,
 )
-def test_size_and_height_alone_say_much(category: str, foot: float) -> None:
-    found = propose_names(usual(category, foot))
-    assert category.replace("_", " ") in [one.name for one in found[:5]]
-    assert sum(one.probability for one in found) == pytest.approx(1)
-    assert [one.probability for one in found] == sorted((one.probability for one in found), reverse=True)
+from plugins.names.shape import AROUND, FAR, POINTS, measure_shape
+from stages.contracts import InputError
+from stages.contracts.categories import known_categories
+from stages.geometry.boxes import UprightBox
+from stages.geometry.cameras import back_project
+from stages.geometry.frames import apply
+from tests.unit.synthetic_room import INTRINSICS, WORLD_FROM_CAMERA, trace
+
+DIGEST = "-"
+NAMES = ["armchair", "book", "chair", "mug", "sofa", "stool", "table", "other"]
 
 
-def test_what_hangs_is_no_chest_on_the_floor() -> None:
-    high, low = (share_of("chest_of_drawers", usual("chest_of_drawers", foot)) for foot in (1.4, 0.0))
-    assert low > 1.4 * high
+def seen(*boxes: UprightBox) -> Observed:
+    """The last of some boxes in a room, grey all over."""
+    depth, masks = trace(list(boxes))
+    rgb = np.full((*depth.shape, 3), 120, np.uint8)
+    return observe(rgb, depth.astype(float), masks == masks.max(), INTRINSICS, WORLD_FROM_CAMERA)
 
 
-def test_how_far_a_thing_stands_out_of_its_wall_tells_pictures_from_cabinets() -> None:
-    hung = usual("wall_cabinet", 1.4)
-    flat, deep = (replace(hung, out=np.array([0.0, out])) for out in (0.04, 0.36))
-    assert share_of("picture", flat) > 2 * share_of("picture", deep)
-    assert share_of("wall_cabinet", deep) > 1.5 * share_of("wall_cabinet", flat)
+def test_the_network_is_the_shipped_one_and_knows_every_category() -> None:
+    assert hashlib.sha256(NETWORK.read_bytes()).hexdigest() == DIGEST
+    assert NETWORK.stat().st_size < 700_000
+    network, names = read_network()
+    assert sum(one.numel() for one in network.parameters()) < 300_000
+    assert names == [*sorted(CATEGORIES), "other"]
+    assert set(known_categories()) <= set(names)
 
 
-def test_places_at_a_wall() -> None:
-    outs = [None, [-3.0, 0.05], [0.0, 0.05], [0.0, 0.2], [0.0, 0.4], [0.3, 1.0]]
-    assert [place_at_wall(None if out is None else np.array(out)) for out in outs] == list(range(len(OUT) + 3))
+def test_classes_and_words_are_those_of_categories() -> None:
+    assert set(read_classes()) <= set(known_categories())
+    assert all(0 <= one < 1000 for ours in read_classes().values() for one in ours)
+    assert all(sum(parts.values()) == pytest.approx(1) for parts in read_coco().values())
+
+
+def test_names_are_sorted_and_sum_to_one_with_none_of_them() -> None:
+    found = propose_names(seen(UprightBox([2.6, 0.0, 0.5], [0.4, 0.8, 1.0], 0.3)), {"chair": 0.3})
+    sure = [one.probability for one in found.proposals]
+    assert sum(sure) + found.other == pytest.approx(1)
+    assert sure == sorted(sure, reverse=True)
+    assert len({one.name for one in found.proposals}) == len(read_network()[1]) - 1
+
+
+def test_the_same_is_said_twice() -> None:
+    box = UprightBox([2.6, 0.0, 0.5], [0.4, 0.8, 1.0], 0.3)
+    assert propose_names(seen(box)) == propose_names(seen(box))
+
+
+def test_a_shape_is_turned_away_from_the_camera_and_stands_on_the_floor() -> None:
+    box = UprightBox([2.4, 1.2, 0.5], [0.4, 0.6, 1.0], np.arctan2(1.2, 2.4))
+    shape = seen(box).shape
+    assert shape is not None and shape.points.shape == (POINTS, 3) and shape.around.shape == (AROUND, 3)
+    assert np.ptp(shape.points, axis=0) == pytest.approx([0.4, 0.6, 1.0], abs=0.08)  # its front and its top are seen
+    assert shape.points[:, 2].min() == pytest.approx(0, abs=0.05)
+    assert shape.numbers[0] == pytest.approx(np.hypot(2.4, 1.2), abs=0.1)
+    assert not shape.numbers[2:6].any() and shape.numbers[6:].tolist() == pytest.approx([1, 1], abs=0.35)
+
+
+def test_a_mask_at_the_border_is_cut_there_and_one_without_depth_has_no_shape() -> None:
+    depth, _ = trace([])
+    room, known = apply(WORLD_FROM_CAMERA, back_project(depth, INTRINSICS)), depth > 0
+    mask = np.zeros(depth.shape, bool)
+    mask[-30:, :40] = True
+    shape = measure_shape(room, known, mask, 1.6)
+    assert shape is not None and shape.numbers[2:6].tolist() == [0, 1, 1, 0]
+    lonely = measure_shape(room, mask & known, mask, 1.6)
+    assert lonely is not None and (lonely.around == FAR).all()
+    assert measure_shape(room, ~known, mask, 1.6) is None
+
+
+def test_without_depth_and_words_every_name_is_as_likely() -> None:
+    assert gather(Observed(), None, NAMES) == pytest.approx(np.full((3, len(NAMES)), 1 / len(NAMES)))
+    assert combine(gather(Observed(), {}, NAMES), Weights(other=0)) == pytest.approx(1 / len(NAMES))
 
 
 def test_a_class_of_imagenet_is_a_vote_for_its_categories() -> None:
-    plain = usual("mug", 0.7)
     scores = np.zeros(1000)
     scores[504] = 8  # coffee mug
     scores[0] = 20  # a tench is no thing of ours, and does not count
-    assert share_of("mug", replace(plain, classes=scores)) > 2 * share_of("mug", plain)
-    said = say(replace(plain, classes=scores), read_table())[1]
-    assert read_table().names[said.argmax()] == "mug"
+    share = share_classes(scores, NAMES)
+    assert NAMES[int(share.argmax())] == "mug" and share.sum() == pytest.approx(1, abs=0.5)
+
+
+def test_a_word_of_coco_is_a_vote_and_its_doubt_is_of_all() -> None:
+    share = dict(zip(NAMES, share_coco({"couch": 0.8}, NAMES), strict=True))
+    assert sum(share.values()) == pytest.approx(1)
+    assert share["sofa"] > share["armchair"] > share["mug"] == pytest.approx(0.2 / len(NAMES))
+    both = share_coco({"couch": 0.9, "chair": 0.9}, NAMES)
+    assert both.sum() == pytest.approx(1) and share_coco({"zebra": 0.9}, NAMES) == pytest.approx(1 / len(NAMES))
+    said, silent = (propose_names(Observed(), word) for word in ({"couch": 0.8}, None))
+    assert said.proposals[0].name == "sofa" and said.proposals[0].probability > 5 * silent.proposals[0].probability
+
+
+def test_weights_follow_who_is_right() -> None:
+    rng = np.random.default_rng(0)
+    right = np.eye(4, dtype=bool)[rng.integers(4, size=400)]
+    good, noise = np.where(right, 0.5, 0.5 / 3), rng.dirichlet(np.ones(4), 400)
+    fitted = fit(np.stack([good, noise, np.full_like(noise, 0.25)], axis=1), right)
+    assert fitted.shape > 1 and abs(fitted.classes) < 0.2
+    assert likelihood(combine(np.stack([good, noise, noise], axis=1), fitted), right) > -0.5
 
 
 def test_without_the_classifier_names_are_proposed_and_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -101,88 +135,18 @@ def test_without_the_classifier_names_are_proposed_and_it_is_said(monkeypatch: p
         monkeypatch.setattr(observed, "classifier", lambda: scores if scores is None else lambda picture: scores[None])
         return name_things(frame)
 
-    without, seen = weigh_with(None), weigh_with(10.0 * torch.eye(1000)[504])
-    assert without.notes == [WITHOUT] and not seen.notes
-    assert without.masks is not None and seen.masks is not None
-    sure = [{one.name: one.probability for one in found.masks.proposals[value]} for found in (without, seen)]
+    without, told = weigh_with(None), weigh_with(10.0 * torch.eye(1000)[504])
+    assert without.notes == [WITHOUT] and not told.notes
+    assert without.masks is not None and told.masks is not None
+    sure = [{one.name: one.probability for one in found.masks.proposals[value]} for found in (without, told)]
     assert len(sure[0]) == 3 and sure[0] != sure[1]
 
 
-def test_the_classifier_needs_its_weights(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    def absent() -> Path:
+def test_the_classifier_needs_its_weights(monkeypatch: pytest.MonkeyPatch) -> None:
+    def absent() -> None:
         raise InputError("weights", "are not installed.", "install them", code="E-WEIGHTS-MISSING")
 
     monkeypatch.setattr(observed, "published_file", absent)
     observed.classifier.cache_clear()
     assert observed.classifier() is None
     observed.classifier.cache_clear()
-
-
-def test_names_are_proposed_among_those_of_a_library() -> None:
-    found = propose_names(usual("mug", 0.7), among=["sofa", "mug", "pouf"])
-    assert {one.name for one in found} == {"mug", "sofa"} and found[0].name == "mug"
-
-
-def test_size_foot_and_wall_are_measured() -> None:
-    box = UprightBox([2.6, 0.0, 0.5], [0.4, 0.8, 0.3], 0.3)
-    depth, masks = trace([box])
-    rgb = np.full((*depth.shape, 3), 120, np.uint8)
-    seen = observe(rgb, depth.astype(float), masks == masks.max(), INTRINSICS, WORLD_FROM_CAMERA)
-    assert seen.size is not None and seen.foot == pytest.approx(0.35, abs=0.03)
-    assert np.exp(seen.size) == pytest.approx([0.4, 0.8, 0.3], rel=0.2)
-    assert seen.looks.shape == (112,) and 0 < np.linalg.norm(seen.looks) <= 1
-    blind = observe(rgb, np.zeros(depth.shape), masks == masks.max(), INTRINSICS, WORLD_FROM_CAMERA)
-    assert blind.size is None and blind.foot is None and blind.out is None
-    assert np.array_equal(blind.looks, seen.looks)
-    assert len(propose_names(blind)) == len(known_categories())
-
-
-def test_what_hangs_stands_out_of_its_wall() -> None:
-    deep = 0.3
-    hung = UprightBox([BACK_WALL - deep / 2, 0.0, 1.2], [deep, 0.6, 0.5], 0.0)
-    depth, masks = trace([hung])
-    rgb = np.full((*depth.shape, 3), 120, np.uint8)
-    seen = observe(rgb, depth.astype(float), masks == masks.max(), INTRINSICS, WORLD_FROM_CAMERA)
-    assert seen.out is not None and seen.out[1] == pytest.approx(deep, abs=0.02)
-    lonely = observe(
-        rgb, np.where(masks == masks.max(), depth, 0.0), masks == masks.max(), INTRINSICS, WORLD_FROM_CAMERA
-    )
-    assert lonely.out is None
-
-
-def examples(count: int, seed: int) -> list[Example]:
-    """Three categories: one by looks, one by size, one by foot; looks are noise but for the first."""
-    rng = np.random.default_rng(seed)
-    found = []
-    for number in range(count):
-        name = "abc"[number % 3]
-        looks = rng.normal(0, 0.05, 112) + (name == "a") * np.eye(112)[0]
-        size = rng.normal(-1 + (name == "b"), 0.1, 3)
-        found.append(Example(name, Observed(looks, None, size, 1.0 if name == "c" else 0.0)))
-    return found
-
-
-def said_of(things: list[Example]) -> tuple[np.ndarray, np.ndarray]:
-    """What a table that others taught says of things, and which names are right."""
-    table = learn_table(examples(300, 0))
-    return np.array([say(one.observed, table) for one in things]), np.array([table.names == one.name for one in things])
-
-
-def test_a_table_is_learnt_and_names_what_it_did_not_see() -> None:
-    said, right = said_of(examples(90, 1))
-    assert (share_names(said, WEIGHTS[0]).argmax(axis=1) == right.argmax(axis=1)).mean() > 0.95
-    assert np.searchsorted(FEET, 1.0) == learn_table(examples(300, 0)).feet[2].argmax()
-
-
-def test_looks_weigh_as_much_as_they_are_right() -> None:
-    said, right = said_of(examples(90, 1))
-    assert choose_looks(said, right) > 0.15
-    said[:, 0] = np.roll(said[:, 0], 1, axis=1)  # now they are wrong
-    assert choose_looks(said, right) < 0.1
-
-
-def test_examples_are_things_of_our_categories() -> None:
-    found = draw_examples(each=1, models=1, seed=3, rooms=1)
-    counts = Counter(one.name for one in found)
-    assert 3 < len(counts) <= len(known_categories()) and counts.keys() <= known_categories().keys()
-    assert set(counts.values()) == {1}

@@ -49,11 +49,11 @@ def views_of(pool: dict[str, list[Solid]], size: tuple[int, int], views: int, rn
     return pictures_in(furnish(pool, rng), size, views, rng)
 
 
-def pictures_in(room: Room, size: tuple[int, int], views: int, rng: Rng) -> Iterator[Picture]:
+def pictures_in(room: Room, size: tuple[int, int], views: int, rng: Rng, coloured: bool = True) -> Iterator[Picture]:
     """At most `views` pictures of a room; an owner n of its pixels is `room.things[n - 2]`."""
     caster = Caster(room, rng)
     for _ in range(views):
-        seen = look(caster, *size, rng)
+        seen = look(caster, *size, rng, coloured)
         if seen is not None:
             yield _picture(room, seen, rng)
 

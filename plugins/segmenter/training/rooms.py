@@ -7,20 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.furniture.shapes import CUBE
+from plugins.segmenter.training.kinds import HANGING, KITCHEN, LOW, MIDDLE, SEATS, SMALL, TALL, TOPS
 from plugins.segmenter.training.solids import CELLS, Array, Rng, Solid
 from stages.geometry.frames import yaw_matrix
 
-TALL = ("wardrobe", "bookshelf", "fridge", "floor_lamp", "plant_pot", "chest_of_drawers", "bookshelf")
-LOW = ("sideboard", "tv_stand", "desk", "bed", "sofa", "armchair", "nightstand", "bench", "trash_can", "basket", "box")
-KITCHEN = ("bottom_cabinet", "oven", "dishwasher", "bottom_cabinet", "fridge")
-MIDDLE = ("coffee_table", "table", "desk", "armchair", "sofa", "stool", "office_chair", "plant_pot", "basket", "heap")
-SEATS = ("chair", "chair", "chair", "stool", "office_chair", "bench")
-SMALL = (
-    *("book", "bottle", "bowl", "box", "candlestick", "clock", "cooking_pot", "jar", "kettle", "laptop", "microwave"),
-    *("mug", "pan", "plant_pot", "plate", "table_lamp", "television", "toaster", "vase", "screen", "keyboard", "heap"),
-    *("heap", "heap", "sheet", "book", "mug", "basket"),
-)
-HANGING = ("picture", "picture", "picture", "mirror", "clock", "wall_cabinet", "wall_shelf", "television")
 FLAT = 0.025  # metres by which what a thing stands on may be uneven
 FLOOR, WALL = 0, 1  # owners; things are numbered from 2 on
 
@@ -95,6 +85,8 @@ def furnish(pool: dict[str, list[Solid]], rng: Rng) -> Room:
             _stand_along(room, side, pool, rng)
     for _ in range(int(rng.integers(0, 5))):
         _stand_in_the_middle(room, pool, rng)
+    if rng.random() < 0.4:
+        _lay_rug(room, pool, rng)
     for side in range(4):
         _hang(room, side, pool, rng)
     for owner in range(len(room.things)):
@@ -151,7 +143,8 @@ def wall_point(size: Array, side: int, along: float, off: float) -> tuple[Array,
     return point, yaw
 
 
-def _draw_scaled(kind: str, pool: dict[str, list[Solid]], rng: Rng, spread: float = 0.12) -> tuple[Solid, Array]:
+def draw_scaled(kind: str, pool: dict[str, list[Solid]], rng: Rng, spread: float = 0.12) -> tuple[Solid, Array]:
+    """A solid of a kind and factors (3,) on its size; `spread`: of the logarithms, as a whole and of each side."""
     solids = pool[kind]
     whole = np.exp(rng.normal(0, spread))
     return solids[int(rng.integers(len(solids)))], whole * np.exp(rng.normal(0, spread, 3))
@@ -165,12 +158,14 @@ def _stand_along(room: Room, side: int, pool: dict[str, list[Solid]], rng: Rng) 
     along = rng.uniform(0, 0.4 * length)
     while along < length:
         kind = str(rng.choice(kinds))
-        solid, scale = _draw_scaled(kind, pool, rng)
+        solid, scale = draw_scaled(kind, pool, rng)
         deep, wide, _ = solid.size * scale
-        off = deep / 2 + (0.0 if tight else rng.uniform(0.0, 0.1))
+        bottom = max(0.0, TOPS.get(kind, 0.0) - solid.size[2] * scale[2])
+        off = deep / 2 + (0.0 if tight or bottom else rng.uniform(0.0, 0.1))
         point, yaw = wall_point(room.size, side, along + wide / 2, off)
         turn = rng.normal(0, 0.15) if kind in ("armchair", "plant_pot", "heap") else 0.0
-        new = Placed(solid, scale, yaw + turn, np.array([*point, 0.0]), FLOOR)
+        support = WALL if bottom else FLOOR
+        new = Placed(solid, scale, yaw + turn, np.array([*point, bottom]), support)
         if room.is_free(new, room.things):
             room.things.append(new)
             if kind == "desk":
@@ -180,7 +175,7 @@ def _stand_along(room: Room, side: int, pool: dict[str, list[Solid]], rng: Rng) 
 
 def _seat(room: Room, table: Placed, side: int, pool: dict[str, list[Solid]], rng: Rng) -> None:
     """A chair at one of a table's sides, pushed in or not."""
-    solid, scale = _draw_scaled(str(rng.choice(SEATS)), pool, rng, 0.07)
+    solid, scale = draw_scaled(str(rng.choice(SEATS)), pool, rng, 0.07)
     angle = table.yaw + side * np.pi / 2
     half = table.size[side % 2] / 2
     off = half + solid.size[0] / 2 * rng.uniform(-0.3, 1.2)
@@ -195,7 +190,7 @@ def _seat(room: Room, table: Placed, side: int, pool: dict[str, list[Solid]], rn
 def _stand_in_the_middle(room: Room, pool: dict[str, list[Solid]], rng: Rng) -> None:
     for _ in range(4):
         kind = str(rng.choice(MIDDLE))
-        solid, scale = _draw_scaled(kind, pool, rng)
+        solid, scale = draw_scaled(kind, pool, rng)
         yaw = rng.choice([0, 1, 2, 3]) * np.pi / 2 + rng.normal(0, 0.3)
         point = rng.uniform(0.2, 0.8, 2) * room.size[:2]
         new = Placed(solid, scale, yaw, np.array([*point, 0.0]), FLOOR)
@@ -207,6 +202,15 @@ def _stand_in_the_middle(room: Room, pool: dict[str, list[Solid]], rng: Rng) -> 
             return
 
 
+def _lay_rug(room: Room, pool: dict[str, list[Solid]], rng: Rng) -> None:
+    """A rug, beneath what stands there."""
+    solid, scale = draw_scaled("rug", pool, rng)
+    point = rng.uniform(0.3, 0.7, 2) * room.size[:2]
+    new = Placed(solid, scale, rng.choice([0, 1]) * np.pi / 2 + rng.normal(0, 0.1), np.array([*point, 0.0]), FLOOR)
+    if room.is_free(new, []):
+        room.things.append(new)
+
+
 def _hang(room: Room, side: int, pool: dict[str, list[Solid]], rng: Rng) -> None:
     """What hangs on a wall: one, a row or a group of pictures."""
     kind = str(rng.choice(HANGING))
@@ -214,7 +218,7 @@ def _hang(room: Room, side: int, pool: dict[str, list[Solid]], rng: Rng) -> None
     bottom = rng.uniform(1.0, 1.7)
     for _ in range(int(rng.choice([0, 1, 1, 1, 2, 3, 5]))):
         kind = kind if rng.random() < 0.7 else str(rng.choice(HANGING))
-        solid, scale = _draw_scaled(kind, pool, rng, 0.25)
+        solid, scale = draw_scaled(kind, pool, rng, 0.25)
         deep, wide, _ = solid.size * scale
         point, yaw = wall_point(room.size, side, along + wide / 2, deep / 2)
         new = Placed(solid, scale, yaw, np.array([*point, bottom + rng.normal(0, 0.05)]), WALL)
@@ -235,7 +239,8 @@ def _set_upon(room: Room, owner: int, pool: dict[str, list[Solid]], rng: Rng) ->
     soft = below.solid.kind in ("sofa", "bed", "armchair", "office_chair", "chair", "bench")
     mine: list[Placed] = []
     for _ in range(min(count, 14)):
-        solid, scale = _draw_scaled("pillow" if soft and rng.random() < 0.6 else str(rng.choice(SMALL)), pool, rng, 0.2)
+        kind = "cushion" if soft and rng.random() < 0.6 else str(rng.choice(SMALL))
+        solid, scale = draw_scaled(kind, pool, rng, 0.2)
         base, number = below, owner
         if mine and rng.random() < 0.15:  # a stack
             base = mine[int(rng.integers(len(mine)))]
@@ -246,7 +251,7 @@ def _set_upon(room: Room, owner: int, pool: dict[str, list[Solid]], rng: Rng) ->
         c, s = np.cos(base.yaw), np.sin(base.yaw)
         point = base.position[:2] + np.array([[c, -s], [s, c]]) @ spot
         new = Placed(solid, scale, turn, np.array([*point, 0.0]), number + 2)
-        level = _find_level_below(base, new)
+        level = find_level_below(base, new)
         if level is None:
             continue
         new = Placed(solid, scale, turn, np.array([*point, level]), number + 2)
@@ -255,7 +260,7 @@ def _set_upon(room: Room, owner: int, pool: dict[str, list[Solid]], rng: Rng) ->
             room.things.append(new)
 
 
-def _find_level_below(base: Placed, new: Placed) -> float | None:
+def find_level_below(base: Placed, new: Placed) -> float | None:
     """The height at which the base carries a new thing; None: it does not lie flat there."""
     inner = new.corners(-0.25 * float(new.size[:2].min()))
     mesh = np.concatenate([inner, inner.mean(axis=0, keepdims=True)])

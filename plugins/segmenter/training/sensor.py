@@ -80,3 +80,32 @@ def tilt_frame(frame: Array, rng: Rng) -> Array:
     turn = np.array([[1, 0, y], [0, 1, -x], [-y, x, 1]])
     left, _, right = np.linalg.svd(turn)
     return np.asarray(rigid(left @ right, [0, 0, rng.normal(0, OFF) * frame[2, 3]]) @ frame)
+
+
+def sense_as_kinect(picture: Picture, rng: Rng) -> Array:
+    """Depth (H, W) as the first Kinect measures it, metres; 0: unknown.
+
+    Disparity is of eighths of a pixel at a focal length of 580 pixels and a base of 7.5 cm, so that steps grow as the
+    square of depth, 2.9 mm at 1 m, and so does noise (Khoshelham and Oude Elberink 2012). Nothing is measured in the
+    projector's shadow, at edges, at grazing sight, and on many dark or glossy things.
+    """
+    depth = picture.depth.astype(float)
+    shape = depth.shape
+    wide = shape[1] / 160
+    per_metre = 580 * 0.075 * 8  # eighths of a pixel of disparity at 1 m
+    rows, columns = np.indices(shape)
+    spread = rng.uniform(0.3, 0.9)  # pixels by which edges are smeared
+    row = np.clip(rows + np.rint(rng.normal(0, spread, shape)).astype(int), 0, shape[0] - 1)
+    column = np.clip(columns + np.rint(rng.normal(0, spread, shape)).astype(int), 0, shape[1] - 1)
+    moved = depth[row, column]
+    disparity = per_metre / np.maximum(moved, 0.1) + rng.uniform(0.2, 0.8) * _grain(shape, wide, rng)
+    noisy = per_metre / np.maximum(np.rint(disparity), 1.0) * (1 + rng.normal(0, 0.006))
+    lost = (moved <= 0) | (noisy < 0.5) | (noisy > rng.choice([4.5, 8.0]))
+    lost |= picture.cosine < 255 * rng.uniform(0.1, 0.3)
+    lost |= _shadow(depth, wide * rng.uniform(2.0, 5.0))
+    edges = np.asarray(cv2.morphologyEx(depth, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))) > 0.05 * moved
+    lost |= edges & (rng.random(shape) < rng.uniform(0.0, 0.8))
+    for owner in np.unique(picture.owner[picture.owner > 1]):
+        if rng.random() < 0.12:  # dark or glossy: seen in patches
+            lost |= (picture.owner == owner) & (_grain(shape, rng.uniform(1, 6) * wide, rng) > rng.uniform(-1.0, 1.0))
+    return np.where(lost, 0.0, noisy)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 import open3d as o3d
@@ -48,7 +48,7 @@ class Solid:
     heights: Array
     mirror: int = -1
 
-    @property
+    @cached_property
     def size(self) -> Array:
         """(3,) metres."""
         return np.asarray(np.ptp(self.vertices, axis=0))
@@ -136,32 +136,6 @@ def _office_chair(rng: Rng) -> list[Part]:
     return parts
 
 
-def _screen(rng: Rng) -> list[Part]:
-    """A monitor on its foot."""
-    wide, frame = rng.uniform(0.4, 0.8), [rng.uniform(0.01, 0.2)] * 3
-    high, lift = wide * rng.uniform(0.5, 0.65), rng.uniform(0.06, 0.2)
-    shown = _colour(rng) if rng.random() < 0.6 else [0.02, 0.02, 0.03]
-    middle = lift + high / 2
-    return [
-        part(slab([0, 0, middle], [0.04, wide, high]), frame),
-        part(slab([0.021, 0, middle], [0.002, wide - 0.03, high - 0.03]), shown),
-        part(slab([-0.03, 0, middle / 2], [0.03, 0.06, middle]), frame),
-        part(slab([-0.02, 0, 0.008], [0.2, 0.26, 0.016]), frame),
-    ]
-
-
-def _keyboard(rng: Rng) -> list[Part]:
-    deep, wide, thick = rng.uniform(0.12, 0.17), rng.uniform(0.28, 0.46), rng.uniform(0.012, 0.03)
-    body, keys = _colour(rng), _colour(rng)
-    rows = [part(slab([x, 0, thick], [0.13 * deep, 0.94 * wide, 0.008]), keys) for x in np.arange(-2, 3) * 0.18 * deep]
-    return [part(slab([0, 0, thick / 2], [deep, wide, thick]), body), *rows]
-
-
-def _pillow(rng: Rng) -> list[Part]:
-    size = rng.uniform([0.3, 0.3, 0.1], [0.5, 0.7, 0.18])
-    return [part(cushion(-size / 2, size / 2, 0.4 * size[2]), _colour(rng))]
-
-
 def _make_heap(rng: Rng) -> list[Part]:
     """A box, a can, a ball or a few of them as one thing: toys, bags, tools, food."""
     colours = [_colour(rng) for _ in range(int(rng.integers(1, 4)))]
@@ -191,9 +165,6 @@ def _sheet(rng: Rng) -> list[Part]:
 
 OTHERS: dict[str, Callable[[Rng], list[Part]]] = {
     "office_chair": _office_chair,
-    "screen": _screen,
-    "keyboard": _keyboard,
-    "pillow": _pillow,
     "heap": _make_heap,
     "sheet": _sheet,
 }

@@ -135,7 +135,7 @@ def _draw_looks(room: Room, rng: Rng) -> tuple[Array, NDArray[np.int64], Array, 
         colour.append(own * (1 + rng.normal(0, 0.05, (parts, 1))))
         pattern.append(solid.patterns if mode < 0.75 else np.full(parts, rng.integers(0, patterns)))
         repeat.append(solid.repeat)
-        pictured = {"picture": 0.85, "television": 0.3, "screen": 0.5, "book": 0.2, "box": 0.15}.get(solid.kind, 0.02)
+        pictured = {"picture": 0.85, "television": 0.3, "monitor": 0.5, "book": 0.2, "box": 0.15}.get(solid.kind, 0.02)
         painted.append(np.full(parts, int(rng.integers(4)) if rng.random() < pictured else -1))
     joined = np.concatenate(colour).clip(0.01, 1.0)
     return joined, np.concatenate(pattern), np.concatenate(repeat), np.concatenate(painted)
@@ -167,8 +167,11 @@ def _light(room: Room, rng: Rng) -> tuple[Array, Array, Array]:
     return rng.uniform(0.25, 0.8) * tint, lamp, rng.uniform(0.2, 1.2) * (1 + rng.normal(0, 0.06, 3))
 
 
-def look(caster: Caster, width: int, height: int, rng: Rng) -> Seen | None:
-    """A picture from a random place in the room, one in four of a table top; None: something is too near."""
+def look(caster: Caster, width: int, height: int, rng: Rng, coloured: bool = True) -> Seen | None:
+    """A picture from a random place in the room, one in four of a table top; None: something is too near.
+
+    Without colours, which take half of the time, its `rgb` is black.
+    """
     room = caster.room
     tables = [k for k, thing in enumerate(room.things) if thing.solid.kind in TABLES and thing.support == FLOOR]
     laid = [k for k in tables if any(thing.support == k + 2 for thing in room.things)]
@@ -205,7 +208,7 @@ def look(caster: Caster, width: int, height: int, rng: Rng) -> Seen | None:
     if np.quantile(depth, 0.1) < 0.35:
         return None
     points = origins + depth[:, None] * directions
-    rgb = caster.shade(found, points, directions)
+    rgb = caster.shade(found, points, directions) if coloured else np.zeros_like(points)
     rgb[found["owner"] == VOID] = rng.uniform(0.5, 1.0)
     beyond = depth.copy()
     glass = np.flatnonzero(caster.mirror[found["part"]] & (found["owner"] != VOID))
@@ -214,7 +217,8 @@ def look(caster: Caster, width: int, height: int, rng: Rng) -> Seen | None:
         onward = directions[glass] - 2 * (directions[glass] * normal).sum(axis=1, keepdims=True) * normal
         shown = caster.hits(points[glass] + 1e-3 * onward, onward)
         beyond[glass] += shown["length"]
-        rgb[glass] = caster.shade(shown, points[glass] + shown["length"][:, None] * onward, onward)
+        if coloured:
+            rgb[glass] = caster.shade(shown, points[glass] + shown["length"][:, None] * onward, onward)
     cosine = np.abs((directions * found["normal"]).sum(axis=1)) / np.linalg.norm(directions, axis=1)
     shape = (height, width)
     return Seen(

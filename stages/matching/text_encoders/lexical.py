@@ -23,27 +23,29 @@ cabinet cupboard sideboard hutch vanity
 drawer dresser commode bureau tallboy
 lamp light lantern sconce
 plant houseplant flower flowerpot planter cactus fern bonsai
-rug carpet mat
 oven stove cooker range hob cooktop
 sofa sectional divan
 bed cot daybed futon
 stool barstool
 book magazine
-box suitcase trunk
+box trunk
 jug pitcher
 """
 # Other words of the kinds of things: a label of no category finds its kin, not the first of the alphabet.
 KINDS = {
     "storage": "cabinet chest drawer locker console",
-    "appliance": "washer dryer machine printer",
+    "appliance": "dryer machine printer",
     "seat": "seat",
     "table": "counter countertop workbench island",
     "dish": "dish pot jug",
-    "flat": "board keyboard whiteboard blackboard tablet",
+    "flat": "board whiteboard blackboard tablet",
     "lamp": "lamp chandelier",
-    "box": "bag backpack radio stereo speaker",
+    "box": "radio stereo speaker",
     "plant": "plant pot tree",
     "bed": "crib mattress",
+    "cloth": "cloth towel blanket",
+    "device": "device charger",
+    "fixture": "bathtub shower boiler",
 }
 CANONICAL = {
     word: first for first, *others in map(str.split, SYNONYMS.strip().splitlines()) for word in (first, *others)

@@ -1,0 +1,54 @@
+"""The network that names shapes: a PointNet of neighbourhoods (PointNet++, Qi et al. 2017) and of what is around."""
+
+from itertools import pairwise
+
+import torch
+from torch import Tensor, nn
+
+from plugins.names.shape import NUMBERS
+
+CENTRES, NEIGHBOURS = 64, 16  # neighbourhoods of a shape, and points of each; chosen
+SCALE = 2.0  # by which metres are multiplied
+SPREAD = (2.0, 0.6, *[0.4] * 4, 0.3, 0.2)  # of `Shape.numbers`, about; and their middle
+MIDDLE = (2.5, 1.4, *[0.2] * 4, 0.8, 0.7)
+
+
+class ShapeNetwork(nn.Module):
+    """points (B, N, 3), around (B, M, 3), numbers (B, NUMBERS) -> logits (B, names)."""
+
+    def __init__(self, names: int) -> None:
+        super().__init__()
+        self.near = _layers(6, 32, 64)
+        self.points = _layers(64 + 3, 128, 256)
+        self.around = _layers(3, 32, 96)
+        self.numbers = _layers(NUMBERS + 8, 64)
+        self.head = nn.Sequential(*_layers(2 * 256 + 96 + 64, 192), nn.Dropout(0.3), nn.Linear(192, names))
+        self.register_buffer("middle", torch.tensor(MIDDLE), persistent=False)
+        self.register_buffer("spread", torch.tensor(SPREAD), persistent=False)
+
+    def forward(self, points: Tensor, around: Tensor, numbers: Tensor) -> Tensor:
+        """See the class."""
+        box = measure_box(points)
+        points, around = SCALE * points, SCALE * around
+        centres = points[:, :CENTRES]  # points come in no order: the first are as good as any
+        nearest = torch.cdist(centres, points).topk(NEIGHBOURS, largest=False).indices
+        near = points.gather(1, nearest.flatten(1)[..., None].expand(-1, -1, 3)).unflatten(1, (CENTRES, NEIGHBOURS))
+        centred = torch.cat([(near - centres[:, :, None]) * 4, near], dim=-1)
+        local = self.near(centred).amax(dim=2)
+        whole = self.points(torch.cat([local, centres], dim=-1))
+        told = torch.cat([(numbers - self.middle) / self.spread, box], dim=-1)
+        parts = [whole.amax(dim=1), whole.mean(dim=1), self.around(around).amax(dim=1), self.numbers(told)]
+        logits: Tensor = self.head(torch.cat(parts, dim=-1))
+        return logits
+
+
+def measure_box(points: Tensor) -> Tensor:
+    """Logarithms of the extents (3) of points (B, N, 3), heights of their foot and top (2), and spreads (3): (B, 8)."""
+    low, high = torch.quantile(points, torch.tensor([0.02, 0.98], device=points.device), dim=1)
+    extents, spreads = (high - low).clamp(min=0.01).log() + 0.7, points.std(dim=1).clamp(min=0.003).log() + 2
+    return torch.cat([extents, low[:, 2:], high[:, 2:], spreads], dim=-1)
+
+
+def _layers(*widths: int) -> nn.Sequential:
+    """Linear layers with ReLU, each with its inputs normalised by layer."""
+    return nn.Sequential(*(one for a, b in pairwise(widths) for one in (nn.Linear(a, b), nn.LayerNorm(b), nn.ReLU())))

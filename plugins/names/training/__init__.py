@@ -1,0 +1,1 @@
+"""What the network of shapes learns from: things of random rooms under masks with faults."""
