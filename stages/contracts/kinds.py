@@ -14,6 +14,7 @@ from stages.contracts.generated import GeneratedScene
 from stages.contracts.library import Library
 from stages.contracts.policies import ChosenRuns, Rollout, SceneScore, TaskAssets
 from stages.contracts.scenes import Truth
+from stages.contracts.things import Things
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,7 @@ KINDS: dict[str, FileKind] = {
     "features": FileKind(_with_companions("features:check_features"), ("{stem}.json", "{stem}.npy", "{stem}.npz")),
     "camera": FileKind(_with_companions("scene_input:check_camera"), ("rgb.png", "depth.npz")),
     "annotations": FileKind(_with_companions("scene_input:read_annotations"), ("masks.png",)),
+    "things": FileKind(_json(Things)),
     "corrections": FileKind(_json(Corrections)),
     "truth": FileKind(_json(Truth)),
     "objects": FileKind(_with_companions("extracted:check_extracted"), ("masks.png", "depth.npz", "clouds.npz")),

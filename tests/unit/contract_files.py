@@ -27,6 +27,7 @@ HAND = np.full((6, 9), 0.5, np.float32)  # proprioception: its quaternion is a t
 FILES = {  # kind of file: where it lies
     "camera": "input/camera.json",
     "annotations": "input/annotations.json",
+    "things": "input/things.json",
     "corrections": "input/corrections.json",
     "truth": "truth.json",
     "objects": "extraction/objects.json",
@@ -82,6 +83,11 @@ def _input(root: Path) -> None:
     annotations = [{"mask": 1, "label": "cabinet", "doors": 1, "articulated": True}, {"mask": 2, "label": "bowl"}]
     annotations[0]["mounting"] = {"type": 3, "walls": [4]}
     _json(folder / "annotations.json", objects=annotations, floor=3, walls=[4])
+    names = [{"name": "bowl", "probability": 0.7}, {"name": "pot", "probability": 0.2}]
+    bowl = {"mask": 2, "names": names, "other": 0.05, "score": 0.9, "source": "mobile_sam"}
+    bag = {"mask": 5, "names": names[1:], "other": 0.6, "score": 0.8, "source": "ssd", "left_out": "no name is sure"}
+    ground = {"camera_height": 1.5, "taken_from": "a level surface below which 0.3 % of the points lie", "share": 0.2}
+    _json(folder / "things.json", ground=ground, walls=1, things=[bowl, bag])
     doors = [{"kind": "door", "left": k / 2, "right": (k + 1) / 2, "bottom": 0.1, "top": 1.0} for k in range(2)]
     told = [{"mask": 1, "panels": doors, "size": [0.8, 0.4, 0.9], "model": "cabinet_12", "banned": ["cabinet_3"]}]
     _json(folder / "corrections.json", objects=[*told, {"mask": 2, "on": 1, "nudge": [0.0, -0.05]}])

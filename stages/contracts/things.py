@@ -1,0 +1,52 @@
+"""Contract of `things.json`, beside a scene's input: what was found by itself in the picture, and how sure it is."""
+
+from pydantic import Field, model_validator
+
+from stages.contracts.files import Contract, Document
+from stages.contracts.types import Count, Extent, Fraction, MaskValue, Text, check_unique
+
+THINGS = "things.json"
+
+
+class Name(Contract):
+    """A name that a thing may have."""
+
+    name: Text = Field(description="category in words, e.g. 'coffee table'")
+    probability: Fraction
+
+
+class Thing(Contract):
+    """One thing that was found, placed or not."""
+
+    mask: MaskValue = Field(description="value of its pixels in masks.png; what is left out keeps its own there")
+    names: list[Name] = Field(max_length=10, description="surest first")
+    other: Fraction = Field(description="probability that it is none of the library's categories")
+    score: Fraction = Field(description="of its outline")
+    source: Text = Field(description="what proposed it: 'ssd', 'mobile_sam', ...")
+    left_out: str = Field("", max_length=1000, description="why it is not placed; empty: it is placed")
+
+
+class Ground(Contract):
+    """Where the ground is, by geometry."""
+
+    camera_height: Extent = Field(description="of the camera above the ground, metres")
+    taken_from: Text = Field(description="what shows it, for people: 'a level surface below which 0.3 % of points lie'")
+    share: Fraction = Field(description="of the picture that shows it")
+
+
+class Things(Document):
+    """`things.json`: what annotations.json does not name of it is left out of the scene."""
+
+    ground: Ground | None = Field(None, description="null: none was found")
+    walls: Count
+    things: list[Thing]
+
+    @model_validator(mode="after")
+    def _masks_once(self) -> "Things":
+        check_unique("things: mask values", [item.mask for item in self.things])
+        return self
+
+    @property
+    def left_out(self) -> list[Thing]:
+        """What is not placed."""
+        return [item for item in self.things if item.left_out]
