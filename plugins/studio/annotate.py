@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from plugins.inputs.photo.picture import Photo, read_photo
-from plugins.studio.correcting import Correcting
+from plugins.studio.correcting import Correcting, name_drawn
 from plugins.studio.project import PROJECT
 from plugins.studio.server import PageServer
 from plugins.studio.session import Session
@@ -118,6 +118,7 @@ def _check_named(session: Correcting, results: Path, scene: str | None, choose: 
     names = [
         *(item.id for item in session.made.items.values()),
         *(thing.id for thing in session.open_drawing().objects),
+        *map(name_drawn, session.left_out),
     ]
     if choose is not None and choose not in names:
         fix = suggest_nearest(choose, list(dict.fromkeys(names)))
