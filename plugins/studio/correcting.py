@@ -5,9 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from plugins.inputs.own_scene import is_clone, to_run
@@ -34,7 +32,7 @@ from stages.contracts.objects import object_ids
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.things import read_things
 from stages.contracts.types import FLOOR, WALL, Id
-from stages.geometry.masks import remove_specks
+from stages.geometry.masks import outline_mask
 
 
 class Thing(Correction):
@@ -153,7 +151,7 @@ class Correcting:
                 "mask": mask,
                 "text": item.guess,
                 "why": item.left_out,
-                "outlines": outlines(self.given.masks == mask),
+                "outlines": outline_mask(self.given.masks == mask),
                 "label": (name := item.names[0].name if item.names else None),
                 "articulated": says_opening(name or "") or None,
             }
@@ -213,7 +211,11 @@ class Correcting:
         for item in drawing.objects:
             mask = painted.masks == item.mask
             faces = self.made.faces(item, self._moved.get(item.mask, (0.0, 0.0)))
-            regions[item.id] = {"box": item.around or find_corners(mask), "outlines": outlines(mask), "faces": faces}
+            regions[item.id] = {
+                "box": item.around or find_corners(mask),
+                "outlines": outline_mask(mask),
+                "faces": faces,
+            }
         return {
             "regions": regions,
             "notes": {item.id: losses[item.mask] for item in drawing.objects if item.mask in losses},
@@ -270,11 +272,3 @@ class Correcting:
 def name_drawn(mask: int) -> str:
     """The id of a thing that the folder's annotations do not name."""
     return f"drawn_{mask}"
-
-
-def outlines(mask: NDArray[np.bool_]) -> list[list[list[int]]]:
-    """Outlines of a mask as lists of pixels, a pixel off at most, the largest first."""
-    parts = remove_specks(mask).astype(np.uint8)
-    curves, _ = cv2.findContours(parts, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
-    largest = sorted(curves, key=cv2.contourArea, reverse=True)
-    return [cv2.approxPolyDP(curve, 1.0, True)[:, 0].tolist() for curve in largest]

@@ -28,7 +28,8 @@ from stages.tables.table2 import judge
 
 @dataclass(frozen=True)
 class RebuiltScene:
-    """The scene of one cousin rank; `stable` is None if physics was not checked; `doubts`: beyond those of rank 1;
+    """The scene of one cousin rank; `stable` is None if physics was not checked; `wrong`: why it is not.
+    `doubts`: beyond those of rank 1;
     `new`: objects with a model that no earlier rank has there."""
 
     rank: int
@@ -37,6 +38,7 @@ class RebuiltScene:
     moved: list[str]
     physics: str
     stable: bool | None
+    wrong: str
     doubts: list[tuple[str, Doubt]]
     new: int
 
@@ -117,6 +119,7 @@ def _scene(scene: GeneratedScene, found: Findings, picture: Picture | None) -> R
         moved=moved,
         physics=physics,
         stable=check.stable if check else None,
+        wrong=check.wrong if check else "",
         doubts=found.list_further_doubts(scene),
         new=found.count_new_models(scene),
     )
