@@ -86,21 +86,23 @@ def run_physics(
         scene.step()
         if step == 0:
             penetration = deepest_contact(scene)
-    shifts, fallen = {}, []
+    shifts: dict[str, float] = {}
+    how: dict[str, str] = {}
     for item in items:
         body = bodies[item.id]
         pose = body.get_root_pose() if isinstance(body, PhysxArticulation) else body.get_pose()
-        shift = float(np.linalg.norm(_box_center(item, pose) - item.center))
-        shifts[item.id] = round(shift, 5)
-        if shift > options.fallen_distance or _tilt(pose) > options.fallen_tilt:
-            fallen.append(item.id)
+        shift = _box_center(item, pose) - item.center
+        shifts[item.id] = round(float(np.linalg.norm(shift)), 5)
+        if np.linalg.norm(shift) > options.fallen_distance or _tilt(pose) > options.fallen_tilt:
+            how[item.id] = describe_fall(shift, _tilt(pose), options)
     free = [shifts[item.id] for item in items if not item.held]
     held = [item.id for item in items if item.support == UNNAMED]
     in_walls = find_behind(items, walls)
     verdict = Plausibility(
         seconds=options.settle_seconds,
-        stable=not (fallen or collisions or held or in_walls),
-        fallen=fallen,
+        stable=not (how or collisions or held or in_walls),
+        fallen=list(how),
+        how=how,
         held=held,
         behind=in_walls,
         mean_displacement=round(float(np.mean(free)), 5) if free else 0.0,
@@ -108,6 +110,15 @@ def run_physics(
         collisions=collisions,
     )
     return Settled(verdict, shifts)
+
+
+def describe_fall(shift: NDArray[np.float64], tilt: float, options: GenerationConfig) -> str:
+    """What an item did that did not stay; `shift` (3,) of its middle, metres; `tilt` in degrees."""
+    if tilt > options.fallen_tilt:
+        return f"tipped by {tilt:.0f}°"
+    if -shift[2] > np.linalg.norm(shift[:2]):
+        return f"dropped {-100 * shift[2]:.0f} cm"
+    return f"was pushed {100 * np.linalg.norm(shift):.0f} cm by what it overlaps"
 
 
 def find_behind(items: Sequence[Placed], walls: Sequence[Wall]) -> list[str]:

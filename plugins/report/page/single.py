@@ -112,7 +112,7 @@ def doubt_physics(scenes: list[RebuiltScene]) -> list[tuple[str, Doubt]]:
     """Which scenes do not stay as they were put, and why; those that have the same fault together."""
     ranks: dict[str, list[str]] = {}
     for scene in scenes:
-        if scene.stable is False:
+        if scene.stands is False:
             ranks.setdefault(scene.wrong, []).append(str(scene.rank))
     about = {what: f"scene{'s'[: len(which) > 1]} of rank {', '.join(which)}" for what, which in ranks.items()}
     return [(about[what], DoubtKind.UNSTABLE.of(what=what)) for what in ranks]
