@@ -325,15 +325,17 @@ def test_what_overlaps_a_wall_is_pushed_and_not_said_to_have_dropped(scene: dict
     wall = Wall(id="wall_1", normal=(-1.0, 0.0, 0.0), offset=-far + 0.08, points=9)
     room = inputs.objects.model_copy(update={"walls": [wall]})
     check = settle([cabinet], room, 0, options).plausibility
-    print(check)
-    assert check.behind == ["cabinet_1"]
+    assert check is not None and check.behind == ["cabinet_1"]
+    assert check.how == {"cabinet_1": "was pushed 8 cm, for it overlapped wall_1"}
+    assert check.verdict == "does not stand: cabinet_1 was pushed 8 cm, for it overlapped wall_1; " + check.kept
 
 
 def test_a_fall_is_said_by_what_it_is() -> None:
     options = GenerationConfig()
-    assert describe_fall(np.array([0.2, 0.0, -0.1]), 80.0, options) == "tipped by 80°"
-    assert describe_fall(np.array([0.02, 0.0, -0.1]), 2.0, options) == "dropped 10 cm"
-    assert describe_fall(np.array([0.06, 0.0, -0.01]), 0.0, options) == "was pushed 6 cm by what it overlaps"
+    assert describe_fall(np.array([0.2, 0.0, -0.1]), 80.0, "", options) == "tipped by 80°"
+    assert describe_fall(np.array([0.02, 0.0, -0.1]), 2.0, "", options) == "dropped 10 cm"
+    pushed = describe_fall(np.array([0.06, 0.0, -0.01]), 0.0, "table_1", options)
+    assert pushed == "was pushed 6 cm, for it overlapped table_1"
 
 
 def test_the_story_of_a_place_is_told(made: Path) -> None:
