@@ -138,7 +138,7 @@ def list_losses(things: dict[int, Correction], painted: Painted) -> dict[int, st
     losses = {mask: "no pixel shows it, left out" for mask in things if mask not in shown}
     for mask, (share, by) in painted.swallowed.items():
         where = f"under the outline of {things[by].label or 'object'}"
-        losses[mask] = f"{100 * share:.0f} % of it is {where}" if mask in shown else f"{losses[mask]}: it is {where}"
+        losses[mask] = f"{int(100 * share)} % of it is {where}" if mask in shown else f"{losses[mask]}: it is {where}"
     return losses
 
 
