@@ -94,7 +94,7 @@ class Listed(NamedTuple):
 
 
 def doubts(room: RoomPart, rebuilt: Reconstruction | None) -> list[Listed]:
-    """Doubts that a person can mend, gravest first."""
+    """Doubts that a person can mend, gravest first: the camera, what failed, then by cause."""
     correct = rebuilt.correct if rebuilt else ""
     failed = [
         (f"{one} failed in {stage}", reason, correct and correct + one)
@@ -105,7 +105,8 @@ def doubts(room: RoomPart, rebuilt: Reconstruction | None) -> list[Listed]:
     found += doubt_physics(rebuilt.scenes if rebuilt else [])
     objects = {match.entry.id for match in rebuilt.matches} if rebuilt else set()
     listed = [Listed("Failed", "name or draw it again on the correction page", failed)] if failed else []
-    return listed + _group_doubts(found, correct, objects)
+    groups = [*listed, *_group_doubts(found, correct, objects)]
+    return sorted(groups, key=lambda group: group.title != "Camera")  # what is wrong with the camera makes all wrong
 
 
 def doubt_physics(scenes: list[RebuiltScene]) -> list[tuple[str, Doubt]]:
