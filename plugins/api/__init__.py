@@ -148,10 +148,9 @@ def _options(settings: "Config", stage: str, verb: str, **wildcards: str) -> str
 
 
 def _name_scene(picture: Path) -> str:
-    from stages.config.inputs import scene_of
+    from stages.config.inputs import scene_of_folder
 
-    picture = picture.absolute()
-    return scene_of(picture.parent if picture.name == "input" else picture)
+    return scene_of_folder(picture)
 
 
 def _parts(library: Path) -> list[Path]:

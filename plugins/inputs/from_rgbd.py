@@ -118,7 +118,7 @@ def print_summary(out: Path, frame: Frame, written: Annotations | None, is_made:
         shown = [frame.masks.values == item.mask for item in written.objects]
         with write_atomically(out / "numbers.png") as path:
             cv2.imwrite(str(path), draw_numbers(frame.rgb, shown)[..., ::-1])
-        print(f"{out / 'annotations.json'}: names are proposed; put them right in it: numbers.png shows the masks; "
-              f"or in the browser: python -m plugins.studio annotate {out}")  # fmt: skip
+        print(f"{out / 'annotations.json'}: names are proposed; numbers.png shows the masks")
+        print(f"To put them right: python -m plugins.studio annotate {out}")
     if opens := [item.label for item in written.objects if item.articulated]:
-        print(f"{out / 'annotations.json'}: say in it how many doors and drawers there are: {', '.join(opens)}")
+        print(f"Say how many doors and drawers there are: {', '.join(dict.fromkeys(opens))}")

@@ -8,7 +8,7 @@ import yaml
 
 import stages
 from stages.config.experiment import ExperimentConfig
-from stages.config.inputs import scene_of
+from stages.config.inputs import scene_of_folder
 from stages.contracts import write_text
 
 
@@ -31,7 +31,7 @@ def write_config(folder: Path, **sections: dict[str, Any]) -> Path:
     `snakemake --configfile folder/config.yaml -- pages` then goes from it to scenes of cousins and a page about them.
     `sections`: further keys of the config that fit the folder.
     """
-    scene = scene_of(folder.resolve())
+    scene = scene_of_folder(folder)
     targets = dict.fromkeys(ExperimentConfig().targets)  # null: the default run's objects are not in this picture
     experiment = {"rooms": [scene], "inputs": {scene: folder.as_posix()}, "targets": targets}
     path = folder / "config.yaml"

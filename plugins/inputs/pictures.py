@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field, PrivateAttr, ValidationError
 
 from plugins.inputs.known_cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from stages.config.experiment import ExperimentConfig
-from stages.config.inputs import HOLDS, INPUT_FILES, NAME, Input, describe_missing, scene_of
+from stages.config.inputs import HOLDS, INPUT_FILES, NAME, Input, describe_missing, scene_of, scene_of_folder
 from stages.config.mistakes import Mistake
 from stages.contracts.errors import suggest_nearest
 
@@ -114,6 +114,16 @@ class PicturesExperiment(ExperimentConfig):
     )
 
     @property
+    def frames(self) -> list[str]:
+        """Scenes whose input folders the workflow makes of frames with depth."""
+        return [name for name, one in self.inputs.items() if not one.folder and not one.alone]
+
+    @property
+    def photographs(self) -> list[str]:
+        """Scenes whose input folders networks make of pictures without depth."""
+        return [name for name, one in self.inputs.items() if not one.folder and one.alone]
+
+    @property
     def pictures(self) -> list[str]:
         """Pictures of this run that networks look at."""
         given = [self.inputs[room] for room in self.rooms if room in self.inputs]
@@ -152,7 +162,7 @@ def _of_folder(folder: Path) -> Found:
     if not scenes:
         yield "", "", Mistake("experiment.inputs", f"{folder} has no input folder in it", HOLDS, "E-CONFIG-FILE")
     for path in scenes:
-        yield str(path), scene_of(path.resolve()), Picture(folder=path.as_posix())
+        yield str(path), scene_of_folder(path), Picture(folder=path.as_posix())
 
 
 def _of_table(table: Path) -> Found:

@@ -33,6 +33,8 @@ rule estimate:
         depth="results/photo/{scene}/depth.npz",
         masks="results/photo/{scene}/masks.png",
         annotations="results/photo/{scene}/annotations.json",
+    wildcard_constraints:
+        scene="|".join(EXPERIMENT.photographs) or "-",  # a folder that was made before is an input folder as any other
     log:
         "logs/photo/{scene}.log",
     benchmark:
@@ -67,6 +69,8 @@ rule frame:
         masks="results/scenes/{scene}/frame/masks.png",
         annotations="results/scenes/{scene}/frame/annotations.json",
         config="results/scenes/{scene}/frame/config.yaml",
+    wildcard_constraints:
+        scene="|".join(EXPERIMENT.frames) or "-",
     log:
         "logs/scenes/frame_{scene}.log",
     benchmark:

@@ -55,6 +55,8 @@ def collect_doubts(
 ) -> list[Doubt]:
     """Doubts about an object that a person can mend, gravest first; nothing that a person has stated."""
     found = list(entry.doubts)
+    if entry.cousins and not entry.cousins[0].fits and not (placed is not None and placed.chosen):
+        found.append(DoubtKind.NO_FIT.of())
     found += [one for one in item.doubts if not (one.cause == "size" and "size" in item.told)]
     if item.note:
         found.append(DoubtKind.MOUNTING_UNCLEAR.of(note=item.note))
@@ -81,8 +83,6 @@ def collect_doubts(
 def collect_notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) -> list[str]:
     """Notes about an object that need no action."""
     found = [entry.note] if entry.note else []
-    if not entry.cousins[0].fits:
-        found.append("no model fits what is seen of it: ordered by name, doors and drawers, size and place alone")
     chosen = placed is not None and placed.chosen
     first, *others = entry.cousins
     if not chosen and others and first.distance > 0 and others[0].distance < (1 + AS_NEAR) * first.distance:

@@ -5,6 +5,7 @@ from pathlib import Path
 from plugins.report.album import Album
 from plugins.report.page import rooms, single
 from plugins.report.page.files import RunFiles
+from plugins.report.page.root import read_root
 from plugins.report.report import link_to, script
 from stages.config.tables import TablesConfig
 from stages.contracts import InputError
@@ -43,9 +44,14 @@ def run(
     page = environment("plugins.report").get_template("page/scene.html.jinja")
     text = page.render(
         room=room,
+        root=read_root(
+            declared.find_first(f"extraction/{room.name}/objects.json"),
+            image.parent,
+            room.reconstructions[0] if room.reconstructions else None,
+        ),
         found=single.input_facts(declared, room.name, camera, album),
         doubts=[
-            (single.doubts(room, one), single.list_further_doubts(one), single.notes(one))
+            (single.split_doubts(single.doubts(room, one)), single.list_further_doubts(one), single.notes(one))
             for one in (*room.reconstructions,) or (None,)
         ],
         links=single.links(declared, room.name, out),

@@ -6,20 +6,18 @@ from dataclasses import replace
 from pathlib import Path
 
 from plugins.inputs.photo.picture import Photo, read_photo
-from plugins.studio.correcting import Correcting
+from plugins.studio.correcting import Correcting, name_drawn
 from plugins.studio.project import PROJECT
 from plugins.studio.server import PageServer
 from plugins.studio.session import Session
 from plugins.studio.write import at_size
-from stages.config.inputs import scene_of
+from stages.config.inputs import scene_of_folder
 from stages.contracts import Camera, InputError, Library, read_json
 from stages.contracts.categories import known_categories
 from stages.contracts.corrections import CORRECTIONS
 from stages.contracts.depth import read_depth
 from stages.contracts.errors import suggest_nearest
 from stages.contracts.images import orientation_of
-
-MADE = ("input", "frame")  # what the folders of scenes are called that the workflow makes itself
 
 
 def _categories(library: Path | None) -> list[str]:
@@ -70,7 +68,7 @@ def run(
                 raise InputError(
                     name, "is for a picture; the folder has its own.", "leave it out", code="E-OPTION-CONFLICT"
                 )
-        name = scene or (image.parent.name if image.name in MADE else scene_of(image.resolve()))
+        name = scene or scene_of_folder(image)
         correcting = Correcting(image, _categories(library), results, name, variant, choose)
         _check_named(correcting, results, scene, choose)
         session: Session | Correcting = correcting
@@ -120,6 +118,7 @@ def _check_named(session: Correcting, results: Path, scene: str | None, choose: 
     names = [
         *(item.id for item in session.made.items.values()),
         *(thing.id for thing in session.open_drawing().objects),
+        *map(name_drawn, session.left_out),
     ]
     if choose is not None and choose not in names:
         fix = suggest_nearest(choose, list(dict.fromkeys(names)))

@@ -2,6 +2,7 @@
 import { bindFrame, frameKey, keyOf } from './both.js';
 import { area, begin, element, move, name, pixel, unit, zoom } from './canvas.js';
 import { bindFront, closed, front, typed } from './fronts.js';
+import { blank, drawOffers, listOffers, taken } from './offers.js';
 import { bindPlacement, made, placement } from './models.js';
 import { ask, changed, edit, find, nameOf, onChange, remember, solve, state, touch, undoable } from './state.js';
 
@@ -35,6 +36,7 @@ function draw() {
     const box = boxOf(item);
     if (item.label && box) parts.push(name(nameOf(item), [box[0][0], box[0][1] + 13 * unit()]));
   }
+  parts.push(...drawOffers());
   const item = chosen();
   const faces = state.solved.regions[item?.id]?.faces ?? []; // as it stands in the scene of rank 1, or will; its front stronger
   faces.forEach((face, k) => parts.push(area(face, `solid quiet${k === faces.length - 1 ? ' front' : ''}`)));
@@ -102,6 +104,12 @@ function doubts() {
   get('in-doubt').querySelector('ul').replaceChildren(...lines);
 }
 
+function take(mask) {
+  edit((project) => project.objects.push(taken(mask)));
+  state.chosen = `drawn_${mask}`;
+  choose('select');
+}
+
 function panel() {
   get('hint').textContent = HINTS[state.tool];
   get('trouble').textContent = state.trouble;
@@ -109,6 +117,7 @@ function panel() {
   [get('undo').disabled, get('redo').disabled] = undoable().map((possible) => !possible);
   for (const tool of document.querySelectorAll('[data-tool]')) tool.setAttribute('aria-pressed', String(tool.dataset.tool === state.tool));
   doubts();
+  listOffers(take);
   get('objects').replaceChildren(...state.project.objects.map((item) => {
     const note = document.createElement('span');
     note.className = 'note';
@@ -146,7 +155,7 @@ const alike = (item) => chain(item, 'like');
 
 function add(region) {
   const mask = Math.max(state.free - 1, ...state.project.objects.map((item) => item.mask)) + 1, id = `drawn_${mask}`;
-  edit((project) => project.objects.push({ id, mask, label: null, named: false, around: null, outline: [], joins: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null, ...region }));
+  edit((project) => project.objects.push({ ...blank(id, mask), ...region }));
   state.chosen = id;
   choose('select');
   get('label').focus();
@@ -195,9 +204,14 @@ svg.addEventListener('pointerdown', (event) => {
     else state.draft = { kind: 'outline', points: [at, at] };
   } else {
     const handle = event.target.dataset?.handle, id = event.target.closest('[data-object]')?.dataset.object;
+    const offered = Number(event.target.closest('[data-offer]')?.dataset.offer);
     if (state.tool === 'join') {
       press.kind = 'join';
-      if (chosen() && id && id !== state.chosen) join(find(id));
+      if (chosen() && offered) join({ mask: offered, joins: [] });
+      else if (chosen() && id && id !== state.chosen) join(find(id));
+    } else if (offered) {
+      press.kind = 'take';
+      take(offered);
     } else if (handle) Object.assign(press, { kind: 'corner', handle, from: boxOf(chosen()) });
     else if (id) { Object.assign(press, { kind: state.chosen === id && !ROOM.includes(find(id).label) ? 'body' : 'choose', from: boxOf(find(id)) }); state.chosen = id; }
   }
@@ -286,7 +300,7 @@ function bind() {
 
 async function start() {
   const answer = await ask('start');
-  Object.assign(state, { project: answer.project, made: answer.made, proposals: answer.proposals, free: answer.free, known: answer.known, chosen: answer.chosen });
+  Object.assign(state, { project: answer.project, made: answer.made, proposals: answer.proposals, offers: answer.offers, free: answer.free, known: answer.known, chosen: answer.chosen });
   state.before = new Map(answer.project.objects.map((item) => [item.mask, JSON.stringify(item)]));
   get('made').hidden = !answer.pictured;
   get('command').textContent = answer.command;

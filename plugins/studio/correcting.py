@@ -5,21 +5,22 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from plugins.inputs.own_scene import is_clone, to_run
+from plugins.inputs.rgbd.write import says_opening
 from plugins.studio.fronts import extents, jpeg, rectify_front
 from plugins.studio.last_run import LastRun, describe_doubt, read_last_run
 from plugins.studio.masks import (
     ROOM,
     Cutter,
+    Painted,
     apply_corrections,
     correct_masks,
     find_corners,
     list_found,
+    list_losses,
     paint_masks,
 )
 from plugins.studio.session import Answer
@@ -29,8 +30,9 @@ from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corr
 from stages.contracts.files import Contract
 from stages.contracts.objects import object_ids
 from stages.contracts.scene_input import read_scene_input
+from stages.contracts.things import read_things
 from stages.contracts.types import FLOOR, WALL, Id
-from stages.geometry.masks import remove_specks
+from stages.geometry.masks import outline_mask
 
 
 class Thing(Correction):
@@ -61,6 +63,8 @@ class Correcting:
     def __post_init__(self) -> None:
         self.given = read_scene_input(self.folder)
         self.found = list_found(self.given.annotations)
+        things = read_things(self.folder)
+        self.left_out = {item.mask: item for item in things.left_out if item.mask not in self.found} if things else {}
         self._cut = Cutter(self.given.rgb)
         height, width = self.given.masks.shape
         self._moved: dict[int, tuple[float, float]] = {}  # by hand, before the page was opened
@@ -92,7 +96,7 @@ class Correcting:
         }
         return Drawing(
             objects=[
-                Thing(id=ids.get(mask, f"drawn_{mask}"), **item.model_dump())
+                Thing(id=ids.get(mask, name_drawn(mask)), **item.model_dump())
                 for mask, item in things.items()
                 if mask in shown
             ]
@@ -123,18 +127,37 @@ class Correcting:
         self._moved = {item.mask: item.nudge for item in drawing.objects if item.nudge is not None}
         ids = {item.mask: item.id for item in drawing.objects}
         masks = {item.id: mask for mask, item in self.made.items.items()}
+        known = {*ids.values(), *map(name_drawn, self.left_out)}
         return {
             "project": self._page(drawing),
             "categories": [*self.categories, FLOOR, WALL],
             "folder": str(self.folder / CORRECTIONS),
             "made": self._doubts_of_input() | self.made.describe_things(),
             "pictured": self.made.picture is not None,
-            "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in ids.values() else None),
-            "proposals": {item.mask: item.proposals for item in self.given.annotations.objects},
+            "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in known else None),
+            "offers": self._offer_things(),
+            "proposals": {item.mask: item.proposals for item in self.given.annotations.objects}
+            | {mask: [name.name for name in item.names] for mask, item in self.left_out.items()},
             "known": list(self.found),
             "free": int(max(self.given.masks.max(), *self.found, *ids)) + 1,
             "command": self.command(),
         }
+
+    def _offer_things(self) -> list[Answer]:
+        """What was found and left out of the scene, with what a click makes of it."""
+        return [
+            {
+                "id": name_drawn(mask),
+                "mask": mask,
+                "text": item.guess,
+                "why": item.left_out,
+                "outlines": outline_mask(self.given.masks == mask),
+                "label": (name := item.names[0].name if item.names else None),
+                "articulated": says_opening(name or "") or None,
+            }
+            for mask, item in self.left_out.items()
+            if (self.given.masks == mask).any()
+        ]
 
     def _doubts_of_input(self) -> Answer:
         """What the input itself doubts, by mask value: there before the first run."""
@@ -169,12 +192,12 @@ class Correcting:
     def preview(self) -> bytes:
         """The saved masks over the picture, as JPEG."""
         drawing = self.open_drawing()
-        masks = self._paint_drawing(drawing)
+        masks = self._paint_drawing(drawing).masks
         return jpeg(
             tint_picture(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM])
         )
 
-    def _paint_drawing(self, drawing: Drawing) -> NDArray[np.uint16]:
+    def _paint_drawing(self, drawing: Drawing) -> Painted:
         return paint_masks({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)
 
     def _drawing(self, body: Any) -> Drawing:
@@ -183,15 +206,20 @@ class Correcting:
     def solve(self, body: Any) -> Answer:
         """Bounds and outlines of every region, and the sides of what stands there, as it will after the next run."""
         drawing = self._drawing(body)
-        masks = self._paint_drawing(drawing)
-        regions, notes = {}, {}
+        painted = self._paint_drawing(drawing)
+        losses, regions = list_losses({item.mask: item for item in drawing.objects}, painted), {}
         for item in drawing.objects:
-            mask = masks == item.mask
-            if not mask.any():
-                notes[item.id] = "no pixel shows it"
+            mask = painted.masks == item.mask
             faces = self.made.faces(item, self._moved.get(item.mask, (0.0, 0.0)))
-            regions[item.id] = {"box": item.around or find_corners(mask), "outlines": outlines(mask), "faces": faces}
-        return {"regions": regions, "notes": notes}
+            regions[item.id] = {
+                "box": item.around or find_corners(mask),
+                "outlines": outline_mask(mask),
+                "faces": faces,
+            }
+        return {
+            "regions": regions,
+            "notes": {item.id: losses[item.mask] for item in drawing.objects if item.mask in losses},
+        }
 
     def models(self, body: Any) -> Answer:
         """Models that can stand for a thing, with pictures and distances."""
@@ -203,7 +231,7 @@ class Correcting:
         item = {one.mask: one for one in drawing.objects}[body["mask"]]
         if (known := self.made.front(item.mask, item.front)) is not None:
             return rectify_front(self.given.rgb, *known)
-        around = item.around or find_corners(self._paint_drawing(drawing) == item.mask)
+        around = item.around or find_corners(self._paint_drawing(drawing).masks == item.mask)
         (x0, y0), (x1, y1) = around or ((0, 0), (1, 1))
         points = np.array([(x0, y1), (x1, y1), (x1, y0), (x0, y0)], float)
         return rectify_front(self.given.rgb, points, *extents(points))
@@ -241,9 +269,6 @@ class Correcting:
         return {}
 
 
-def outlines(mask: NDArray[np.bool_]) -> list[list[list[int]]]:
-    """Outlines of a mask as lists of pixels, a pixel off at most, the largest first."""
-    parts = remove_specks(mask).astype(np.uint8)
-    curves, _ = cv2.findContours(parts, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
-    largest = sorted(curves, key=cv2.contourArea, reverse=True)
-    return [cv2.approxPolyDP(curve, 1.0, True)[:, 0].tolist() for curve in largest]
+def name_drawn(mask: int) -> str:
+    """The id of a thing that the folder's annotations do not name."""
+    return f"drawn_{mask}"

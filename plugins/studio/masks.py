@@ -1,5 +1,7 @@
 """Masks and annotations after a person corrected masks, labels, counts and mountings."""
 
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,7 @@ from stages.geometry.masks import pixel_bounds, polygon
 
 ROOM = (FLOOR, WALL)  # labels of what is no object
 AROUND = 0.25  # share of a box by which the picture around it is looked at, to tell what is behind; chosen
+SWALLOWED = 0.5  # share of a thing that a later outline covers, from which a person is told; chosen
 CUT_SIDE = 320  # pixels of the longer side at which GrabCut works; chosen for time
 
 
@@ -100,10 +103,19 @@ def clip_box(box: tuple[Pixel, Pixel], width: int, height: int) -> tuple[int, in
     return x0, y0, max(x1, x0 + 1), max(y1, y0 + 1)
 
 
-def paint_masks(things: dict[int, Correction], found: NDArray[np.uint16], cut: Cutter) -> NDArray[np.uint16]:
-    """Corrected masks (H, W): objects cover floor and walls, drawn masks cover found ones."""
+class Painted(NamedTuple):
+    """Corrected masks (H, W); `swallowed`: what a later outline mostly covers, with share and value of that outline."""
+
+    masks: NDArray[np.uint16]
+    swallowed: dict[int, tuple[float, int]]
+
+
+def paint_masks(things: dict[int, Correction], found: NDArray[np.uint16], cut: Cutter) -> Painted:
+    """Paint the masks: objects cover floor and walls, drawn masks cover found ones, later ones earlier ones."""
     masks = np.zeros_like(found)
     height, width = masks.shape
+    pixels: dict[int, int] = {}
+    swallowed: dict[int, tuple[float, int]] = {}
     for item in sorted(things.values(), key=lambda item: (item.label not in ROOM, is_drawn(item))):
         if len(item.outline) > 2:
             shown = polygon(item.outline, masks.shape)
@@ -111,21 +123,35 @@ def paint_masks(things: dict[int, Correction], found: NDArray[np.uint16], cut: C
             shown = cut(clip_box(item.around, width, height))
         else:
             shown = np.isin(found, [item.mask, *item.joins])
+        for value, covered in zip(*np.unique(masks[shown], return_counts=True), strict=True):
+            if value in pixels and covered > SWALLOWED * pixels[value]:
+                swallowed[int(value)] = float(covered / pixels[value]), item.mask
         masks[shown] = item.mask
-    return masks
+        if item.label not in ROOM:  # what stands before floor and walls takes nothing from them
+            pixels[item.mask] = int(shown.sum())
+    return Painted(masks, swallowed)
+
+
+def list_losses(things: dict[int, Correction], painted: Painted) -> dict[int, str]:
+    """What is lost of things, by mask value: all their pixels, or most of them to a later outline."""
+    shown = set(np.unique(painted.masks).tolist())
+    losses = {mask: "no pixel shows it, left out" for mask in things if mask not in shown}
+    for mask, (share, by) in painted.swallowed.items():
+        where = f"under the outline of {things[by].label or 'object'}"
+        losses[mask] = f"{int(100 * share)} % of it is {where}" if mask in shown else f"{losses[mask]}: it is {where}"
+    return losses
 
 
 def correct_masks(
     given: Annotations, found: NDArray[np.uint16], stated: dict[int, Correction], cut: Cutter
 ) -> tuple[Annotations | None, NDArray[np.uint16], list[str]]:
-    """Corrected annotations and masks (H, W), and a line for each object that was left out. None: no object is left."""
+    """Corrected annotations and masks (H, W), and a line for each thing of which something is lost. None: no object is
+    left."""
     things = apply_corrections(list_found(given), stated)
-    masks = paint_masks(things, found, cut)
-    shown = set(np.unique(masks).tolist())
+    painted = paint_masks(things, found, cut)
+    masks, shown = painted.masks, set(np.unique(painted.masks).tolist())
     seen = [item for mask, item in things.items() if mask in shown]
-    notes = [
-        f"{item.label or 'object'}: no pixel shows it, left out" for mask, item in things.items() if mask not in shown
-    ]
+    notes = [f"{things[mask].label or 'object'}: {what}" for mask, what in list_losses(things, painted).items()]
     floors = [item.mask for item in seen if item.label == FLOOR]
     masks = np.where(np.isin(masks, floors), floors[0], masks).astype(np.uint16) if floors else masks
     walls = [item.mask for item in seen if item.label == WALL]

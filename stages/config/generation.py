@@ -71,6 +71,8 @@ class GenerationConfig(Section):
     touch: ClassVar[float] = 0.001
     # Longest single push, metres.
     push_limit: ClassVar[float] = 0.5
+    # The same where no such push frees anything: what overlaps is thrown over by physics, farther than that; chosen.
+    last_push_limit: ClassVar[float] = 1.0
     # Pushes after which collisions that are left are reported as they are.
     push_rounds: ClassVar[int] = 30
 

@@ -14,6 +14,7 @@ from stages.contracts.section import Section
 
 NAME = re.compile(r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*")  # becomes part of paths
 INPUT_FILES = ("rgb.png", "camera.json", "depth.npz", "masks.png", "annotations.json")
+MADE = ("input", "frame")  # what input folders are called that the workflow makes in a folder of the scene's name
 HOLDS = "docs/scenes.md says what an input folder holds"
 
 
@@ -52,6 +53,12 @@ class Input(Section):
 def scene_of(path: Path) -> str:
     """The name of the scene in a folder: letters, digits, - and single _ inside."""
     return "_".join(re.findall(r"[A-Za-z0-9-]+", path.name)).lstrip("-") or "photo"
+
+
+def scene_of_folder(folder: Path) -> str:
+    """The name of the scene of an input folder: its own, or that of the folder around one that the workflow made."""
+    folder = folder.resolve()
+    return scene_of(folder.parent if folder.name in MADE else folder)
 
 
 def describe_missing(folder: Path) -> list[str]:

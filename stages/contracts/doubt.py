@@ -12,8 +12,8 @@ Cause = Literal["affordance", "camera", "place", "size", "name", "mounting"]
 BRING = "choose another model on the correction page, or bring one (docs/your-models.md)"
 # The most important first, and what a person can do about each.
 MEND: dict[Cause, str] = {
-    "affordance": BRING,
     "camera": "check the unit of depth and the intrinsics, or give one known length",
+    "affordance": BRING,
     "place": "move it on the correction page, or name and say what carries it",
     "size": "type a length that you know: its own on the correction page, or one of the picture if all are off",
     "name": f"call it otherwise; or {BRING}",
@@ -124,6 +124,11 @@ class DoubtKind(Enum):
         "D-NAME", "name", "called {name} by looks, size and place, {share:.0f} % sure; else {others}",
         "how sure the first of the names is that are proposed", 0.9, "share",
         "of 17 things that were surer 14 were right, of 117 others 66: docs/results/masks.md",
+    )  # fmt: skip
+    NO_FIT = (
+        "D-NO-FIT", "name",
+        "no model fits what is seen of it: ordered by name, doors and drawers, size and place alone",
+        "its depth and outline with those of every model in its place (the judge geometry)",
     )  # fmt: skip
     MOUNTING_UNCLEAR = (
         "D-MOUNTING-UNCLEAR",

@@ -63,7 +63,8 @@ class Plausibility(Contract):
 
     seconds: NonNegative
     stable: bool = Field(description="nothing has fallen or overlaps, is held without a wall, or reaches behind one")
-    fallen: list[str] = Field(description="objects that dropped or tipped")
+    fallen: list[str] = Field(description="objects that did not stay: they dropped, tipped or were pushed aside")
+    how: dict[str, Text] = Field({}, exclude_if=lambda found: not found, description="what each of them did, in words")
     held: list[str] = Field([], description="objects kept where they were seen, since what carries them is not named")
     behind: list[str] = Field([], description="objects that reach behind a wall")
     mean_displacement: NonNegative
@@ -72,14 +73,21 @@ class Plausibility(Contract):
 
     @property
     def wrong(self) -> str:
-        """What keeps the scene from being stable, in words; empty: nothing does."""
-        named = {
-            "fallen": self.fallen,
-            "held, for what carries it is not named": self.held,
-            "behind a wall": self.behind,
-        }
-        texts = [f"{what}: {', '.join(names)}" for what, names in named.items() if names]
-        return "; ".join(texts + ([f"{self.collisions} collisions"] if self.collisions else []))
+        """Why the scene does not stand, in words; empty: it stands as it was put."""
+        moved = [f"{name} {self.how.get(name, 'has fallen')}" for name in self.fallen]
+        return ", ".join(moved + ([f"{self.collisions} collisions are left"] if self.collisions else []))
+
+    @property
+    def kept(self) -> str:
+        """What stands only as it is helped, in words; empty: nothing does."""
+        named = {"held, for nothing that was named carries it": self.held, "reaches behind a wall": self.behind}
+        return "; ".join(f"{what}: {', '.join(names)}" for what, names in named.items() if names)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the scene stands, and what of it does not or is helped."""
+        first = f"does not stand: {self.wrong}" if self.wrong else "stands"
+        return f"{first}; {self.kept}" if self.kept else first
 
 
 class GeneratedScene(Document):

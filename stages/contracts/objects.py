@@ -141,6 +141,9 @@ class Objects(Document):
     )
     walls: list[Wall]
     objects: list[SceneObject]
+    lost: list[Text] = Field(
+        [], exclude_if=lambda found: not found, description="what could not be kept of a person's corrections"
+    )
     made: Provenance | None = None
 
     @model_validator(mode="after")

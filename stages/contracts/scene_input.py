@@ -13,6 +13,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, write_atomically, write_json
 from stages.contracts.images import check_shown, check_size, orientation_of, read_masks, read_rgb
 from stages.contracts.scenes import Annotations, Camera
+from stages.contracts.things import read_things
 from stages.geometry.ray_depth import find_flatter
 
 
@@ -33,7 +34,8 @@ class SceneInput:
 
 
 def read_scene_input(folder: Path) -> SceneInput:
-    """Read and cross-check the five files. Mask values that have no name in `annotations.json` are printed.
+    """Read and cross-check the five files. Mask values that have no name in `annotations.json`, nor are left out in
+    `things.json`, are printed.
 
     Raises:
         InputError: a file is missing, broken, or disagrees with the others; the file is named.
@@ -52,7 +54,9 @@ def read_scene_input(folder: Path) -> SceneInput:
             code="E-FLOOR-FRAME",
         )
     check_size(folder / "masks.png", masks, camera.width, camera.height, "camera.json")
-    nameless = sorted(set(np.unique(masks).tolist()) - {0, *annotations.values})
+    found = read_things(folder)
+    left_out = [item.mask for item in found.left_out] if found else []
+    nameless = sorted(set(np.unique(masks).tolist()) - {0, *annotations.values, *left_out})
     if nameless:
         values = ", ".join(map(str, nameless[:8])) + (", ..." if nameless[8:] else "")
         print(f"{folder / 'masks.png'}: annotations.json does not name the mask values {values}: they are not used")

@@ -1,8 +1,10 @@
 """Contract of `things.json`, beside a scene's input: what was found by itself in the picture, and how sure it is."""
 
+from pathlib import Path
+
 from pydantic import Field, model_validator
 
-from stages.contracts.files import Contract, Document
+from stages.contracts.files import Contract, Document, read_json
 from stages.contracts.types import Count, Extent, Fraction, MaskValue, Text, check_unique
 
 THINGS = "things.json"
@@ -24,6 +26,11 @@ class Thing(Contract):
     score: Fraction = Field(description="of its outline")
     source: Text = Field(description="what proposed it: 'ssd', 'mobile_sam', ...")
     left_out: str = Field("", max_length=1000, description="why it is not placed; empty: it is placed")
+
+    @property
+    def guess(self) -> str:
+        """What it may be, e.g. `chair, 62 %`."""
+        return f"{self.names[0].name}, {100 * self.names[0].probability:.0f} %" if self.names else "thing"
 
 
 class Ground(Contract):
@@ -50,3 +57,9 @@ class Things(Document):
     def left_out(self) -> list[Thing]:
         """What is not placed."""
         return [item for item in self.things if item.left_out]
+
+
+def read_things(folder: Path) -> Things | None:
+    """What was found by itself in the picture of an input folder; None: its masks are from elsewhere."""
+    path = folder / THINGS
+    return read_json(Things, path) if path.is_file() else None

@@ -66,14 +66,19 @@ def separate(items: list[Placed], walls: list[Wall], options: GenerationConfig) 
 
 def _push_once(scene: _Scene) -> _Scene | None:
     """The scene after the first push that is possible; None: nothing overlaps, or nothing can give way."""
-    for pair in overlapping_pairs(scene):
+    pairs = overlapping_pairs(scene)
+    for pair in pairs:
         for name in _movers(pair, scene):
-            push = shortest_push(name, scene)
+            push = shortest_push(name, scene, scene.options.push_limit)
             if push is not None:
                 return _push(name, push, scene)
         nested = _nest(pair, scene) if scene.options.stack_tolerance is not None else None
         if nested is not None:
             return nested
+    for name in (name for pair in pairs for name in _movers(pair, scene)):
+        push = shortest_push(name, scene, scene.options.last_push_limit)
+        if push is not None:
+            return _push(name, push, scene)
     return None
 
 
@@ -124,20 +129,22 @@ def _movers(pair: Pair, scene: _Scene) -> list[str]:
     return sorted((name for name in pair if not set(pair) <= find_stack(name, scene.supports)), key=rank_weight)
 
 
-def shortest_push(name: str, scene: _Scene) -> NDArray[np.float64] | None:
-    """The shortest shift (2,) that frees an item's stack from everything else; None if none is allowed."""
+def shortest_push(name: str, scene: _Scene, limit: float) -> NDArray[np.float64] | None:
+    """The shortest shift (2,), `limit` metres at most, that frees an item's stack from all else; None: none does."""
     stack = sorted(find_stack(name, scene.supports))
     mover = [prism for member in stack for prism in scene.shapes(member)]
     others = [prism for other in sorted(scene.items) if other not in stack for prism in scene.shapes(other)]
-    free = allowed_shifts(name, scene).difference(forbidden_shifts(mover, others, scene.options.touch).buffer(CLEAR))
+    free = allowed_shifts(name, scene, limit).difference(
+        forbidden_shifts(mover, others, scene.options.touch).buffer(CLEAR)
+    )
     if free.is_empty:
         return None
     return np.array(nearest_points(Point(0, 0), free)[1].coords[0])
 
 
-def allowed_shifts(name: str, scene: _Scene) -> BaseGeometry:
+def allowed_shifts(name: str, scene: _Scene, limit: float) -> BaseGeometry:
     """Where an item may go: not far, not into walls, not off its support; along its wall only if it touches one."""
-    item, limit = scene.items[name], scene.options.push_limit
+    item = scene.items[name]
     region: BaseGeometry = Point(0, 0).buffer(limit)
     touched = [wall for wall in scene.walls if wall.id in item.mounting.walls]
     if touched:

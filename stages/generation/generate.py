@@ -48,7 +48,7 @@ def run(
         doubted = doubt_placements(freed.items, inputs)
         settled = settle(doubted, inputs.objects, len(freed.left), config)
         scenes.append(to_contract(doubted, failed, settled, inputs.objects, variant, rank))
-        print(summarise(scenes[-1], freed.left))
+        print("\n".join(summarise(scenes[-1], freed.left)))
     seed = inputs.objects.made.seed if inputs.objects.made else None
     origin = record_provenance("stages.generation.generate", config, [cousins, objects, library, *corrections], seed)
     for scene in scenes:

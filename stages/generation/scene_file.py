@@ -60,19 +60,21 @@ def to_contract(
     )
 
 
-def summarise(scene: GeneratedScene, left: list[tuple[str, str]]) -> str:
-    """One line for the log."""
-    check = scene.plausibility
-    failed = [item.id for item in scene.objects if item.status == "failed"]
-    parts = [f"{scene.scene} rank {scene.rank}: {len(scene.objects) - len(failed)} placed"]
-    if failed:
-        parts.append(f"failed {', '.join(failed)}")
-    if check is not None:
-        parts.append("stable" if check.stable else f"NOT stable: {check.wrong}")
-        parts.append(f"penetration {1000 * check.max_penetration:.1f} mm")
-    parts += [f"{item.id}: {doubt.what}" for item in scene.objects for doubt in item.doubts]
-    parts += [f"{a} and {b} still collide" for a, b in left]
-    return "; ".join(parts)
+def summarise(scene: GeneratedScene, left: list[tuple[str, str]]) -> list[str]:
+    """Lines for the log: the scene's, and one for each thing that does not stand as it should."""
+    name, check = f"{scene.scene} rank {scene.rank}", scene.plausibility
+    placed = [item for item in scene.objects if item.status == "ok"]
+    parts = [f"{name}: {len(placed)} placed", f"{sum(len(item.doubts) for item in placed)} doubts (on its page)"]
+    if len(placed) < len(scene.objects):
+        parts.append(f"{len(scene.objects) - len(placed)} failed")
+    if check is None:
+        return ["; ".join(parts)]
+    parts += ["does NOT stand" if check.wrong else "stands", f"penetration {1000 * check.max_penetration:.1f} mm"]
+    lines = [f"{one} {check.how[one]}" for one in check.fallen]
+    lines += [f"{one} is held where it was seen: nothing that was named carries it" for one in check.held]
+    lines += [f"{one} reaches behind a wall" for one in check.behind]
+    lines += [f"{a} and {b} still collide" for a, b in left]
+    return ["; ".join(parts), *(f"{name}: {line}" for line in lines)]
 
 
 def read_items(generated: GeneratedScene, folders: Mapping[str, Path], cache: Path, path: Path) -> list[Placed]:

@@ -23,6 +23,7 @@ from stages.geometry.boxes import depth_behind, is_behind
 from stages.simulation.backdrop import add_backdrop
 from stages.simulation.loading import box_centre, load_asset, physics_scene, root_pose
 
+OVERLAP = 0.005  # metres that push things: 5 mm threw light things over (GenerationConfig.touch)
 Body: TypeAlias = PhysxArticulation | sapien.Entity
 
 
@@ -81,26 +82,28 @@ def run_physics(
         walls: a scene is not stable if something reaches behind one that does not end before it.
     """
     steps = round(options.settle_seconds / scene.timestep)
-    penetration = 0.0
+    penetration, overlaps = 0.0, {}
     for step in range(steps):
         scene.step()
         if step == 0:
-            penetration = deepest_contact(scene)
-    shifts, fallen = {}, []
+            penetration, overlaps = deepest_contact(scene), find_overlaps(scene, bodies)
+    shifts: dict[str, float] = {}
+    how: dict[str, str] = {}
     for item in items:
         body = bodies[item.id]
         pose = body.get_root_pose() if isinstance(body, PhysxArticulation) else body.get_pose()
-        shift = float(np.linalg.norm(_box_center(item, pose) - item.center))
-        shifts[item.id] = round(shift, 5)
-        if shift > options.fallen_distance or _tilt(pose) > options.fallen_tilt:
-            fallen.append(item.id)
+        shift = _box_center(item, pose) - item.center
+        shifts[item.id] = round(float(np.linalg.norm(shift)), 5)
+        if np.linalg.norm(shift) > options.fallen_distance or _tilt(pose) > options.fallen_tilt:
+            how[item.id] = describe_fall(shift, _tilt(pose), overlaps.get(item.id, ""), options)
     free = [shifts[item.id] for item in items if not item.held]
     held = [item.id for item in items if item.support == UNNAMED]
     in_walls = find_behind(items, walls)
     verdict = Plausibility(
         seconds=options.settle_seconds,
-        stable=not (fallen or collisions or held or in_walls),
-        fallen=fallen,
+        stable=not (how or collisions or held or in_walls),
+        fallen=list(how),
+        how=how,
         held=held,
         behind=in_walls,
         mean_displacement=round(float(np.mean(free)), 5) if free else 0.0,
@@ -108,6 +111,40 @@ def run_physics(
         collisions=collisions,
     )
     return Settled(verdict, shifts)
+
+
+def describe_fall(shift: NDArray[np.float64], tilt: float, overlapped: str, options: GenerationConfig) -> str:
+    """What an item did that did not stay.
+
+    Args:
+        shift: (3,) of its middle, metres.
+        tilt: degrees.
+        overlapped: what it overlapped most before it moved; empty: nothing.
+    """
+    if tilt > options.fallen_tilt:
+        what = f"tipped by {tilt:.0f}°"
+    elif -shift[2] > np.linalg.norm(shift[:2]):
+        what = f"dropped {-100 * shift[2]:.0f} cm"
+    else:
+        what = f"was pushed {100 * np.linalg.norm(shift):.0f} cm"
+    return f"{what}, for it overlapped {overlapped}" if overlapped else what
+
+
+def find_overlaps(scene: sapien.Scene, bodies: Mapping[str, Body]) -> dict[str, str]:
+    """Items that overlap floor, wall or another item by more than `OVERLAP`, with that which they overlap most."""
+    names = {
+        part.entity.per_scene_id if isinstance(body, PhysxArticulation) else body.per_scene_id: name
+        for name, body in bodies.items()
+        for part in (body.links if isinstance(body, PhysxArticulation) else [body])
+    }
+    deepest: dict[str, tuple[float, str]] = {}
+    for contact in scene.get_contacts():
+        one, other = (names.get(part.entity.per_scene_id, part.entity.name) for part in contact.bodies)
+        depth = -min((point.separation for point in contact.points), default=0.0)
+        for name, what in ((one, other), (other, one)):
+            if name != what and depth > max(OVERLAP, deepest.get(name, (0.0, ""))[0]):
+                deepest[name] = depth, what
+    return {name: what for name, (_, what) in deepest.items() if name in bodies}
 
 
 def find_behind(items: Sequence[Placed], walls: Sequence[Wall]) -> list[str]:

@@ -45,6 +45,13 @@ def remove_specks(mask: Mask) -> Mask:
     return large[parts]
 
 
+def outline_mask(mask: Mask) -> list[list[list[int]]]:
+    """Outlines of a mask as lists of pixels x, y, a pixel off at most, the largest first, without specks."""
+    curves, _ = cv2.findContours(remove_specks(mask).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    largest = sorted(curves, key=cv2.contourArea, reverse=True)
+    return [cv2.approxPolyDP(curve, 1.0, True)[:, 0].tolist() for curve in largest]
+
+
 def erode(mask: Mask, keep: float = 0.25) -> Mask:
     """Take `EROSION` pixels off the border, fewer if less than a share of `keep` of the mask would remain."""
     for size in range(EROSION, 0, -1):

@@ -143,6 +143,17 @@ def test_what_cannot_be_freed_is_reported_and_the_loop_ends():
     assert solve([a, b], push_limit=9.0, push_rounds=0)[1] == [("a", "b")]
 
 
+def test_where_no_short_push_frees_anything_a_longer_one_does():
+    """A piece of a sofa that was taken for an armchair lies in the sofa: physics would throw both over."""
+    sofa, armchair = thing("sofa", (2, 0, 0.3), (1.6, 1.6, 0.6)), thing("armchair", (2, 0.2, 0.3), (1.0, 1.0, 0.6))
+    assert solve([sofa, armchair], last_push_limit=0.5)[1] == [("armchair", "sofa")]
+    items, left = solve([sofa, armchair], last_push_limit=1.2)
+    assert not left and items["sofa"].moved == 0
+    assert items["armchair"].moved == pytest.approx(1.1, abs=1e-3)  # to the nearest side
+    near = thing("armchair", (2, 0.9, 0.3), (1.0, 1.0, 0.6))
+    assert solve([sofa, near])[0]["armchair"].moved == pytest.approx(0.4, abs=1e-3)
+
+
 def test_out_of_walls():
     inside = move_out_of_walls(UprightBox((3.8, 0, 0.5), (0.6, 1, 1), 0.0), [BACK])
     assert inside.center == pytest.approx([3.7, 0, 0.5])

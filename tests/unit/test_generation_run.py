@@ -1,6 +1,7 @@
 """The verb `generate` on a cabinet with a mug on it: files, places, failures, physics, repeatability."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,7 +27,7 @@ from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.models import read_collisions, read_links
 from stages.generation.placed import Placed
 from stages.generation.scene_file import summarise, to_contract
-from stages.generation.settling import find_behind, load_items, run_physics, settle, write_models
+from stages.generation.settling import describe_fall, find_behind, load_items, run_physics, settle, write_models
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import intrinsics_from_fov, look_at, project
 from stages.geometry.frames import apply, inverse, yaw_matrix
@@ -286,6 +287,8 @@ def test_what_floats_falls_unless_it_hangs_on_a_wall(scene: dict[str, Path], tmp
         settled = run_physics(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
         assert settled.plausibility.fallen == sorted(fallen)
         assert not settled.plausibility.stable
+        drops = {name: f"dropped {100 * height:.0f} cm" for name, height in fallen.items()}
+        assert settled.plausibility.how == drops and "mug_1 dropped" in settled.plausibility.wrong
         assert {name: settled.shifts[name] for name in fallen} == pytest.approx(fallen, abs=0.02)
 
 
@@ -306,7 +309,33 @@ def test_what_stands_on_something_unnamed_is_held_and_said(scene: dict[str, Path
     held = next(item for item in made.objects if item.id == "mug_1")
     assert held.support == "unnamed" and held.position[2] == pytest.approx(z + 1, abs=0.03)
     assert made.plausibility is not None and not made.plausibility.stable and held.settled_shift == 0
-    assert "NOT stable: held, for what carries it is not named: mug_1; penetration" in summarise(made, [])
+    first, *others = summarise(made, [])
+    assert re.fullmatch(
+        r"\S+ rank 1: 2 placed; \d doubts \(on its page\); 2 failed; stands; penetration \d\.\d mm", first
+    )
+    assert others == [f"{made.scene} rank 1: mug_1 is held where it was seen: nothing that was named carries it"]
+    assert made.plausibility.wrong == "" and made.plausibility.verdict.startswith("stands; held, for nothing")
+
+
+def test_what_overlaps_a_wall_is_pushed_and_not_said_to_have_dropped(scene: dict[str, Path]) -> None:
+    options = GenerationConfig(sizes="measured")
+    inputs = read_inputs(scene["cousins"], scene["objects"], scene["library"])
+    cabinet = next(item for item in build(inputs, 1, options).items if item.id == "cabinet_1")
+    far = max(corners(cabinet.box)[:, 0])
+    wall = Wall(id="wall_1", normal=(-1.0, 0.0, 0.0), offset=-far + 0.08, points=9)
+    room = inputs.objects.model_copy(update={"walls": [wall]})
+    check = settle([cabinet], room, 0, options).plausibility
+    assert check is not None and check.behind == ["cabinet_1"]
+    assert check.how == {"cabinet_1": "was pushed 8 cm, for it overlapped wall_1"}
+    assert check.verdict == "does not stand: cabinet_1 was pushed 8 cm, for it overlapped wall_1; " + check.kept
+
+
+def test_a_fall_is_said_by_what_it_is() -> None:
+    options = GenerationConfig()
+    assert describe_fall(np.array([0.2, 0.0, -0.1]), 80.0, "", options) == "tipped by 80°"
+    assert describe_fall(np.array([0.02, 0.0, -0.1]), 2.0, "", options) == "dropped 10 cm"
+    pushed = describe_fall(np.array([0.06, 0.0, -0.01]), 0.0, "table_1", options)
+    assert pushed == "was pushed 6 cm, for it overlapped table_1"
 
 
 def test_the_story_of_a_place_is_told(made: Path) -> None:

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shlex
 import subprocess
 from itertools import pairwise
 from pathlib import Path
@@ -10,12 +11,16 @@ from pathlib import Path
 import pytest
 import yaml
 
+from plugins.inputs.own_scene import write_config
 from plugins.ops.outside import list_key_variables, list_outside_paths
+from plugins.studio.correcting import Correcting
+from plugins.studio.tests.test_correcting import BOXES
 from reference.commands import rule_files
 from stages.config import reference
 from stages.config.containers import ContainersConfig, tag
 from stages.config.inputs import INPUT_FILES
 from stages.config.model import complete, load, with_defaults
+from tests.unit.synthetic_room import write_room
 from tests.workflow.workspace import ROOT, dry_run, make, planned
 
 STUDY = Path("config/study/table3.yaml")
@@ -295,6 +300,25 @@ def test_a_frame_with_depth_and_a_recording_need_no_hand(tmp_path: Path) -> None
     done = dry_run(folder, "photo", "--config", "image=frames", "camera=k.json")
     assert planned(done.stdout)["frame"] == planned(done.stdout)["scene_page"] == 2
     assert "E-RECORDING-LAYOUT" in dry_run(folder, "photo", "--config", "image=frames/color").stdout
+
+
+@pytest.mark.parametrize("scene", ["color", "frames-0"])
+def test_the_command_that_the_correcting_page_prints_works_for_a_frame_that_the_workflow_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scene: str
+) -> None:
+    """After `make picture` the frame's own config names the folder that a rule of that run has made."""
+    folder = make(tmp_path / "clone")
+    monkeypatch.chdir(folder)
+    frame = Path(f"results/scenes/{scene}/frame")
+    write_room(frame, BOXES, ["cabinet", "box"])
+    write_config(frame)
+    words = shlex.split(Correcting(frame, scene=scene).command())
+    assert words[:3] == ["snakemake", "--cores", "2"] and f"{frame}/config.yaml" in words
+    done = dry_run(folder, "-p", *words[3:])
+    jobs = planned(done.stdout)
+    assert done.returncode == 0, done.stdout
+    assert jobs["extract"] == jobs["match"] == jobs["scene_page"] == 1 and not {"frame", "room"} & set(jobs)
+    assert f"--scene {scene} " in done.stdout and f"results/report/scenes/{scene}.html" in done.stdout
 
 
 def test_mistakes_in_the_config_are_a_line_each(folder: Path, tmp_path: Path) -> None:

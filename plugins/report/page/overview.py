@@ -28,7 +28,7 @@ class Failure:
 class SceneRow:
     """A scene.
 
-    page: link to its own; empty: none. picture: of input and rank 1, a data URI. stable: of `ranks` scenes; None: not
+    page: link to its own; empty: none. picture: of input and rank 1, a data URI. stands: of `ranks` scenes; None: not
     checked.
     """
 
@@ -38,7 +38,7 @@ class SceneRow:
     objects: int
     placed: int
     ranks: int
-    stable: int | None
+    stands: int | None
     failures: list[Failure]
     doubts: list[Group]
 
@@ -102,7 +102,7 @@ def row(scene: str, layout: Layout, page: str = "") -> SceneRow:
         objects=len(found.seen),
         placed=sum(item.status == "ok" for item in found.placed.values()),
         ranks=len(found.scenes),
-        stable=sum(check.stable for check in checks) if checks else None,
+        stands=sum(not check.wrong for check in checks) if checks else None,
         failures=failures,
         doubts=group_doubts(found.doubts()),
     )

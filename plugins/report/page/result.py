@@ -79,7 +79,7 @@ def sentences(claims: pd.DataFrame | None, names: dict[str, str]) -> tuple[str, 
 def describe_outcome(rooms: Sequence[RoomPart], models: int, results: Sequence[Result], policies: int) -> str:
     """What went in, what came out and what it is worth, in a sentence; empty without pictures."""
     scenes = [scene for room in rooms for rebuilt in room.reconstructions for scene in rebuilt.scenes]
-    checked = [scene.stable for scene in scenes if scene.stable is not None]
+    checked = [scene.stands for scene in scenes if scene.stands is not None]
     text = f"{count(len(rooms), 'picture')} of {count(sum(room.objects for room in rooms), 'object')} went in; "
     text += count(len(scenes), "scene") + " of digital cousins" + f" from {count(models, 'model')}" * bool(models)
     text += f" ({sum(checked)} of {len(checked)} stand still in physics)" * bool(checked)

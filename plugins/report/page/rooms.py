@@ -28,7 +28,8 @@ from stages.tables.table2 import judge
 
 @dataclass(frozen=True)
 class RebuiltScene:
-    """The scene of one cousin rank; `stable` is None if physics was not checked; `doubts`: beyond those of rank 1;
+    """The scene of one cousin rank; `stands` is None if physics was not checked; `wrong`: why it does not.
+    `doubts`: beyond those of rank 1;
     `new`: objects with a model that no earlier rank has there."""
 
     rank: int
@@ -36,7 +37,8 @@ class RebuiltScene:
     placed: int
     moved: list[str]
     physics: str
-    stable: bool | None
+    stands: bool | None
+    wrong: str
     doubts: list[tuple[str, Doubt]]
     new: int
 
@@ -104,7 +106,7 @@ def _scene(scene: GeneratedScene, found: Findings, picture: Picture | None) -> R
     physics = "not checked"
     if check:
         physics = (
-            f"{'stable' if check.stable else f'not stable ({check.wrong})'} after {check.seconds:g} s; "
+            f"after {check.seconds:g} s it {check.verdict}; "
             f"moved {100 * check.mean_displacement:.1f} cm on average, {check.collisions} collisions, "
             f"deepest penetration {1000 * check.max_penetration:.1f} mm"
         )
@@ -116,7 +118,8 @@ def _scene(scene: GeneratedScene, found: Findings, picture: Picture | None) -> R
         placed=len(placed),
         moved=moved,
         physics=physics,
-        stable=check.stable if check else None,
+        stands=not check.wrong if check else None,
+        wrong=check.wrong if check else "",
         doubts=found.list_further_doubts(scene),
         new=found.count_new_models(scene),
     )

@@ -15,12 +15,14 @@ from PIL import Image
 from plugins.report.album import Album, Picture
 from plugins.report.doubts import group_doubts
 from plugins.report.page.files import RunFiles
-from plugins.report.page.rooms import Reconstruction, RoomPart
+from plugins.report.page.rooms import RebuiltScene, Reconstruction, RoomPart
 from stages.contracts.doubt import Doubt, DoubtKind
 from stages.contracts.extracted import read_metres
 from stages.contracts.files import read_json
 from stages.contracts.objects import Objects
 from stages.contracts.scenes import Camera
+
+MOST = 5  # doubts that the page shows in full; chosen
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ class Listed(NamedTuple):
 
 
 def doubts(room: RoomPart, rebuilt: Reconstruction | None) -> list[Listed]:
-    """Doubts that a person can mend, gravest first."""
+    """Doubts that a person can mend, gravest first: the camera, what failed, then by cause."""
     correct = rebuilt.correct if rebuilt else ""
     failed = [
         (f"{one} failed in {stage}", reason, correct and correct + one)
@@ -100,11 +102,41 @@ def doubts(room: RoomPart, rebuilt: Reconstruction | None) -> list[Listed]:
     ]
     found = [("camera", room.camera_doubt)] if room.camera_doubt else []
     found += [(match.entry.id, doubt) for match in (rebuilt.matches if rebuilt else []) for doubt in match.doubts]
-    scenes = [scene for scene in (rebuilt.scenes if rebuilt else []) if scene.stable is False]
-    found += [(f"scene of rank {scene.rank}", DoubtKind.UNSTABLE.of(what=scene.physics)) for scene in scenes]
+    found += doubt_physics(rebuilt.scenes if rebuilt else [])
     objects = {match.entry.id for match in rebuilt.matches} if rebuilt else set()
     listed = [Listed("Failed", "name or draw it again on the correction page", failed)] if failed else []
-    return listed + _group_doubts(found, correct, objects)
+    groups = [*listed, *_group_doubts(found, correct, objects)]
+    return sorted(groups, key=lambda group: group.title != "Camera")  # what is wrong with the camera makes all wrong
+
+
+def doubt_physics(scenes: list[RebuiltScene]) -> list[tuple[str, Doubt]]:
+    """Which scenes do not stay as they were put, and why; those that have the same fault together."""
+    ranks: dict[str, list[str]] = {}
+    for scene in scenes:
+        if scene.stands is False:
+            ranks.setdefault(scene.wrong, []).append(str(scene.rank))
+    about = {what: f"scene{'s'[: len(which) > 1]} of rank {', '.join(which)}" for what, which in ranks.items()}
+    return [(about[what], DoubtKind.UNSTABLE.of(what=what)) for what in ranks]
+
+
+class Grave(NamedTuple):
+    """One of the gravest doubts: about what, the doubt, what helps, and the command that opens it (or nothing)."""
+
+    about: str
+    what: str
+    mend: str
+    command: str
+
+
+def split_doubts(listed: list[Listed]) -> tuple[list[Grave], list[Listed]]:
+    """The gravest doubts, one by one, and the others by their causes."""
+    first, rest = [], []
+    for group in listed:
+        room = MOST - len(first)
+        first += [Grave(about, what, group.mend, command) for about, what, command in group.entries[:room]]
+        if more := group.entries[room:]:
+            rest.append(group._replace(entries=more))
+    return first, rest
 
 
 def _group_doubts(found: list[tuple[str, Doubt]], correct: str, objects: Collection[str]) -> list[Listed]:

@@ -58,6 +58,17 @@ def test_what_the_border_cuts_is_doubted_where_no_fit_says_how_sure_it_is() -> N
     assert told(cut, placed("a", 0.6, size_spread=(0.02, 0.02, 0.02))) == []
 
 
+def test_that_no_model_fits_is_doubted_until_a_person_chooses_one() -> None:
+    none = entry()
+    first = none.cousins[0].model_copy(update={"score": -2.0, "terms": {"priors": 2.0}})
+    none = none.model_copy(update={"cousins": [first, *none.cousins[1:]]})
+    item, thing = cabinet(), placed("a", 0.6)
+    view = Objects(objects=[item], **VIEW)
+    (doubt,) = collect_doubts(none, item, thing, view)
+    assert doubt.what.startswith("no model fits what is seen of it") and "call it otherwise" in str(doubt)
+    assert collect_doubts(none, item, thing.model_copy(update={"chosen": True}), view) == []
+
+
 def test_what_was_guessed_in_a_drawing_is_doubted_until_a_person_says_its_size() -> None:
     guessed = Doubt(cause="size", what="depth is guessed")
     moved = Doubt(cause="place", what="11 % nearer")

@@ -146,7 +146,7 @@ def test_page_is_whole_and_stands_alone(made: Path) -> None:
 def test_page_tells_what_happened(made: Path) -> None:
     text = (made / "results/report/index.html").read_text()
     for words in (
-        "13 models in 2 categories", "only 12 points &lt;after cleaning&gt;", "fallen: lamp_1",
+        "13 models in 2 categories", "only 12 points &lt;after cleaning&gt;", "lamp_1 has fallen",
         "cabinet 01", "grasp slip 1", "8/10", "[49–95]", "Loss of the policy lite, trained on 4 cousins",
         "Table 3:", "paper 5/5",
         "Lite, trained on 4 cousins, seed 0", "not run", "+17 points",

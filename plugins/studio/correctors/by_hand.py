@@ -25,11 +25,13 @@ def reconstruct_corrected(
     image: AnnotatedImage, stated: dict[int, Correction], reconstruct: Callable[[AnnotatedImage], ExtractedScene]
 ) -> ExtractedScene:
     """The objects of a picture as a person corrected them; `stated`: by mask value."""
-    return correct_scene(reconstruct(correct_image(image, stated)), stated)
+    corrected, lost = correct_image(image, stated)
+    scene = correct_scene(reconstruct(corrected), stated)
+    return replace(scene, objects=scene.objects.model_copy(update={"lost": lost}))
 
 
-def correct_image(image: AnnotatedImage, stated: dict[int, Correction]) -> AnnotatedImage:
-    """The picture with corrected masks, labels, counts and mountings.
+def correct_image(image: AnnotatedImage, stated: dict[int, Correction]) -> tuple[AnnotatedImage, list[str]]:
+    """The picture with corrected masks, labels, counts and mountings, and what is lost by them, a line each.
 
     Raises:
         InputError: nothing is left.
@@ -39,7 +41,7 @@ def correct_image(image: AnnotatedImage, stated: dict[int, Correction]) -> Annot
         print(note)
     if annotations is None:
         raise InputError("corrections.json", "leaves no object.", "take back that one is gone", code="E-SCENE-EMPTY")
-    return replace(image, annotations=annotations, masks=masks)
+    return replace(image, annotations=annotations, masks=masks), notes
 
 
 def correct_scene(scene: ExtractedScene, stated: dict[int, Correction]) -> ExtractedScene:

@@ -127,7 +127,7 @@ def test_parts_are_joined_and_nothing_else_is_gone(session: Correcting, source: 
     session.save(joined.model_dump(mode="json"))
     told = corrections_of((source / CORRECTIONS,), "extraction")
     assert told == {CABINET: Correction(mask=CABINET, joins=[BOX])}  # said once, not that the box is gone besides
-    before, seen = read_folder(source), correct_image(read_folder(source), told)
+    before, (seen, _) = read_folder(source), correct_image(read_folder(source), told)
     assert ((seen.masks == CABINET) == np.isin(before.masks, [CABINET, BOX])).all()
     assert [item.label for item in seen.annotations.objects] == ["cabinet"]
     again = session.open_drawing()
@@ -163,12 +163,12 @@ def test_another_name_than_the_proposed_one_says_anew_whether_it_opens(
     said = json.loads((source / "annotations.json").read_text())
     said["objects"][0] |= {"doors": 0, "proposals": ["cabinet", "stool", "chair"]}
     (source / "annotations.json").write_text(json.dumps(said))
-    image = correct_image(read_folder(source), {CABINET: Correction(mask=CABINET, **told)})
+    image, _ = correct_image(read_folder(source), {CABINET: Correction(mask=CABINET, **told)})
     assert image.annotations.objects[0].articulated is opens
     said["objects"][0].pop("proposals")  # what a person or a network has said stays
     (source / "annotations.json").write_text(json.dumps(said))
     stays = told.get("articulated", True)
-    image = correct_image(read_folder(source), {CABINET: Correction(mask=CABINET, **told)})
+    image, _ = correct_image(read_folder(source), {CABINET: Correction(mask=CABINET, **told)})
     assert image.annotations.objects[0].articulated is stays
 
 
@@ -181,7 +181,7 @@ def test_an_outline_says_which_pixels_and_two_floors_are_one(session: Correcting
     answer = session.write(drawing.model_dump(mode="json"))
     assert answer["notes"] == ["lost: no pixel shows it, left out"] and "mug_1" in answer["ids"]
     told = corrections_of((source / CORRECTIONS,), "extraction")
-    seen = correct_image(read_folder(source), told)
+    seen, _ = correct_image(read_folder(source), told)
     assert (seen.masks == 92).sum() == 51 * 41 and seen.masks[2, 30] == seen.annotations.floor == FLOOR
 
 
@@ -431,7 +431,7 @@ def test_a_person_corrects_in_the_browser(opened: Any, session: Correcting, sour
     page.wait_for_function("() => document.getElementById('preview').naturalWidth > 100")
     if shots := os.environ.get("ACDC_SCREENSHOTS"):
         page.screenshot(path=f"{shots}/correct.png")
-    given = correct_image(read_folder(source), corrections_of((source / CORRECTIONS,), "extraction"))
+    given, _ = correct_image(read_folder(source), corrections_of((source / CORRECTIONS,), "extraction"))
     assert [item.label for item in given.annotations.objects] == ["cabinet", "stool", "clock", "rug"]
     assert given.annotations.objects[2].articulated and given.masks.shape[::-1] == (WIDTH, HEIGHT)
     page.get_by_role("button", name="Done").click()

@@ -1,0 +1,107 @@
+"""The top of a scene's page: ground, walls, what was left out, what corrections lost, and the gravest doubts."""
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from plugins.report.page.rooms import RebuiltScene
+from plugins.report.page.root import describe_ground
+from plugins.report.page.single import MOST, Listed, doubt_physics, split_doubts
+from plugins.report.tests.test_report_browser import browser  # noqa: F401
+from plugins.report.tests.test_scene_page import page
+from stages.contracts import Camera, Objects, read_json, write_json
+from stages.contracts.things import THINGS, Ground, Name, Thing, Things
+from tests.unit.tables_results import CAMERA, write_run
+
+SURFACE = "a level surface below which 0.3 % of the points lie"
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    """A run whose room_1 has a thing that was left out, and a correction that lost its pixels."""
+    write_run(tmp_path)
+    write_json(tmp_path / "camera.json", Camera(width=240, height=160, intrinsics=CAMERA))
+    folder = tmp_path / "results/scenes/room_1/input"
+    masks = np.zeros((160, 240), np.uint16)
+    masks[60:120, 150:210], masks[10:30, 10:30] = 77, 78
+    cv2.imwrite(str(folder / "masks.png"), masks)
+    left = [
+        Thing(mask=mask, names=[Name(name=name, probability=0.41)], other=0.3, score=0.8, source="ssd", left_out=why)
+        for mask, name, why in ((77, "armchair", "no name is sure"), (78, "clock", "it is 1.2 m wide"))
+    ]
+    height = read_json(Objects, tmp_path / "results/extraction/room_1/objects.json").floor_from_camera[2][3]
+    ground = Ground(camera_height=height, taken_from=SURFACE, share=0.012)
+    write_json(folder / THINGS, Things(ground=ground, walls=1, things=left))
+    write_json(folder / "corrections.json", {"version": 1, "objects": [{"mask": 78, "label": "clock"}]})
+    path = tmp_path / "results/extraction/room_1/objects.json"
+    lost = {"lost": ["box: no pixel shows it, left out"]}
+    write_json(path, read_json(Objects, path).model_copy(update=lost))
+    return tmp_path
+
+
+def _section(path: Path) -> str:
+    text = path.read_text()
+    return text[text.index('<section id="doubts">') : text.index('<section id="found">')]
+
+
+def test_it_says_the_root_before_the_doubts(root: Path) -> None:
+    page(root, "room_1", root / "page.html")
+    said = _section(root / "page.html")
+    assert f"m above the ground, which was taken from {SURFACE} (1.2 % of the picture)" in said
+    assert re.search(r"\d things were found, 1 left out", said) and re.search(r"walls? (was|were) found|No wall", said)
+    assert "<b>armchair, 41 %</b>: no name is sure" in said and "clock" not in said, "a person has taken it"
+    assert "--choose drawn_77</code>" in said and said.count("<polygon") == 1
+    assert "box: no pixel shows it, left out" in said
+    assert said.index("above the ground") < said.index('class="doubt"')
+
+
+def test_without_what_networks_found_it_says_what_is_known(root: Path) -> None:
+    (root / "results/scenes/room_1/input" / THINGS).unlink()
+    page(root, "room_1", root / "page.html")
+    said = _section(root / "page.html")
+    assert "m above the ground." in said and "nothing left out" in said and "<svg" not in said
+
+
+def test_a_ground_that_a_person_put_elsewhere_is_not_the_one_that_geometry_found(root: Path) -> None:
+    objects = read_json(Objects, root / "results/extraction/room_1/objects.json")
+    ground = Ground(camera_height=0.99, taken_from="table tops", share=0.3)
+    assert "it is not table tops (30.0 % of the picture), which is 0.99 m below" in describe_ground(objects, ground)
+
+
+def test_five_doubts_are_shown_the_others_folded() -> None:
+    listed = [Listed("Camera", "check it", [("camera", "is low", "")])]
+    listed.append(Listed("Place", "move it", [(f"chair {k}", "pushed", f"choose chair_{k}") for k in range(7)]))
+    first, rest = split_doubts(listed)
+    assert [one.about for one in first] == ["camera", *(f"chair {k}" for k in range(MOST - 1))]
+    assert first[1].mend == "move it" and first[1].command == "choose chair_0"
+    assert [[about for about, _, _ in group.entries] for group in rest] == [["chair 4", "chair 5", "chair 6"]]
+    assert split_doubts(listed[:1]) == (first[:1], [])
+
+
+def test_scenes_that_do_not_stay_are_said_once_with_which_thing_and_why() -> None:
+    def scene(rank: int, wrong: str) -> RebuiltScene:
+        return RebuiltScene(rank, None, 3, [], "checked", not wrong, wrong, [], 0)
+
+    found = doubt_physics([scene(1, "dropped: desk_1"), scene(2, ""), scene(3, "dropped: desk_1"), scene(4, "x")])
+    assert [(about, doubt.what) for about, doubt in found] == [
+        ("scenes of rank 1, 3", "dropped: desk_1"),
+        ("scene of rank 4", "x"),
+    ]
+
+
+def test_a_click_on_the_dashed_outline_opens_the_command_that_takes_it(root: Path, browser: Any) -> None:  # noqa: F811
+    page(root, "room_1", root / "page.html")
+    shown = browser.new_page()
+    shown.goto((root / "page.html").as_uri())
+    command = shown.locator("#left-out-77")
+    assert not command.is_visible()
+    shown.locator(".left-out polygon").click()
+    assert command.is_visible() and command.text_content().endswith("--choose drawn_77")
+    if shots := os.environ.get("ACDC_SCREENSHOTS"):
+        shown.screenshot(path=f"{shots}/scene_root.png", full_page=True)
+    shown.close()

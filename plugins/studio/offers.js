@@ -1,0 +1,39 @@
+// What was found and left out of the scene: dashed outlines with a guess, of which a click takes one.
+import { area, element, name, unit } from './canvas.js';
+import { state } from './state.js';
+
+const get = (id) => document.getElementById(id);
+export const blank = (id, mask) => ({ id, mask, label: null, named: false, around: null, outline: [], joins: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null });
+
+const offers = () => state.offers.filter(({ mask }) => !state.project.objects.some((item) => item.mask === mask || item.joins.includes(mask)));
+
+// The thing that a click on an offer makes of it: with its first name.
+export function taken(mask) {
+  const { id, label, articulated } = state.offers.find((offer) => offer.mask === mask);
+  return { ...blank(id, mask), label, articulated };
+}
+
+export function drawOffers() {
+  return offers().flatMap((offer) => {
+    const kind = `offer ${state.chosen === offer.id ? 'chosen' : ''}`.trim();
+    const about = element('title', {}, [`${offer.text}: ${offer.why}. Click to take it.`]);
+    const outlines = offer.outlines.map((points) => area(points, 'face'));
+    const [x, y] = offer.outlines.flat().reduce((one, other) => (other[1] < one[1] ? other : one));
+    return [element('g', { class: kind, 'data-offer': offer.mask }, [about, ...outlines]), name(`${offer.text}?`, [x, y + 13 * unit()])];
+  });
+}
+
+export function listOffers(take) {
+  const lines = offers().map((offer) => {
+    const entry = document.createElement('li'), button = document.createElement('button');
+    button.type = 'button';
+    button.textContent = `${offer.text}: ${offer.why}`;
+    button.setAttribute('aria-pressed', String(state.chosen === offer.id));
+    button.addEventListener('click', () => take(offer.mask));
+    entry.append(button);
+    return entry;
+  });
+  get('left-out').hidden = !lines.length;
+  get('left-out').querySelector('summary').textContent = `Left out: ${lines.length}; a click takes one`;
+  get('left-out').querySelector('ul').replaceChildren(...lines);
+}
