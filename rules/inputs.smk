@@ -54,9 +54,29 @@ def store_of_variant(wildcards):
     return MATCHING[wildcards.variant].store()
 
 
+def scene_shards(wildcards):
+    """The shards of a scene's models: all; of a picture alone in its run those that hold its objects' candidates.
+
+    For these Snakemake waits for the checkpoint.
+    """
+    if wildcards.scene != PICTURE:
+        return SHARDS
+    named = []
+    for variant in [wildcards.variant] if "variant" in wildcards.keys() else VARIANTS:
+        with checkpoints.shards.get(variant=variant, scene=PICTURE).output.shards.open() as file:
+            named += json.load(file)["shards"]
+    return list(dict.fromkeys(named))
+
+
 def compared_shards(wildcards):
-    """The shards whose pictures a variant compares with an object's: none if it compares no pictures."""
-    return SHARDS if MATCHING[wildcards.variant].compares_pictures else []
+    """Those whose pictures a variant compares with an object's: none if it compares no pictures."""
+    return scene_shards(wildcards) if MATCHING[wildcards.variant].compares_pictures else []
+
+
+def archives(wildcards):
+    """The archives that hold a shard's models."""
+    shards = SHARDS if wildcards.shard.startswith("part_") else [wildcards.shard]
+    return expand("results/assets/library/shard_{shard}.zip", shard=shards)
 
 
 def known_scene(wildcards):

@@ -289,11 +289,13 @@ def test_a_frame_with_depth_and_a_recording_need_no_hand(tmp_path: Path) -> None
     done = dry_run(folder, "photo", "-p", "--config", *one, "camera=k.json")
     jobs = planned(done.stdout)
     assert jobs["frame"] == jobs["match"] == jobs["scene_page"] == 1 and not {"estimate", "train", "room"} & set(jobs)
+    assert jobs["shards"] == 1 and not {"snapshots", "features"} & set(jobs)  # which, is known when objects are found
     assert "--auto --out results/scenes/0/frame " in done.stdout and "--intrinsics k.json" in done.stdout
     assert "camera: nothing says what camera took" in dry_run(folder, "photo", "--config", *one).stdout
     assert "depth: is said of no picture" in dry_run(folder, "photo", "--config", one[1]).stdout
     done = dry_run(folder, "photo", "--config", "image=frames", "camera=k.json")
     assert planned(done.stdout)["frame"] == planned(done.stdout)["scene_page"] == 2
+    assert "shards" not in planned(done.stdout) and planned(done.stdout)["snapshots"] == 2  # all, for several
     assert "E-RECORDING-LAYOUT" in dry_run(folder, "photo", "--config", "image=frames/color").stdout
 
 
