@@ -6,7 +6,7 @@ from stages.cli import progress
 from stages.config.generation import GenerationConfig
 from stages.config.provenance import record_provenance
 from stages.contracts import InputError, read_options, write_json
-from stages.generation.choosing import choose_models
+from stages.generation.choosing import Places, choose_models
 from stages.generation.collisions import separate
 from stages.generation.doubts import doubt_placements
 from stages.generation.inputs import read_inputs
@@ -38,9 +38,9 @@ def run(
     """
     config = read_options(GenerationConfig, options)
     inputs = read_inputs(cousins, objects, library, corrections)
-    scenes = []
+    scenes, places = [], Places()
     for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):
-        items, failed = choose_models(inputs, rank, config)
+        items, failed = choose_models(inputs, rank, config, places)
         if not items:
             what = "has no object that could be placed."
             raise InputError(objects, what, "see the reasons in it and in cousins.json", code="E-SCENE-EMPTY")
