@@ -43,6 +43,12 @@ def corrector_digest(wildcards, input):
     return code_digest(qualify_module("correctors", find("correctors", "by_hand"))) if input.corrections else ""
 
 
+def painted_picture(wildcards):
+    """The picture in whose colours a variant's cousins are painted, if they are."""
+    painted = CONFIG.generation_of(wildcards.variant).finish == "picture"
+    return input_file("rgb.png")(wildcards) if painted else []
+
+
 def noise_seed(wildcards):
     """The seed of a scene's depth noise."""
     seed = EXPERIMENT.scene(wildcards.scene).seed

@@ -11,6 +11,7 @@ from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, InputError
 from stages.contracts.cousins import Cousin
 from stages.contracts.doubt import DoubtKind
+from stages.generation.finishing import paint
 from stages.generation.inputs import Inputs, MatchedObject
 from stages.generation.models import resize
 from stages.generation.placed import Placed
@@ -43,7 +44,7 @@ def choose_models(
         try:
             item = choose(one, rank, models, partial(place_once, one), options.max_stretch)
             models[one.object.mask] = item.asset.id
-            items.append(resize(item))
+            items.append(resize(paint(item, one.colour)))
         except InputError as error:
             failed[one.object.id] = error.what
     return items, failed

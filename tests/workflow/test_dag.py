@@ -259,6 +259,16 @@ def test_a_variant_that_looks_at_no_picture_plans_no_features(folder: Path) -> N
     assert half["features"] == half["snapshots"] > 0  # one judge that looks is enough
 
 
+def test_cousins_in_the_colours_of_the_picture_need_it(folder: Path) -> None:
+    room = "experiment: {rooms: [room_1], targets: {door: null}}"
+    (folder / "painted.yaml").write_text(f"{room[:-1]}, placements: {{b: {{finish: picture}}}}}}")
+    done = dry_run(folder, "generation", "-p", "--configfile", "painted.yaml")
+    assert re.search(r'"finish": ?"picture".* --image results/scenes/room_1/input/rgb.png --out', done.stdout), (
+        done.stdout
+    )
+    assert "rgb.png --out results/generation" not in dry_run(folder, "generation", "-p").stdout
+
+
 def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
     folder = make(tmp_path)
     assert "Fix: snakemake --cores 2 photo --config image=kitchen.jpg" in dry_run(folder, "photo").stdout
