@@ -1,7 +1,8 @@
 # The asset library and its snapshots (paper A.1).
 # Reads:  nothing, or the user's folders named in `assets.folders`.
 # Whoever needs a model reads the index and all archives, by `ancient`: that one changed is seen in the index.
-# Writes: results/assets/library/shard_<i>.{json,zip} and library.json, the index of them all,
+# Writes: results/assets/library/shard_<i>.{json,zip} and library.json, the index of them all; for a picture of the
+#         user's shard_part_<categories>.json,
 #         results/assets/snapshots/shard_<i>.{h5,json}, and for people shard_<i>.png.
 
 
@@ -27,11 +28,31 @@ rule library:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
+rule part:
+    """Index the models of some categories, for a picture of the user's."""
+    input:
+        library="results/assets/library/library.json",
+    output:
+        part="results/assets/library/shard_{shard}.json",
+    log:
+        "logs/assets/{shard}.log",
+    wildcard_constraints:
+        shard=r"part_[0-9a-f]+",
+    localrule: True
+    resources:
+        **needs(1000, 10),
+    params:
+        **verb("assets", "part", library="part"),
+    shell:
+        "({params.command} --library {input.library:q} --shard {wildcards.shard} --out {output.part:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
+
+
 rule snapshots:
     """Render the yaw views of one shard of the library."""
     input:
         part="results/assets/library/shard_{shard}.json",
-        models=ancient("results/assets/library/shard_{shard}.zip"),
+        models=ancient(archives),
     output:
         images="results/assets/snapshots/shard_{shard}.h5",
         index="results/assets/snapshots/shard_{shard}.json",

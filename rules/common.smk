@@ -65,6 +65,8 @@ RANKS = list(range(1, CONFIG.generation.ranks + 1))
 PROCEDURAL = any(CONFIG.assets.counts.values()) or replacement(CONFIG, "furniture", "library")
 PROCEDURAL_SHARDS = list(range(CONFIG.assets.shards)) if PROCEDURAL else []
 SHARDS = [*PROCEDURAL_SHARDS, *OWN_SHARDS]
+# The picture of a run of one: parts of the library are drawn for it.
+PICTURE = next((room for room in ROOMS if len(ROOMS) == 1 and room in EXPERIMENT.inputs), None)
 STORES = stores(CONFIG)
 # What policies open, also inside generated scenes; on which assets it is demonstrated; who opens it after what training.
 TARGETS = list(EXPERIMENT.targets)
@@ -95,7 +97,7 @@ wildcard_constraints:
     seed=r"\d+",
     scene=r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*(\.(" + "|".join(EXPERIMENT.protocols) + r")\.\d+)?",
     variant=r"[A-Za-z0-9_-]+",
-    shard=r"\d+|own_\w+",
+    shard=r"\d+|own_\w+|part_[0-9a-f]+",
     store=r"[A-Za-z0-9_]+-[0-9a-f]{8}",
     object=r"[^/]+",
     target="|".join(TARGETS) or "-",

@@ -17,6 +17,7 @@ rule generate:
         clouds="results/extraction/{scene}/clouds.npz",
         masks="results/extraction/{scene}/masks.png",
         corrections=ancient(corrections_file("generation")),  # `corrected` says whether it counts
+        image=painted_picture,
     output:
         scenes=expand("results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, allow_missing=True),
     log:
@@ -35,7 +36,7 @@ rule generate:
     shell:
         "({params.command} --cousins {input.cousins:q} --objects {input.objects:q} "
         "--library {input.library:q} --variant {wildcards.variant} --options {params.options:q} "
-        "{params.corrections} --out {params.out:q} && "
+        "{params.corrections} --image {input.image:q} --out {params.out:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

@@ -43,6 +43,12 @@ def corrector_digest(wildcards, input):
     return code_digest(qualify_module("correctors", find("correctors", "by_hand"))) if input.corrections else ""
 
 
+def painted_picture(wildcards):
+    """The picture in whose colours a variant's cousins are painted, if they are."""
+    painted = CONFIG.generation_of(wildcards.variant).finish == "picture"
+    return input_file("rgb.png")(wildcards) if painted else []
+
+
 def noise_seed(wildcards):
     """The seed of a scene's depth noise."""
     seed = EXPERIMENT.scene(wildcards.scene).seed
@@ -54,9 +60,29 @@ def store_of_variant(wildcards):
     return MATCHING[wildcards.variant].store()
 
 
+def scene_shards(wildcards):
+    """The shards of a scene's models: all; of a picture alone in its run those that hold its objects' candidates.
+
+    For these Snakemake waits for the checkpoint.
+    """
+    if wildcards.scene != PICTURE:
+        return SHARDS
+    named = []
+    for variant in [wildcards.variant] if "variant" in wildcards.keys() else VARIANTS:
+        with checkpoints.shards.get(variant=variant, scene=PICTURE).output.shards.open() as file:
+            named += json.load(file)["shards"]
+    return list(dict.fromkeys(named))
+
+
 def compared_shards(wildcards):
-    """The shards whose pictures a variant compares with an object's: none if it compares no pictures."""
-    return SHARDS if MATCHING[wildcards.variant].compares_pictures else []
+    """Those whose pictures a variant compares with an object's: none if it compares no pictures."""
+    return scene_shards(wildcards) if MATCHING[wildcards.variant].compares_pictures else []
+
+
+def archives(wildcards):
+    """The archives that hold a shard's models."""
+    shards = SHARDS if wildcards.shard.startswith("part_") else [wildcards.shard]
+    return expand("results/assets/library/shard_{shard}.zip", shard=shards)
 
 
 def known_scene(wildcards):

@@ -1,6 +1,7 @@
 # Digital cousins: nearest categories, models and orientations by patch voting (paper A.6, A.7, B.1).
 # Reads:  the library's snapshots; a scene's objects and picture.
 # Writes: results/matching/features/<store>/shard_<i>.{npy,json,npz} once per library and encoder with its settings,
+#         results/matching/<variant>/<scene>/shards.json of a picture of the user's alone,
 #         results/matching/<variant>/<scene>/cousins.json, and for people cousins.png,
 #         results/matching/<variant>/<scene>/distances/<object>.json for the objects of the policy experiment.
 
@@ -33,6 +34,27 @@ rule features:
     shell:
         "({params.command} --snapshots {input.images:q} --options {params.options:q} "
         "--out {output.features:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
+
+
+checkpoint shards:
+    """Name the shards that a picture's objects are compared with: what is drawn, and what of the library lacks."""
+    input:
+        library="results/assets/library/library.json",
+        objects="results/extraction/{scene}/objects.json",
+    output:
+        shards="results/matching/{variant}/{scene}/shards.json",
+    log:
+        "logs/matching/shards_{variant}_{scene}.log",
+    localrule: True
+    resources:
+        **needs(2000, 10),
+    params:
+        **verb("matching", "shards", uses=matching_modules("text_encoder"), shards="shards"),
+        snapshots=lambda wildcards, input: str(Path(input.library).parents[1] / "snapshots"),
+    shell:
+        "({params.command} --objects {input.objects:q} --library {input.library:q} --snapshots {params.snapshots:q} "
+        "--options {params.options:q} --out {output.shards:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

@@ -22,6 +22,8 @@ def models_in(wildcards):
     """How many models a shard has."""
     if wildcards.shard in OWN_SHARDS:
         return len(OWN_SHARDS[wildcards.shard].models)
+    if wildcards.shard.startswith("part_"):
+        return min(LIBRARY_SIZE, 200)
     return -(-sum(CONFIG.assets.counts.values()) // max(len(PROCEDURAL_SHARDS), 1))
 
 
@@ -56,5 +58,9 @@ def training_minutes(wildcards):
 
 
 def scene_group(wildcards):
-    """The submission of a job about one scene: one per variant, the first makes what they share."""
-    return f"scene_{wildcards.get('variant', VARIANTS[0])}"
+    """The submission of a job about one scene: one per variant, the first makes what they share.
+
+    None, for a picture alone: its jobs await a checkpoint, for which Snakemake has no groups.
+    """
+    return None if PICTURE and wildcards.get("scene") == PICTURE else f"scene_{wildcards.get('variant', VARIANTS[0])}"
+

@@ -1,15 +1,25 @@
 """The same model in another finish: other colours and textures, the same geometry (protocol `recoloured`)."""
 
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
+import open3d as o3d
+from trimesh import Trimesh
 
 from plugins.furniture.colours import ALTERNATIVES, pick
-from plugins.furniture.finishes import Finish, Surface, finish_of
+from plugins.furniture.finishes import RGB, Finish, Surface, finish_of
+from plugins.furniture.folder import generate
+from plugins.furniture.model import parts_of
+from plugins.furniture.shapes import bounds_of
 from stages.contracts.library import Recipe
+from stages.contracts.types import LARGEST
 
 FIXED = {"screen_colour", "panel_colour", "inside_colour"}  # the same on every model
 OTHER = 0.12  # distance from the old colour from which a colour is another one
+VIEW = (1.0, 0.5, 0.6)  # from where a thing is looked at: its front, one side and its top are seen
+SIDE = 96  # of the picture, pixels; chosen
 SHADED = 0.02  # a colour that is a multiple of another, to this relative accuracy, stays its shade
 
 
@@ -20,11 +30,61 @@ def refinish(recipe: Recipe, rng: np.random.Generator) -> Recipe:
     """
     new: dict[Finish, Finish] = {}
 
-    def repaint(value: Surface) -> str:
-        old = finish_of(value)
+    def repaint(old: Finish) -> Finish:
         if old not in new:
             new[old] = _shade_of(old, new) or _another(old, rng)
-        return str(new[old])
+        return new[old]
+
+    return _change_finishes(recipe, repaint)
+
+
+def paint(recipe: Recipe, colour: RGB) -> Recipe:
+    """The recipe with the finish that most is seen of in another colour, and shades of it as its shades."""
+    seen: dict[Finish, int] = defaultdict(int)
+    known = dict.fromkeys(_list_finishes(recipe))
+    parts = list(parts_of(generate(recipe)))
+    for part, pixels in zip(parts, count_pixels([part.mesh for part in parts]), strict=True):
+        shaded = (each for each in known if _shade_of(part.finish, {each: each}))
+        base = part.finish if part.finish in known else next(shaded, None)
+        if base is not None:
+            seen[base] += pixels
+    if not seen:
+        return recipe
+    main = max(known, key=lambda each: seen[each])
+    new = {main: main.change_colour(colour)}
+    return _change_finishes(recipe, lambda old: new.get(old) or _shade_of(old, new) or old)
+
+
+def count_pixels(meshes: Sequence[Trimesh]) -> list[int]:
+    """How much is seen of each of some meshes that hide each other, from afar before `VIEW`."""
+    scene = o3d.t.geometry.RaycastingScene(nthreads=1)
+    for mesh in meshes:
+        scene.add_triangles(np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.uint32))
+    low, high = bounds_of(list(meshes))
+    back = np.array(VIEW) / np.linalg.norm(VIEW)
+    right = np.cross([0.0, 0, 1], back) / np.linalg.norm(np.cross([0.0, 0, 1], back))
+    at = np.linspace(-0.5, 0.5, SIDE) * np.linalg.norm(high - low)
+    across, up = (grid.reshape(-1, 1) for grid in np.meshgrid(at, at))
+    origins = (low + high) / 2 + 2 * LARGEST * back + across * right + up * np.cross(back, right)
+    rays = np.concatenate([origins, np.broadcast_to(-back, origins.shape)], axis=1).astype(np.float32)
+    hit = scene.cast_rays(rays, nthreads=1)["geometry_ids"].numpy()
+    return [int(np.count_nonzero(hit == number)) for number in range(len(meshes))]
+
+
+def _list_finishes(recipe: Recipe) -> Iterator[Finish]:
+    for key, value in recipe.parameters.items():
+        if is_finish(key):
+            values: Any = value if key == "colours" else [value]
+            yield from map(finish_of, values)
+
+
+def _change_finishes(recipe: Recipe, change: Callable[[Finish], Finish]) -> Recipe:
+    """The recipe with every finish changed; one that stays is written as before."""
+
+    def repaint(value: Surface) -> Surface:
+        old = finish_of(value)
+        new = change(old)
+        return value if new == old else str(new)
 
     parameters: dict[str, Any] = dict(recipe.parameters)
     for key, value in parameters.items():

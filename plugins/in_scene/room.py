@@ -133,5 +133,5 @@ def _furniture(item: PlacedObject, folders: Mapping[str, Path], cache: Path, pat
     if item.asset not in folders:
         what = f"{item.id} is '{item.asset}', which the library does not have."
         raise InputError(path, what, AGAIN, code="E-LIBRARY-ASSET")
-    folder = resize_asset(folders[item.asset], item.size, cache)
+    folder = resize_asset(folders[item.asset], item.size, cache, item.finish)
     return Furniture(item.id, folder, read_asset(folder), UprightBox(item.position, item.size, item.yaw))

@@ -65,8 +65,8 @@ rule draw_cousins:
         masks="results/extraction/{scene}/masks.png",
         depth="results/extraction/{scene}/depth.npz",
         image=input_file("rgb.png"),
-        snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=SHARDS),
-        indices=expand("results/assets/snapshots/shard_{shard}.json", shard=SHARDS),
+        snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=scene_shards),
+        indices=expand("results/assets/snapshots/shard_{shard}.json", shard=scene_shards),
     output:
         picture=report(
             "results/matching/{variant}/{scene}/cousins.png",

@@ -91,7 +91,7 @@ rule scene_page:
         viewer="results/report/three.min.js",
         snapshots=expand(
             ["results/assets/snapshots/shard_{shard}.h5", "results/assets/snapshots/shard_{shard}.json"],
-            shard=SHARDS,
+            shard=scene_shards,
         ),
         found=expand(
             "results/extraction/{scene}/{file}",
@@ -114,7 +114,7 @@ rule scene_page:
     log:
         "logs/tables/scene_page_{scene}.log",
     group:
-        f"scene_{VARIANTS[-1]}"
+        lambda wildcards: scene_group({"scene": wildcards.scene, "variant": VARIANTS[-1]})
     resources:
         **needs(1000, 10),
     params:

@@ -13,7 +13,7 @@ from stages.articulated.asset_folder import Description, read_asset, read_model,
 from stages.articulated.model import RobotModel
 from stages.articulated.stretching import stretch_model
 from stages.contracts.errors import InputError
-from stages.contracts.library import Asset, Recipe, Vector
+from stages.contracts.library import Asset, Finish, Recipe, Vector
 from stages.contracts.types import LARGEST
 
 MAKER = "plugins.furniture.maker"  # module of the `Maker` of recipes
@@ -32,6 +32,10 @@ class Maker(Protocol):
 
     def make_model(self, recipe: Recipe, size: Vector, about: Description) -> SizedModel:
         """A model whose closed box has the size; placement and symmetry of `about` are replaced."""
+        ...
+
+    def paint(self, recipe: Recipe, colour: tuple[float, float, float]) -> Recipe:
+        """The recipe of the same model whose main colour is another one, linear rgb."""
         ...
 
     def refinish(self, recipe: Recipe, rng: np.random.Generator) -> Recipe:
@@ -67,15 +71,20 @@ def resize_model(folder: Path, asset: Asset, size: Sequence[float]) -> SizedMode
     return SizedModel(stretch_model(read_model(folder), (a, b, c)), about)
 
 
-def resize_asset(folder: Path, size: Sequence[float], out: Path) -> Path:
+def resize_asset(folder: Path, size: Sequence[float], out: Path, finish: Finish | None = None) -> Path:
     """A folder, inside `out`, of an asset at a size, as `resize_model` has it; its own one if it has that size.
 
-    The folder's name is a key of asset and size; one that is there already is used as it is.
+    The folder's name is a key of asset, size and finish; one that is there already is used as it is.
+
+    Args:
+        finish: parameters of its recipe that are to be others.
     """
     asset = read_asset(folder)
-    if has_size(asset, size):
+    if has_size(asset, size) and not finish:
         return Path(folder)
-    key = json.dumps([asset.id, asset.checksum, [round(float(value), 5) for value in size]])
+    asset = asset.change_finish(finish or {})
+    parts = [asset.id, asset.checksum, [round(float(value), 5) for value in size], *([finish] if finish else [])]
+    key = json.dumps(parts, sort_keys=True)
     sized = Path(out) / f"{asset.id}-{hashlib.sha256(key.encode()).hexdigest()[:12]}"
     if not (sized / "asset.json").exists():
         robot, about = resize_model(folder, asset, size)

@@ -6,6 +6,7 @@ main(
     "stages.assets",
     {
         "join": "one library of both",
+        "part": "index the models of some categories",
         "snapshots": "render the yaw views of one shard of the library",
     },
 )

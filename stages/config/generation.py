@@ -54,6 +54,13 @@ class GenerationConfig(Section):
         "axes are farther apart, are passed over for others that the label means. null: none (paper).",
     )
 
+    # Looks
+    finish: Literal["library", "picture"] = Field(
+        "library",
+        description="What cousins look like. library: as the library has them. picture: the main colour of each is the "
+        "one that the picture shows of its object; models of yours keep theirs.",
+    )
+
     # Support (A.3)
     # Overlap, as share of the smaller footprint, that makes one thing lie on another.
     support_overlap: ClassVar[float] = 0.7

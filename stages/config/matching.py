@@ -92,8 +92,8 @@ class ComparisonOptions(EncoderOptions):
     )
 
 
-class MatchingSection(ComparisonOptions):
-    """From objects to ranked models of the library, each with its orientation."""
+class CandidateOptions(Section):
+    """Which models an object is compared with at all."""
 
     text_encoder: str = Field(
         "lexical",
@@ -101,6 +101,25 @@ class MatchingSection(ComparisonOptions):
         description="How labels are compared with categories. clip: the official code's; give its folder, clip.",
     )
     k_cat: int = Field(3, ge=1, description="Nearest categories to search.")
+    count_threshold: int | None = Field(
+        2,
+        ge=0,
+        description="Largest |d doors| + |d drawers| between an articulated object and its cousin (A.7; paper: 2). "
+        "Widened, and noted, if fewer than least_candidates are left. null: off.",
+    )
+    least_candidates: int = Field(
+        10,
+        ge=1,
+        description="So many candidates an object has if the library has them: else count_threshold is widened, and "
+        "the next nearest categories come in (paper: 1).",
+    )
+    clip: str = Field("", description="Folder with the weights of the text encoder `clip`.")
+    own: dict[str, dict[str, Any]] = OWN
+
+
+class MatchingSection(ComparisonOptions, CandidateOptions):
+    """From objects to ranked models of the library, each with its orientation."""
+
     shortlist: int | None = Field(
         None,
         ge=0,
@@ -157,19 +176,6 @@ class MatchingSection(ComparisonOptions):
     count_weight: float = Field(
         0.3, ge=0, description="What every door and drawer adds that an articulated model has more or less (paper: 0)."
     )
-    count_threshold: int | None = Field(
-        2,
-        ge=0,
-        description="Largest |d doors| + |d drawers| between an articulated object and its cousin (A.7; paper: 2). "
-        "Widened, and noted, if fewer than least_candidates are left. null: off.",
-    )
-    least_candidates: int = Field(
-        10,
-        ge=1,
-        description="So many candidates an object has if the library has them: else count_threshold is widened, and "
-        "the next nearest categories come in (paper: 1).",
-    )
-    clip: str = Field("", description="Folder with the weights of the text encoder `clip`.")
 
     def weights(self) -> dict[str, str]:
         """Folders of the pretrained networks that are used, by their keys."""

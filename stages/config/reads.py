@@ -7,7 +7,7 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import RolloutOptions, TrialOptions
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
-from stages.config.matching import ComparisonOptions, EncoderOptions, matching_model
+from stages.config.matching import CandidateOptions, ComparisonOptions, EncoderOptions, matching_model
 from stages.config.model import Config
 from stages.config.names import kind_of
 from stages.config.packages import find_packages
@@ -22,6 +22,7 @@ CORE: dict[tuple[str, str], type[Section]] = {
     ("assets", "snapshots"): SnapshotOptions,
     ("extraction", "extract"): ExtractionConfig,
     ("matching", "features"): EncoderOptions,
+    ("matching", "shards"): CandidateOptions,
     ("matching", "match"): matching_model(find_packages()),
     ("matching", "distances"): ComparisonOptions,
     ("generation", "generate"): GenerationConfig,

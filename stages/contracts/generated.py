@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from stages.contracts.doubt import AnyDoubt
 from stages.contracts.files import Contract, Document
+from stages.contracts.library import Finish
 from stages.contracts.objects import Mounting, Wall, check_mounting, check_room, check_status
 from stages.contracts.provenance import Provenance
 from stages.contracts.types import (
@@ -45,6 +46,9 @@ class PlacedObject(Contract):
     size: Vector = Field((0.0, 0.0, 0.0), description="box extents along the asset's own axes, metres")
     size_spread: Vector | None = Field(
         None, description="standard deviations of the logarithms of `size`; null: it was not fitted"
+    )
+    finish: Finish = Field(
+        {}, exclude_if=lambda found: not found, description="parameters of its recipe that are as the picture shows"
     )
     support: str = Field(
         "floor", description="'floor', 'wall', the id of the object beneath, or 'unnamed': on what is no object here"

@@ -12,6 +12,7 @@ from stages.contracts.cousins import Cousins, Distances
 from stages.contracts.files import read_json, read_rows
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.library import Library
+from stages.contracts.library_parts import SceneShards
 from stages.contracts.policies import ChosenRuns, Rollout, SceneScore, TaskAssets
 from stages.contracts.scenes import Truth
 from stages.contracts.things import Things
@@ -42,6 +43,7 @@ def _with_companions(function: str) -> Callable[[Path], object]:
 
 KINDS: dict[str, FileKind] = {
     "library": FileKind(_json(Library)),
+    "shards": FileKind(_json(SceneShards)),
     "library_part": FileKind(_with_companions("library_folder:check_models"), ("{stem}.zip",)),
     "asset": FileKind(_with_companions("library_folder:check_asset")),
     "snapshots": FileKind(_with_companions("snapshot_file:check_snapshots"), ("{stem}.json", "{stem}.h5")),

@@ -78,6 +78,9 @@ class Joint(Contract):
         return self
 
 
+Finish = dict[str, str | list[str]]  # parameters of a recipe, of what it is made of in which colours
+
+
 class Recipe(Contract):
     """How a procedural asset was made, so that it can be made again at another size."""
 
@@ -138,6 +141,13 @@ class Asset(Document):
         """Where the doors and drawers lie on its front, as far as they are seen there."""
         found = ((joint.role, joint.panel) for joint in self.joints if joint.panel is not None)
         return [panel for role, front in found if (panel := front.measure_on_front(role, self.size)) is not None]
+
+    def change_finish(self, finish: Finish) -> "Asset":
+        """The same by a recipe with these parameters; what has no recipe stays."""
+        if self.recipe is None or not finish:
+            return self
+        recipe = self.recipe.model_copy(update={"parameters": self.recipe.parameters | finish})
+        return self.model_copy(update={"recipe": recipe})
 
     @property
     def articulated(self) -> bool:

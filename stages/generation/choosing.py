@@ -11,6 +11,7 @@ from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, InputError
 from stages.contracts.cousins import Cousin
 from stages.contracts.doubt import DoubtKind
+from stages.generation.finishing import paint
 from stages.generation.inputs import Inputs, MatchedObject
 from stages.generation.models import resize
 from stages.generation.placed import Placed
@@ -20,14 +21,30 @@ from stages.geometry.boxes import UprightBox
 SAME_MEANING = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15); chosen
 
 
-def choose_models(inputs: Inputs, rank: int, options: GenerationConfig) -> tuple[list[Placed], dict[str, str]]:
-    """The cousins of one rank: turned, sized and mounted where their objects are; and why others cannot be, by id."""
+Places = dict[tuple[str, str], Placed]  # by the ids of an object and of a model
+
+
+def choose_models(
+    inputs: Inputs, rank: int, options: GenerationConfig, places: Places | None = None
+) -> tuple[list[Placed], dict[str, str]]:
+    """The cousins of one rank: turned, sized and mounted where their objects are; and why others cannot be, by id.
+
+    `places`: cousins at their places, found for other ranks of the same inputs; new ones are added.
+    """
     items, failed, models = list[Placed](), dict[str, str](), dict[int, str]()
+    places = {} if places is None else places
+
+    def place_once(one: MatchedObject, cousin: Cousin) -> Placed:
+        key = one.object.id, cousin.asset
+        if key not in places:
+            places[key] = place(one, cousin, inputs, options)
+        return places[key]
+
     for one in inputs.matched:
         try:
-            item = choose(one, rank, models, partial(place, one, inputs=inputs, options=options), options.max_stretch)
+            item = choose(one, rank, models, partial(place_once, one), options.max_stretch)
             models[one.object.mask] = item.asset.id
-            items.append(resize(item))
+            items.append(resize(paint(item, one.colour)))
         except InputError as error:
             failed[one.object.id] = error.what
     return items, failed

@@ -6,7 +6,7 @@ from stages.cli import progress
 from stages.config.generation import GenerationConfig
 from stages.config.provenance import record_provenance
 from stages.contracts import InputError, read_options, write_json
-from stages.generation.choosing import choose_models
+from stages.generation.choosing import Places, choose_models
 from stages.generation.collisions import separate
 from stages.generation.doubts import doubt_placements
 from stages.generation.inputs import read_inputs
@@ -24,6 +24,7 @@ def run(
     out: Path,
     options: str = "{}",
     corrections: tuple[Path, ...] = (),
+    image: tuple[Path, ...] = (),
 ) -> None:
     """Make the scenes of one picture.
 
@@ -35,12 +36,16 @@ def run(
         out: folder; gets scene_<rank>.json of every rank.
         options: JSON of the config section `generation`.
         corrections: corrections.json beside the picture: which models a person chose, and what they moved.
+        image: the picture, for `finish: picture`.
     """
     config = read_options(GenerationConfig, options)
-    inputs = read_inputs(cousins, objects, library, corrections)
-    scenes = []
+    if (config.finish == "picture") != bool(image):
+        fix = "give the scene's picture for `finish: picture`, and for that alone"
+        raise InputError("--image", f"does not go with finish: {config.finish}.", fix, code="E-OPTION-CONFLICT")
+    inputs = read_inputs(cousins, objects, library, corrections, *image)
+    scenes, places = [], Places()
     for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):
-        items, failed = choose_models(inputs, rank, config)
+        items, failed = choose_models(inputs, rank, config, places)
         if not items:
             what = "has no object that could be placed."
             raise InputError(objects, what, "see the reasons in it and in cousins.json", code="E-SCENE-EMPTY")
@@ -50,6 +55,8 @@ def run(
         scenes.append(to_contract(doubted, failed, settled, inputs.objects, variant, rank))
         print("\n".join(summarise(scenes[-1], freed.left)))
     seed = inputs.objects.made.seed if inputs.objects.made else None
-    origin = record_provenance("stages.generation.generate", config, [cousins, objects, library, *corrections], seed)
+    origin = record_provenance(
+        "stages.generation.generate", config, [cousins, objects, library, *corrections, *image], seed
+    )
     for scene in scenes:
         write_json(out / f"scene_{scene.rank}.json", scene.model_copy(update={"made": origin}))

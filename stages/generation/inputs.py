@@ -12,8 +12,10 @@ from stages.contracts.category import Category
 from stages.contracts.corrections import Correction, corrections_of
 from stages.contracts.cousins import Cousin, ObjectCousins
 from stages.contracts.extracted import read_clouds, read_metres, read_object_masks
+from stages.contracts.images import read_rgb
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.objects import SceneObject
+from stages.generation.finishing import RGB, measure_colours
 from stages.geometry.boxes import THINNEST
 from stages.geometry.cameras import back_project
 from stages.geometry.estimate import REACH
@@ -28,7 +30,8 @@ class MatchedObject:
     """One object with all that is known of it.
 
     cousins: best first. distances: of its label to categories. cloud: (N, 3), floor frame. outline: of its mask; None:
-    it has none. correction: what a person says of it. failed: why no cousin can stand for it; empty: one can.
+    it has none. correction: what a person says of it. failed: why no cousin can stand for it; empty: one can. colour:
+    that its cousins are painted in; None: they keep theirs.
     """
 
     object: SceneObject
@@ -38,6 +41,7 @@ class MatchedObject:
     outline: Outline | None
     correction: Correction
     failed: str = ""
+    colour: RGB | None = None
 
 
 @dataclass(frozen=True)
@@ -74,8 +78,14 @@ class Inputs:
         return self.folders[asset]
 
 
-def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[Path, ...] = ()) -> Inputs:
-    """Read and check all of it.
+def read_inputs(
+    cousins: Path,
+    objects: Path,
+    library: Path,
+    corrections: tuple[Path, ...] = (),
+    image: Path | None = None,
+) -> Inputs:
+    """Read and check all of it; `image`: the picture, if cousins are painted in its colours.
 
     Raises:
         InputError: a file is missing or broken, or cousins and objects are of different scenes.
@@ -85,7 +95,9 @@ def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[
         what = f"is of scene '{matched.scene}', {objects} of '{extracted.scene}'."
         raise InputError(cousins, what, "match them again", code="E-SCENE-MIXED")
     clouds = read_clouds(objects, extracted)
-    outlines = measure_outlines(extracted, read_object_masks(objects, extracted), read_metres(objects, extracted))
+    masks = read_object_masks(objects, extracted)
+    outlines = measure_outlines(extracted, masks, read_metres(objects, extracted))
+    colours = measure_colours(read_rgb(image), masks, extracted) if image else {}
     corrected = corrections_of(corrections, "generation")
     by_id = {entry.id: entry for entry in matched.objects}
     found = []
@@ -100,6 +112,7 @@ def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[
                 outline=outlines.get(item.id),
                 correction=corrected.get(item.mask, Correction(mask=item.mask)),
                 failed=_find_failure(item, entry, item.id in clouds),
+                colour=colours.get(item.id),
             )
         )
     folders = AssetFolders(library)

@@ -1,6 +1,6 @@
 """A model in its place, as it passes from step to step."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from stages.articulated.resizing import SizedModel
 from stages.contracts import Asset
 from stages.contracts.doubt import Doubt
+from stages.contracts.library import Finish
 from stages.contracts.objects import Mounting
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
@@ -37,7 +38,7 @@ class Placed:
     the asset frame. support: 'floor', 'wall', the id of the object beneath, or 'unnamed': it stands on something that
     is no object of the scene; as extraction saw it until it is stacked. spread: standard deviations of the logarithms
     of fitted extents. cousin: its rank in cousins.json. chosen: by a person. steps: what each step changed so far.
-    doubts: what may be wrong.
+    doubts: what may be wrong. finish: parameters of the asset's recipe that are other than the library's.
     """
 
     id: str
@@ -55,6 +56,7 @@ class Placed:
     chosen: bool = False
     steps: tuple[str, ...] = ()
     doubts: tuple[Doubt, ...] = ()
+    finish: Finish = field(default_factory=dict)
 
     @property
     def center(self) -> NDArray[np.float64]:

@@ -36,6 +36,7 @@ def to_contract(
                 yaw=round(item.box.yaw, 6),
                 size=round_vector(item.size),
                 size_spread=None if item.spread is None else round_vector(item.spread),
+                finish=item.finish,
                 support=item.support,
                 mounting=item.mounting,
                 cousin=item.cousin,
@@ -96,7 +97,10 @@ def read_items(generated: GeneratedScene, folders: Mapping[str, Path], cache: Pa
             raise InputError(
                 path, f"{item.id} is '{item.asset}', which the library does not have.", code="E-LIBRARY-ASSET"
             )
-        folder, mounting = resize_asset(folders[item.asset], item.size, cache), item.mounting or Mounting(type=2)
+        folder, mounting = (
+            resize_asset(folders[item.asset], item.size, cache, item.finish),
+            item.mounting or Mounting(type=2),
+        )
         box = UprightBox(item.position, item.size, item.yaw)
         items.append(Placed(item.id, item.label, read_asset(folder), folder, box, mounting, item.support))
     if not items:

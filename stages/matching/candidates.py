@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from stages.config.matching import MatchingConfig
+from stages.config.matching import CandidateOptions
 from stages.contracts import Library
 from stages.contracts.cousins import CategoryMatch
 from stages.contracts.library import LibraryEntry
@@ -25,7 +25,7 @@ def count_gap(item: SceneObject, entry: LibraryEntry) -> int:
     return abs(entry.doors - item.doors) + abs(entry.drawers - item.drawers)
 
 
-def find_candidates(item: SceneObject, library: Library, text: TextEncoder, options: MatchingConfig) -> Candidates:
+def find_candidates(item: SceneObject, library: Library, text: TextEncoder, options: CandidateOptions) -> Candidates:
     """All assets of the k_cat nearest categories that suit the object.
 
     An articulated object is sought among assets with doors or drawers, and among those whose counts differ by at most
@@ -57,7 +57,7 @@ def _of(pool: list[LibraryEntry], categories: list[CategoryMatch]) -> list[Libra
 
 
 def _with_counts(
-    item: SceneObject, assets: list[LibraryEntry], options: MatchingConfig
+    item: SceneObject, assets: list[LibraryEntry], options: CandidateOptions
 ) -> tuple[list[LibraryEntry], list[str]]:
     """Assets within `count_threshold`, widened until `least_candidates` are left or all of them; and what to note."""
     gaps = sorted(count_gap(item, entry) for entry in assets)

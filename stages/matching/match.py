@@ -16,7 +16,7 @@ from stages.contracts.doubt import MEND
 from stages.contracts.objects import SceneObject
 from stages.matching.affordances import note_differences
 from stages.matching.agreement import agree_on_order
-from stages.matching.candidates import find_candidates
+from stages.matching.candidates import Candidates, find_candidates
 from stages.matching.deciding import decide_cousins
 from stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
 from stages.matching.judges import Judges
@@ -52,14 +52,15 @@ def run(
         image: the scene's picture.
         library: library.json of the assets stage.
         out: cousins.json to write.
-        features: feature stores of all shards (.npy); none if the judges look at no picture.
+        features: feature stores (.npy) of all shards, or of those that hold the objects' candidates; none if the
+            judges look at no picture.
         snapshots: shards of snapshots (.h5), for judges that look at pictures.
         without: files that name models not to be used.
         options: JSON of the config section `matching`.
     """
     settings = read_options(matching_model(find_packages()), options)
     stored = open_pictures(features, settings) if settings.compares_pictures else None
-    assets = leave_out(read_library(library, stored.store if stored else None), without)
+    assets = leave_out(read_json(Library, library), without)
     scene = Scene(objects, image)
     text = make_text_encoder(settings)
     judges = Judges(settings, library, Snapshots(snapshots))
@@ -97,14 +98,13 @@ def open_pictures(features: tuple[Path, ...], options: MatchingConfig) -> Pictur
     return Pictures(encoder, FeatureStore(features, settings_digest(options, encoder)))
 
 
-def read_library(path: Path, store: FeatureStore | None) -> Library:
-    """The library, checked to be the one whose features are stored, if any are."""
-    library = read_json(Library, path)
-    missing = [entry.id for entry in library.assets if store is not None and entry.id not in store]
+def check_stored(candidates: Candidates, store: FeatureStore, label: str) -> None:
+    """Refuse an object's candidates of which some have no features: the stores are not those of the library."""
+    missing = [entry.id for entry in candidates.assets if entry.id not in store]
     if missing:
-        what = f"{len(missing)} of {len(library.assets)} assets have no features, e.g. {missing[0]}."
-        raise InputError(path, what, "give the feature stores of all shards of this library", code="E-FEATURES-MISSING")
-    return library
+        what = f"{label}: {len(missing)} of {len(candidates.assets)} candidates have no features, e.g. {missing[0]}."
+        fix = "give the feature stores of all shards of this library"
+        raise InputError("--features", what, fix, code="E-FEATURES-MISSING")
 
 
 def leave_out(library: Library, files: tuple[Path, ...]) -> Library:
@@ -137,6 +137,7 @@ def match_object(
         facing = Orientation(yaw=0.0, distance=0.0)  # stands for the views, none of which is compared
         return decide_cousins(models, lambda asset: ([], [facing]), candidates, item, question, judges, options)
     encoder, store = stored
+    check_stored(candidates, store, item.label)
     query = make_query(view if store.upright else replace(view, up=None), encoder, options.colour)
     if query is None:
         return _fail_object(item, f"no foreground patch: mask {item.mask} has no pixel in masks.png")

@@ -31,6 +31,7 @@ FILES = {  # kind of file: where it lies
     "corrections": "input/corrections.json",
     "truth": "truth.json",
     "objects": "extraction/objects.json",
+    "shards": "matching/shards.json",
     "cousins": "matching/cousins.json",
     "distances": "matching/distances.json",
     "generated": "generation/scene_1.json",
@@ -125,6 +126,7 @@ def _extraction(root: Path) -> None:
 
 
 def _matching(root: Path) -> None:
+    _json(root / FILES["shards"], shards=["0", "part_16b3b4fa"])
     terms = {"outline": 0.9, "depth": 0.8, "lines": 0.8}
     view = {"yaw": 0.5, "distance": 1.0, "votes": 3, "score": 1.7, "terms": terms}
     models = [

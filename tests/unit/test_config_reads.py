@@ -26,6 +26,10 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "assets.shards": set(),  # the number of jobs is a parameter of its own
     "matching.encoder": {"features", "match", "distances", "policies", "report"},  # tables name it
     "matching.dimensions": {"features", "match", "distances"},
+    "matching.text_encoder": {"shards", "match"},
+    "matching.k_cat": {"shards", "match"},
+    "matching.count_threshold": {"shards", "match"},
+    "matching.least_candidates": {"shards", "match"},
     "matching.search": {"match", "distances"},
     "matching.exclude_worst": {"match", "distances"},
     "matching.hog.image_size": {"features", "match", "distances"},

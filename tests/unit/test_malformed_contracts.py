@@ -159,6 +159,7 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
         ("assets.0.archive", "models\\..\\x"), ("assets.0.archive", ""), ("assets.0.archive", "a\u0000b"),
         ("assets.1.id", "bowl_0", "ids"), ("assets.0.doors", -3), ("assets.0.category", ""),
     ],
+    "shards": [("shards", []), ("shards.0", ""), ("shards.1", "0", "shards: "), ("shards", "0")],
     "library_part": [
         ("assets.0.archive", "../own_0.zip"), ("assets.1.id", "bowl_0", "ids"), ("assets.0.doors", 2, "doors"),
         ("assets.0.id", "bowl_1", "holds no bowl_1/asset.json"), ("assets.0.checksum", "other", "checksum"),

@@ -264,6 +264,16 @@ def test_a_variant_that_looks_at_no_picture_plans_no_features(folder: Path) -> N
     assert half["features"] == half["snapshots"] > 0  # one judge that looks is enough
 
 
+def test_cousins_in_the_colours_of_the_picture_need_it(folder: Path) -> None:
+    room = "experiment: {rooms: [room_1], targets: {door: null}}"
+    (folder / "painted.yaml").write_text(f"{room[:-1]}, placements: {{b: {{finish: picture}}}}}}")
+    done = dry_run(folder, "generation", "-p", "--configfile", "painted.yaml")
+    assert re.search(r'"finish": ?"picture".* --image results/scenes/room_1/input/rgb.png --out', done.stdout), (
+        done.stdout
+    )
+    assert "rgb.png --out results/generation" not in dry_run(folder, "generation", "-p").stdout
+
+
 def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
     folder = make(tmp_path)
     assert "Fix: snakemake --cores 2 photo --config image=kitchen.jpg" in dry_run(folder, "photo").stdout
@@ -294,11 +304,13 @@ def test_a_frame_with_depth_and_a_recording_need_no_hand(tmp_path: Path) -> None
     done = dry_run(folder, "photo", "-p", "--config", *one, "camera=k.json")
     jobs = planned(done.stdout)
     assert jobs["frame"] == jobs["match"] == jobs["scene_page"] == 1 and not {"estimate", "train", "room"} & set(jobs)
+    assert jobs["shards"] == 1 and not {"snapshots", "features"} & set(jobs)  # which, is known when objects are found
     assert "--auto --out results/scenes/0/frame " in done.stdout and "--intrinsics k.json" in done.stdout
     assert "camera: nothing says what camera took" in dry_run(folder, "photo", "--config", *one).stdout
     assert "depth: is said of no picture" in dry_run(folder, "photo", "--config", one[1]).stdout
     done = dry_run(folder, "photo", "--config", "image=frames", "camera=k.json")
     assert planned(done.stdout)["frame"] == planned(done.stdout)["scene_page"] == 2
+    assert "shards" not in planned(done.stdout) and planned(done.stdout)["snapshots"] == 2  # all, for several
     assert "E-RECORDING-LAYOUT" in dry_run(folder, "photo", "--config", "image=frames/color").stdout
 
 

@@ -4,13 +4,16 @@ import json
 import shutil
 from pathlib import Path
 
-from stages.contracts import Annotations, Camera, Objects, read_json
+from stages.contracts import Annotations, Camera, Library, Objects, read_json
+from stages.contracts.library_parts import SceneShards, holds
 from tests.unit.tiny_networks import save_all
 from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, planned, snakemake
 
 
 def test_a_picture_goes_all_the_way_to_its_page(run: Path, tmp_path: Path) -> None:
     folder = copy(run, tmp_path / "run")
+    for drawn in ("assets/snapshots", "matching/features"):
+        shutil.rmtree(folder / "results" / drawn)
     shutil.copy(ROOT / "tests/data/photographed_room/rgb.jpg", folder / "my kitchen.jpg")
     options = save_all(folder / "weights") | {"labels": ["cabinet", "mug", "coffee table"]}
     (folder / "mine.yaml").write_text(json.dumps({"photo": options}))
@@ -19,6 +22,10 @@ def test_a_picture_goes_all_the_way_to_its_page(run: Path, tmp_path: Path) -> No
     assert done.returncode == 0, done.stdout[-4000:]
     assert "library" not in planned(done.stdout)
     results = folder / "results"
+    named = read_json(SceneShards, results / "matching/b/my_kitchen/shards.json").shards
+    assert {path.stem for path in (results / "assets/snapshots").iterdir()} == {f"shard_{name}" for name in named}
+    whole = read_json(Library, results / "assets/library/library.json")
+    assert any(not any(holds(name, entry) for name in named) for entry in whole.assets)  # not all of it is drawn
     said = read_json(Annotations, results / "photo/my_kitchen/annotations.json")
     assert {item.label for item in said.objects} <= {"cabinet", "mug", "coffee table"}
     camera = read_json(Camera, results / "photo/my_kitchen/camera.json")

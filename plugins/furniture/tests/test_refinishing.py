@@ -7,7 +7,7 @@ from plugins.furniture.catalogue import CATEGORIES, sample
 from plugins.furniture.finishes import finish_of
 from plugins.furniture.folder import generate
 from plugins.furniture.model import bounds, parts_of
-from plugins.furniture.refinishing import is_finish, refinish
+from plugins.furniture.refinishing import is_finish, paint, refinish
 
 
 @pytest.mark.parametrize("category", sorted(CATEGORIES))
@@ -23,6 +23,22 @@ def test_another_finish_keeps_the_geometry(category: str) -> None:
     parts = list(zip(parts_of(model), parts_of(painted), strict=True))
     assert all((a.mesh.vertices == b.mesh.vertices).all() and a.density == b.density for a, b in parts)
     assert any(a.colour != b.colour for a, b in parts)
+
+
+@pytest.mark.parametrize("category", sorted(CATEGORIES))
+def test_a_model_is_painted_where_most_of_it_is_seen(category: str) -> None:
+    recipe, red = sample(category, 0, 0), (0.6, 0.1, 0.05)
+    painted = paint(recipe, red)
+    before, after = (list(parts_of(generate(each))) for each in (recipe, painted))
+    assert all(
+        (a.mesh.vertices == b.mesh.vertices).all() and a.density == b.density
+        for a, b in zip(before, after, strict=True)
+    )
+    assert [part.finish.material for part in before] == [part.finish.material for part in after]
+    changed = {key for key, value in recipe.parameters.items() if painted.parameters[key] != value}
+    assert changed and all(is_finish(key) for key in changed)
+    assert any(np.allclose(part.colour, red, atol=2e-3) for part in after)
+    assert paint(recipe, red) == painted
 
 
 def test_what_was_of_one_colour_stays_so_and_shades_stay_shades() -> None:

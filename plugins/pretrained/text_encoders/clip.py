@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 from transformers import CLIPTextModelWithProjection, CLIPTokenizer
 
 from plugins.pretrained.weights import load_pretrained
-from stages.config.matching import MatchingConfig
+from stages.config.matching import CandidateOptions
 from stages.contracts import InputError
 
 
 class TextEncoder:
     """Distances between texts; each text is encoded once."""
 
-    def __init__(self, settings: MatchingConfig) -> None:
+    def __init__(self, settings: CandidateOptions) -> None:
         folder = settings.clip
         self.model = load_pretrained(CLIPTextModelWithProjection, folder, "matching.clip")
         fix = "put vocab.json and merges.txt beside model.safetensors"

@@ -6,19 +6,19 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.matching import MatchingConfig
+from stages.config.matching import CandidateOptions
 from stages.plugins import load
 
 
 class TextEncoder(Protocol):
-    """Made from the options of `matching`."""
+    """Made from the options of `matching`, as far as they say what is compared."""
 
     def distance(self, label: str, categories: Sequence[str]) -> NDArray[np.float64]:
         """Distance (C,) of the label to each category; inf: they have nothing in common."""
         ...
 
 
-def make_text_encoder(options: MatchingConfig) -> TextEncoder:
+def make_text_encoder(options: CandidateOptions) -> TextEncoder:
     """The text encoder that the options name."""
     encoder: TextEncoder = load("text_encoders", options.text_encoder)(options)
     return encoder

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.feature_extraction.text import TfidfVectorizer
 
-from stages.config.matching import MatchingConfig
+from stages.config.matching import CandidateOptions
 from stages.contracts.categories import known_categories
 
 # Words for the same thing that are no category of the library, or head several: each counts as the first of its line.
@@ -164,7 +164,7 @@ def _similarity(corpus: list[str], letters: bool) -> NDArray[np.float64]:
 class TextEncoder:
     """Words, kinds and letters; needs no weights."""
 
-    def __init__(self, options: MatchingConfig) -> None:
+    def __init__(self, options: CandidateOptions) -> None:
         pass
 
     def distance(self, label: str, categories: Sequence[str]) -> NDArray[np.float64]:

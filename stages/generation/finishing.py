@@ -1,0 +1,56 @@
+"""The colours that a picture shows of its objects, and models of the library in them: `finish: picture`."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.articulated.resizing import load_maker
+from stages.contracts.look import GAMMA
+from stages.contracts.objects import Objects
+from stages.generation.placed import Placed
+from stages.geometry.masks import MIN_PIXELS
+
+RGB = tuple[float, float, float]  # linear
+SHADING = (0.3, 0.9)  # quantiles of lightness between which a surface is neither in shadow nor glaring; chosen
+ROUNDS = 3  # in each the half of the pixels that is nearest to the median gives the next one; chosen
+
+
+def measure_colours(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: Objects) -> dict[str, RGB]:
+    """The colour that most of every object has in the picture, by id; of what shows too few pixels none.
+
+    The light's tint stays in it, as in the colours of floor and walls (look.json).
+
+    Args:
+        rgb: the picture (H, W, 3).
+        masks: of the objects (H, W).
+    """
+    lab = cv2.cvtColor(rgb.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
+    pixels = {item.id: lab[masks == item.mask] for item in objects.objects}
+    return {name: find_main_colour(each) for name, each in pixels.items() if len(each) >= MIN_PIXELS}
+
+
+def find_main_colour(lab: NDArray[np.float32]) -> RGB:
+    """The colour of most of N pixels (N, 3), Lab, as linear rgb: away from shadows and glare, others left out."""
+    low, high = np.quantile(lab[:, 0], SHADING)
+    kept = lab[(lab[:, 0] >= low) & (lab[:, 0] <= high)]
+    for _ in range(ROUNDS):
+        far = np.linalg.norm(kept - np.median(kept, axis=0), axis=1)
+        kept = kept[far <= np.median(far)]
+    shown = cv2.cvtColor(np.median(kept, axis=0).astype(np.float32)[None, None], cv2.COLOR_LAB2RGB)[0, 0]
+    r, g, b = (np.clip(shown.astype(float), 0, 1) ** GAMMA).round(3).tolist()
+    return r, g, b
+
+
+def paint(item: Placed, colour: RGB | None) -> Placed:
+    """The item in the colour of its object, by its recipe; a model without one, and one of no known colour, stays."""
+    if colour is None:
+        return item
+    if item.asset.recipe is None:
+        return replace(item, steps=(*item.steps, "in its own colours: a model that is no recipe's cannot be painted"))
+    before = item.asset.recipe
+    painted = load_maker().paint(before, colour)
+    finish = {key: value for key, value in painted.parameters.items() if before.parameters[key] != value}
+    asset = item.asset.model_copy(update={"recipe": painted})
+    return replace(item, asset=asset, finish=finish)
