@@ -23,12 +23,12 @@ from scipy.optimize import minimize
 from benchmarks.masks import frame_of
 from benchmarks.open_rooms import packs
 from benchmarks.open_rooms.pictures import folders, read
-from plugins.inputs.rgbd.pieces import TILT
+from plugins.inputs.rgbd.frame import TILT
 from plugins.names.observed import observe
 from plugins.names.propose import Weights, combine, gather, read_network
 from plugins.names.training.dirt import OTHER, SAME, cut_patch, share_owner, soil
-from plugins.segmenter.ground import find_ground
 from stages.geometry.cameras import back_project
+from stages.geometry.levels import find_ground
 from stages.geometry.room_planes import make_floor_frame
 
 Array = NDArray[np.float64]

@@ -35,6 +35,7 @@ KINDS = {
     "searches": PluginKind("matching.searches", "search"),
     "judges": PluginKind("matching.judges", "Judge"),
     "sources": PluginKind("extraction.sources", "observe"),
+    "proposers": PluginKind("extraction.proposers", "propose"),
     "correctors": PluginKind("extraction.correctors", "reconstruct_corrected"),
     "rooms": PluginKind("scenes.rooms", ".yaml"),
     "tasks": PluginKind("tasks", "TASK"),

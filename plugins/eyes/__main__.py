@@ -1,6 +1,12 @@
-"""`python -m plugins.eyes fetch`."""
+"""`python -m plugins.eyes VERB --help`."""
 
 from stages.cli import main
 
 if __name__ == "__main__":
-    main("plugins.eyes", {"fetch": "download the weights of MobileSAM and SSD, once"})
+    main(
+        "plugins.eyes",
+        {
+            "see": "find and name the things of a picture with depth",
+            "fetch": "download the weights of MobileSAM and SSD, once",
+        },
+    )

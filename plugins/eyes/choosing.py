@@ -30,7 +30,7 @@ WITHIN = 0.7  # share of a piece that lies within a thing's hull or box, above w
 ROW = 1.2  # metres that a row of things is long at least: fewer is a wardrobe with two doors; chosen
 LEAST_PIECE, IN_ROW = 0.15, 0.85  # share of a row that a piece has at least, and of a piece that lies in it; chosen
 RISES, ON_TOP = 0.01, 0.6  # metres above a level top, and the share of a piece's points that rise so far; chosen
-LEVEL_TOP = .3  # share of a thing's points that lie at one height, within 2 `RISES`, if it has a level top; chosen
+LEVEL_TOP = 0.3  # share of a thing's points that lie at one height, within 2 `RISES`, if it has a level top; chosen
 ALIKE = 0.15  # metres by which the depth of a part is out of that of its thing at most; chosen
 
 
@@ -93,15 +93,20 @@ class Chooser:
         return self.join_parts(chosen)
 
     def is_row(self, one: Proposal, proposals: Sequence[Proposal]) -> bool:
-        """Whether a proposal is a row of things side by side, as cabinets of a kitchen, each of them proposed as well."""
+        """Whether a proposal is a row of things side by side, as cabinets of a kitchen, each proposed as well."""
         points = self.points[one.mask & (self.depth > 0)][:, :2]
         if len(points) < LEAST_PIXELS or max(cv2.minAreaRect(points.astype(np.float32))[1]) < ROW:
             return False
         tall, rest = one.mask.any(axis=1).sum(), one.mask.copy()
         for part in sorted(proposals, key=lambda part: -part.score):
             inside = part.mask & one.mask
-            is_piece = LEAST_PIECE < share(part.mask, one.mask) < 1 - LEAST_PIECE and share(one.mask, part.mask) > IN_ROW
-            if is_piece and inside.any(axis=1).sum() > FREE * tall and share(rest, inside) > IN_ROW:
+            is_piece = LEAST_PIECE < share(part.mask, one.mask) < 1 - LEAST_PIECE
+            if (
+                is_piece
+                and share(one.mask, part.mask) > IN_ROW
+                and inside.any(axis=1).sum() > FREE * tall
+                and share(rest, inside) > IN_ROW
+            ):
                 rest &= ~inside
         return share(rest, one.mask) < 1 - IN_ROW
 
@@ -124,9 +129,9 @@ class Chooser:
     def find_carrier(self, chosen: Sequence[Choice], mask: Mask) -> int | None:
         """Which of the chosen things has taken most of a mask that stands on its level top; None: none."""
         for k, one in enumerate(chosen):
-            if one.flat or one.proposal.word in SEATS or share(one.mask, mask) < 1 - FREE or one.mask.sum() < 2 * mask.sum():
-                continue
-            if self.stands_on(mask, one.mask & ~mask):
+            covers = share(one.mask, mask) > 1 - FREE and one.mask.sum() > 2 * mask.sum()
+            can_carry = not one.flat and one.proposal.word not in SEATS
+            if covers and can_carry and self.stands_on(mask, one.mask & ~mask):
                 return k
         return None
 

@@ -1,5 +1,8 @@
 """What the core must know of this package."""
 
+from pydantic import Field
+
+from plugins.eyes.config import EyesSection
 from plugins.eyes.weights import ALL, is_there
 from stages.config.packages import Package
 
@@ -12,4 +15,9 @@ def check_weights() -> tuple[str, bool, str]:
     return "eyes", True, "weights: MobileSAM, SSD MobileNet v2"
 
 
-PACKAGE = Package(verbs={"fetch": None}, check=check_weights)
+PACKAGE = Package(
+    verbs={"see": EyesSection, "fetch": None},
+    section="eyes",
+    sections={"eyes": (EyesSection, Field(EyesSection(), description="What finds the things of a picture (A.2)."))},
+    check=check_weights,
+)

@@ -62,8 +62,8 @@ class Proposal:
     """An outline that may be one thing.
 
     logits (h, w) float16, above 0 inside, the picture with a longer side of `SIDE`; score in [0, 1] of the outline;
-    source: what proposed it; words: COCO's classes that were seen there, each with its score; box: in which, x0, y0, x1,
-    y1 in pixels of the picture.
+    source: what proposed it; words: COCO's classes that were seen there, each with its score; box: x0, y0, x1, y1 of
+    these in pixels of the picture.
     """
 
     logits: NDArray[np.float16]
@@ -92,7 +92,8 @@ def find_border(rgb: NDArray[np.uint8]) -> Mask:
     """Pixels (H, W) of a plain black or white frame around a picture (H, W, 3)."""
     plain = (rgb.max(axis=2) < PLAIN) | (rgb.min(axis=2) > 255 - PLAIN)
     inside = np.ones(plain.shape, dtype=bool)
-    for lines, kept in ((plain, inside), (plain[::-1], inside[::-1]), (plain.T, inside.T), (plain.T[::-1], inside.T[::-1])):
+    for turn in (np.asarray, np.flipud, np.transpose, np.rot90):
+        lines, kept = turn(plain), turn(inside)
         whole = lines[: int(FRAME * len(lines))].mean(axis=1) > FILLED
         kept[: int(np.argmin(np.append(whole, False)))] = False
     return ~inside

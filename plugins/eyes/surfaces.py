@@ -22,7 +22,10 @@ TOP = 1.5  # metres above the ground to which a wall reaches; chosen
 BEHIND = 0.12  # share of what is seen within a wall's width that may lie behind it: doors, windows, mirrors; chosen
 FARTHER = 0.25  # metres: what is farther behind a plane is behind it, not its noise; chosen
 ALONG = np.cos(np.deg2rad(25))  # of a surface's normal with its wall's: brick and noise are allowed for; chosen
-LEAST_OFF, NOISE = 0.015, 0.006  # metres, and of the distance squared, 1 / metres, by which points are off planes; chosen
+LEAST_OFF, NOISE = (
+    0.015,
+    0.006,
+)  # metres, and of the distance squared, 1 / metres, by which points are off planes; chosen
 DEEPEST = 1.0  # metres from the front of furniture to its wall; chosen
 LEAST_CEILING = 1.9, 8  # metres from the ground to a ceiling, and cells that show it; chosen
 

@@ -28,7 +28,7 @@ def frame_flags(frame: Picture, files: Mapping[str, Any]) -> str:
     }
     words = [word for flag, value in flags.items() if value is not None for word in (flag, str(value))]
     matrix = ["--matrix", *map(str, frame.intrinsics)] if frame.intrinsics else []
-    return shlex.join([*words, *matrix, *([] if frame.masks else ["--auto"])])
+    return shlex.join([*words, *matrix])
 
 
 def weight_files(config: Config) -> list[str]:

@@ -4,10 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-import cv2
 import numpy as np
 
-from plugins.inputs.numbered import draw_numbers
 from plugins.inputs.rgbd.cameras import KNOWS, choose_intrinsics
 from plugins.inputs.rgbd.edges import remove_edges
 from plugins.inputs.rgbd.frame import Frame, fit_frame
@@ -15,11 +13,9 @@ from plugins.inputs.rgbd.layouts import find_view
 from plugins.inputs.rgbd.lens import straighten_frame
 from plugins.inputs.rgbd.mask_files import read_upright_masks
 from plugins.inputs.rgbd.mask_shapes import list_remarks
-from plugins.inputs.rgbd.naming import name_things
-from plugins.inputs.rgbd.pieces import cut_frame
 from plugins.inputs.rgbd.views import View, read_view
 from plugins.inputs.rgbd.write import write_frame
-from stages.contracts import Annotations, InputError, write_atomically
+from stages.contracts import Annotations, InputError
 from stages.geometry.ray_depth import along_axis, find_flatter
 
 
@@ -38,7 +34,6 @@ def run(
     depth_is: Literal["z", "ray"] = "z",
     masks: Path | None = None,
     labels: Path | None = None,
-    auto: bool = False,
 ) -> None:
     """Write an input folder from colour and depth of one view.
 
@@ -56,10 +51,7 @@ def run(
         depth_is: z: the distance along the optical axis; ray: along the ray of each pixel, as of many simulators.
         masks: COCO or labelme JSON, or a PNG of indices or colours.
         labels: names of the PNG's values, as JSON.
-        auto: make masks of things, floor and walls by a network, and propose names.
     """
-    if auto and masks is not None:
-        raise InputError("--masks, --auto", "both give masks.", "give one of them", code="E-OPTION-CONFLICT")
     stated = choose_intrinsics(intrinsics, camera, fov, matrix)
     if recording is not None:
         if rgb is not None or depth is not None:
@@ -95,30 +87,23 @@ def run(
     if flatter := find_flatter(frame.depth, frame.intrinsics):
         doubt = f"depth in doubt: floor and walls would be flat with --depth-is {'ray' if flatter == 'ray' else 'z'}"
         print(f"{depth or recording}: {doubt}")
-    if auto:
-        frame = name_things(replace(frame, masks=cut_frame(frame)))
     if frame.masks is not None:
         frame = replace(frame, depth=remove_edges(frame.depth, frame.masks.values))
     written = write_frame(out, frame, doubt)
-    print_summary(out, frame, written, is_made=auto)
+    print_summary(out, frame, written)
 
 
-def print_summary(out: Path, frame: Frame, written: Annotations | None, is_made: bool) -> None:
-    """Print what was written, and what is to be done with it; masks made here are drawn with their numbers."""
+def print_summary(out: Path, frame: Frame, written: Annotations | None) -> None:
+    """Print what was written, and what is to be done with it."""
     height, width = frame.rgb.shape[:2]
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
     if written is None:
-        print(f"{out}: no masks. Draw boxes: python -m plugins.studio annotate {out / 'rgb.png'} --out {out} --depth "
-              f"{out / 'depth.npz'} --camera {out / 'camera.json'}; or give --masks or --auto")  # fmt: skip
+        print(f"{out}: no masks. Find things: python -m plugins.eyes see --picture {out} --out FOLDER")
+        print(f"Or draw boxes: python -m plugins.studio annotate {out / 'rgb.png'} --out {out} --depth "
+              f"{out / 'depth.npz'} --camera {out / 'camera.json'}; or give --masks")  # fmt: skip
         return
     floor = "a floor" if written.floor else "no floor named: what most of them stand on is the ground"
     print(f"{out}: {len(written.objects)} objects, {len(written.walls)} walls, {floor}")
-    if is_made and frame.masks is not None:
-        shown = [frame.masks.values == item.mask for item in written.objects]
-        with write_atomically(out / "numbers.png") as path:
-            cv2.imwrite(str(path), draw_numbers(frame.rgb, shown)[..., ::-1])
-        print(f"{out / 'annotations.json'}: names are proposed; numbers.png shows the masks")
-        print(f"To put them right: python -m plugins.studio annotate {out}")
     if opens := [item.label for item in written.objects if item.articulated]:
         print(f"Say how many doors and drawers there are: {', '.join(dict.fromkeys(opens))}")

@@ -37,7 +37,8 @@ class Picture(Input):
         description="in the place of both: degrees over the picture's width",
     )
     masks: str = Field(
-        "", description="COCO or labelme JSON, or a PNG of indices or colours; none: a network proposes them"
+        "",
+        description="COCO or labelme JSON, or a PNG of indices or colours; none: networks find things (section `eyes`)",
     )
     labels: str = Field("", description="what the PNG's values are called, as JSON")
     _row: str = PrivateAttr("")
@@ -115,8 +116,13 @@ class PicturesExperiment(ExperimentConfig):
 
     @property
     def frames(self) -> list[str]:
-        """Scenes whose input folders the workflow makes of frames with depth."""
-        return [name for name, one in self.inputs.items() if not one.folder and not one.alone]
+        """Scenes whose input folders the workflow makes of frames with depth and masks."""
+        return [name for name, one in self.inputs.items() if not one.folder and not one.alone and one.masks]
+
+    @property
+    def views(self) -> list[str]:
+        """Scenes whose input folders the workflow makes of frames with depth, and whose things it finds itself."""
+        return [name for name, one in self.inputs.items() if not one.folder and not one.alone and not one.masks]
 
     @property
     def photographs(self) -> list[str]:

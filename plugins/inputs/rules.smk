@@ -1,6 +1,6 @@
 # Pictures of the user's: frames with depth as they are, others found by pretrained networks (paper 2.1, A.2, A.7).
 # Reads:  what `--config image=...` or `experiment.inputs` names, weights.
-# Writes: results/photo/<scene>/ and results/scenes/<scene>/frame/{rgb.png,camera.json,depth.npz,masks.png,annotations.json},
+# Writes: results/scenes/<scene>/view/ without masks, results/photo/<scene>/ and results/scenes/<scene>/frame/{rgb.png,camera.json,depth.npz,masks.png,annotations.json},
 #         weights/<network>/, weights.lock.json.
 from plugins.inputs.flags import frame_flags, picture_options, weight_files
 
@@ -58,8 +58,32 @@ rule estimate:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
+rule view:
+    """Read one frame with depth of the user's, whose things are yet to be found."""
+    input:
+        unpack(lambda wildcards: EXPERIMENT.inputs[wildcards.scene].files()),
+    output:
+        rgb="results/scenes/{scene}/view/rgb.png",
+        camera="results/scenes/{scene}/view/camera.json",
+        depth="results/scenes/{scene}/view/depth.npz",
+    wildcard_constraints:
+        scene="|".join(EXPERIMENT.views) or "-",
+    log:
+        "logs/scenes/view_{scene}.log",
+    group:
+        scene_group
+    resources:
+        **needs(2000, 10),
+    params:
+        **verb("inputs", "from-rgbd", camera="camera"),
+        frame=lambda wildcards, input: frame_flags(EXPERIMENT.inputs[wildcards.scene], input),
+        out=subpath(output.rgb, parent=True),
+    shell:
+        "({params.command} {params.frame} --out {params.out:q} && {params.check}) 2>&1 | tee {log:q}"
+
+
 rule frame:
-    """Make an input folder of one frame with depth of the user's."""
+    """Make an input folder of one frame with depth and masks of the user's."""
     input:
         unpack(lambda wildcards: EXPERIMENT.inputs[wildcards.scene].files()),
     output:

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_fill_holes
 from scipy.spatial import Delaunay, QhullError
 
-from plugins.segmenter.ground import find_ground
 from plugins.segmenter.joining import join_pixels
 from plugins.segmenter.network import BACKGROUND, FLOOR, STRIDE, THING, Segmenter, load, network_input
 from plugins.segmenter.upsampling import upsample_labels
 from stages.geometry.cameras import back_project, scale_intrinsics
 from stages.geometry.frames import apply, rigid
+from stages.geometry.levels import find_ground
 from stages.geometry.room_planes import find_walls, make_floor_frame, sample_points
 
 Array = NDArray[np.float64]

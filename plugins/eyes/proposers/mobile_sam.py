@@ -14,7 +14,7 @@ SURE = 0.8  # least of both of an outline that covers, so that nothing inside is
 
 
 def propose(view: RoomView) -> list[Proposal]:
-    """Three outlines per click, as far as they are good: the smallest good one covers, so that parts are clicked too."""
+    """Three outlines a click, as far as they are good; the smallest good one covers, so that parts are clicked too."""
     rest = view.shrink(~view.surfaces.floor & ~view.border)
     found: list[Proposal] = []
     for _ in range(MOST // AT_ONCE):

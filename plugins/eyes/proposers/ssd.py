@@ -26,8 +26,9 @@ def propose(view: RoomView) -> list[Proposal]:
         return []
     outlines = view.embedded.outline_boxes([box.box for box in boxes])
     best = outlines.scores.argmax(axis=1)
+    scores = outlines.scores * outlines.stability
     return [
-        Proposal(outlines.logits[k, b], float(outlines.scores[k, b] * outlines.stability[k, b]), "ssd", box.scores, box.box)
+        Proposal(outlines.logits[k, b], float(scores[k, b]), "ssd", box.scores, box.box)
         for k, (box, b) in enumerate(zip(boxes, best, strict=True))
     ]
 
@@ -39,7 +40,7 @@ def find_boxes(view: RoomView) -> list[Box]:
     size = np.array([width, height])
     for down, across in product((0, 1), (0, 0.5, 1)):
         x0, y0 = ((1 - PART) * size * (across, down)).astype(int)
-        x1, y1 = (x0, y0) + (PART * size).astype(int)
+        x1, y1 = (x0 + int(PART * width), y0 + int(PART * height))
         for box in network.detect(view.rgb[y0:y1, x0:x1], LEAST):
             moved = (box.box[0] + x0, box.box[1] + y0, box.box[2] + x0, box.box[3] + y0)
             is_cut = (

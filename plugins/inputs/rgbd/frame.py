@@ -12,6 +12,7 @@ from plugins.names.propose import Proposal
 from stages.contracts import InputError
 from stages.geometry.cameras import scale_intrinsics
 
+TILT = 75.0  # degrees: largest angle between image-up and the ground's normal, as cameras look down at tables; chosen
 LONGEST_SIDE = 1600  # pixels of a picture; larger ones are made smaller; chosen for time
 NOTHING = {"", "background", "ceiling", "unknown", "unlabeled", "unlabelled", "void"}
 

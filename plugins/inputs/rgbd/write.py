@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.inputs.own_scene import write_config
-from plugins.inputs.rgbd.frame import Frame, Labelled, fit_frame, is_nothing
-from plugins.inputs.rgbd.pieces import TILT
+from plugins.inputs.rgbd.frame import TILT, Frame, Labelled, fit_frame, is_nothing
 from plugins.names.propose import Proposal
 from stages.contracts import Annotations, Camera, InputError
 from stages.contracts.doubt import Doubt, DoubtKind

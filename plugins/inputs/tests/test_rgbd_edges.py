@@ -13,8 +13,8 @@ from plugins.inputs.rgbd.edges import DEPTH_STEP, _as_far_as, remove_edges
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from plugins.inputs.rgbd.write import write_frame
 from plugins.inputs.tests.test_rgbd import BOX, CAN, TABLE, boxes_of
-from plugins.segmenter.ground import find_ground
 from stages.geometry.boxes import UprightBox
+from stages.geometry.levels import find_ground
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
 
 
