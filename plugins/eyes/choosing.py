@@ -116,8 +116,7 @@ class Chooser:
             return False
         around = cv2.dilate(np.pad(mask, 2).astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
         ring = around[2:-2, 2:-2] & ~mask & ~self.border
-        inside = cv2.erode(np.pad(~self.border, 1).astype(np.uint8), np.ones((3, 3), np.uint8))[1:-1, 1:-1] > 0
-        outline = mask & (cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8)) == 0)
+        outline, inside = mask & ~erode(mask), erode(~self.border)
         rows, columns = np.nonzero(mask)
         _, (long, short), _ = cv2.minAreaRect(np.stack([columns, rows], axis=1).astype(np.float32))
         return bool(
@@ -187,6 +186,11 @@ def choose(view: RoomView, proposals: Sequence[Proposal]) -> list[Outlined]:
         found.append(Outlined(whole, one.proposal.score, one.proposal.source, one.proposal.words, one.flat))
         taken |= whole
     return [one for one in found if one.mask.any()]
+
+
+def erode(mask: Mask) -> Mask:
+    """A mask (h, w) without its outermost pixels, and those at the picture's edge."""
+    return np.asarray(cv2.erode(np.pad(mask, 1).astype(np.uint8), np.ones((3, 3), np.uint8))[1:-1, 1:-1] > 0)
 
 
 def share(part: Mask, mask: Mask) -> float:

@@ -1,6 +1,6 @@
 """Masks and annotations after a person corrected masks, labels, counts and mountings."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from plugins.inputs.rgbd.write import says_opening
 from stages.contracts.corrections import MEASURED, Correction
-from stages.contracts.doubt import Doubt
 from stages.contracts.fronts import count_fronts
 from stages.contracts.scenes import Annotation, Annotations, Held
 from stages.contracts.types import FLOOR, WALL, Pixel
@@ -176,7 +175,7 @@ def correct_masks(
                 box=before.box if before else None,
                 guessed=bool(before and before.guessed),
                 front=before.front if before else None,
-                doubts=doubt_name(item, before) if before else [],
+                **(keep_names(item, before) if before else {}),
             )
         )
     if not objects:
@@ -192,10 +191,12 @@ def is_opening(item: Correction, found: Annotation | None) -> bool:
     return bool(item.articulated)
 
 
-def doubt_name(item: Correction, before: Annotation) -> list[Doubt]:
-    """The doubts about its name that are left after a correction."""
-    said = item.named or item.label != before.label
-    return [] if said else [one for one in before.doubts if one.cause == "name"]
+def keep_names(item: Correction, before: Annotation) -> dict[str, Any]:
+    """What is left of the names that were proposed for it, and of their doubts: nothing, if a person names it."""
+    if item.named or item.label != before.label:
+        return {}
+    doubts = [one for one in before.doubts if one.cause == "name"]
+    return {"proposals": before.proposals, "probabilities": before.probabilities, "doubts": doubts}
 
 
 def find_corners(mask: NDArray[np.bool_]) -> tuple[Pixel, Pixel] | None:

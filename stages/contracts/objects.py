@@ -12,6 +12,7 @@ from stages.contracts.doubt import Doubt
 from stages.contracts.files import Contract, Document
 from stages.contracts.fronts import Panel, check_counts
 from stages.contracts.provenance import Provenance
+from stages.contracts.things import Name
 from stages.contracts.types import (
     RIGID_TOLERANCE,
     Angle,
@@ -100,6 +101,11 @@ class SceneObject(Contract):
     status: Literal["ok", "failed"] = "ok"
     reason: str = Field("", description="why it failed")
     pixels: tuple[Count, Count, Count, Count] | None = Field(None, description="mask bounds x0, y0, x1, y1 (exclusive)")
+    names: list[Name] = Field(
+        [],
+        exclude_if=lambda found: not found,
+        description="what it may be called, surest first; empty: label is certain",
+    )
     articulated: bool = False
     doors: Panels = 0
     drawers: Panels = 0

@@ -11,10 +11,12 @@ from stages.contracts.files import Contract, Document, read_json
 from stages.contracts.fronts import Panel, check_counts
 from stages.contracts.library import Symmetry
 from stages.contracts.objects import Box, Objects
+from stages.contracts.things import Name
 from stages.contracts.types import (
     Angle,
     CameraMatrix,
     Extent,
+    Fraction,
     Id,
     MaskValue,
     Matrix,
@@ -93,6 +95,21 @@ class Annotation(Contract):
     proposals: list[Text] = Field(
         [], max_length=10, exclude_if=lambda found: not found, description="names proposed for it, the surest first"
     )
+    probabilities: list[Fraction] = Field(
+        [], exclude_if=lambda found: not found, description="of these, in their order; empty: its label is certain"
+    )
+
+    @property
+    def names(self) -> list[Name]:
+        """The names that it may have with their probabilities; empty: its label is certain."""
+        pairs = zip(self.proposals, self.probabilities, strict=False)
+        return [Name(name=name, probability=probability) for name, probability in pairs]
+
+    @model_validator(mode="after")
+    def _check_names(self) -> "Annotation":
+        if self.probabilities and len(self.probabilities) != len(self.proposals):
+            raise ValueError(f"probabilities: {len(self.probabilities)} for {len(self.proposals)} proposals")
+        return self
 
     @model_validator(mode="after")
     def _check_fronts(self) -> "Annotation":

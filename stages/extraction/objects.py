@@ -49,7 +49,8 @@ def measure_object(
     `rng` chooses which points of a large cloud are left out; floor_from_camera (4, 4).
     """
     whole = item.box is not None and not item.guessed
-    known = SceneObject(id=name, whole=whole, **item.model_dump(exclude={"box", "guessed", "mounting", "proposals"}))
+    other = {"box", "guessed", "mounting", "proposals", "probabilities"}
+    known = SceneObject(id=name, whole=whole, names=item.names, **item.model_dump(exclude=other))
     share, heights = None, tuple[float, ...]()
     try:
         mask = find_object_mask(item, image, crop)

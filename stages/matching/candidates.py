@@ -2,12 +2,17 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from stages.config.matching import CandidateOptions
 from stages.contracts import Library
 from stages.contracts.cousins import CategoryMatch
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.matching.text_encoders import TextEncoder, find_doubt, find_nearest_categories
+
+UNLIKELY = 0.1  # distance of a name that is e times less likely than the first; chosen
+LEAST = 1e-3  # probability of a name, below which it is as unlikely as this
 
 
 class Candidates(NamedTuple):
@@ -38,7 +43,7 @@ def find_candidates(item: SceneObject, library: Library, text: TextEncoder, opti
     near = find_nearest_categories(item.label, [entry.category for entry in pool], len(pool), text)
     if doubt and near:
         doubt += f"; nearest: {', '.join(name for name, _ in near[:3])}"
-    ordered = [CategoryMatch(category=name, distance=distance) for name, distance in near]
+    ordered = list_likely(item, near, text)
     categories = ordered[: options.k_cat]
     if pool and not categories:
         doubt = doubt or f"label '{item.label}' resembles no category, so all were searched"
@@ -49,6 +54,30 @@ def find_candidates(item: SceneObject, library: Library, text: TextEncoder, opti
     more = [f"categories widened from {options.k_cat} to {len(categories)}"] if len(categories) > options.k_cat else []
     assets, notes = _with_counts(item, _of(pool, categories), options) if by_counts else (_of(pool, categories), [])
     return Candidates(assets, categories, "; ".join([*more, *notes]), doubt)
+
+
+def list_likely(item: SceneObject, near: list[tuple[str, float]], text: TextEncoder) -> list[CategoryMatch]:
+    """Categories with their distances, nearest first: by the label, or by the nearest of the names that it may have.
+
+    A name that is less likely than the first is farther by `UNLIKELY` times the logarithm of how many times less.
+
+    `near`: the categories by the label.
+    """
+    distances = dict(near)
+    if item.names:
+        categories, first = sorted(distances), max(item.names[0].probability, LEAST)
+        for one in item.names[1:]:
+            more = UNLIKELY * float(np.log(first / max(one.probability, LEAST)))
+            for name, distance in find_nearest_categories(one.name, categories, len(categories), text):
+                distances[name] = min(distances[name], round(distance + more, 6))
+    return [
+        CategoryMatch(category=name, distance=distance)
+        for name, distance in sorted(distances.items(), key=_by_distance)
+    ]
+
+
+def _by_distance(pair: tuple[str, float]) -> tuple[float, str]:
+    return pair[1], pair[0]
 
 
 def _of(pool: list[LibraryEntry], categories: list[CategoryMatch]) -> list[LibraryEntry]:

@@ -1,6 +1,7 @@
 """An RGB-D frame as an input folder: rgb.png, camera.json, depth.npz; with masks masks.png and annotations.json."""
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from stages.contracts.scenes import Annotation
 from stages.geometry.estimate import TRIM
 
 LONGEST_LABEL = 200  # characters
+MOSTLY = 0.8  # share of the proposed names that open, from which on only models that open are compared; chosen
 FLOORS, WALLS = {"floor", "ground", "carpet"}, {"wall", "walls"}
 OPENS = {
     "cabinet", "cabinets", "chest", "closet", "cupboard", "dishwasher", "drawer", "drawers", "dresser", "fridge",
@@ -23,9 +25,11 @@ OPENS = {
 }  # fmt: skip
 
 
-def says_opening(label: str) -> bool:
-    """Whether what is called so opens."""
-    return bool(OPENS & set(re.split(r"\W+", label.lower())))
+def says_opening(label: str, proposals: Sequence[Proposal] = ()) -> bool:
+    """Whether what is called so opens; if names are proposed for it, whether most of what they weigh does."""
+    opens = [bool(OPENS & set(re.split(r"\W+", name.lower()))) for name in (label, *(one.name for one in proposals))]
+    weights = [one.probability for one in proposals]
+    return float(np.average(opens[1:], weights=weights)) >= MOSTLY if sum(weights) > 0 else opens[0]
 
 
 def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
@@ -48,9 +52,10 @@ def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
         Annotation(
             mask=value,
             label=masks.labels[value].strip(),
-            articulated=says_opening(label),
+            articulated=says_opening(label, masks.proposals.get(value, [])),
             doubts=doubt_name(masks.proposals.get(value, [])),
             proposals=[one.name for one in masks.proposals.get(value, [])],
+            probabilities=[round(one.probability, 4) for one in masks.proposals.get(value, [])],
         )
         for value, label in kinds.items()
         if label not in FLOORS | WALLS and not is_nothing(label)
