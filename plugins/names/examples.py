@@ -33,16 +33,14 @@ def draw_examples(each: int, models: int, seed: int, rooms: int) -> list[Example
     for _ in range(rooms):
         room = furnish(pool, rng)
         for picture in pictures_in(room, LARGE, VIEWS, rng):
-            for one in look_at(picture, room, counts, each, rng):
-                found.append(one)
-                counts[one.name] += 1
+            found += look_at(picture, room, counts, each, rng)
         if len(counts) == len(CATEGORIES) and min(counts.values()) >= each:
             break
     return found
 
 
 def look_at(picture: Picture, room: Room, counts: Counter[str], each: int, rng: Rng) -> list[Example]:
-    """The things of a picture of whose category there are less than `each`."""
+    """The things of a picture of whose category there are less than `each`; they are counted."""
     depth, frame, rgb = sense_depth(picture, rng), tilt_frame(picture.frame.astype(float), rng), picture.rgb
     changed = photograph(rgb, rng)
     rgb = changed if np.ptp(changed) > 0 else rgb  # at times a sensor has no colour at all
@@ -53,4 +51,5 @@ def look_at(picture: Picture, room: Room, counts: Counter[str], each: int, rng: 
         mask: NDArray[np.bool_] = picture.owner == owner
         if name in CATEGORIES and counts[name] < each and mask.sum() >= LEAST:
             found.append(Example(name, observe(rgb, depth, mask, picture.intrinsics, frame)))
+            counts[name] += 1
     return found
