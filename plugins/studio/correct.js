@@ -1,14 +1,14 @@
 // The page that corrects what was found and chosen: what a click, a drag or a key does, and the panel.
 import { bindFrame, frameKey, keyOf } from './both.js';
-import { area, begin, element, move, name, pixel, unit, zoom } from './canvas.js';
+import { begin, move, pixel, zoom } from './canvas.js';
 import { bindFront, closed, front, typed } from './fronts.js';
-import { blank, drawOffers, listOffers, taken } from './offers.js';
 import { bindPlacement, made, placement } from './models.js';
+import { blank, listOffers, taken } from './offers.js';
+import { ROOM, boxOf, chosen, draw } from './regions.js';
 import { ask, changed, edit, find, nameOf, onChange, remember, solve, state, touch, undoable } from './state.js';
 
 const get = (id) => document.getElementById(id);
 const svg = get('view');
-const ROOM = ['floor', 'wall'];
 const SMALLEST = 4; // pixels of a side, below which a drag is a click
 const HINTS = {
   select: 'Click what is wrong, in the picture or in a list. B draws a box around what is missing.',
@@ -16,43 +16,10 @@ const HINTS = {
   outline: 'Click around what is seen of it; Enter closes the outline.',
   join: 'Click what is a part of the chosen thing.',
 };
-const chosen = () => (state.chosen ? find(state.chosen) : null);
-const boxOf = (item) => item.around ?? state.solved?.regions[item.id]?.box;
 const things = () => state.project.objects.filter((item) => !ROOM.includes(item.label));
 const byMask = (mask) => state.project.objects.find((item) => item.mask === mask);
 
 function choose(tool) { state.draft = null; state.tool = tool; changed(); svg.focus({ preventScroll: true }); }
-
-function draw() {
-  const over = get('over');
-  svg.classList.toggle('selecting', state.tool === 'select');
-  if (!over || !state.solved) return;
-  const parts = [];
-  for (const item of [...state.project.objects].sort((one, other) => ROOM.includes(other.label) - ROOM.includes(one.label))) {
-    const region = state.solved.regions[item.id];
-    if (!region) continue;
-    const kind = ['region', ROOM.includes(item.label) ? 'room' : '', state.chosen === item.id ? 'chosen' : ''].join(' ').trim();
-    parts.push(element('g', { class: kind, 'data-object': item.id }, region.outlines.map((points) => area(points, 'face'))));
-    const box = boxOf(item);
-    if (item.label && box) parts.push(name(nameOf(item), [box[0][0], box[0][1] + 13 * unit()]));
-  }
-  parts.push(...drawOffers());
-  const item = chosen();
-  const faces = state.solved.regions[item?.id]?.faces ?? []; // as it stands in the scene of rank 1, or will; its front stronger
-  faces.forEach((face, k) => parts.push(area(face, `solid quiet${k === faces.length - 1 ? ' front' : ''}`)));
-  const box = item && boxOf(item);
-  if (box) {
-    const [[x0, y0], [x1, y1]] = box;
-    parts.push(area([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], 'outline quiet'));
-    [x0, x1].forEach((x, i) => [y0, y1].forEach((y, j) => parts.push(element('circle', { cx: x, cy: y, r: 6 * unit(), class: 'handle', 'data-handle': `${i}${j}` }))));
-  }
-  const points = state.draft?.points ?? [];
-  if (state.draft?.kind === 'frame') {
-    const [[x0, y0], [x1, y1]] = points;
-    parts.push(area([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], 'outline quiet'));
-  } else if (points.length) parts.push(element('polyline', { points: points.map((p) => p.join()).join(' '), class: 'measure quiet' }));
-  over.replaceChildren(...parts);
-}
 
 function heldAs(item) {
   if (!item.mounting) return '';
