@@ -94,7 +94,13 @@ def test_a_further_name_of_several_words_means_its_category() -> None:
         *(("computer screen", "monitor"), ("desktop computer", "monitor"), ("computer mouse", "mouse")),
         *(("phone", "telephone"), ("table phone", "telephone"), ("cell phone", "cell_phone"), ("tv remote", "remote")),
         *(("tin", "can"), ("soup can", "can"), ("garbage can", "trash_can"), ("goblet", "wine_glass")),
-        *(("handbag", "bag"), ("backpack", "bag"), ("luggage", "suitcase"), ("fork", "cutlery"), ("teaspoon", "cutlery")),
+        *(
+            ("handbag", "bag"),
+            ("backpack", "bag"),
+            ("luggage", "suitcase"),
+            ("fork", "cutlery"),
+            ("teaspoon", "cutlery"),
+        ),
         *(("desk keyboard", "keyboard"), ("screen", "monitor"), ("tv screen", "monitor")),
     ],
 )
