@@ -24,7 +24,7 @@ def run(
     out: Path = NETWORK,
     rooms: int = 4000,
     models: int = 24,
-    epochs: int = 16,
+    epochs: int = 20,
     seed: int = 1,
     processes: int = 1,
     device: str = "cpu",

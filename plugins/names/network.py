@@ -19,7 +19,8 @@ class ShapeNetwork(nn.Module):
     def __init__(self, names: int) -> None:
         super().__init__()
         self.near = _layers(6, 32, 64)
-        self.points = _layers(64 + 3, 128, 256)
+        self.beside = _layers(3, 32, 32)
+        self.points = _layers(64 + 32 + 3, 128, 256)
         self.around = _layers(3, 32, 96)
         self.numbers = _layers(NUMBERS + 8, 64)
         self.head = nn.Sequential(*_layers(2 * 256 + 96 + 64, 192), nn.Dropout(0.3), nn.Linear(192, names))
@@ -31,15 +32,21 @@ class ShapeNetwork(nn.Module):
         box = measure_box(points)
         points, around = SCALE * points, SCALE * around
         centres = points[:, :CENTRES]  # points come in no order: the first are as good as any
-        nearest = torch.cdist(centres, points).topk(NEIGHBOURS, largest=False).indices
-        near = points.gather(1, nearest.flatten(1)[..., None].expand(-1, -1, 3)).unflatten(1, (CENTRES, NEIGHBOURS))
-        centred = torch.cat([(near - centres[:, :, None]) * 4, near], dim=-1)
-        local = self.near(centred).amax(dim=2)
-        whole = self.points(torch.cat([local, centres], dim=-1))
+        near, beside = (find_nearest(centres, each, NEIGHBOURS) for each in (points, around))
+        local = self.near(torch.cat([4 * near, near + centres[:, :, None]], dim=-1)).amax(dim=2)
+        touching = self.beside(4 * beside.clamp(-1, 1)).amax(dim=2)
+        whole = self.points(torch.cat([local, touching, centres], dim=-1))
         told = torch.cat([(numbers - self.middle) / self.spread, box], dim=-1)
         parts = [whole.amax(dim=1), whole.mean(dim=1), self.around(around).amax(dim=1), self.numbers(told)]
         logits: Tensor = self.head(torch.cat(parts, dim=-1))
         return logits
+
+
+def find_nearest(centres: Tensor, points: Tensor, count: int) -> Tensor:
+    """From each of some centres (B, C, 3) to its nearest points of (B, N, 3): (B, C, count, 3)."""
+    nearest = torch.cdist(centres, points).topk(count, largest=False).indices
+    found = points.gather(1, nearest.flatten(1)[..., None].expand(-1, -1, 3))
+    return found.unflatten(1, nearest.shape[1:]) - centres[:, :, None]
 
 
 def measure_box(points: Tensor) -> Tensor:

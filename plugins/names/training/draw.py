@@ -22,6 +22,7 @@ from stages.geometry.frames import apply
 LEAST = 60  # pixels of a mask in a picture of 320 x 240
 VIEWS = 7  # of a room
 PATCHES = 1  # of no thing, in a picture
+ERROR = (1.7, 0.025)  # degrees and share of the camera's height by which the ground's frame is off; chosen
 KINECT = 0.5  # share of pictures that a Kinect sees
 NONE = "other"
 AS_IF = {"office_chair": "chair"}  # a kind of the rooms that the library lacks
@@ -74,7 +75,7 @@ def draw_room(models: int, seed: int, number: int) -> Examples:
 def look_at(picture: Picture, room: Room, rng: Rng) -> Iterator[tuple[str, Shape]]:
     """The masks of a picture that show a thing or none, with the name, as a sensor sees them."""
     sense = sense_as_kinect if rng.random() < KINECT else sense_depth
-    depth, frame = sense(picture, rng), tilt_frame(picture.frame.astype(float), rng)
+    depth, frame = sense(picture, rng), tilt_frame(picture.frame.astype(float), rng, *ERROR)
     points, known = apply(frame, back_project(depth, picture.intrinsics)), depth > 0
     wholes = find_wholes(picture, room)
     masks = [soil(some[-1 if rng.random() < 0.3 else 0], picture.owner, rng) for some in wholes.values()]

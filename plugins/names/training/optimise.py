@@ -18,8 +18,8 @@ SMOOTHING = 0.05  # of labels; chosen
 class Options:
     """epochs over the examples; examples of an update; AdamW's peak rate, which rises and falls (one cycle)."""
 
-    epochs: int = 16
-    batch: int = 256
+    epochs: int = 20
+    batch: int = 512
     learning_rate: float = 2e-3
     weight_decay: float = 1e-2
 
@@ -29,8 +29,8 @@ def train(examples: Examples, names: int, seed: int, options: Options, device: s
     torch.manual_seed(seed)
     data = [torch.from_numpy(each).to(device) for each in examples]
     network = ShapeNetwork(names).to(device)
-    count = torch.bincount(data[3], minlength=names).clamp(min=30).float()
-    weight = count.rsqrt() / (count.sqrt().sum() / count.sum())  # rare names count more, as the root of how rare
+    # Logits are of names that are all as likely before (logit adjustment, Menon et al. 2021).
+    common = (torch.bincount(data[3], minlength=names) + 1.0).log()
     optimiser = torch.optim.AdamW(network.parameters(), options.learning_rate, weight_decay=options.weight_decay)
     steps = max(1, len(data[3]) // options.batch)
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, options.learning_rate, steps * options.epochs + 1)
@@ -39,7 +39,7 @@ def train(examples: Examples, names: int, seed: int, options: Options, device: s
         for some in torch.randperm(len(data[3]), device=device).split(options.batch)[:steps]:
             points, around, numbers, name = (each[some] for each in data)
             logits = network(*vary(points.float(), around.float(), numbers))
-            loss = functional.cross_entropy(logits, name, weight=weight, label_smoothing=SMOOTHING)
+            loss = functional.cross_entropy(logits + common, name, label_smoothing=SMOOTHING)
             optimiser.zero_grad()
             loss.backward()
             torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)

@@ -74,12 +74,12 @@ def photograph(rgb: NDArray[np.uint8], rng: Rng) -> NDArray[np.uint8]:
     return np.asarray((255 * image).clip(0, 255), dtype=np.uint8)
 
 
-def tilt_frame(frame: Array, rng: Rng) -> Array:
-    """`floor_from_camera` (4, 4) with the error of an estimate."""
-    x, y = np.deg2rad(rng.normal(0, TILT, 2))
+def tilt_frame(frame: Array, rng: Rng, tilt: float = TILT, off: float = OFF) -> Array:
+    """`floor_from_camera` (4, 4) with the error of an estimate: degrees, and a share of the camera's height."""
+    x, y = np.deg2rad(rng.normal(0, tilt, 2))
     turn = np.array([[1, 0, y], [0, 1, -x], [-y, x, 1]])
     left, _, right = np.linalg.svd(turn)
-    return np.asarray(rigid(left @ right, [0, 0, rng.normal(0, OFF) * frame[2, 3]]) @ frame)
+    return np.asarray(rigid(left @ right, [0, 0, rng.normal(0, off) * frame[2, 3]]) @ frame)
 
 
 def sense_as_kinect(picture: Picture, rng: Rng) -> Array:
