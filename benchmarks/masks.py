@@ -1,4 +1,4 @@
-"""How well pictures are cut into things without a hand: `from-rgbd --auto` beside the exact masks of open rooms.
+"""How well pictures are cut into things without a hand: things found beside the exact masks of open rooms.
 
 python -m benchmarks.masks DIR --half work        DIR: of benchmarks.open_rooms render
 """
@@ -14,10 +14,11 @@ import numpy as np
 
 from benchmarks.open_rooms.pairs import FOUND, overlaps
 from benchmarks.open_rooms.pictures import folders, read
-from plugins.inputs.rgbd.frame import Frame, Labelled
-from plugins.inputs.rgbd.pieces import cut_frame
+from plugins.eyes.choosing import choose
+from plugins.eyes.config import EyesSection
+from plugins.eyes.see import look, propose
+from plugins.inputs.rgbd.frame import Frame
 from stages.contracts import InputError
-from stages.contracts.types import WALL
 
 SMALL, LARGE = 0.005, 0.05  # shares of the picture
 
@@ -43,18 +44,19 @@ def frame_of(folder: Path) -> Frame:
     return Frame(rgb, depth, matrix)
 
 
-def measure(folder: Path) -> tuple[list[Thing], int, int, int, float]:
+def measure(folder: Path, proposers: list[str]) -> tuple[list[Thing], int, int, int, float]:
     """The named things of a picture, how many pieces were cut, how many of them can be judged, how many are a thing,
     and seconds. A piece most of which shows what nobody named, neither thing nor floor nor wall, cannot be judged."""
     exact = cv2.imread(str(folder / "exact.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
     start = time.process_time()
+    values = np.zeros_like(exact)
     try:
-        cut = cut_frame(frame_of(folder))
+        view = look(frame_of(folder))
+        for number, thing in enumerate(choose(view, propose(view, EyesSection(proposers=proposers))), 1):
+            values[thing.mask] = number
     except InputError:
-        cut = Labelled(np.zeros_like(exact), {})
+        pass  # it shows nothing level
     seconds = time.process_time() - start
-    pieces = [value for value, label in cut.labels.items() if label not in ("floor", WALL)]
-    values = np.where(np.isin(cut.values, pieces), cut.values, 0).astype(np.uint16)
     iou, inside = overlaps(exact, values)
     named = [thing for thing in read(folder).things if thing.named]
     found = []
@@ -93,8 +95,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--half", default="work")
+    parser.add_argument("--proposers", nargs="+", default=EyesSection().proposers)
     asked = parser.parse_args()
-    results = [measure(folder) for folder in folders(asked.folder, asked.half)]
+    results = [measure(folder, asked.proposers) for folder in folders(asked.folder, asked.half)]
     things = [thing for each, *_ in results for thing in each]
     row = summarise(things, *(sum(result[k] for result in results) for k in (1, 2, 3)))
     row["CPU s a picture"] = f"{np.mean([result[4] for result in results]):.1f}"

@@ -9,7 +9,7 @@ import numpy as np
 from plugins.eyes.choosing import choose
 from plugins.eyes.config import EyesSection
 from plugins.eyes.naming import Named, name_things
-from plugins.eyes.proposal import RoomView
+from plugins.eyes.proposal import Proposal, RoomView
 from plugins.eyes.surfaces import Surfaces, find_surfaces
 from plugins.eyes.weights import ALL, is_there
 from plugins.inputs.numbered import draw_numbers
@@ -68,18 +68,31 @@ def see(frame: Frame, options: EyesSection) -> Seen:
     Raises:
         InputError: nothing level is seen, or no thing.
     """
+    view = look(frame)
+    things = name_things(view, choose(view, propose(view, options)), options.sure)
+    if not things:
+        raise InputError("the picture", "shows no thing.", "give --masks, or draw boxes", code="E-MASKS-EMPTY")
+    return Seen(view.surfaces, things)
+
+
+def propose(view: RoomView, options: EyesSection) -> list[Proposal]:
+    """What all proposers propose."""
+    return [one for name in list_proposers(options) for one in load("proposers", name)(view)]
+
+
+def look(frame: Frame) -> RoomView:
+    """A frame with its ground and walls.
+
+    Raises:
+        InputError: nothing level is seen.
+    """
     depth = frame.depth.astype(float)
     surfaces = find_surfaces(depth, frame.intrinsics, TILT)
     if surfaces is None:
         raise InputError(
             "depth", "shows no level surface.", "check depth (metres) and intrinsics", code="E-FLOOR-MISSING"
         )
-    view = RoomView(frame.rgb, depth, frame.intrinsics, surfaces)
-    proposals = [one for name in list_proposers(options) for one in load("proposers", name)(view)]
-    things = name_things(view, choose(view, proposals), options.sure)
-    if not things:
-        raise InputError("the picture", "shows no thing.", "give --masks, or draw boxes", code="E-MASKS-EMPTY")
-    return Seen(surfaces, things)
+    return RoomView(frame.rgb, depth, frame.intrinsics, surfaces)
 
 
 def list_proposers(options: EyesSection) -> list[str]:

@@ -17,7 +17,8 @@ ON_TABLE: Box = ((2.5, -0.1, 0.72), (2.6, 0.05, 0.86))
 def see_room(*boxes: Box, wall: float | None = 4.0, noise: float = 0.0) -> tuple[RoomView, list[Mask]]:
     """A floor, a wall that many metres ahead, and boxes: the view, and the pixels of each box."""
     columns, rows = np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT))
-    ahead = np.stack([np.ones(columns.shape), (WIDTH / 2 - 0.5 - columns) / FOCAL, (HEIGHT / 2 - 0.5 - rows) / FOCAL], -1)
+    left, up = (WIDTH / 2 - 0.5 - columns) / FOCAL, (HEIGHT / 2 - 0.5 - rows) / FOCAL
+    ahead = np.stack([np.ones(columns.shape), left, up], axis=-1)
     c, s = np.cos(TILT), np.sin(TILT)
     rays = ahead @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
     eye = np.array([0.0, 0.0, CAMERA])

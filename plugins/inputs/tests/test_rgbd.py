@@ -15,16 +15,13 @@ import yaml
 from plugins.inputs import from_rgbd
 from plugins.inputs.rgbd.cameras import intrinsics_of_camera, read_intrinsics
 from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
-from plugins.inputs.rgbd.frame import Frame, Labelled
+from plugins.inputs.rgbd.frame import Labelled
 from plugins.inputs.rgbd.mask_files import read_labelled
-from plugins.inputs.rgbd.pieces import cut_frame
 from plugins.inputs.rgbd.write import make_annotations
 from plugins.names.propose import Proposal
 from plugins.studio.masks import Cutter, correct_masks
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Camera, InputError, read_json
-from stages.contracts.categories import known_categories
-from stages.contracts.category import find_category
 from stages.contracts.corrections import Correction
 from stages.contracts.scene_input import read_scene_input
 from stages.extraction.observation import read_folder
@@ -116,27 +113,6 @@ def boxes_of(folder: Path) -> dict[str, Any]:
     return {"up": found.floor_from_camera[2][3], **{item.id: item.box for item in found.objects}}
 
 
-def test_a_network_finds_what_stands_on_the_table(files: SimpleNamespace, room: tuple) -> None:
-    """The same view of a table with things 0.4 of the size, and as near."""
-    out, near = files.folder / "auto", files.folder / "near.npy"
-    np.save(near, np.where(room[1] < 10.0, 0.4 * room[1], 0.0))
-    from_rgbd.run(out=out, rgb=files.color, depth=near, intrinsics=files.K, auto=True)
-    given = read_scene_input(out)
-    for item in given.annotations.objects:
-        assert item.label == item.proposals[0] and len(set(item.proposals)) == 3
-        assert all(find_category(name, known_categories()) for name in item.proposals)
-    shown, plain = (cv2.imread(str(out / name)) for name in ("numbers.png", "rgb.png"))
-    assert (shown != plain)[given.masks > 0].any() and (shown == plain).mean() > 0.9
-    found = boxes_of(out)
-    assert found["up"] == pytest.approx(0.4 * (1.6 - TABLE.top), abs=0.01)  # the table top is the ground
-    ids = dict(zip([item.mask for item in given.annotations.objects], list(found)[1:], strict=True))
-    for number, true in ((OBJECT + 1, BOX), (OBJECT + 2, CAN)):
-        value = int(np.bincount(given.masks[room[2] == number]).argmax())
-        one, other = given.masks == value, room[2] == number
-        assert (one & other).sum() > 0.7 * (one | other).sum()
-        assert sorted(found[ids[value]].size) == pytest.approx(sorted(0.4 * np.array(true.size)), abs=0.03)
-
-
 def test_a_name_that_is_not_sure_is_doubted_until_it_is_said() -> None:
     sure, unsure = [Proposal("mug", 0.95), Proposal("jar", 0.01)], [Proposal("jar", 0.4), Proposal("mug", 0.3)]
     values = np.repeat(np.arange(3, dtype=np.uint16)[:, None], 4, axis=1)
@@ -150,11 +126,6 @@ def test_a_name_that_is_not_sure_is_doubted_until_it_is_said() -> None:
         change = {2: Correction.model_validate({"mask": 2, **said})}
         corrected, _, _ = correct_masks(written, values, change, Cutter(np.zeros((3, 4, 3), np.uint8)))
         assert corrected is not None and corrected.objects[1].doubts == left
-
-
-def test_nothing_on_a_table_is_refused() -> None:
-    with refused("E-MASKS-EMPTY"):
-        cut_frame(Frame(np.zeros((HEIGHT, WIDTH, 3), np.uint8), np.zeros((HEIGHT, WIDTH), np.float32), INTRINSICS))
 
 
 def test_ground_is_what_the_named_things_stand_on(files: SimpleNamespace) -> None:
