@@ -126,7 +126,7 @@ def describe_fall(shift: NDArray[np.float64], tilt: float, overlapped: str, opti
     elif -shift[2] > np.linalg.norm(shift[:2]):
         what = f"dropped {-100 * shift[2]:.0f} cm"
     else:
-        what = f"was pushed {100 * np.linalg.norm(shift):.0f} cm"
+        what = f"{'was pushed' if overlapped else 'slid'} {100 * np.linalg.norm(shift):.0f} cm"
     return f"{what}, for it overlapped {overlapped}" if overlapped else what
 
 

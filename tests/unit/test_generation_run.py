@@ -334,6 +334,7 @@ def test_a_fall_is_said_by_what_it_is() -> None:
     options = GenerationConfig()
     assert describe_fall(np.array([0.2, 0.0, -0.1]), 80.0, "", options) == "tipped by 80°"
     assert describe_fall(np.array([0.02, 0.0, -0.1]), 2.0, "", options) == "dropped 10 cm"
+    assert describe_fall(np.array([0.06, 0.0, -0.01]), 0.0, "", options) == "slid 6 cm"
     pushed = describe_fall(np.array([0.06, 0.0, -0.01]), 0.0, "table_1", options)
     assert pushed == "was pushed 6 cm, for it overlapped table_1"
 

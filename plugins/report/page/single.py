@@ -130,7 +130,8 @@ class Grave(NamedTuple):
 
 def split_doubts(listed: list[Listed]) -> tuple[list[Grave], list[Listed]]:
     """The gravest doubts, one by one, and the others by their causes."""
-    first, rest = [], []
+    first: list[Grave] = []
+    rest: list[Listed] = []
     for group in listed:
         room = MOST - len(first)
         first += [Grave(about, what, group.mend, command) for about, what, command in group.entries[:room]]
