@@ -16,6 +16,8 @@ from plugins.inputs.numbered import draw_numbers
 from plugins.inputs.rgbd.edges import remove_edges
 from plugins.inputs.rgbd.frame import TILT, Frame, Labelled
 from plugins.inputs.rgbd.write import write_frame
+from plugins.names.observed import WITHOUT as WITHOUT_CLASSES
+from plugins.names.observed import classifier
 from stages.contracts import Camera, InputError, read_json, read_options, write_atomically, write_json
 from stages.contracts.depth import read_depth
 from stages.contracts.images import read_rgb
@@ -70,6 +72,8 @@ def see(frame: Frame, options: EyesSection) -> Seen:
     """
     view = look(frame)
     things = name_things(view, choose(view, propose(view, options)), options.sure)
+    if classifier() is None:
+        print(WITHOUT_CLASSES)
     if not things:
         raise InputError("the picture", "shows no thing.", "give --masks, or draw boxes", code="E-MASKS-EMPTY")
     return Seen(view.surfaces, things)

@@ -38,7 +38,8 @@ def see_room(*boxes: Box, wall: float | None = 4.0, noise: float = 0.0) -> tuple
     intrinsics = make_intrinsics(FOCAL, FOCAL, WIDTH / 2 - 0.5, HEIGHT / 2 - 0.5)
     surfaces = find_surfaces(depth, intrinsics, 75.0)
     assert surfaces is not None
-    return RoomView(np.full((HEIGHT, WIDTH, 3), 128, np.uint8), depth, intrinsics, surfaces), masks
+    rgb = np.random.default_rng(1).integers(100, 140, (HEIGHT, WIDTH, 3), dtype=np.uint8)
+    return RoomView(rgb, depth, intrinsics, surfaces), masks
 
 
 def propose_mask(view: RoomView, mask: Mask, score: float = 0.9, **words: float) -> Proposal:
