@@ -1,5 +1,5 @@
 # Scenes made of cousins: placement, support, walls, collisions, settling (paper A.3, A.7).
-# Reads:  objects, cousins, library, corrections.json beside the picture where there is one.
+# Reads:  objects, cousins, library, corrections.json beside the picture where there is one; with `finish: picture` that.
 # Writes: results/generation/<variant>/<scene>/scene_<rank>.json, and for people scene_<rank>.{png,glb}, comparison.png,
 #         look.json, view.glb (the first scene, small, for the report) and thumbnail.webp (for the overview).
 
