@@ -58,7 +58,8 @@ def count_pixels(meshes: Sequence[Trimesh]) -> list[int]:
     """How much is seen of each of some meshes that hide each other, from afar before `VIEW`."""
     scene = o3d.t.geometry.RaycastingScene(nthreads=1)
     for mesh in meshes:
-        scene.add_triangles(np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.uint32))
+        corners, faces = np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.uint32)
+        scene.add_triangles(o3d.core.Tensor.from_numpy(corners), o3d.core.Tensor.from_numpy(faces))
     low, high = bounds_of(list(meshes))
     back = np.array(VIEW) / np.linalg.norm(VIEW)
     right = np.cross([0.0, 0, 1], back) / np.linalg.norm(np.cross([0.0, 0, 1], back))
@@ -66,7 +67,7 @@ def count_pixels(meshes: Sequence[Trimesh]) -> list[int]:
     across, up = (grid.reshape(-1, 1) for grid in np.meshgrid(at, at))
     origins = (low + high) / 2 + 2 * LARGEST * back + across * right + up * np.cross(back, right)
     rays = np.concatenate([origins, np.broadcast_to(-back, origins.shape)], axis=1).astype(np.float32)
-    hit = scene.cast_rays(rays, nthreads=1)["geometry_ids"].numpy()
+    hit = scene.cast_rays(o3d.core.Tensor.from_numpy(rays), nthreads=1)["geometry_ids"].numpy()
     return [int(np.count_nonzero(hit == number)) for number in range(len(meshes))]
 
 
