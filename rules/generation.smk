@@ -32,11 +32,12 @@ rule generate:
         **verb("generation", "generate", generated="scenes"),
         corrections=corrections_flags,
         corrected=corrections("generation"),
+        image=lambda wildcards, input: shlex.join(["--image", str(input.image)]) if input.image else "",
         out=lambda wildcards, output: str(Path(output.scenes[0]).parent),
     shell:
         "({params.command} --cousins {input.cousins:q} --objects {input.objects:q} "
         "--library {input.library:q} --variant {wildcards.variant} --options {params.options:q} "
-        "{params.corrections} --image {input.image:q} --out {params.out:q} && "
+        "{params.corrections} {params.image} --out {params.out:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
