@@ -65,8 +65,9 @@ RANKS = list(range(1, CONFIG.generation.ranks + 1))
 PROCEDURAL = any(CONFIG.assets.counts.values()) or replacement(CONFIG, "furniture", "library")
 PROCEDURAL_SHARDS = list(range(CONFIG.assets.shards)) if PROCEDURAL else []
 SHARDS = [*PROCEDURAL_SHARDS, *OWN_SHARDS]
-# The picture of a run of one: parts of the library are drawn for it.
-PICTURE = next((room for room in ROOMS if len(ROOMS) == 1 and room in EXPERIMENT.inputs), None)
+# The picture of a run of one: parts of the library are drawn for it, as far as our own `match` looks.
+PICTURE = ROOMS[0] if len(ROOMS) == 1 and ROOMS[0] in EXPERIMENT.inputs else None
+PICTURE = None if replacement(CONFIG, "matching", "match") else PICTURE
 STORES = stores(CONFIG)
 # What policies open, also inside generated scenes; on which assets it is demonstrated; who opens it after what training.
 TARGETS = list(EXPERIMENT.targets)

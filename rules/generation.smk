@@ -1,5 +1,5 @@
 # Scenes made of cousins: placement, support, walls, collisions, settling (paper A.3, A.7).
-# Reads:  objects, cousins, library, corrections.json beside the picture where there is one.
+# Reads:  objects, cousins, library, corrections.json beside the picture where there is one; with `finish: picture` that.
 # Writes: results/generation/<variant>/<scene>/scene_<rank>.json, and for people scene_<rank>.{png,glb}, comparison.png,
 #         look.json, view.glb (the first scene, small, for the report) and thumbnail.webp (for the overview).
 
@@ -32,11 +32,12 @@ rule generate:
         **verb("generation", "generate", generated="scenes"),
         corrections=corrections_flags,
         corrected=corrections("generation"),
+        image=lambda wildcards, input: shlex.join(["--image", str(input.image)]) if input.image else "",
         out=lambda wildcards, output: str(Path(output.scenes[0]).parent),
     shell:
         "({params.command} --cousins {input.cousins:q} --objects {input.objects:q} "
         "--library {input.library:q} --variant {wildcards.variant} --options {params.options:q} "
-        "{params.corrections} --image {input.image:q} --out {params.out:q} && "
+        "{params.corrections} {params.image} --out {params.out:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

@@ -117,6 +117,7 @@ def make_scenes(
     generate.run(
         cousins=cousins, objects=objects, library=index, variant=variant, out=folder,
         options=_options(settings, "generation", "generate", variant=variant), corrections=corrections["generation"],
+        image=(image,),
     )  # fmt: skip
     scenes = tuple(folder / f"scene_{rank}.json" for rank in range(1, settings.generation_of(variant).ranks + 1))
     if settings.packages.get("pictures"):

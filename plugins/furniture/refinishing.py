@@ -19,6 +19,7 @@ from stages.contracts.types import LARGEST
 FIXED = {"screen_colour", "panel_colour", "inside_colour"}  # the same on every model
 OTHER = 0.12  # distance from the old colour from which a colour is another one
 VIEW = (1.0, 0.5, 0.6)  # from where a thing is looked at: its front, one side and its top are seen
+DETAIL = 0.3  # of the pixels of what is seen most: what has fewer is a detail, as legs and handles are; chosen
 SIDE = 96  # of the picture, pixels; chosen
 SHADED = 0.02  # a colour that is a multiple of another, to this relative accuracy, stays its shade
 
@@ -39,7 +40,7 @@ def refinish(recipe: Recipe, rng: np.random.Generator) -> Recipe:
 
 
 def paint(recipe: Recipe, colour: RGB) -> Recipe:
-    """The recipe with the finish that most is seen of in another colour, and shades of it as its shades."""
+    """The recipe with what is seen most in another colour, and shades of it as its shades; details stay as they are."""
     seen: dict[Finish, int] = defaultdict(int)
     known = dict.fromkeys(_list_finishes(recipe))
     parts = list(parts_of(generate(recipe)))
@@ -48,10 +49,8 @@ def paint(recipe: Recipe, colour: RGB) -> Recipe:
         base = part.finish if part.finish in known else next(shaded, None)
         if base is not None:
             seen[base] += pixels
-    if not seen:
-        return recipe
-    main = max(known, key=lambda each: seen[each])
-    new = {main: main.change_colour(colour)}
+    most = max(seen.values(), default=0)
+    new = {each: each.change_colour(colour) for each in known if seen[each] > DETAIL * most}
     return _change_finishes(recipe, lambda old: new.get(old) or _shade_of(old, new) or old)
 
 
@@ -59,7 +58,8 @@ def count_pixels(meshes: Sequence[Trimesh]) -> list[int]:
     """How much is seen of each of some meshes that hide each other, from afar before `VIEW`."""
     scene = o3d.t.geometry.RaycastingScene(nthreads=1)
     for mesh in meshes:
-        scene.add_triangles(np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.uint32))
+        corners, faces = np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.uint32)
+        scene.add_triangles(o3d.core.Tensor.from_numpy(corners), o3d.core.Tensor.from_numpy(faces))
     low, high = bounds_of(list(meshes))
     back = np.array(VIEW) / np.linalg.norm(VIEW)
     right = np.cross([0.0, 0, 1], back) / np.linalg.norm(np.cross([0.0, 0, 1], back))
@@ -67,7 +67,7 @@ def count_pixels(meshes: Sequence[Trimesh]) -> list[int]:
     across, up = (grid.reshape(-1, 1) for grid in np.meshgrid(at, at))
     origins = (low + high) / 2 + 2 * LARGEST * back + across * right + up * np.cross(back, right)
     rays = np.concatenate([origins, np.broadcast_to(-back, origins.shape)], axis=1).astype(np.float32)
-    hit = scene.cast_rays(rays, nthreads=1)["geometry_ids"].numpy()
+    hit = scene.cast_rays(o3d.core.Tensor.from_numpy(rays), nthreads=1)["geometry_ids"].numpy()
     return [int(np.count_nonzero(hit == number)) for number in range(len(meshes))]
 
 

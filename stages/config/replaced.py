@@ -9,9 +9,9 @@ from stages.contracts.errors import suggest_nearest
 from stages.contracts.section import Section
 
 VERBS = {
-    "assets": ("join", "snapshots"),
+    "assets": ("join", "part", "snapshots"),
     "extraction": ("extract",),
-    "matching": ("features", "match", "distances"),
+    "matching": ("features", "shards", "match", "distances"),
     "generation": ("generate",),
     "experiment": ("select",),
     "demonstrations": ("collect",),

@@ -1,6 +1,7 @@
 """The colours that a picture shows of its objects, and models of the library in them: `finish: picture`."""
 
 from dataclasses import replace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -51,6 +52,6 @@ def paint(item: Placed, colour: RGB | None) -> Placed:
         return replace(item, steps=(*item.steps, "in its own colours: a model that is no recipe's cannot be painted"))
     before = item.asset.recipe
     painted = load_maker().paint(before, colour)
-    finish = {key: value for key, value in painted.parameters.items() if before.parameters[key] != value}
+    finish: Any = {key: value for key, value in painted.parameters.items() if before.parameters[key] != value}
     asset = item.asset.model_copy(update={"recipe": painted})
     return replace(item, asset=asset, finish=finish)

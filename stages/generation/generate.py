@@ -36,12 +36,12 @@ def run(
         out: folder; gets scene_<rank>.json of every rank.
         options: JSON of the config section `generation`.
         corrections: corrections.json beside the picture: which models a person chose, and what they moved.
-        image: the picture, for `finish: picture`.
+        image: the picture, which `finish: picture` needs.
     """
     config = read_options(GenerationConfig, options)
-    if (config.finish == "picture") != bool(image):
-        fix = "give the scene's picture for `finish: picture`, and for that alone"
-        raise InputError("--image", f"does not go with finish: {config.finish}.", fix, code="E-OPTION-CONFLICT")
+    image = image if config.finish == "picture" else ()
+    if config.finish == "picture" and not image:
+        raise InputError("--image", "is needed by `finish: picture`.", "give the picture", code="E-OPTION-MISSING")
     inputs = read_inputs(cousins, objects, library, corrections, *image)
     scenes, places = [], Places()
     for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):

@@ -12,10 +12,11 @@ import numpy as np
 from shapely import MultiPoint, Polygon
 from trimesh import Trimesh
 
-from stages.articulated.asset_folder import read_model
-from stages.articulated.forward_kinematics import measure_closed_box, read_closed_links
-from stages.articulated.model import Link
+from stages.articulated.asset_folder import read_asset, read_model, urdf_of
+from stages.articulated.forward_kinematics import frames_of, measure_closed_box, read_closed_links
+from stages.articulated.model import Link, Visual
 from stages.articulated.resizing import has_size, resize_model
+from stages.articulated.urdf_reader import UrdfReader
 from stages.articulated.urdf_writer import as_written
 from stages.generation.placed import Placed, Prism
 
@@ -42,6 +43,13 @@ def to_prisms(pieces: Iterable[Trimesh]) -> tuple[Prism, ...]:
             low, high = vertices[:, 2].min(), vertices[:, 2].max()
             found.append(Prism(np.array(hull.exterior.coords)[:-1], float(low), float(high), vertices))
     return tuple(found)
+
+
+def read_visuals(folder: Path) -> list[Visual]:
+    """What is seen of a model, in the asset frame; as of `read_links`, in half the time."""
+    reader = UrdfReader(urdf_of(folder, read_asset(folder)), folder)
+    frames = frames_of(reader.tree.root, reader.joints)
+    return [visual.transform(frames[name]) for name in reader.tree.links for visual in reader.visuals(name)]
 
 
 @lru_cache(maxsize=64)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from stages.articulated.asset_folder import read_asset
-from stages.generation.models import read_links
+from stages.generation.models import read_visuals
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 
@@ -29,7 +29,7 @@ class Solid:
 
     def __init__(self, folder: Path) -> None:
         asset = read_asset(folder)
-        meshes = [visual.mesh for link in read_links(folder) for visual in link.visuals]
+        meshes = [visual.mesh for visual in read_visuals(folder)]
         low, size = np.array(asset.box_min), np.maximum(asset.size, 1e-6)
         vertices = [(np.asarray(mesh.vertices) - low) / size - 0.5 for mesh in meshes]
         starts = np.cumsum([0, *map(len, vertices[:-1])])

@@ -5,11 +5,10 @@ from pathlib import Path
 import numpy as np
 
 from stages.config.matching import ComparisonOptions
-from stages.contracts import Cousins, read_json, read_options, write_json
+from stages.contracts import Cousins, Library, read_json, read_options, write_json
 from stages.contracts.cousins import Distances
 from stages.contracts.scenes import find_true_model
 from stages.matching.encoders import column_weights, make_encoder, settings_digest
-from stages.matching.match import read_library
 from stages.matching.ranking import Query, apply_weights, rank
 from stages.matching.store import FeatureStore, Snapshot
 
@@ -44,7 +43,8 @@ def run(
     settings = read_options(ComparisonOptions, options)
     encoder = make_encoder(settings)
     store = FeatureStore(features, settings_digest(settings, encoder))
-    assets = [entry.id for entry in read_library(library, store).assets if entry.doors + entry.drawers]
+    assets = [entry.id for entry in read_json(Library, library).assets if entry.doors + entry.drawers]
+    store.check_holds(assets, "models that open")
     matched = read_json(Cousins, cousins)
     item = next((entry for entry in matched.objects if entry.id == object), None)
     weights = column_weights(encoder, depth=True)

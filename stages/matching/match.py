@@ -10,13 +10,13 @@ from stages.cli import progress
 from stages.config.matching import MatchingConfig, matching_model
 from stages.config.packages import find_packages
 from stages.config.provenance import record_provenance
-from stages.contracts import Cousins, InputError, LeftOut, Library, read_json, read_options, write_json
+from stages.contracts import Cousins, LeftOut, Library, read_json, read_options, write_json
 from stages.contracts.cousins import ObjectCousins, Orientation
 from stages.contracts.doubt import MEND
 from stages.contracts.objects import SceneObject
 from stages.matching.affordances import note_differences
 from stages.matching.agreement import agree_on_order
-from stages.matching.candidates import Candidates, find_candidates
+from stages.matching.candidates import find_candidates
 from stages.matching.deciding import decide_cousins
 from stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
 from stages.matching.judges import Judges
@@ -98,15 +98,6 @@ def open_pictures(features: tuple[Path, ...], options: MatchingConfig) -> Pictur
     return Pictures(encoder, FeatureStore(features, settings_digest(options, encoder)))
 
 
-def check_stored(candidates: Candidates, store: FeatureStore, label: str) -> None:
-    """Refuse an object's candidates of which some have no features: the stores are not those of the library."""
-    missing = [entry.id for entry in candidates.assets if entry.id not in store]
-    if missing:
-        what = f"{label}: {len(missing)} of {len(candidates.assets)} candidates have no features, e.g. {missing[0]}."
-        fix = "give the feature stores of all shards of this library"
-        raise InputError("--features", what, fix, code="E-FEATURES-MISSING")
-
-
 def leave_out(library: Library, files: tuple[Path, ...]) -> Library:
     """The library without the models that the files name."""
     gone = {name for file in files for name in read_json(LeftOut, file).assets}
@@ -137,7 +128,7 @@ def match_object(
         facing = Orientation(yaw=0.0, distance=0.0)  # stands for the views, none of which is compared
         return decide_cousins(models, lambda asset: ([], [facing]), candidates, item, question, judges, options)
     encoder, store = stored
-    check_stored(candidates, store, item.label)
+    store.check_holds([entry.id for entry in candidates.assets], f"candidates of '{item.label}'")
     query = make_query(view if store.upright else replace(view, up=None), encoder, options.colour)
     if query is None:
         return _fail_object(item, f"no foreground patch: mask {item.mask} has no pixel in masks.png")

@@ -86,6 +86,18 @@ class FeatureStore:
     def __contains__(self, asset: str) -> bool:
         return asset in self._where
 
+    def check_holds(self, models: Sequence[str], what: str) -> None:
+        """Refuse models of which some are not in it: it is not of their library, or not of all that is needed.
+
+        Args:
+            what: that they are, in plural.
+        """
+        missing = [name for name in models if name not in self]
+        if missing:
+            lacking = f"{len(missing)} of {len(models)} {what} have no features, e.g. {missing[0]}."
+            fix = "give the feature stores of all shards of this library"
+            raise InputError("--features", lacking, fix, code="E-FEATURES-MISSING")
+
     @property
     def representative(self) -> int:
         """View number of the representative snapshots."""

@@ -160,7 +160,7 @@ def test_code_digest_follows_what_a_registry_names_as_text(tmp_path: Path, monke
         ({"maching": {}}, "stages: no stage is called 'maching'; did you mean 'matching'"),
         (
             {"matching": {"command": "./mine.sh"}},
-            "stages: no verb of matching is called 'command'; there are: features, match",
+            "stages: no verb of matching is called 'command'; there are: features, shards, match",
         ),
         (
             {"matching": {"macth": {"command": "x"}}},

@@ -60,5 +60,5 @@ def test_cousins_wear_the_colours_of_the_picture_and_stand_as_before(
     ]
     assert looks[0] != looks[1]
 
-    with refused("E-OPTION-CONFLICT"):
+    with refused("E-OPTION-MISSING"):
         run(**given, options=options["picture"], out=tmp_path / "none")
