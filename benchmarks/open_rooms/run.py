@@ -11,6 +11,7 @@ from typing import Any
 from benchmarks.open_rooms import pictures
 from benchmarks.open_rooms.by_clicks import plan_corrections
 from benchmarks.open_rooms.pictures import BY_HAND
+from plugins.eyes import see
 from plugins.inputs import from_rgbd
 from stages.config.model import Config
 from stages.config.reads import options_of, stores
@@ -160,22 +161,17 @@ def _make_input(root: Path, folder: Path, kind: str, entry: Path) -> tuple[Path,
         write_json(path, Corrections(objects=told))
         return (path,)
     by_hand = {} if kind not in BY_HAND else {"masks": folder / f"{kind}.png", "labels": folder / f"{kind}.json"}
-    from_rgbd.run(
-        out=entry,
-        rgb=folder / "rgb.png",
-        depth=folder / "depth.png",
-        unit="mm",
-        intrinsics=folder / "intrinsics.json",
-        auto=not by_hand,
-        **by_hand,
-    )
+    files = {"rgb": folder / "rgb.png", "depth": folder / "depth.png", "intrinsics": folder / "intrinsics.json"}
+    from_rgbd.run(out=entry if by_hand else entry.parent / "view", unit="mm", **files, **by_hand)
     if by_hand:
         _count_panels(entry, truth)
+    else:
+        see.run(picture=entry.parent / "view", out=entry)
     return ()
 
 
 def _count_panels(entry: Path, truth: pictures.Picture) -> None:
-    """What `from-rgbd` leaves to people: how many doors and drawers things have."""
+    """What is left to people: how many doors and drawers things have."""
     path = entry / "annotations.json"
     document = read_json(Annotations, path)
     known = {thing.number: thing for thing in truth.things}
