@@ -52,7 +52,12 @@ rule snapshots:
     """Render the yaw views of one shard of the library."""
     input:
         part="results/assets/library/shard_{shard}.json",
-        models=ancient(archives),
+        models=ancient(
+            lambda wildcards: expand(
+                "results/assets/library/shard_{shard}.zip",
+                shard=SHARDS if wildcards.shard.startswith("part_") else wildcards.shard,
+            )
+        ),
     output:
         images="results/assets/snapshots/shard_{shard}.h5",
         index="results/assets/snapshots/shard_{shard}.json",

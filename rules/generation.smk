@@ -17,7 +17,9 @@ rule generate:
         clouds="results/extraction/{scene}/clouds.npz",
         masks="results/extraction/{scene}/masks.png",
         corrections=ancient(corrections_file("generation")),  # `corrected` says whether it counts
-        image=painted_picture,
+        image=lambda wildcards: (
+            input_file("rgb.png")(wildcards) if CONFIG.generation_of(wildcards.variant).finish == "picture" else []
+        ),
     output:
         scenes=expand("results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, allow_missing=True),
     log:

@@ -43,12 +43,6 @@ def corrector_digest(wildcards, input):
     return code_digest(qualify_module("correctors", find("correctors", "by_hand"))) if input.corrections else ""
 
 
-def painted_picture(wildcards):
-    """The picture in whose colours a variant's cousins are painted, if they are."""
-    painted = CONFIG.generation_of(wildcards.variant).finish == "picture"
-    return input_file("rgb.png")(wildcards) if painted else []
-
-
 def noise_seed(wildcards):
     """The seed of a scene's depth noise."""
     seed = EXPERIMENT.scene(wildcards.scene).seed
@@ -77,12 +71,6 @@ def scene_shards(wildcards):
 def compared_shards(wildcards):
     """Those whose pictures a variant compares with an object's: none if it compares no pictures."""
     return scene_shards(wildcards) if MATCHING[wildcards.variant].compares_pictures else []
-
-
-def archives(wildcards):
-    """The archives that hold a shard's models."""
-    shards = SHARDS if wildcards.shard.startswith("part_") else [wildcards.shard]
-    return expand("results/assets/library/shard_{shard}.zip", shard=shards)
 
 
 def known_scene(wildcards):

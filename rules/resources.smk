@@ -63,4 +63,3 @@ def scene_group(wildcards):
     None, for a picture alone: its jobs await a checkpoint, for which Snakemake has no groups.
     """
     return None if PICTURE and wildcards.get("scene") == PICTURE else f"scene_{wildcards.get('variant', VARIANTS[0])}"
-
