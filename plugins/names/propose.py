@@ -48,13 +48,13 @@ class Names(NamedTuple):
 
 
 @cache
-def read_network() -> tuple[ShapeNetwork, list[str]]:
-    """The network that is shipped, and the names that its outputs are; the last is none of the categories."""
+def read_network(path: Path = NETWORK) -> tuple[ShapeNetwork, list[str]]:
+    """The network of a file, and the names that its outputs are; the last is none of the categories."""
     from safetensors import safe_open
 
-    with safe_open(NETWORK, "pt") as file:
+    with safe_open(path, "pt") as file:
         names = file.metadata()["names"].split()
-    return load_weights(ShapeNetwork(len(names)), NETWORK, FIX), names
+    return load_weights(ShapeNetwork(len(names)), path, FIX), names
 
 
 @cache
