@@ -27,10 +27,10 @@ class Weights(NamedTuple):
     that of none of the categories. By `benchmarks/names.py --fit` on `work`.
     """
 
-    shape: float = 0.8
-    classes: float = 0.5
-    coco: float = 0.7
-    other: float = 0.0
+    shape: float = 1.33
+    classes: float = 0.88
+    coco: float = 0.92
+    other: float = 6.80
 
 
 class Proposal(NamedTuple):
