@@ -1,6 +1,7 @@
 """Monitors, keyboards and mice."""
 
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 import trimesh
@@ -20,7 +21,7 @@ CASES = METALS[:3] + PAINTS[:1]
 
 def seen(meshes: Sequence[Trimesh], surface: Surface) -> Part:
     """Many small solids as one part that is seen, but not touched: keys, buttons."""
-    return Part(trimesh.util.concatenate(list(meshes)), finish_of(surface), PLASTIC, ())
+    return Part(cast(Trimesh, trimesh.util.concatenate(list(meshes))), finish_of(surface), PLASTIC, ())
 
 
 def grid(

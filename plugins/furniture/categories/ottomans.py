@@ -45,8 +45,8 @@ class Ottoman(Generator):
             parts.add(rail, self.foot_colour)
         for a in (-0.86 * x, 0.86 * x):
             for b in (-0.86 * y, 0.86 * y):
-                top = low if self.style == "cube" else 0.8 * seam
-                parts.add(rod((a, b, 0), (a, b, top), 0.016, 0.022), self.foot_colour)
+                reach = low if self.style == "cube" else 0.8 * seam
+                parts.add(rod((a, b, 0), (a, b, reach), 0.016, 0.022), self.foot_colour)
         return Model(parts, symmetry="half_turn")
 
 

@@ -3,6 +3,7 @@
 from typing import Literal
 
 import numpy as np
+from trimesh import Trimesh
 
 from plugins.furniture.category import category
 from plugins.furniture.colours import METALS
@@ -78,7 +79,7 @@ class WashingMachine(Generator):
         bulge = [(inner, 0.0), (inner, 0.5 * thick), (0.7 * inner, 0.8 * thick), (0.3 * inner, 0.95 * thick)]
         glass = lathe([(0, 0), *bulge, (0, thick)], 32)
 
-        def upright(mesh):  # type: ignore[no-untyped-def]
+        def upright(mesh: Trimesh) -> Trimesh:
             return translate(rotate(mesh, np.pi / 2, [0, 1, 0]), (face, 0, middle))
 
         parts = [
