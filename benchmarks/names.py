@@ -90,7 +90,7 @@ def fit(said: Array, right: NDArray[np.bool_]) -> Weights:
     def loss(values: Array) -> float:
         return -likelihood(combine(said, Weights(*values)), right)
 
-    return Weights(*minimize(loss, Weights(), method="Nelder-Mead", options={"maxiter": 800}).x.round(2))
+    return Weights(*minimize(loss, Weights(), method="Nelder-Mead", options={"maxiter": 800}).x.round(2).tolist())
 
 
 def interval(right: Array, models: NDArray[np.str_]) -> str:

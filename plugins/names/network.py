@@ -16,6 +16,9 @@ MIDDLE = (2.5, 1.4, *[0.2] * 4, 0.8, 0.7)
 class ShapeNetwork(nn.Module):
     """points (B, N, 3), around (B, M, 3), numbers (B, NUMBERS) -> logits (B, names)."""
 
+    middle: Tensor
+    spread: Tensor
+
     def __init__(self, names: int) -> None:
         super().__init__()
         self.near = _layers(6, 32, 64)

@@ -126,10 +126,10 @@ def cut_patch(free: Mask, rng: Rng) -> Mask:
     if not len(rows):
         return free
     at = int(rng.integers(len(rows)))
-    height, width = (np.exp(rng.uniform(np.log(0.06), np.log(0.9), 2)) * free.shape).astype(int) // 2 + 1
-    drawn, centre = np.zeros(free.shape, np.uint8), (int(columns[at]), int(rows[at]))
+    height, width = (int(side) // 2 + 1 for side in np.exp(rng.uniform(np.log(0.06), np.log(0.9), 2)) * free.shape)
+    drawn, x, y = np.zeros(free.shape, np.uint8), int(columns[at]), int(rows[at])
     if rng.random() < 0.5:
-        cv2.ellipse(drawn, centre, (int(width), int(height)), 0, 0, 360, 1, -1)
+        cv2.ellipse(drawn, (x, y), (width, height), 0, 0, 360, 1, -1)
     else:
-        cv2.rectangle(drawn, np.subtract(centre, (width, height)), np.add(centre, (width, height)), 1, -1)
+        cv2.rectangle(drawn, (x - width, y - height), (x + width, y + height), 1, -1)
     return (drawn > 0) & free

@@ -52,15 +52,14 @@ def train(examples: Examples, names: int, seed: int, options: Options, device: s
 
 def vary(points: Tensor, around: Tensor, numbers: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     """Shapes stretched as a whole and along each side, turned a little, half of them mirrored, raised, jittered."""
-    some, like = len(points), {"device": points.device}
-    scale = torch.exp(STRETCH * torch.randn(some, 1, 1, **like) + STRETCH_SIDE * torch.randn(some, 1, 3, **like))
-    angle = TURN * torch.randn(some, **like)
+    sides, middle = points[:, :1], points[:, 0, 0]
+    scale = torch.exp(STRETCH * torch.randn_like(sides[..., :1]) + STRETCH_SIDE * torch.randn_like(sides))
+    angle = TURN * torch.randn_like(middle)
     c, s, nil, one = angle.cos(), angle.sin(), torch.zeros_like(angle), torch.ones_like(angle)
     turn = torch.stack([c, -s, nil, s, c, nil, nil, nil, one], dim=-1).view(-1, 3, 3)
-    flip = torch.ones(some, 1, 3, **like)
-    flip[:, 0, 1] = torch.where(torch.rand(some, **like) < 0.5, -1.0, 1.0)
-    up = torch.zeros(some, 1, 3, **like)
-    up[:, 0, 2] = RAISE * torch.randn(some, **like)
+    flip, up = torch.ones_like(sides), torch.zeros_like(sides)
+    flip[:, 0, 1] = torch.where(torch.rand_like(middle) < 0.5, -1.0, 1.0)
+    up[:, 0, 2] = RAISE * torch.randn_like(middle)
     moved = [(each @ turn.transpose(1, 2)) * scale * flip + up for each in (points, around)]
     numbers = numbers.clone()
     mirrored = flip[:, 0, 1] < 0
