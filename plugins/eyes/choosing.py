@@ -21,6 +21,7 @@ FREE = 0.7  # share of an outline that nothing chosen before it has taken; chose
 FREE_KNOWN = 0.5  # likewise, of a known class: a sofa behind a table; chosen
 ON_GROUND = 0.5  # share of an outline that shows the ground, above which it is no thing; chosen
 ON_WALL = 0.6  # share that shows a wall, or what is behind one, above which it is flat on the wall; chosen
+CRISP = 0.95  # least score of the outline of a flat thing: a picture's is clear, that of a piece of wall is not; chosen
 COMPACT = 0.72  # share of its turned rectangle that a flat thing fills; chosen
 LARGEST_FLAT = 0.12  # share of the picture that it covers at most; chosen
 WALL_AROUND = 0.5  # share of what is around it that shows a wall; chosen
@@ -81,7 +82,7 @@ class Chooser:
             flat = share(self.beyond, mask & (self.depth > 0)) > ON_WALL
             if mask.sum() > LARGEST * mask.size or share(self.floor, mask) > ON_GROUND:
                 continue
-            if mask.sum() < LEAST_PIXELS or (flat and not self.hangs_flat(mask)):
+            if mask.sum() < LEAST_PIXELS or (flat and not (one.score >= CRISP and self.hangs_flat(mask))):
                 continue
             if (carrier := self.find_carrier(chosen, mask)) is not None:
                 chosen[carrier] = replace(chosen[carrier], mask=chosen[carrier].mask & ~mask)

@@ -1,31 +1,25 @@
 """Name the things of a picture, and decide which of them are placed."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from plugins.eyes.choosing import Outlined
-from plugins.eyes.proposal import Array, RoomView
+from plugins.eyes.proposal import Array, Mask, RoomView
 from plugins.names.observed import observe
 from plugins.names.propose import Names, Proposal, propose_names
 
-FLAT = {
-    "clock",
-    "curtain",
-    "mirror",
-    "monitor",
-    "picture",
-    "radiator",
-    "television",
-    "wall shelf",
-}  # may be flat on walls
+# What may be flat on a wall, and how likely each is, before its looks are seen; chosen.
+FLAT = {"picture": 0.5, "mirror": 0.2, "television": 0.1, "clock": 0.05, "radiator": 0.05, "curtain": 0.05}
+MIRROR = {"mirror": 0.9, "picture": 0.1}  # likewise, if much is seen behind it; chosen
+THROUGH = 0.2  # share of a flat thing through which what is behind its wall is seen, from which on it is so; chosen
 DOOR = 0.3, 1.6  # metres above the ground to which a door or window reaches down, and its least height; chosen
 LEAST_KNOWN = 0.2  # share of a thing's pixels with depth, below which nobody knows where it is; chosen
 BEYOND = 0.5  # share of a thing that is seen behind a wall, above which it is in another room, or in a mirror; chosen
 HIGH = 1.6  # metres above the ground from which what no wall holds hangs from the ceiling; chosen
 AT_WALL = 0.15  # metres from a thing to a wall that holds it; chosen
-RESTS = 0.08  # metres between the top of what carries and the bottom of what is carried; chosen
+RESTS = 0.08  # metres from the top of what carries to the bottom of what is carried, at most; chosen
 TRIM = 0.03  # share of points left out at either end of an extent; chosen
 NO_KIND, NO_NAME = "looks like nothing that the library has", "no name is sure enough"
 UNSURE = (NO_KIND, NO_NAME)
@@ -51,49 +45,59 @@ def name_things(view: RoomView, things: Sequence[Outlined], sure: float) -> list
 def decide(view: RoomView, thing: Outlined, sure: float) -> Named:
     """A thing with its names, left out if it is not placed well or not known well."""
     surfaces, known = view.surfaces, thing.mask & (view.depth > 0)
-    names = propose_names(
-        observe(view.rgb, view.depth, thing.mask, view.intrinsics, surfaces.frame), thing.words or None
-    )
     if known.sum() < max(3, LEAST_KNOWN * thing.mask.sum()):
         share = 100 * known.sum() / thing.mask.sum()
         nowhere = np.full(3, np.nan)
-        return Named(thing, names, nowhere, nowhere, f"depth is known on {share:.0f} % of it alone")
-    points = surfaces.points[known]
-    low, high = np.quantile(points, [TRIM, 1 - TRIM], axis=0)
+        return Named(thing, name(view, thing, known), nowhere, nowhere, f"depth is known on {share:.0f} % of it alone")
+    behind = known & surfaces.beyond & ~surfaces.on_wall
+    names = name(view, thing, known & ~behind if thing.flat else known)
     if thing.flat:
-        names = keep_flat(names)
+        names = keep_flat(names, MIRROR if behind.sum() > THROUGH * known.sum() else FLAT)
+    points = surfaces.points[known & ~behind if thing.flat else known]
+    low, high = np.quantile(points, [TRIM, 1 - TRIM], axis=0)
     one = Named(thing, names, low, high)
-    first = names.proposals[0]
+    return replace(one, left_out=find_reason(view, one, known, sure))
+
+
+def name(view: RoomView, thing: Outlined, known: Mask) -> Names:
+    """The names of a thing by its looks, and by its shape where its depth is to be believed: `known` (H, W)."""
+    depth = np.where(thing.mask & ~known, 0, view.depth)
+    seen = observe(view.rgb, depth, thing.mask, view.intrinsics, view.surfaces.frame)
+    return propose_names(seen, thing.words or None)
+
+
+def find_reason(view: RoomView, one: Named, known: Mask, sure: float) -> str:
+    """Why a thing is left out; empty: it is placed."""
+    surfaces, names, low, high = view.surfaces, one.names, one.low, one.high
     lowest, tallest = DOOR
-    if thing.flat and low[2] < lowest and high[2] - low[2] > tallest:
-        return replace(one, left_out="flat on a wall and down to the ground: a door, or a window")
-    if not thing.flat and (surfaces.beyond & known).sum() > BEYOND * known.sum():
-        return replace(one, left_out="seen behind a wall: through a door, or in a mirror")
-    reach = [np.quantile(points @ wall.normal - wall.offset, TRIM) for wall in surfaces.walls]
-    if not thing.flat and low[2] > HIGH and min(reach, default=np.inf) > AT_WALL:
-        return replace(one, left_out="high above the ground, and no wall holds it")
-    if names.other > first.probability:
-        return replace(one, left_out=NO_KIND)
-    if first.probability < sure:
-        return replace(one, left_out=NO_NAME)
-    return one
+    if one.outlined.flat:
+        is_door = low[2] < lowest and high[2] - low[2] > tallest
+        return "flat on a wall and down to the ground: a door, or a window" if is_door else ""
+    if (surfaces.beyond & known).sum() > BEYOND * known.sum():
+        return "seen behind a wall: through a door, or in a mirror"
+    reach = [np.quantile(surfaces.points[known] @ wall.normal - wall.offset, TRIM) for wall in surfaces.walls]
+    if low[2] > HIGH and min(reach, default=np.inf) > AT_WALL:
+        return "high above the ground, and no wall holds it"
+    if names.other > names.proposals[0].probability:
+        return NO_KIND
+    return NO_NAME if names.proposals[0].probability < sure else ""
 
 
-def keep_flat(names: Names) -> Names:
-    """The names that a thing may have that is flat on a wall; a picture, if none is likely."""
-    flat = [one for one in names.proposals if one.name in FLAT]
-    total = sum(one.probability for one in flat) + names.other
-    if not total:
-        return Names([Proposal("picture", 1.0)], 0.0)
-    kept = [one._replace(probability=one.probability / total) for one in flat]
-    return Names(kept, names.other / total)
+def keep_flat(names: Names, priors: Mapping[str, float]) -> Names:
+    """The names of a thing that is flat on a wall: it is one of a few; what none of them is, is shared by priors."""
+    said = {one.name: one.probability for one in names.proposals}
+    shares = {kind: said.get(kind, 0.0) + prior * names.other for kind, prior in priors.items()}
+    total = sum(shares.values())
+    kept = [Proposal(kind, share / total if total else priors[kind]) for kind, share in shares.items()]
+    return Names(sorted(kept, key=lambda one: -one.probability), 0.0)
 
 
 def carries(one: Named, others: Sequence[Named]) -> bool:
-    """Whether something that is placed rests on a thing's top."""
+    """Whether something that is placed rests on a thing's top, however its outline or that of the thing leaks."""
     for other in others:
         middle = (other.low + other.high) / 2
         over = (one.low[:2] < middle[:2]).all() and (middle[:2] < one.high[:2]).all()
-        if not other.left_out and not other.outlined.flat and over and abs(other.low[2] - one.high[2]) < RESTS:
+        starts = (one.low[2] + one.high[2]) / 2 < other.low[2] < one.high[2] + RESTS
+        if not other.left_out and not other.outlined.flat and over and starts and other.high[2] > one.high[2]:
             return True
     return False

@@ -51,6 +51,11 @@ class Surfaces:
     wall_masks: list[Mask]
     beyond: Mask
 
+    @property
+    def on_wall(self) -> Mask:
+        """(H, W) what is on any wall."""
+        return np.asarray(np.any([np.zeros_like(self.floor), *self.wall_masks], axis=0))
+
 
 def find_surfaces(depth: Array, intrinsics: Array, max_tilt: float) -> Surfaces | None:
     """Ground, walls and ceiling; None: no surface tells which way is up, or nothing level lies below the camera.

@@ -68,7 +68,8 @@ def test_what_is_flat_on_a_wall_is_called_so(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(naming, "observe", lambda *_: None)
     monkeypatch.setattr(naming, "propose_names", lambda *_: names)
     (one,) = name_things(view, [outlined(picture, flat=True)], 0.5)
-    assert one.names.proposals[0].name == "picture" and one.names.proposals[0].probability == pytest.approx(2 / 3)
+    assert one.names.proposals[0].name == "picture" and one.names.proposals[0].probability > 0.6
+    assert sum(each.probability for each in one.names.proposals) == pytest.approx(1)
     assert one.left_out == ""
 
 
