@@ -95,8 +95,7 @@ def keep_flat(names: Names, priors: Mapping[str, float]) -> Names:
 def carries(one: Named, others: Sequence[Named]) -> bool:
     """Whether something that is placed rests on a thing's top, however its outline or that of the thing leaks."""
     for other in others:
-        middle = (other.low + other.high) / 2
-        over = (one.low[:2] < middle[:2]).all() and (middle[:2] < one.high[:2]).all()
+        over = (one.low[:2] < other.high[:2]).all() and (other.low[:2] < one.high[:2]).all()
         starts = (one.low[2] + one.high[2]) / 2 < other.low[2] < one.high[2] + RESTS
         if not other.left_out and not other.outlined.flat and over and starts and other.high[2] > one.high[2]:
             return True
