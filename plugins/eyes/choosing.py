@@ -20,6 +20,7 @@ LARGEST = 0.35  # share of the picture that a thing of no known class covers at 
 FREE = 0.7  # share of an outline that nothing chosen before it has taken; chosen
 FREE_KNOWN = 0.5  # likewise, of a known class: a sofa behind a table; chosen
 ON_GROUND = 0.5  # share of an outline that shows the ground, above which it is no thing; chosen
+ON_GROUND_KNOWN = 0.85  # likewise, of a known class: a bowl, all but its rim; chosen
 ON_WALL = 0.6  # share that shows a wall, or what is behind one, above which it is flat on the wall; chosen
 CRISP = 0.95  # least score of the outline of a flat thing: a picture's is clear, that of a piece of wall is not; chosen
 COMPACT = 0.72  # share of its turned rectangle that a flat thing fills; chosen
@@ -31,7 +32,7 @@ WITHIN = 0.7  # share of a piece that lies within a thing's hull or box, above w
 ROW = 1.2  # metres that a row of things is long at least: fewer is a wardrobe with two doors; chosen
 LEAST_PIECE, IN_ROW = 0.15, 0.85  # share of a row that a piece has at least, and of a piece that lies in it; chosen
 RISES, ON_TOP = 0.01, 0.6  # metres above a level top, and the share of a piece's points that rise so far; chosen
-LEVEL_TOP = 0.3  # share of a thing's points that lie at one height, within 2 `RISES`, if it has a level top; chosen
+LEVEL_TOP = 0.4  # share of a thing's points that lie at one height, within 2 `RISES`, if it has a level top; chosen
 ALIKE = 0.15  # metres by which the depth of a part is out of that of its thing at most; chosen
 
 
@@ -73,7 +74,7 @@ class Chooser:
         known = [one for one in proposals if one.known >= KNOWN]
         for one in sorted(known, key=lambda one: -one.known):
             free = one.mask & ~taken
-            if free.sum() >= max(LEAST_PIXELS, FREE_KNOWN * one.mask.sum()) and share(self.floor, free) <= ON_GROUND:
+            if free.sum() >= max(LEAST_PIXELS, FREE_KNOWN * one.mask.sum()) and share(self.floor, free) <= ON_GROUND_KNOWN:
                 chosen.append(Choice(one, free))
                 taken |= free
         others = [one for one in proposals if one.known < KNOWN and not self.is_row(one, proposals)]

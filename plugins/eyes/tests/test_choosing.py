@@ -39,7 +39,7 @@ def test_ground_and_wall_are_no_things_and_a_picture_is() -> None:
     floor, wall = view.surfaces.floor, view.surfaces.wall_masks[0]
     piece = np.zeros_like(wall)
     piece[:60, :100] = True
-    proposals = [propose_mask(view, mask) for mask in (floor, wall, piece & wall, picture)]
+    proposals = [propose_mask(view, mask, 0.99) for mask in (floor, wall, piece & wall, picture)]
     (thing,) = choose(view, proposals)
     assert thing.flat and iou(thing.mask, picture) > 0.85
 
