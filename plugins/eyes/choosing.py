@@ -74,7 +74,10 @@ class Chooser:
         known = [one for one in proposals if one.known >= KNOWN]
         for one in sorted(known, key=lambda one: -one.known):
             free = one.mask & ~taken
-            if free.sum() >= max(LEAST_PIXELS, FREE_KNOWN * one.mask.sum()) and share(self.floor, free) <= ON_GROUND_KNOWN:
+            if (
+                free.sum() >= max(LEAST_PIXELS, FREE_KNOWN * one.mask.sum())
+                and share(self.floor, free) <= ON_GROUND_KNOWN
+            ):
                 chosen.append(Choice(one, free))
                 taken |= free
         others = [one for one in proposals if one.known < KNOWN and not self.is_row(one, proposals)]

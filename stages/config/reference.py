@@ -83,7 +83,9 @@ def generate() -> dict[str, str]:
     table = ["# Config reference", "", "Written from `stages/config` by `make config`.", ""]
     for key, default, allowed, description in rows:
         if "." not in key:
-            table += ["", f"## `{key}`", "", description, ""] + ([*textwrap.wrap(f"Default: `{default}`", 120), ""] if default else [])
+            table += ["", f"## `{key}`", "", description, ""] + (
+                [*textwrap.wrap(f"Default: `{default}`", 120), ""] if default else []
+            )
             table += ["| key | default | allowed | meaning |", "|---|---|---|---|"] if not default else []
         else:
             cell = description.replace("|", "\\|").replace("\n", " ")

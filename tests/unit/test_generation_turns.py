@@ -47,8 +47,11 @@ def test_what_hangs_says_nothing_of_how_calm_a_scene_is() -> None:
     ]
     moved = {"picture": 0.0, "mug": 0.02}
     bodies: Any = {
-        item.id: SimpleNamespace(get_pose=lambda item=item: sapien.Pose(np.add(item.center, [moved[item.id], 0, 0])))
-        for item in items
+        item.id: SimpleNamespace(
+            per_scene_id=number,
+            get_pose=lambda item=item: sapien.Pose(np.add(item.center, [moved[item.id], 0, 0])),
+        )
+        for number, item in enumerate(items)
     }
     scene: Any = SimpleNamespace(timestep=0.01, step=lambda: None, get_contacts=list)
     found = run_physics(scene, bodies, items, 0, GenerationConfig())

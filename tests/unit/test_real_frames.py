@@ -12,6 +12,7 @@ from stages.contracts.categories import known_categories
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.contracts.scenes import Annotation
+from stages.contracts.things import Name, Thing, Things
 
 NAMES: dict[str, dict[str, list[str]]] = json.loads((HERE / "names.json").read_text())
 
@@ -32,6 +33,9 @@ def test_a_frame_is_scored_by_its_pieces_names_and_cousins(tmp_path: Path) -> No
     cv2.imwrite(str(tmp_path / "input/masks.png"), found)
     item = Annotation(mask=9, label="jar", proposals=["jar", "mug", "box"])
     write_json(tmp_path / "input/annotations.json", Annotations(objects=[item]))
+    names = [Name(name=name, probability=share) for name, share in (("jar", 0.6), ("mug", 0.2), ("box", 0.1))]
+    thing = Thing(mask=9, names=names, other=0.1, score=0.9, source="ssd")
+    write_json(tmp_path / "input/things.json", Things(walls=0, things=[thing]))
     height, width = found.shape
     eye = [[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 1], [0, 0, 0, 1]]
     view = {"scene": "a", "width": width, "height": height, "intrinsics": [[600, 0, 320], [0, 600, 240], [0, 0, 1]]}
@@ -45,5 +49,5 @@ def test_a_frame_is_scored_by_its_pieces_names_and_cousins(tmp_path: Path) -> No
     matched = ObjectCousins(id="jar_1", label="jar", by_distance=[], cousins=[cousin])
     write_json(tmp_path / "geometry/cousins.json", Cousins(scene="a", encoder="hog", objects=[matched]))
     things, pieces = score_frame("0007", tmp_path)
-    assert things == [Found(shown=True, three=True), Found()] and pieces == 1
-    assert count(things) == ["1 / 2", "0 / 2", "1 / 2", "0 / 2"]
+    assert things == [Found(shown=True, three=True, placed=True), Found()] and pieces == 1
+    assert count(things) == ["1 / 2", "0 / 2", "1 / 2", "1 / 2", "0 / 2"]
