@@ -303,13 +303,14 @@ def test_a_frame_with_depth_and_a_recording_need_no_hand(tmp_path: Path) -> None
     one = ("image=frames/color/0.png", "depth=frames/depth/0.png")
     done = dry_run(folder, "photo", "-p", "--config", *one, "camera=k.json")
     jobs = planned(done.stdout)
-    assert jobs["frame"] == jobs["match"] == jobs["scene_page"] == 1 and not {"estimate", "train", "room"} & set(jobs)
+    assert jobs["view"] == jobs["see"] == jobs["match"] == jobs["scene_page"] == 1 and not {"frame", "estimate", "train", "room"} & set(jobs)
     assert jobs["shards"] == 1 and not {"snapshots", "features"} & set(jobs)  # which, is known when objects are found
-    assert "--auto --out results/scenes/0/frame " in done.stdout and "--intrinsics k.json" in done.stdout
+    assert "--intrinsics k.json" in done.stdout and "--out results/scenes/0/view " in done.stdout
+    assert "--picture results/scenes/0/view " in done.stdout and "--out results/scenes/0/frame " in done.stdout
     assert "camera: nothing says what camera took" in dry_run(folder, "photo", "--config", *one).stdout
     assert "depth: is said of no picture" in dry_run(folder, "photo", "--config", one[1]).stdout
     done = dry_run(folder, "photo", "--config", "image=frames", "camera=k.json")
-    assert planned(done.stdout)["frame"] == planned(done.stdout)["scene_page"] == 2
+    assert planned(done.stdout)["see"] == planned(done.stdout)["scene_page"] == 2
     assert "shards" not in planned(done.stdout) and planned(done.stdout)["snapshots"] == 2  # all, for several
     assert "E-RECORDING-LAYOUT" in dry_run(folder, "photo", "--config", "image=frames/color").stdout
 
@@ -360,8 +361,8 @@ def test_our_rooms_are_furnished_with_procedural_models_and_yours_with_all(folde
     done = dry_run(folder, "scenes", "-p", "--configfile", "rooms.yaml")
     said = re.findall(r"--library (.*?) --scene (\w+)", done.stdout)
     library = "results/assets/library"
-    both = f"{library}/shard_0.json {library}/shard_1.json"
-    assert sorted(said) == [(f"{library}/library.json", "attic"), (both, "room_1")], done.stdout
+    procedural = " ".join(f"{library}/shard_{k}.json" for k in range(planned(done.stdout)["procedural"]))
+    assert sorted(said) == [(f"{library}/library.json", "attic"), (procedural, "room_1")], done.stdout
 
 
 def test_containers_see_what_the_config_names_outside(
