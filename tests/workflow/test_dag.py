@@ -311,7 +311,7 @@ def test_a_frame_with_depth_and_a_recording_need_no_hand(tmp_path: Path) -> None
     assert "depth: is said of no picture" in dry_run(folder, "photo", "--config", one[1]).stdout
     done = dry_run(folder, "photo", "--config", "image=frames", "camera=k.json")
     assert planned(done.stdout)["see"] == planned(done.stdout)["scene_page"] == 2
-    assert "shards" not in planned(done.stdout) and planned(done.stdout)["snapshots"] == 2  # all, for several
+    assert "shards" not in planned(done.stdout) and planned(done.stdout)["snapshots"] == 3  # all, for several
     assert "E-RECORDING-LAYOUT" in dry_run(folder, "photo", "--config", "image=frames/color").stdout
 
 
