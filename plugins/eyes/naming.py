@@ -9,6 +9,8 @@ from plugins.eyes.choosing import Outlined
 from plugins.eyes.proposal import Array, Mask, RoomView
 from plugins.names.observed import observe
 from plugins.names.propose import Names, Proposal, propose_names
+from stages.contracts.categories import known_categories
+from stages.extraction.support import lowest_pixels
 
 # What may be flat on a wall, and how likely each is, before its looks are seen; chosen.
 FLAT = {"picture": 0.5, "mirror": 0.2, "television": 0.1, "clock": 0.05, "radiator": 0.05, "curtain": 0.05}
@@ -19,7 +21,8 @@ LEAST_KNOWN = 0.2  # share of a thing's pixels with depth, below which nobody kn
 BEYOND = 0.5  # share of a thing that is seen behind a wall, above which it is in another room, or in a mirror; chosen
 HIGH = 1.6  # metres above the ground from which what no wall holds hangs from the ceiling; chosen
 AT_WALL = 0.15  # metres from a thing to a wall that holds it; chosen
-RESTS = 0.08  # metres from the top of what carries to the bottom of what is carried, at most; chosen
+RESTS, BELOW = 0.08, 4  # metres between what carries and what is carried; pixels below the latter; chosen
+CARRIERS, SELDOM = {"appliance", "storage", "table"}, 0.1  # kinds that carry things, and how seldom others do; chosen
 TRIM = 0.03  # share of points left out at either end of an extent; chosen
 NO_KIND, NO_NAME = "looks like nothing that the library has", "no name is sure enough"
 UNSURE = (NO_KIND, NO_NAME)
@@ -39,7 +42,37 @@ class Named:
 def name_things(view: RoomView, things: Sequence[Outlined], sure: float) -> list[Named]:
     """The things with their names; what is not sure is left out, unless it carries what is placed."""
     named = [decide(view, thing, sure) for thing in things]
-    return [replace(one, left_out="") if one.left_out in UNSURE and carries(one, named) else one for one in named]
+    placed = [one for one in named if not one.left_out and not one.outlined.flat]
+    heights = np.where(view.depth > 0, view.surfaces.points[..., 2], np.nan)
+    return [carry(one) if any(rests_on(heights, other, one) for other in placed) else one for one in named]
+
+
+def carry(one: Named) -> Named:
+    """A thing that carries another: a table or cupboard rather than a bed, and placed however unsure its name is."""
+    names, known = one.names, known_categories()
+    kinds = [set(known[each.name.replace(" ", "_")].kin) for each in names.proposals]
+    shares = [
+        each.probability * (1 if CARRIERS & kin else SELDOM) for each, kin in zip(names.proposals, kinds, strict=True)
+    ]
+    total = sum(shares) + SELDOM * names.other
+    weighed = [each._replace(probability=part / total) for each, part in zip(names.proposals, shares, strict=True)]
+    weighed.sort(key=lambda each: -each.probability)
+    left_out = "" if one.left_out in UNSURE else one.left_out
+    return replace(one, names=Names(weighed, SELDOM * names.other / total), left_out=left_out)
+
+
+def rests_on(heights: Array, other: Named, one: Named) -> bool:
+    """Whether below most of a thing's lower edge the picture shows another, as high, that reaches no higher than it.
+
+    `heights`: (H, W) of the pixels above the ground, metres, NaN: unknown.
+    """
+    if other is one or one.outlined.flat or not other.high[2] > one.high[2] - RESTS:
+        return False
+    columns, rows = lowest_pixels(other.outlined.mask)
+    inside = rows + BELOW < len(heights)
+    columns, rows = columns[inside], rows[inside]
+    below, step = one.outlined.mask[rows + BELOW, columns], heights[rows + BELOW, columns] - heights[rows, columns]
+    return bool((below & (np.abs(step) < RESTS)).sum() > len(columns) / 2)
 
 
 def decide(view: RoomView, thing: Outlined, sure: float) -> Named:
@@ -90,13 +123,3 @@ def keep_flat(names: Names, priors: Mapping[str, float]) -> Names:
     total = sum(shares.values())
     kept = [Proposal(kind, share / total if total else priors[kind]) for kind, share in shares.items()]
     return Names(sorted(kept, key=lambda one: -one.probability), 0.0)
-
-
-def carries(one: Named, others: Sequence[Named]) -> bool:
-    """Whether something that is placed rests on a thing's top, however its outline or that of the thing leaks."""
-    for other in others:
-        over = (one.low[:2] < other.high[:2]).all() and (other.low[:2] < one.high[:2]).all()
-        starts = (one.low[2] + one.high[2]) / 2 < other.low[2] < one.high[2] + RESTS
-        if not other.left_out and not other.outlined.flat and over and starts and other.high[2] > one.high[2]:
-            return True
-    return False

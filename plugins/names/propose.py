@@ -27,10 +27,10 @@ class Weights(NamedTuple):
     that of none of the categories. By `benchmarks/names.py --fit` on `work`.
     """
 
-    shape: float = 1.33
-    classes: float = 0.88
-    coco: float = 0.92
-    other: float = 6.80
+    shape: float = 0.95
+    classes: float = 0.94
+    coco: float = 0.87
+    other: float = 6.21
 
 
 class Proposal(NamedTuple):

@@ -303,7 +303,12 @@ def test_a_frame_with_depth_and_a_recording_need_no_hand(tmp_path: Path) -> None
     one = ("image=frames/color/0.png", "depth=frames/depth/0.png")
     done = dry_run(folder, "photo", "-p", "--config", *one, "camera=k.json")
     jobs = planned(done.stdout)
-    assert jobs["view"] == jobs["see"] == jobs["match"] == jobs["scene_page"] == 1 and not {"frame", "estimate", "train", "room"} & set(jobs)
+    assert jobs["view"] == jobs["see"] == jobs["match"] == jobs["scene_page"] == 1 and not {
+        "frame",
+        "estimate",
+        "train",
+        "room",
+    } & set(jobs)
     assert jobs["shards"] == 1 and not {"snapshots", "features"} & set(jobs)  # which, is known when objects are found
     assert "--intrinsics k.json" in done.stdout and "--out results/scenes/0/view " in done.stdout
     assert "--picture results/scenes/0/view " in done.stdout and "--out results/scenes/0/frame " in done.stdout
