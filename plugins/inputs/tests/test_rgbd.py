@@ -410,16 +410,3 @@ def test_what_does_not_go_together(tmp_path: Path, given: dict[str, Any], code: 
     with refused(f"E-{code}"):
         from_rgbd.run(out=tmp_path / "out", **given)
     assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.skipif(not REAL.is_dir(), reason=f"{REAL} is not there: real RealSense frames are not part of the project")
-def test_a_real_table_top(tmp_path: Path) -> None:
-    """Ten things on a table by a RealSense, apart without masks; a cracker box of 6 x 16 x 21 cm among them."""
-    rgb, depth = REAL / "0000_color.png", REAL / "0000_depth.png"
-    lens = (612.937, 613.173, 322.549, 248.158)
-    from_rgbd.run(out=tmp_path / "top", rgb=rgb, depth=depth, matrix=lens, auto=True)
-    found = boxes_of(tmp_path / "top")
-    assert len(found) == 1 + 10  # the ground and the things
-    assert any(
-        sorted(box.size) == pytest.approx([0.06, 0.16, 0.21], abs=0.02) for name, box in found.items() if name != "up"
-    )

@@ -26,12 +26,12 @@ def test_what_is_missing_is_named_with_the_command_that_mends_it(
 
 def test_weights_for_pictures_are_named_with_their_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    outcome = doctor.check_of_packages()[0]
+    (outcome,) = (one for one in doctor.check_of_packages() if one.name == "photo")
     assert not outcome.good and not outcome.needed and "detector, segmenter, depth_anything" in outcome.found
     assert "python -m plugins.inputs fetch" in outcome.found
     for name in ("grounding_dino", "sam2", "depth_anything_v2"):
         (tmp_path / "weights" / name).mkdir(parents=True)
         with (tmp_path / "weights" / name / "model.safetensors").open("wb") as file:
             file.truncate(900_000_000)  # sparse
-    outcome = doctor.check_of_packages()[0]
+    (outcome,) = (one for one in doctor.check_of_packages() if one.name == "photo")
     assert outcome.good and "segmenter 0.9 GB" in outcome.found and "fetch" not in outcome.found
