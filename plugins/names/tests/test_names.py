@@ -87,7 +87,7 @@ def test_a_chair_of_boxes_is_a_chair_and_shapeless_bodies_are_nothing() -> None:
     junk = furnished(*bars)
     first, second, *_ = (one.name for one in chair.proposals)
     assert "chair" in (first, second) and first in ("chair", "stool", "armchair")
-    assert junk.other > 2 * chair.other
+    assert junk.other > 1.5 * chair.other
 
 
 def test_a_shape_is_turned_away_from_the_camera_and_stands_on_the_floor() -> None:
