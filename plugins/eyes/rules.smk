@@ -22,12 +22,12 @@ rule see:
         annotations="results/scenes/{scene}/frame/annotations.json",
         things="results/scenes/{scene}/frame/things.json",
         config="results/scenes/{scene}/frame/config.yaml",
-    wildcard_constraints:
-        scene="|".join(EXPERIMENT.views) or "-",
     log:
         "logs/scenes/see_{scene}.log",
     benchmark:
         "benchmarks/scenes/see_{scene}.tsv"
+    wildcard_constraints:
+        scene="|".join(EXPERIMENT.views) or "-",
     group:
         scene_group
     resources:

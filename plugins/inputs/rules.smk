@@ -33,12 +33,12 @@ rule estimate:
         depth="results/photo/{scene}/depth.npz",
         masks="results/photo/{scene}/masks.png",
         annotations="results/photo/{scene}/annotations.json",
-    wildcard_constraints:
-        scene="|".join(EXPERIMENT.photographs) or "-",  # a folder that was made before is an input folder as any other
     log:
         "logs/photo/{scene}.log",
     benchmark:
         "benchmarks/photo/{scene}.tsv"
+    wildcard_constraints:
+        scene="|".join(EXPERIMENT.photographs) or "-",  # a folder that was made before is an input folder as any other
     threads: 2
     resources:
         **needs(8000, 60, gpu=True),
@@ -66,10 +66,10 @@ rule view:
         rgb="results/scenes/{scene}/view/rgb.png",
         camera="results/scenes/{scene}/view/camera.json",
         depth="results/scenes/{scene}/view/depth.npz",
-    wildcard_constraints:
-        scene="|".join(EXPERIMENT.views) or "-",
     log:
         "logs/scenes/view_{scene}.log",
+    wildcard_constraints:
+        scene="|".join(EXPERIMENT.views) or "-",
     group:
         scene_group
     resources:
@@ -93,12 +93,12 @@ rule frame:
         masks="results/scenes/{scene}/frame/masks.png",
         annotations="results/scenes/{scene}/frame/annotations.json",
         config="results/scenes/{scene}/frame/config.yaml",
-    wildcard_constraints:
-        scene="|".join(EXPERIMENT.frames) or "-",
     log:
         "logs/scenes/frame_{scene}.log",
     benchmark:
         "benchmarks/scenes/frame_{scene}.tsv"
+    wildcard_constraints:
+        scene="|".join(EXPERIMENT.frames) or "-",
     group:
         scene_group
     resources:
