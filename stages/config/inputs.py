@@ -1,6 +1,7 @@
 """Pictures of the user's: input folders by the names of their scenes."""
 
 import json
+import os
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -57,7 +58,7 @@ def scene_of(path: Path) -> str:
 
 def scene_of_folder(folder: Path) -> str:
     """The name of the scene of an input folder: its own, or that of the folder around one that the workflow made."""
-    folder = folder.resolve()
+    folder = Path(os.path.normpath(folder.absolute()))  # a link is called as it is
     return scene_of(folder.parent if folder.name in MADE else folder)
 
 
