@@ -88,11 +88,11 @@ class Chooser:
                 continue
             if mask.sum() < LEAST_PIXELS or (flat and not (one.score >= CRISP and self.hangs_flat(mask))):
                 continue
-            if (carrier := self.find_carrier(chosen, mask)) is not None:
-                chosen[carrier] = replace(chosen[carrier], mask=chosen[carrier].mask & ~mask)
-                taken &= ~mask
-            free = mask & ~taken
+            carrier = self.find_carrier(chosen, mask)
+            free = mask & ~taken if carrier is None else mask & (~taken | chosen[carrier].mask)
             if free.sum() >= max(LEAST_PIXELS, FREE * mask.sum()):
+                if carrier is not None:
+                    chosen[carrier] = replace(chosen[carrier], mask=chosen[carrier].mask & ~free)
                 chosen.append(Choice(one, free, flat))
                 taken |= free
         return self.join_parts(chosen)

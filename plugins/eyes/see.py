@@ -23,6 +23,7 @@ from stages.contracts.depth import read_depth
 from stages.contracts.images import read_rgb
 from stages.contracts.things import THINGS, Ground, Name, Thing, Things
 from stages.contracts.types import FLOOR, WALL
+from stages.geometry.levels import BELOW
 from stages.plugins import load
 
 WANT_WEIGHTS = {"ssd", "mobile_sam"}  # proposers
@@ -118,9 +119,9 @@ def label(seen: Seen) -> tuple[Labelled, Things]:
         surest = max(range(len(things)), key=lambda k: things[k].names.proposals[0].probability)
         things = [replace(one, left_out="") if k == surest else one for k, one in enumerate(things)]
     surfaces = seen.surfaces
-    values = np.zeros(surfaces.floor.shape, dtype=np.uint16)
+    values = np.zeros(surfaces.ground.shape, dtype=np.uint16)
     floor, walls = len(things) + 1, list(range(len(things) + 2, len(things) + 2 + len(surfaces.walls)))
-    values[surfaces.floor] = floor
+    values[surfaces.ground] = floor
     for value, mask in zip(walls, surfaces.wall_masks, strict=True):
         values[mask] = value
     for value, one in enumerate(things, 1):
@@ -141,7 +142,8 @@ def tell(seen: Seen, things: list[Named]) -> Things:
         source = one.outlined.source
         told.append(Thing(mask=value, names=names, other=other, score=score, source=source, left_out=one.left_out))
     what = f"a level surface below which {100 * surfaces.below:.1f} % of the points lie"
-    height, share = round(float(surfaces.frame[2, 3]), 3), round(float(surfaces.floor.mean()), 4)
+    what = "a table top near the camera" if surfaces.below > BELOW else what
+    height, share = round(float(surfaces.frame[2, 3]), 3), round(float(surfaces.ground.mean()), 4)
     ground = Ground(camera_height=height, taken_from=what, share=share)
     return Things(ground=ground, walls=len(surfaces.walls), things=told)
 

@@ -38,7 +38,7 @@ class Surfaces:
         frame: floor_from_camera (4, 4), z = 0 on the ground.
         points: (H, W, 3) of the pixels, floor frame.
         below: share of the points that lie below the ground.
-        floor: (H, W) its pixels, with what lies below it.
+        ground: (H, W) the pixels on it; `floor`: with what lies below it.
         walls: planes in the floor frame, largest first; `wall_masks` (H, W): the pixels on each.
         beyond: (H, W) what is on a wall or behind it, or on the ceiling or above it.
     """
@@ -46,6 +46,7 @@ class Surfaces:
     frame: Array
     points: Array
     below: float
+    ground: Mask
     floor: Mask
     walls: list[WallPlane]
     wall_masks: list[Mask]
@@ -73,6 +74,7 @@ def find_surfaces(depth: Array, intrinsics: Array, max_tilt: float) -> Surfaces 
     points = apply(frame, in_camera)
     off = np.maximum(LEAST_OFF, NOISE * depth**2)
     floor = known & (points[..., 2] < off)
+    on_ground = floor & (points[..., 2] > -off)
     centres, normals = cell_normals(in_camera, known)
     cells, facing = apply(frame, centres), normals @ frame[:3, :3].T
     sight = np.abs((normals * centres).sum(axis=1)) / centres[:, 2]  # cosine between both, at the optical axis
@@ -84,7 +86,7 @@ def find_surfaces(depth: Array, intrinsics: Array, max_tilt: float) -> Surfaces 
         wall_masks.append(known & ~floor & ~beyond & (np.abs(distance) < off))
         beyond |= known & ~floor & (distance < off)
     below = float((points[known][:, 2] < -FARTHER).mean())
-    return Surfaces(frame, points, below, floor, walls, wall_masks, beyond)
+    return Surfaces(frame, points, below, on_ground, floor, walls, wall_masks, beyond)
 
 
 def find_walls(points: Array, cells: Array, facing: Array, areas: Array, camera_height: float) -> list[WallPlane]:

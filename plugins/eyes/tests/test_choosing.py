@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plugins.eyes.choosing import choose
+from plugins.eyes.choosing import Chooser, choose
 from plugins.eyes.proposal import find_border
 from plugins.eyes.proposers.mobile_sam import choose_clicks
 from plugins.eyes.tests.room import ON_TABLE, TABLE, propose_mask, see_room
@@ -74,3 +74,13 @@ def test_clicks_lie_apart_in_what_is_left() -> None:
     clicks = choose_clicks(rest, 2)
     assert {(x > 60) for x, _ in clicks} == {True, False} and all(rest[y, x] for x, y in clicks)
     assert choose_clicks(np.zeros_like(rest), 3) == []
+
+
+def test_what_stands_on_a_table_takes_nothing_from_a_thing_beside_it() -> None:
+    """Its outline reaches over a bottle that is chosen already."""
+    view, (table, mug, bottle) = see_room(TABLE, ON_TABLE, ((2.45, 0.06, 0.72), (2.55, 0.16, 0.98)))
+    wide = mug | (bottle & (np.arange(bottle.shape[0])[:, None] > np.nonzero(bottle)[0].max() - 6))
+    whole = propose_mask(view, table | mug, **{"dining table": 0.8})
+    things = Chooser(view).choose([whole, propose_mask(view, bottle, bottle=0.9), propose_mask(view, wide)])
+    assert len(things) == 3
+    assert sum(one.mask.astype(int) for one in things).max() == 1

@@ -45,8 +45,10 @@ def test_what_is_behind_a_wall_is_told() -> None:
 
 
 def test_a_near_table_top_is_the_ground() -> None:
-    view, (_, mug) = see_room(((0.3, -1.5, 0.7), (1.9, 1.5, 0.75)), ((0.9, -0.1, 0.75), (1.0, 0.0, 0.85)), wall=1.95)
+    view, (_, mug) = see_room(((0.3, -0.8, 0.7), (1.6, 0.8, 0.75)), ((0.9, -0.1, 0.75), (1.0, 0.0, 0.85)), wall=1.95)
     assert abs(view.surfaces.frame[2, 3] - (CAMERA - 0.75)) < 0.02
+    assert (view.surfaces.floor & ~view.surfaces.ground).any()  # the real floor, below it
+    assert np.abs(view.surfaces.points[view.surfaces.ground][:, 2]).max() < 0.05
     assert not (view.surfaces.floor & mug).any() or (view.surfaces.floor & mug).sum() < 0.3 * mug.sum()
 
 
