@@ -84,3 +84,26 @@ def test_what_stands_on_a_table_takes_nothing_from_a_thing_beside_it() -> None:
     things = Chooser(view).choose([whole, propose_mask(view, bottle, bottle=0.9), propose_mask(view, wide)])
     assert len(things) == 3
     assert sum(one.mask.astype(int) for one in things).max() == 1
+
+
+def test_a_flat_thing_is_crisp_and_has_wall_around() -> None:
+    view, (picture,) = see_room(((3.96, -0.5, 1.2), (4.0, 0.3, 1.8)))
+    assert choose(view, [propose_mask(view, picture, 0.9)]) == []
+    view, _ = see_room(((3.4, -1.2, 0.0), (4.0, -0.2, 2.6)), ((3.4, 0.2, 0.0), (4.0, 1.2, 2.6)))
+    between = view.surfaces.wall_masks[0] & (np.abs(view.surfaces.points[..., 1]) < 0.25)
+    assert between.sum() > 1000 and choose(view, [propose_mask(view, between, 0.99)]) == []
+
+
+def test_the_ground_is_no_table_and_half_a_picture_no_thing() -> None:
+    view, (front,) = see_room(((2.2, -0.9, 0.0), (2.6, 0.9, 1.9)))
+    assert front.mean() > 0.4 and choose(view, [propose_mask(view, front)]) == []
+    view, _ = see_room(TABLE)
+    assert choose(view, [propose_mask(view, view.surfaces.ground, **{"dining table": 0.9})]) == []
+
+
+def test_what_is_seen_far_behind_a_chair_is_no_part_of_it() -> None:
+    view, (chair, behind) = see_room(((2.0, -0.3, 0.0), (2.4, 0.3, 0.5)), ((3.3, -0.15, 0.6), (3.5, 0.15, 0.8)))
+    wide = propose_mask(view, chair | behind, chair=0.9)
+    own = propose_mask(view, chair)
+    things = choose(view, [type(own)(own.logits, 0.9, "test", wide.words, wide.box), propose_mask(view, behind)])
+    assert len(things) == 2

@@ -181,3 +181,45 @@ def test_a_real_room_is_the_same_every_time(living: Path, tmp_path: Path) -> Non
     see.run(picture=living.parent / "view", out=tmp_path / "again")
     for name_ in ("masks.png", "things.json", "depth.npz", "rgb.png"):
         assert (living / name_).read_bytes() == (tmp_path / "again" / name_).read_bytes()
+
+
+def test_what_carries_is_rather_a_table_and_other_reasons_stay() -> None:
+    _, (table, _) = see_room(TABLE, ON_TABLE)
+    unsure = Names([Proposal("bed", 0.4), Proposal("table", 0.3)], 0.3)
+    one = naming.Named(outlined(table), unsure, np.zeros(3), np.ones(3), NO_NAME)
+    carrying = naming.carry(one)
+    assert carrying.names.proposals[0].name == "table" and carrying.left_out == ""
+    assert sum(each.probability for each in carrying.names.proposals) + carrying.names.other == pytest.approx(1)
+    assert naming.carry(naming.replace(one, left_out="seen behind a wall")).left_out == "seen behind a wall"
+
+
+def test_what_is_before_a_thing_does_not_carry_it() -> None:
+    view, (table, mug) = see_room(TABLE, ON_TABLE)
+    heights = view.surfaces.points[..., 2].copy()
+    carrier, carried = (
+        naming.Named(outlined(mask), SURE, np.zeros(3), np.array([0, 0, top]))
+        for mask, top in ((table, 0.72), (mug, 0.86))
+    )
+    assert naming.rests_on(heights, carried, carrier)
+    heights[table] -= 0.3
+    assert not naming.rests_on(heights, carried, carrier)
+
+
+def test_what_is_behind_a_wall_is_in_another_room_or_in_a_mirror(monkeypatch: pytest.MonkeyPatch) -> None:
+    parts = ((3.0, -4.0, 0.0), (3.1, -0.2, 3.0)), ((3.0, 0.2, 0.0), (3.1, 4.0, 3.0))
+    view, (_, _, table) = see_room(*parts, ((3.9, -1.0, 0.0), (4.5, 1.0, 0.7)), wall=6.0)
+    (why,) = name(monkeypatch, view, [table & view.surfaces.beyond], SURE)
+    assert "behind a wall" in why
+    glass = (np.abs(view.surfaces.points[..., 1]) < 0.4) & (view.surfaces.points[..., 2] > 1.0)
+    monkeypatch.setattr(naming, "propose_names", lambda *_: Names([Proposal("bed", 0.2)], 0.8))
+    (one,) = name_things(view, [outlined(glass & view.surfaces.beyond, flat=True)], 0.5)
+    assert one.names.proposals[0].name == "mirror"
+
+
+def test_the_floor_below_a_table_top_that_is_the_ground_is_no_floor() -> None:
+    view, (_, mug) = see_room(((0.3, -0.5, 0.7), (1.5, 0.5, 0.75)), ((0.9, -0.1, 0.75), (1.0, 0.0, 0.85)), wall=2.0)
+    thing = naming.Named(outlined(mug), SURE, np.zeros(3), np.ones(3))
+    masks, things = see.label(see.Seen(view.surfaces, [thing]))
+    shown = masks.values == next(value for value, label in masks.labels.items() if label == "floor")
+    assert shown.any() and view.surfaces.points[shown][:, 2].min() > -0.1
+    assert things.ground is not None and "table top" in things.ground.taken_from
