@@ -22,9 +22,9 @@ def write_network(out: Path, network: ShapeNetwork, names: list[str]) -> None:
 def run(
     *,
     out: Path = NETWORK,
-    rooms: int = 900,
-    models: int = 16,
-    epochs: int = 12,
+    rooms: int = 4581,
+    models: int = 24,
+    epochs: int = 20,
     seed: int = 1,
     processes: int = 1,
     device: str = "cpu",

@@ -27,10 +27,10 @@ class Weights(NamedTuple):
     that of none of the categories. By `benchmarks/names.py --fit` on `work`.
     """
 
-    shape: float = 0.95
-    classes: float = 0.94
-    coco: float = 0.87
-    other: float = 6.21
+    shape: float = 0.83
+    classes: float = 0.99
+    coco: float = 0.83
+    other: float = 6.08
 
 
 class Proposal(NamedTuple):
