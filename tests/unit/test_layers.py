@@ -31,7 +31,6 @@ ON_OTHERS = {  # few, each for a reason
     ("api", "films"),  # a policy is filmed
     ("importing", "films"),  # the same way to frame a model
     ("in_scene", "films"),  # its demonstrations are filmed
-    ("studies", "pictures"),  # assets with their roles
     ("report", "robustness"),  # and the companion of Table 2
     ("studies", "robustness"),
     ("report", "films"),  # what it shows
