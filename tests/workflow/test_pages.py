@@ -57,7 +57,7 @@ def rows_of(page: str) -> list[Row]:
 
 
 def test_commits_are_told_from_dates_sizes_and_words() -> None:
-    text = "9264e0d (commit 3517852, Commit: `9853073`), decade1; 20210327, .84375a1, acceded, 742a43a/x"
+    text = "9264e0d (commit 3517852, Commit: `9853073`), decade1; 20210327, .84375a1, acceded, 0448efd/x"
     assert commits_in(text) == {"9264e0d", "3517852", "9853073", "decade1"}
 
 
