@@ -181,7 +181,7 @@ def test_the_study_is_about_committed_assets_and_matches_nothing_for_them(folder
     jobs = planned(done.stdout)
     assert jobs["pinned"] == 3 and jobs["demonstrate"] == 3, done.stdout
     assert not {"select", "distances", "match", "features", "generate", "room"} & set(jobs)
-    told = "--assets config/study/assets/drawer.json --task put_away_bowl "
+    told = "--assets config/study/assets/drawer.csv --task put_away_bowl "
     assert re.search(told + ".*experiment/b/bowl/", done.stdout)
     (folder / "anew.yaml").write_text("experiment: {targets: {door: {assets: null}}}")
     anew = planned(dry_run(folder, *cells, *study, "anew.yaml").stdout)
