@@ -54,7 +54,7 @@ table2: setup folder ## Table 2 and Figure 6 with every row, on the eight rooms 
 	$(RESULTS) config/study/table2.yaml --table 2 --variants b ours-geometry --out docs/results
 
 paper: setup ## every figure of docs/results by one commit, but what is pinned in its machines.md: a day of two cores; it goes on where it stopped
-	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/paper.sh
+	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) snakemake --cores $(CORES) --keep-going --snakefile plugins/studies/paper.smk --directory results/paper
 
 folder:
 	@[ $(IN) = . ] || { mkdir -p $(IN) && ln -sfn $(CURDIR)/config $(IN)/config; }
