@@ -16,7 +16,7 @@ RESULTS := $(BIN)/python -m plugins.studies results --results $(IN)/results --be
 STUDY := -$(RUN) config/study/table3.yaml --
 cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(policy)/$(set)/rollouts.csv))
 
-.PHONY: help setup site wheel demo all study unseen registered second table2 paper folder weights picture photo test slurm test-cluster lint types config reference loc lock containers clean
+.PHONY: help setup site wheel demo all study unseen registered table2 paper folder weights picture photo test slurm test-cluster lint types config reference loc lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -49,15 +49,12 @@ unseen: setup folder ## success over unseen assets as docs/results has it, in an
 registered: setup ## the registered study of docs/results/design.md: two nights of two cores; it goes on where it stopped
 	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/registered.sh
 
-second: setup ## the second study of docs/results/design-second.md: a night of two cores for the first run; it goes on where it stopped
-	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/second.sh
-
 table2: setup folder ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
 	$(RUN) config/study/table2.yaml -- table2 table2_robustness
 	$(RESULTS) config/study/table2.yaml --table 2 --variants b ours-geometry --out docs/results
 
 paper: setup ## every figure of docs/results by one commit, but what is pinned in its machines.md: a day of two cores; it goes on where it stopped
-	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/paper.sh
+	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) snakemake --cores $(CORES) --keep-going --snakefile plugins/studies/paper.smk --directory results/paper
 
 folder:
 	@[ $(IN) = . ] || { mkdir -p $(IN) && ln -sfn $(CURDIR)/config $(IN)/config; }

@@ -4,7 +4,7 @@ After the default run:
 
     python -m benchmarks.hero --results results --scene room_1 --rank 2 --object cabinet_1 --out docs/images/hero.webp
 
-A still, its last picture, comes beside it (.jpg). The skill of the demonstrations opens the door; no policy does.
+The skill of the demonstrations opens the door; no policy does.
 """
 
 import argparse
@@ -100,7 +100,7 @@ def pictures(results: Path, scene: str, rank: int, object: str, task: str) -> It
 
 
 def main() -> None:
-    """Write the film and its still."""
+    """Write the film."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--results", type=Path, required=True)
     parser.add_argument("--scene", required=True)
@@ -111,7 +111,6 @@ def main() -> None:
     given = parser.parse_args()
     frames = list(pictures(given.results, given.scene, given.rank, given.object, given.task))
     write_film(given.out, frames, FREQUENCY * BETWEEN, QUALITY)
-    cv2.imwrite(str(given.out.with_suffix(".jpg")), frames[-1][..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 85])
 
 
 if __name__ == "__main__":

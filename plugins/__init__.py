@@ -1,1 +1,1 @@
-"""Packages beside the core (docs/architecture.md); `diffusion` and `patchnet` are named as a user's own would be."""
+"""Packages beside the core (docs/architecture.md); `diffusion` is named as a user's own would be."""

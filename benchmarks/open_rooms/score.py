@@ -233,7 +233,9 @@ def _measure_thing(
 
 
 def score(root: Path, results: Path, out: Path, version: str) -> None:
-    """Write open.csv (a row per object and rank), clicks.csv, open_sizes.svg, open.md; rank 1 of other versions stays.
+    """Write open.csv.xz (a row per object and rank), clicks.csv, open_sizes.svg, open.md.
+
+    Of other versions rank 1 stays in open.csv.xz.
 
     Args:
         root: folder of `render` and `run`.
@@ -256,11 +258,11 @@ def score(root: Path, results: Path, out: Path, version: str) -> None:
             steps = [row for folder in tried for row in list_steps(root, folder)]
     table = pd.DataFrame(rows).assign(version=version)
     out.mkdir(parents=True, exist_ok=True)
-    if (out / "open.csv").is_file():
-        known = pd.read_csv(out / "open.csv")
+    if (out / "open.csv.xz").is_file():
+        known = pd.read_csv(out / "open.csv.xz")
         known = known[(known["version"] != version) & (known["rank"] == 1)]
         table = pd.concat([known, table]).reset_index(drop=True)
-    table.to_csv(out / "open.csv", index=False)
+    table.to_csv(out / "open.csv.xz", index=False)
     if steps:
         pd.DataFrame(steps).to_csv(out / "clicks.csv", index=False)
     clicks = pd.read_csv(out / "clicks.csv") if (out / "clicks.csv").is_file() else pd.DataFrame()

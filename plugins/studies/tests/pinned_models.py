@@ -6,9 +6,9 @@ from pathlib import Path
 
 from plugins.furniture.catalogue import sample
 from plugins.furniture.folder import build
-from stages.contracts import TaskAssets, read_json
+from plugins.studies.pinned_file import read_pinned
 
-seed, plans = int(sys.argv[1]), [read_json(TaskAssets, Path(file)) for file in sys.argv[2:]]
+seed, plans = int(sys.argv[1]), [read_pinned(Path(file)) for file in sys.argv[2:]]
 items = {item.asset: item for plan in plans for item in (*plan.assets, *plan.test_assets)}
 with tempfile.TemporaryDirectory() as folder:
     for name, item in sorted(items.items()):

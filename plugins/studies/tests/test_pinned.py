@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from plugins.studies.pinned import run as pinned
+from plugins.studies.pinned_file import read_pinned, write_pinned
 from stages.config.model import load, merge_mappings, with_defaults
 from stages.contracts import InputError, TaskAssets, read_json, write_json
 from stages.contracts.library_folder import write_part
@@ -65,6 +66,38 @@ def test_a_file_of_fewer_draws_than_seeds_need_is_refused(study: dict[str, Path]
         read(["random_10_randomised"], draws=1)
 
 
+def test_a_table_says_what_the_json_says(study: dict[str, Path], tmp_path: Path) -> None:
+    plan, table = read_json(TaskAssets, study["assets"]), tmp_path / "door.csv"
+    cousins = [an_asset(f"near{number}_1", number / 3, role=f"cousin_{number}") for number in (1, 2)]
+    drawn = [an_asset("far_1", 1e-5, role="cover"), an_asset("wide_1", role="cover")]
+    more = {"assets": [*plan.assets, *cousins], "held_out": [2, 6], "draws": 2, "cover_assets": drawn}
+    write_pinned(table, plan.model_copy(update=more))
+    assert read_pinned(table) == plan.model_copy(update=more)
+    pinned(**study, task="door", out=tmp_path / "committed.csv")
+    assert read_pinned(tmp_path / "committed.csv") == plan
+    pinned(**study | {"assets": tmp_path / "committed.csv"}, task="door", out=tmp_path / "assets.json")
+    assert (tmp_path / "assets.json").read_bytes() == study["assets"].read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "words"),
+    [
+        ("lone,", "cab,", "E-CONTRACT-BROKEN", "TaskAssets contract at lone_1: its family"),
+        (",room_3,", ",room_4,", "E-CONTRACT-BROKEN", "door.csv:3: is about another experiment than line 2"),
+        ("0.4 0.6", "0.4", "E-CONTRACT-BROKEN", "PinnedAsset contract at panel_size"),
+    ],
+)
+def test_a_table_that_is_broken_is_refused(
+    study: dict[str, Path], tmp_path: Path, old: str, new: str, code: str, words: str
+) -> None:
+    pinned(**study, task="door", out=tmp_path / "door.csv")
+    head, twin, test = (tmp_path / "door.csv").read_text().splitlines()
+    assert old in test
+    (tmp_path / "door.csv").write_text("\n".join([head, twin, test.replace(old, new)]))
+    with refused(code, words):
+        read_pinned(tmp_path / "door.csv")
+
+
 def test_a_changed_or_lost_model_is_refused(study: dict[str, Path], tmp_path: Path) -> None:
     plan = read_json(TaskAssets, study["assets"])
     changed = [plan.test_assets[0].model_copy(update={"digest": "c0ffee"})]
@@ -85,8 +118,8 @@ OTHER = {"OPENBLAS_CORETYPE": "Prescott", "NPY_DISABLE_CPU_FEATURES": "X86_V4"} 
 @pytest.mark.parametrize(("seed", "folder", "kernels"), [("0", ".", {}), ("2026", "registered", OTHER)])
 def test_committed_models_are_the_same_on_other_processors(seed: str, folder: str, kernels: dict[str, str]) -> None:
     """By this machine's own kernels of linear algebra, and by the oldest."""
-    files = sorted((ROOT / "config/study/assets" / folder).glob("*.json"))
-    plans = [read_json(TaskAssets, file) for file in files]
+    files = sorted((ROOT / "config/study/assets" / folder).glob("*.csv"))
+    plans = [read_pinned(file) for file in files]
     known = {item.asset: item.digest for plan in plans for item in (*plan.assets, *plan.test_assets)}
     command = [sys.executable, "-m", "plugins.studies.tests.pinned_models", seed, *map(str, files)]
     made = subprocess.run(command, cwd=ROOT, env=os.environ | kernels, check=True, capture_output=True, text=True)

@@ -87,13 +87,13 @@ def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(study: Path, tmp
         "Machine: 2 cores, a test", "Commit: `abc1234`", "Seeds: 0, 3 of training; 7 of everything else",
         "102 episodes of 3 policies, 10 per role", "6 of 3 families, 2 initial states each", "scripted skill: 100 %",
         "n = 1", "not run", "official 90 %", "*paper 90 ± 4 %*",
-        "lite 9/15, lite_slow 7/15", "bar, hinge", "cannot be said", "1 run a side", "| total | ", "figure9.svg",
+        "lite 9/15, lite_slow 7/15", "bar, hinge", "cannot be said", "1 run a side", "| total | ", "figure9.webp",
         "cloud of the target link", "0 of 2", "12 cm, at 50 % of the front", "true handle",
     ):  # fmt: skip
         assert words in text, words
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
         "table3.md", "table3.csv", "assets.csv", "assets_by_handle.csv",
-        *(f"figure{n}.{s}" for n in (4, 9) for s in ("svg", "png")),
+        "figure4.webp", "figure9.webp",
     }  # fmt: skip
 
 
@@ -185,7 +185,7 @@ def test_a_study_of_table_2_tells_what_is_there_and_counts_whole_draws_alone(tmp
     assert companion.loc[("noise", "b"), ["n_draws", "n_rooms", "n_objects"]].tolist() == [1, 2, 2]
     assert companion["n_draws"].isna()[("unknown", "ours")] and companion["n_draws"].isna()[("as shipped", "ours")]
     text = (tmp_path / "out/table2.md").read_text()
-    with Image.open(tmp_path / "out/figure6.jpg") as figure:
-        assert figure.format == "JPEG" and figure.height > figure.width / 4
-    for words in ("noise 1 2, unknown 0", "a test", "`abc1234`", "4 scored, 4 obj", "(figure6.jpg)"):
+    with Image.open(tmp_path / "out/figure6.webp") as figure:
+        assert figure.format == "WEBP" and figure.height > figure.width / 4
+    for words in ("noise 1 2, unknown 0", "a test", "`abc1234`", "4 scored, 4 obj", "(figure6.webp)"):
         assert words in text, words

@@ -1,1 +1,0 @@
-"""What the config finds here: the patch encoder `patchnet`."""

@@ -1,0 +1,72 @@
+"""Committed files of a target's assets: a table with a row per asset, or the `assets.json` that a run wrote."""
+
+import csv
+import io
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, ValidationError
+
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json, read_rows, refusal, write_text
+from stages.contracts.policies import TaskAsset, TaskAssets
+from stages.contracts.types import Extent, Id, Rank, Size, Text
+
+LISTS = ("all", "random", "cover", "validation", "test")  # roles whose assets stand in a list of that name
+HEAD = ("task", "scene", "object", "encoder", "held_out", "draws")  # the same in all rows
+Numbers = BeforeValidator(str.split)  # a cell of several, with blanks between
+
+
+class PinnedAsset(TaskAsset):
+    """A row: an asset, and the experiment that it is of."""
+
+    size: Annotated[Size, Numbers]
+    panel_size: Annotated[tuple[Extent, Extent], Numbers]
+    task: Id
+    scene: Id
+    object: Id
+    encoder: Text
+    held_out: Annotated[list[Rank], Numbers]
+    draws: Rank
+
+
+def read_pinned(path: Path) -> TaskAssets:
+    """The assets of a committed file, by its suffix a table (.csv) or JSON.
+
+    Raises:
+        InputError: it is missing, or breaks the contract (file, line and field named).
+    """
+    if path.suffix != ".csv":
+        return read_json(TaskAssets, path)
+    plan: dict[str, Any] = {}
+    for number, row in enumerate(read_rows(PinnedAsset, path), 2):
+        values = row.model_dump()
+        head = {name: values.pop(name) for name in HEAD}
+        if head != {name: plan.setdefault(name, head[name]) for name in HEAD}:
+            what = f"is about another experiment than line 2 ({', '.join(HEAD)})."
+            raise InputError(f"{path}:{number}", what, "keep each in a file of its own", code="E-CONTRACT-BROKEN")
+        plan.setdefault(_list_of(row.role), []).append(values)
+    try:
+        return TaskAssets.model_validate(plan)
+    except ValidationError as error:
+        raise InputError(path, refusal(TaskAssets, error), code="E-CONTRACT-BROKEN") from None
+
+
+def write_pinned(path: Path, plan: TaskAssets) -> None:
+    """Write the assets as a table, in the order of the lists of `TaskAssets`."""
+    head = {name: _cell(getattr(plan, name)) for name in HEAD}
+    lists = ("assets", *(f"{name}_assets" for name in LISTS))
+    rows = [asset for name in lists for asset in getattr(plan, name)]
+    text = io.StringIO(newline="")
+    table = csv.DictWriter(text, [*TaskAsset.model_fields, *HEAD], lineterminator="\n")
+    table.writeheader()
+    table.writerows({name: _cell(value) for name, value in asset.model_dump().items()} | head for asset in rows)
+    write_text(path, text.getvalue())
+
+
+def _list_of(role: str) -> str:
+    return f"{role}_assets" if role in LISTS else "assets"
+
+
+def _cell(value: Any) -> Any:
+    return " ".join(map(str, value)) if isinstance(value, (list, tuple)) else value
