@@ -151,12 +151,6 @@ def unless_replaced(stage, name, **outputs):
     return outputs if FILMS.get(stage, True) and not replacement(CONFIG, stage, name) else {}
 
 
-def in_report(path, kind, captions="../report/captions"):
-    """A file that Snakemake's own report shows as well; `captions`: folder, from the file that asks."""
-    caption = f"{captions}/{kind}.rst"
-    return report(path, caption=caption, category=kind.capitalize(), labels={"name": Path(path).stem})
-
-
 def paper(table):
     """Digest of a table of the paper's values, for the rules that read its copy in PUBLISHED."""
     return sha256(Path(PUBLISHED, f"{table}.csv").read_bytes()).hexdigest()[:12]
