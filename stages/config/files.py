@@ -31,11 +31,13 @@ def check(arguments: Sequence[str] | None = None) -> None:
                 read_file(Path(file))
             else:
                 fix = f"put targets before options, or behind --: `snakemake --configfile {files[0]} -- {file}`"
-                raise InputError(file, "is no config file; --configfile takes every word behind it.", fix, "E-WORDS")
+                raise InputError(
+                    file, "is no config file; --configfile takes every word behind it.", fix, code="E-WORDS"
+                )
         for word in read_option(words, "--config"):
             if "=" not in word:
                 fix = f"put targets before options, or behind --: `snakemake --config KEY=VALUE -- {word}`"
-                raise InputError(word, "is no KEY=VALUE; --config takes every word behind it.", fix, "E-WORDS")
+                raise InputError(word, "is no KEY=VALUE; --config takes every word behind it.", fix, code="E-WORDS")
         for default in defaults(Path([".", *read_option(words, "-d"), *read_option(words, "--directory")][-1])):
             read_file(default)
     except InputError as error:
@@ -81,7 +83,9 @@ def read_file(path: Path) -> dict[str, Any]:
         except yaml.YAMLError as error:
             tab = "\t" in str(error) or "\\t" in str(error)
             fix = "indent with spaces: YAML takes no tabs" if tab else "mend this line, or the one above"
-            raise InputError(line_of(path, error), f"is no YAML: {fault_of(error)}.", fix, "E-CONFIG-YAML") from None
+            raise InputError(
+                line_of(path, error), f"is no YAML: {fault_of(error)}.", fix, code="E-CONFIG-YAML"
+            ) from None
     if not isinstance(content, dict):
         kind = "is empty" if content is None else f"holds a {'list' if isinstance(content, list) else 'value'}"
         raise InputError(path, f"{kind}, no `key: value`.", "docs/config.md has all keys", code="E-CONFIG-YAML")
