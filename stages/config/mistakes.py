@@ -1,6 +1,5 @@
 """Validate a config: what an overlay removes, and every mistake as one line with its key and how to mend it."""
 
-import re
 from collections.abc import Iterable, Iterator
 from copy import deepcopy
 from difflib import get_close_matches
@@ -13,39 +12,6 @@ from pydantic import BaseModel, ValidationError
 from stages.contracts.errors import InputError, suggest_nearest
 
 M = TypeVar("M", bound=BaseModel)
-
-# Keys of older versions that configs may still have, and what to do instead. Those that are fixed now say so.
-GONE = {
-    "articulated_only": "leave it out: articulated objects get articulated cousins",
-    "aspect_prior": "sizes: fitted, where it was native; sizes: measured, where it was off",
-    "assets_of": "leave it out: every policy of `experiment.policies` opens every target",
-    "batch": "leave it out: pictures are encoded one by one",
-    "coverage": "leave it out: a patch counts if the mask covers half of it",
-    "download": "name a folder with config.json and model.safetensors",
-    "encoder": "python -m plugins.patchnet trains the encoder, --help has its options",
-    "film_every": "leave it out: the first success and the first failure are filmed",
-    "finger_points": "leave it out: an eighth of `points`",
-    "geometry": "the section `geometry`, on the top level",
-    "implementation": "source: folder",
-    "learning": "image: a name with {family} and {tag} in it",
-    "mirror": "leave it out",
-    "patchnet": "own: {patchnet: {...}}, with plugins: [plugins.patchnet]",
-    "preview_width": "leave it out: 640 pixels",
-    "report": "image: a name with {family} and {tag} in it",
-    "rerender": "leave it out",
-    "refinement": "snap_articulated: 0 and snap_other: 0, where it was off; else leave it out",
-    "resolve_collisions": "leave it out: overlapping stacks are pushed apart",
-    "revision": "leave it out: weights.lock.json pins what `fetch` downloads",
-    "runs": "policies: {lite: {}, mine: {}}, or, where trials choose, policies: {best: {runs: [lite, mine]}}",
-    "scene": "room: room_3",
-    "seen_through": "leave it out: it is 0.35",
-    "sha256": "leave it out: weights.lock.json pins what `fetch` downloads",
-    "simulation": "image: a name with {family} and {tag} in it",
-    "tasks": "targets: {door: {room: room_3, object: hanging_cabinet_1}} for what is opened, policies: {lite: {}, "
-    "lite_handle: {}} for the runs that open it; rows with `assets_of` are policies now (docs/train.md)",
-    "training_threads": "snakemake --set-threads train=2",
-    "vlm": "the section `vlm`, on the top level, for matching and photo",
-}
 
 
 class Mistake(NamedTuple):
@@ -164,7 +130,8 @@ def _mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str) -> 
         key = prefix + ".".join(str(part) for part in path)
         text = detail["msg"].removeprefix("Value error, ")
         if detail["type"] == "extra_forbidden":
-            yield _describe_unknown_key(key, str(path[-1]), _model_at(root, path[:-1]), root)
+            mend = _find_meant_key(str(path[-1]), _model_at(root, path[:-1]), root)
+            yield Mistake(key, "unknown key", mend, "E-CONFIG-KEY")
         elif detail["type"] == "value_error":
             yield Mistake(key, text, code="E-CONFIG-VALUE")
         else:
@@ -172,26 +139,12 @@ def _mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str) -> 
             yield Mistake(key, f"{text} (got {detail['input']!r})", mend, "E-CONFIG-VALUE")
 
 
-def _describe_unknown_key(key: str, name: str, model: type[BaseModel], root: type[BaseModel]) -> Mistake:
-    """A key that a section does not have: of an older config, or a typo."""
-    code = "E-CONFIG-KEY"
-    if name in model.__class_vars__:
-        return Mistake(key, f"is no option: it is {getattr(model, name)}", "leave it out", code)
-    if name in GONE:
-        return Mistake(key, "is no option", GONE[name], code)
-    return Mistake(key, "unknown key", _find_meant_key(name, model, root), code)
-
-
 def _find_meant_key(name: str, model: type[BaseModel], root: type[BaseModel]) -> str:
-    """Which key was meant: the nearest by its letters, one elsewhere, one whose meaning names the word, else any."""
-    if get_close_matches(name, model.model_fields, n=1, cutoff=0.6):
+    """Which key was meant: the nearest by its letters, one elsewhere, else any."""
+    elsewhere = list(_places(name, root))
+    if get_close_matches(name, model.model_fields, n=1, cutoff=0.6) or not 0 < len(elsewhere) <= 3:
         return suggest_nearest(name, model.model_fields)
-    if 0 < len(elsewhere := list(_places(name, root))) <= 3:
-        return f"do you mean {' or '.join(elsewhere)}?"
-    word = re.compile(rf"\b{re.escape(name.lower().rstrip('s'))}s?\b", re.IGNORECASE)
-    about = {field: f"{found.description} {found.json_schema_extra}" for field, found in model.model_fields.items()}
-    named = [field for field, text in about.items() if word.search(text)]
-    return f"do you mean {' or '.join(named)}?" if 0 < len(named) <= 3 else suggest_nearest(name, model.model_fields)
+    return f"do you mean {' or '.join(elsewhere)}?"
 
 
 def _places(name: str, model: type[BaseModel], path: str = "") -> Iterator[str]:
