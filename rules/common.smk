@@ -10,7 +10,7 @@ from pathlib import Path
 
 from stages.config.code import cover, files_digest
 from stages.config.commands import check_line, command_digest, command_line, replacement
-from stages.config.mistakes import check_keys
+from stages.config.files import read_file
 from stages.config.model import load, with_defaults
 from stages.config.packages import list_drawers, rule_files, shards_of
 from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, options_of, stores
@@ -26,7 +26,7 @@ sys.path.append(os.getcwd())
 
 try:
     for file in workflow.configfiles:
-        check_keys(file)
+        read_file(Path(file))
     CONFIG = load(with_defaults(config))
     cover(CONFIG.plugins)
     OWN_SHARDS = shards_of(CONFIG)

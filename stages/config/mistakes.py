@@ -1,12 +1,10 @@
-"""Validate a config: what an overlay removes, and every mistake as one line with its key and how to mend it."""
+"""Validate a config: every mistake is one line with its key and how to mend it."""
 
 from collections.abc import Iterable, Iterator
 from copy import deepcopy
 from difflib import get_close_matches
-from pathlib import Path
 from typing import Any, NamedTuple, TypeVar, get_args, get_origin
 
-import yaml
 from pydantic import BaseModel, ValidationError
 
 from stages.contracts.errors import InputError, suggest_nearest
@@ -36,57 +34,9 @@ class Mistake(NamedTuple):
         return cls(key or error.where, error.what.rstrip("."), error.fix, error.code)
 
 
-def check_keys(file: Path) -> None:
-    """Refuse a YAML file that gives a key twice: the last would win without a word.
-
-    Raises:
-        InputError: file, line and key are named.
-    """
-    try:
-        nodes = [yaml.compose(Path(file).read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)]
-    except (OSError, UnicodeDecodeError, yaml.YAMLError):
-        return  # who reads it says so
-    for node in nodes:
-        if isinstance(node, yaml.SequenceNode):
-            nodes += [each for each in node.value if each not in nodes]
-        if not isinstance(node, yaml.MappingNode):
-            continue
-        lines: dict[str, int] = {}
-        for key, value in node.value:
-            name, line = str(key.value), key.start_mark.line + 1
-            if name in lines and name != "<<":
-                raise InputError(
-                    f"{file}:{line}",
-                    f"'{name}' stands in line {lines[name]}, too.",
-                    "keep one",
-                    code="E-CONFIG-KEY-TWICE",
-                )
-            lines[name] = line
-            nodes += [value] * (value not in nodes)
-
-
-def without_removed(value: Any, annotation: Any) -> Any:
-    """`value` without the entries of free-key mappings that are null: so an overlay removes what the default has."""
-    annotation = getattr(annotation, "__origin__", annotation) if hasattr(annotation, "__metadata__") else annotation
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel) and isinstance(value, dict):
-        fields = annotation.model_fields
-        return {
-            key: without_removed(item, fields[key].annotation) if key in fields else item for key, item in value.items()
-        }
-    if get_origin(annotation) is dict and get_args(annotation)[1] is not Any:
-        inner = get_args(annotation)[1]
-        items = value.items() if isinstance(value, dict) else ()
-        kept = {key: without_removed(item, inner) for key, item in items if item is not None}
-        return kept if isinstance(value, dict) or value is None else value
-    return value
-
-
 def validate_config(model: type[M], given: dict[str, Any]) -> tuple[M, list[Mistake]]:
     """The config and its mistakes; where there is one, the config has its default instead."""
-    mistakes = truths(given, model)
-    given = deepcopy(given)
-    for mistake in mistakes:
-        _drop(given, tuple(mistake.key.split(".")))
+    given, mistakes = deepcopy(given), list[Mistake]()
     while True:
         try:
             return model.model_validate(given), mistakes
@@ -96,47 +46,19 @@ def validate_config(model: type[M], given: dict[str, Any]) -> tuple[M, list[Mist
                 _drop(given, detail["loc"])
 
 
-def truths(given: Any, annotation: Any, key: str = "") -> list[Mistake]:
-    """Where a number is true or false, which YAML makes of yes, no, on and off, and Python takes for 1 and 0."""
-    if isinstance(given, dict):
-        models = _models(annotation)
-        fields = models[0].model_fields if models and get_origin(annotation) is not dict else {}
-        inner = get_args(annotation)[1] if get_origin(annotation) is dict else None
-        items = [(name, item, fields[name].annotation if name in fields else inner) for name, item in given.items()]
-        return [each for name, item, kind in items for each in truths(item, kind, f"{key}.{name}".lstrip("."))]
-    if isinstance(given, list):
-        return [each for item in given for each in truths(item, annotation, key)][:1]
-    kinds = list(_kinds(annotation)) if isinstance(given, bool) else [bool]
-    wrong = (int in kinds or float in kinds) and bool not in kinds
-    what = f"is {given} (YAML's yes and no, too), not a number"
-    return [Mistake(key, what, code="E-CONFIG-VALUE")] if wrong else []
-
-
-def _kinds(annotation: Any) -> Iterator[Any]:
-    """All types inside an annotation."""
-    yield annotation
-    for argument in get_args(annotation):
-        yield from _kinds(argument)
-
-
 def mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str = "") -> list[Mistake]:
     """All mistakes that a validation found; a typo comes with the nearest key that exists."""
-    return list(_mistakes_of(root, error, prefix))
-
-
-def _mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str) -> Iterator[Mistake]:
+    found = []
     for detail in error.errors():
-        path = detail["loc"]
-        key = prefix + ".".join(str(part) for part in path)
-        text = detail["msg"].removeprefix("Value error, ")
+        path, text = detail["loc"], detail["msg"].removeprefix("Value error, ")
+        what, mend, code = text, "", "E-CONFIG-VALUE"
         if detail["type"] == "extra_forbidden":
+            what, code = "unknown key", "E-CONFIG-KEY"
             mend = _find_meant_key(str(path[-1]), _model_at(root, path[:-1]), root)
-            yield Mistake(key, "unknown key", mend, "E-CONFIG-KEY")
-        elif detail["type"] == "value_error":
-            yield Mistake(key, text, code="E-CONFIG-VALUE")
-        else:
-            mend = "docs/config.md says what is allowed"
-            yield Mistake(key, f"{text} (got {detail['input']!r})", mend, "E-CONFIG-VALUE")
+        elif detail["type"] != "value_error":
+            what, mend = f"{text} (got {detail['input']!r})", "docs/config.md says what is allowed"
+        found.append(Mistake(prefix + ".".join(map(str, path)), what, mend, code))
+    return found
 
 
 def _find_meant_key(name: str, model: type[BaseModel], root: type[BaseModel]) -> str:

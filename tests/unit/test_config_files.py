@@ -10,7 +10,7 @@ import pytest
 
 from stages.cli import main
 from stages.config.__main__ import show
-from stages.config.files import check, read_file, read_option
+from stages.config.files import check, read_file
 from stages.config.model import read_files
 from tests.refusals import refused
 from tests.workflow.workspace import ROOT, dry_run, make
@@ -78,11 +78,7 @@ def test_what_may_be_said_is_no_mistake(here: Path) -> None:
     Path("tabs.json").write_text('{\n\t"seed": 1\n}')
     check(["all", "--configfile", "mine.yaml", "tabs.json", "--config", "image=a=b.jpg", "--cores", "2", "-n"])
     check(["--configfile=mine.yaml", "pages"])
-    assert read_option(["a", "--configfile=x", "b", "--configfile", "y", "z", "-n", "c"], "--configfile") == [
-        "x",
-        "y",
-        "z",
-    ]
+    check(["a", "--configfile=mine.yaml", "b", "--configfile", "mine.yaml", "tabs.json", "-n", "c", "-d", "here"])
     for file in [ROOT / "config.yaml", *(ROOT / "config").rglob("*.yaml")]:
         assert read_file(file)
 
