@@ -16,7 +16,7 @@ RESULTS := $(BIN)/python -m plugins.studies results --results $(IN)/results --be
 STUDY := -$(RUN) config/study/table3.yaml --
 cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(policy)/$(set)/rollouts.csv))
 
-.PHONY: help setup site wheel demo all study unseen registered table2 paper folder weights picture photo test slurm test-cluster lint types config reference loc lock containers clean
+.PHONY: help setup site wheel demo all study unseen registered table2 paper folder weights picture photo test slurm test-cluster lint types config reference lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -97,11 +97,8 @@ types: $(STAMP) ## mypy
 config: $(STAMP) ## write config/schema.json and docs/config.md from the typed models
 	$(BIN)/python -m stages.config
 
-reference: $(STAMP) ## write docs/commands.md, docs/errors.md, docs/architecture.md and its pictures from the code
+reference: $(STAMP) ## write docs/architecture.md and its pictures from the code
 	$(BIN)/python -m reference
-
-loc: $(STAMP) ## lines of code: core, each package, tests
-	@$(BIN)/python -m reference.lines
 
 lock: $(STAMP) ## pin the newest versions that pyproject.toml allows
 	BIN=$(BIN) bash envs/lock.sh

@@ -15,9 +15,6 @@ min_version("9.27")
 configfile: next(filter(Path.exists, map(Path, ["config.yaml", "config/config.yaml"])), workflow.source_path("config.yaml"))
 
 
-report: "report/workflow.rst"
-
-
 include: "rules/common.smk"
 include: "rules/resources.smk"
 include: "rules/inputs.smk"

@@ -21,9 +21,3 @@ printf '%s\n' "$torch" robomimic==0.3.0 six lerobot==0.4.4 |
     "$uv" pip compile - --override <(printf '%s\n' "$torch" torchvision) --python-version 3.11 \
         --python-platform x86_64-manylinux_2_28 --generate-hashes --no-emit-index-url --no-header --no-annotate -q \
         "${left_out[@]/#/--no-emit-package=}" -o envs/readers.txt
-# Snakemake's plugins for storage and Kubernetes (envs/engines.sh), over what .venv has; botocore wants an older dateutil.
-pinned=$(sed -n 's/^\([^ ]*==.*[^ \\]\) *\\$/\1/p' envs/requirements.txt | grep -v '^python-dateutil==')
-mapfile -t held < <(sed 's/==.*//; s/^/--no-emit-package=/' <<<"$pinned")
-printf '%s\n' snakemake-storage-plugin-{fs,s3} snakemake-executor-plugin-kubernetes 'moto[s3]' flask flask-cors |
-    "$uv" pip compile - -c <(echo "$pinned") --python-version 3.11 --generate-hashes --no-emit-index-url --no-header \
-        --no-annotate -q "${held[@]}" -o envs/engines.txt

@@ -66,7 +66,7 @@ rule snapshots:
     benchmark:
         "benchmarks/assets/snapshots_{shard}.tsv"
     group:
-        "shard"
+        SHARD_GROUP
     resources:
         **needs(
             lambda wildcards: 1500 + models_in(wildcards),

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from stages.config.code import cover, files_digest
 from stages.config.commands import check_line, command_digest, command_line, replacement
-from stages.config.mistakes import check_keys
+from stages.config.files import read_file
 from stages.config.model import load, with_defaults
 from stages.config.packages import list_drawers, rule_files, shards_of
 from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, options_of, stores
@@ -26,7 +26,7 @@ sys.path.append(os.getcwd())
 
 try:
     for file in workflow.configfiles:
-        check_keys(file)
+        read_file(Path(file))
     CONFIG = load(with_defaults(config))
     cover(CONFIG.plugins)
     OWN_SHARDS = shards_of(CONFIG)
@@ -149,12 +149,6 @@ def read_options(stage, name):
 def unless_replaced(stage, name, **outputs):
     """Outputs for people, of our own verb: a command in its place need not make them, nor a run without films."""
     return outputs if FILMS.get(stage, True) and not replacement(CONFIG, stage, name) else {}
-
-
-def in_report(path, kind, captions="../report/captions"):
-    """A file that Snakemake's own report shows as well; `captions`: folder, from the file that asks."""
-    caption = f"{captions}/{kind}.rst"
-    return report(path, caption=caption, category=kind.capitalize(), labels={"name": Path(path).stem})
 
 
 def paper(table):

@@ -16,12 +16,7 @@ rule demonstrate:
         **unless_replaced(
             "demonstrations",
             "collect",
-            film=report(
-                "results/demonstrations/{target}/{role}/film.png",
-                caption="../report/captions/demos.rst",
-                category="Demonstrations",
-                labels={"target": "{target}", "asset": "{role}"},
-            ),
+            film="results/demonstrations/{target}/{role}/film.png",
             films="results/demonstrations/{target}/{role}/films.zip",
         ),
         episodes="results/demonstrations/{target}/{role}/episodes.h5",

@@ -26,17 +26,7 @@ rule rollout:
         **unless_replaced(
             "evaluation",
             "rollout",
-            film=report(
-                "results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/film.png",
-                caption="../report/captions/demos.rst",
-                category="Rollouts",
-                labels={
-                    "target": "{target}",
-                    "policy": "{policy}",
-                    "training set": "{training_set}",
-                    "seed": "{seed}",
-                },
-            ),
+            film="results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/film.png",
             films="results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/films.zip",
         ),
         rollouts="results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",

@@ -23,7 +23,7 @@ rule features:
     benchmark:
         "benchmarks/matching/features_{store}_{shard}.tsv"
     group:
-        "shard"
+        SHARD_GROUP
     resources:
         **needs(
             lambda wildcards: 1000 + 4 * models_in(wildcards),

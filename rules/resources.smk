@@ -57,9 +57,15 @@ def training_minutes(wildcards):
     return 30 + 3 * options.steps * (0.015 + seconds * products) / 60
 
 
+# Submissions of several jobs, which share a shell: profiles/podman gives every rule its own.
+GROUPED = not any("shell_exec" in asked for asked in workflow.resource_settings.overwrite_resources.values())
+SHARD_GROUP = "shard" if GROUPED else None
+
+
 def scene_group(wildcards):
     """The submission of a job about one scene: one per variant, the first makes what they share.
 
     None, for a picture alone: its jobs await a checkpoint, for which Snakemake has no groups.
     """
-    return None if PICTURE and wildcards.get("scene") == PICTURE else f"scene_{wildcards.get('variant', VARIANTS[0])}"
+    alone = PICTURE and wildcards.get("scene") == PICTURE
+    return f"scene_{wildcards.get('variant', VARIANTS[0])}" if GROUPED and not alone else None

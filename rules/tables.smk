@@ -17,9 +17,9 @@ rule table2:
         ),
     output:
         csv="results/tables/table2.csv",
-        html=in_report("results/tables/table2.html", "tables"),
+        html="results/tables/table2.html",
         tex="results/tables/table2.tex",
-        figure6=in_report("results/figures/figure6.svg", "figures"),
+        figure6="results/figures/figure6.svg",
         png="results/figures/figure6.png",
     log:
         "logs/tables/table2.log",
@@ -58,16 +58,16 @@ rule table3:
                     "results/tables/{table}.csv",
                     table=["table3_claims", "table3_stability", "assets", "assets_by_handle"],
                 ),
-                in_report("results/tables/assets.html", "tables"),
+                "results/tables/assets.html",
                 "results/tables/assets.tex",
             ]
             if MORE_TABLES
             else []
         ),
-        html=in_report("results/tables/table3.html", "tables"),
+        html="results/tables/table3.html",
         tex="results/tables/table3.tex",
-        figure4=in_report("results/figures/figure4.svg", "figures"),
-        figure9=in_report("results/figures/figure9.svg", "figures"),
+        figure4="results/figures/figure4.svg",
+        figure9="results/figures/figure9.svg",
         png=expand("results/figures/{figure}.png", figure=["figure4", "figure9"]),
     log:
         "logs/tables/table3.log",

@@ -37,8 +37,7 @@ def main(package: str, verbs: dict[str, str]) -> None:
     import tyro
 
     start_job()
-    module = argv[0].replace("-", "_") + "_" * keyword.iskeyword(argv[0])
-    run = with_seeds_checked(importlib.import_module(f"{package}.{module}").run)
+    run = with_seeds_checked(importlib.import_module(f"{package}.{find_module(argv[0])}").run)
     try:
         tyro.cli(run, args=argv[1:], prog=f"python -m {package} {argv[0]}")
     except InputError as error:
@@ -50,6 +49,11 @@ def main(package: str, verbs: dict[str, str]) -> None:
             raise
         print(f"error: {line}", file=sys.stderr)
         sys.exit(1)
+
+
+def find_module(verb: str) -> str:
+    """The module of a verb in its package."""
+    return verb.replace("-", "_") + "_" * keyword.iskeyword(verb)
 
 
 def with_seeds_checked(run: Callable[..., None]) -> Callable[..., None]:

@@ -6,7 +6,7 @@ package has a sub-package per kind: `my_package/encoders/mine.py`. Nothing is im
 
 import importlib
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
@@ -124,22 +124,6 @@ def _list_ours(kind: str) -> dict[str, str]:
 def qualify_module(kind: str, name: str) -> str:
     """Module of an implementation."""
     return name if "." in name else _list_ours(kind).get(name, f"{KINDS[kind].home}.{name}")
-
-
-def refuse_old_names(implementation: type, names: Mapping[str, str]) -> None:
-    """Refuse a class that overrides methods which are called otherwise now: nobody would ask it.
-
-    Args:
-        implementation: the class of a user's package.
-        names: the names of today by those of before.
-
-    Raises:
-        InputError: it has one of the old names.
-    """
-    for old, new in names.items():
-        if old in vars(implementation):
-            what = f"{implementation.__qualname__} overrides `{old}`, which is not asked any more."
-            raise InputError(implementation.__module__, what, f"call it `{new}`", code="E-PLUGIN-OLD")
 
 
 def shorten_name(name: str) -> str:

@@ -50,7 +50,9 @@ def shelves(results: Path, config: Config) -> Shelves:
     snapshots = sorted((results / "assets/snapshots").glob("shard_*.h5"))
     if not features or len(features) != len(snapshots):
         wanted = f"{results}/matching/features/{store}/shard_{{0,1}}.npy"
-        raise InputError(results, "has no library with features.", f"snakemake --cores 2 {wanted}")
+        raise InputError(
+            results, "has no library with features.", f"snakemake --cores 2 {wanted}", code="E-FEATURES-MISSING"
+        )
     return Shelves(results / "assets/library/library.json", tuple(features), tuple(snapshots))
 
 

@@ -9,7 +9,7 @@ rule trainings:
         configs=policies("results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/config.json"),
     output:
         csv="results/tables/trainings.csv",
-        html=in_report("results/tables/trainings.html", "tables", "../../report/captions"),
+        html="results/tables/trainings.html",
         tex="results/tables/trainings.tex",
     log:
         "logs/tables/trainings.log",

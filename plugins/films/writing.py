@@ -50,10 +50,12 @@ def write_film(path: str | Path, pictures: Iterable[Any], frequency: float, qual
     """
     form = Path(path).suffix.lower()
     if form not in (".webp", ".gif", ".mp4"):
-        raise InputError(path, "is in no format that is written.", "end its name with .webp, .gif or .mp4", "E-FILM")
+        raise InputError(
+            path, "is in no format that is written.", "end its name with .webp, .gif or .mp4", code="E-FILM"
+        )
     arrays = [np.asarray(torch.as_tensor(picture).cpu()) for picture in pictures]
     if not arrays:
-        raise InputError(path, "gets no pictures.", "append `env.render()` after every step", "E-FILM")
+        raise InputError(path, "gets no pictures.", "append `env.render()` after every step", code="E-FILM")
     images = [Pillow.fromarray(np.concatenate([*each], axis=1) if each.ndim == 4 else each) for each in arrays]
     step = max(round(1000 / frequency), 20)  # milliseconds; what is faster browsers show slowly
     with write_atomically(Path(path)) as temporary:

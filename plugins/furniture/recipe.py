@@ -11,7 +11,6 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from plugins.furniture.colours import Palette, pick
 from plugins.furniture.finishes import finish_of
 from plugins.furniture.model import Model, Size
-from stages.plugins import refuse_old_names
 
 Rng = np.random.Generator
 
@@ -31,10 +30,6 @@ class Generator(BaseModel):
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-    def __init_subclass__(cls, **kwargs: Any) -> None:
-        super().__init_subclass__(**kwargs)
-        refuse_old_names(cls, {"sampled": "sample_parameters", "changed": "change_parameters"})
 
     @abstractmethod
     def build(self, size: Size) -> Model:

@@ -18,7 +18,7 @@ rule procedural:
     wildcard_constraints:
         shard=r"\d+",
     group:
-        "shard"
+        SHARD_GROUP
     resources:
         **needs(1000, lambda wildcards: 10 + models_in(wildcards) / 20),
     params:

@@ -20,7 +20,7 @@ rule own:
     wildcard_constraints:
         shard=r"own_\w+",
     group:
-        "shard"
+        SHARD_GROUP
     resources:
         **needs(4000, lambda wildcards: 10 + models_in(wildcards)),
     params:

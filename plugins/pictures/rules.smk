@@ -18,7 +18,7 @@ rule draw_snapshots:
     log:
         "logs/assets/draw_{shard}.log",
     group:
-        "shard"
+        SHARD_GROUP
     resources:
         **needs(1000, 10),
     params:
@@ -34,12 +34,7 @@ rule draw_objects:
         masks="results/extraction/{scene}/masks.png",
         image=input_file("rgb.png"),
     output:
-        overview=report(
-            "results/extraction/{scene}/overview.png",
-            caption="../../report/captions/scene.rst",
-            category="Scenes",
-            labels={"scene": "{scene}", "picture": "extraction"},
-        ),
+        overview="results/extraction/{scene}/overview.png",
     log:
         "logs/extraction/draw_{scene}.log",
     group:
@@ -68,12 +63,7 @@ rule draw_cousins:
         snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=scene_shards),
         indices=expand("results/assets/snapshots/shard_{shard}.json", shard=scene_shards),
     output:
-        picture=report(
-            "results/matching/{variant}/{scene}/cousins.png",
-            caption="../../report/captions/scene.rst",
-            category="Scenes",
-            labels={"scene": "{scene}", "picture": "cousins ({variant})"},
-        ),
+        picture="results/matching/{variant}/{scene}/cousins.png",
     log:
         "logs/matching/draw_{variant}_{scene}.log",
     group:
@@ -107,12 +97,7 @@ rule draw_scenes:
         look="results/generation/{variant}/{scene}/look.json",
         thumbnail="results/generation/{variant}/{scene}/thumbnail.webp",
         view="results/generation/{variant}/{scene}/view.glb",
-        comparison=report(
-            "results/generation/{variant}/{scene}/comparison.png",
-            caption="../../report/captions/scene.rst",
-            category="Scenes",
-            labels={"scene": "{scene}", "picture": "reconstruction ({variant})"},
-        ),
+        comparison="results/generation/{variant}/{scene}/comparison.png",
     log:
         "logs/generation/draw_{variant}_{scene}.log",
     benchmark:
@@ -137,18 +122,8 @@ rule draw_roles:
         snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=SHARDS),
         indices=expand("results/assets/snapshots/shard_{shard}.json", shard=SHARDS),
     output:
-        picture=report(
-            "results/experiment/{variant}/{target}/assets.png",
-            caption="../../report/captions/roles.rst",
-            category="Policies",
-            labels={"target": "{target}", "picture": "assets"},
-        ),
-        splits=report(
-            "results/experiment/{variant}/{target}/splits.png",
-            caption="../../report/captions/roles.rst",
-            category="Policies",
-            labels={"target": "{target}", "picture": "validation and test assets"},
-        ),
+        picture="results/experiment/{variant}/{target}/assets.png",
+        splits="results/experiment/{variant}/{target}/splits.png",
     log:
         "logs/experiment/draw_{variant}_{target}.log",
     localrule: True

@@ -1,6 +1,6 @@
 """Doubts about a scene, and mere notes, from its files: for the pages of the report and of corrections.
 
-A doubt is what a person can mend. docs/errors.md lists all of them with their limits.
+A doubt is what a person can mend: `stages.contracts.doubt` has all of them with their limits.
 """
 
 import math

@@ -15,7 +15,7 @@ rule overview_page:
         thumbnails=expand("results/generation/{variant}/{scene}/thumbnail.webp", scene=ROOMS, allow_missing=True),
         pages=lambda wildcards: own_pages(ROOMS),
     output:
-        page=in_report("results/report/overview/{variant}.html", "report", "../../report/captions"),
+        page="results/report/overview/{variant}.html",
     log:
         "logs/tables/overview_{variant}.log",
     localrule: True

@@ -39,7 +39,7 @@ def run(
     album, declared = Album(settings.picture_width, settings.picture_quality), RunFiles(files, {scene: image})
     found = rooms.collect(declared, album)
     if len(found) != 1:
-        raise InputError("--files", f"are of {len(found)} pictures.", "name the files of one", "E-FILES-PICTURES")
+        raise InputError("--files", f"are of {len(found)} pictures.", "name the files of one", code="E-FILES-PICTURES")
     (room,) = found
     page = environment("plugins.report").get_template("page/scene.html.jinja")
     text = page.render(

@@ -56,7 +56,7 @@ rule report_page:
         tables=rules.tables.input,
         pages=lambda wildcards: own_pages(REPORT_ROOMS),
     output:
-        page=in_report("results/report/index.html", "report", "../../report/captions"),
+        page="results/report/index.html",
         times="results/report/times.html",
         config="results/report/config.yaml",
     log:
@@ -110,7 +110,7 @@ rule scene_page:
         ),
         views=expand("results/generation/{variant}/{scene}/view.glb", variant=VARIANTS, allow_missing=True),
     output:
-        page=in_report("results/report/scenes/{scene}.html", "report", "../../report/captions"),
+        page="results/report/scenes/{scene}.html",
     log:
         "logs/tables/scene_page_{scene}.log",
     group:

@@ -33,7 +33,7 @@ rule table2_robustness:
         robustness=expand("results/evaluation/scenes/{variant}/{scene}/scores.csv", zip, **PROTOCOL_SCENES),
     output:
         csv="results/tables/table2_robustness.csv",
-        html=in_report("results/tables/table2_robustness.html", "tables", "../../report/captions"),
+        html="results/tables/table2_robustness.html",
         tex="results/tables/table2_robustness.tex",
     log:
         "logs/tables/table2_robustness.log",

@@ -16,18 +16,7 @@ use rule rollout as rollout_under with:
         **unless_replaced(
             "evaluation",
             "rollout",
-            film=report(
-                "results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/film.png",
-                caption="../../report/captions/demos.rst",
-                category="Rollouts",
-                labels={
-                    "condition": "{condition}",
-                    "target": "{target}",
-                    "policy": "{policy}",
-                    "training set": "{training_set}",
-                    "seed": "{seed}",
-                },
-            ),
+            film="results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/film.png",
             films="results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/films.zip",
         ),
         rollouts="results/evaluation/conditions/{condition}/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
@@ -57,7 +46,7 @@ rule conditions:
         ),
     output:
         csv="results/tables/conditions.csv",
-        html=in_report("results/tables/conditions.html", "tables", "../../report/captions"),
+        html="results/tables/conditions.html",
         tex="results/tables/conditions.tex",
     log:
         "logs/tables/conditions.log",

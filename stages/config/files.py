@@ -3,17 +3,17 @@
 Snakemake ends with a traceback, or names no file. `profiles/default`, which it always reads first, calls `check`.
 """
 
-import contextlib
 import json
 import sys
+from argparse import ArgumentParser
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from stages.config.mistakes import check_keys
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_text
 from stages.contracts.yaml_files import fault_of, line_of
@@ -23,38 +23,28 @@ ENDINGS = (".yaml", ".yml", ".json")
 
 def check(arguments: Sequence[str] | None = None) -> None:
     """End with one line if a command line of Snakemake, by default this process's, names a config that is none."""
-    words = sys.argv[1:] if arguments is None else list(arguments)
+    parser = ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--configfile", "--configfiles", nargs="*", action="extend", default=[])
+    parser.add_argument("--config", nargs="*", action="extend", default=[])
+    parser.add_argument("-d", "--directory", default=".", type=Path)
+    words = parser.parse_known_args(arguments)[0]
     try:
-        files = read_option(words, "--configfile") + read_option(words, "--configfiles")
-        for file in files:
-            if file.endswith(ENDINGS) or Path(file).exists():
-                read_file(Path(file))
-            else:
-                fix = f"put targets before options, or behind --: `snakemake --configfile {files[0]} -- {file}`"
-                raise InputError(file, "is no config file; --configfile takes every word behind it.", fix, "E-WORDS")
-        for word in read_option(words, "--config"):
+        for file in words.configfile:
+            if not file.endswith(ENDINGS) and not Path(file).exists():
+                what = "is no config file; --configfile takes every word behind it."
+                line = f"snakemake --configfile {words.configfile[0]} -- {file}"
+                fix = f"put targets before options, or behind --: `{line}`"
+                raise InputError(file, what, fix, code="E-WORDS")
+            read_file(Path(file))
+        for word in words.config:
             if "=" not in word:
                 fix = f"put targets before options, or behind --: `snakemake --config KEY=VALUE -- {word}`"
-                raise InputError(word, "is no KEY=VALUE; --config takes every word behind it.", fix, "E-WORDS")
-        for default in defaults(Path([".", *read_option(words, "-d"), *read_option(words, "--directory")][-1])):
+                raise InputError(word, "is no KEY=VALUE; --config takes every word behind it.", fix, code="E-WORDS")
+        for default in defaults(words.directory):
             read_file(default)
     except InputError as error:
         print(f"error: {error} [{error.code}]", file=sys.stderr)
         sys.exit(1)
-
-
-def read_option(words: Sequence[str], option: str) -> list[str]:
-    """The words that an option takes: `--option=a`, or all up to the next option."""
-    found: list[str] = []
-    takes = False
-    for word in words:
-        name, sign, value = word.partition("=")
-        if word.startswith("-"):
-            takes = name == option and not sign
-            found += [value] if name == option and sign else []
-        elif takes:
-            found.append(word)
-    return found
 
 
 def defaults(folder: Path) -> Iterator[Path]:
@@ -72,18 +62,36 @@ def read_file(path: Path) -> dict[str, Any]:
     near = get_close_matches(path.name, beside, n=1, cutoff=0.75)
     fix = f"did you mean '{path.with_name(near[0])}'?" if near else "correct the path"
     text = read_text(path, "it should be text in UTF-8 that you may read" if path.exists() else fix)
-    content = None
-    with contextlib.suppress(ValueError):
+    try:
         content = json.loads(text)  # which may have tabs
-    if content is None:
+    except ValueError:
         try:
             content = yaml.safe_load(text)
         except yaml.YAMLError as error:
             tab = "\t" in str(error) or "\\t" in str(error)
             fix = "indent with spaces: YAML takes no tabs" if tab else "mend this line, or the one above"
-            raise InputError(line_of(path, error), f"is no YAML: {fault_of(error)}.", fix, "E-CONFIG-YAML") from None
+            what = f"is no YAML: {fault_of(error)}."
+            raise InputError(line_of(path, error), what, fix, code="E-CONFIG-YAML") from None
     if not isinstance(content, dict):
         kind = "is empty" if content is None else f"holds a {'list' if isinstance(content, list) else 'value'}"
         raise InputError(path, f"{kind}, no `key: value`.", "docs/config.md has all keys", code="E-CONFIG-YAML")
-    check_keys(path)
+    with suppress(yaml.YAMLError):  # tabs
+        _check_keys(path, yaml.compose(text, Loader=yaml.CSafeLoader))
     return content
+
+
+def _check_keys(path: Path, root: yaml.Node) -> None:
+    """Refuse a key that is given twice: the last would win without a word."""
+    queue = [root]
+    for node in queue:
+        inner = node.value if isinstance(node, yaml.SequenceNode) else []
+        if isinstance(node, yaml.MappingNode):
+            lines: dict[str, int] = {}
+            for key, value in node.value:
+                name, line = str(key.value), key.start_mark.line + 1
+                if name in lines and name != "<<":
+                    what = f"'{name}' stands in line {lines[name]}, too."
+                    raise InputError(f"{path}:{line}", what, "keep one", code="E-CONFIG-KEY-TWICE")
+                lines[name] = line
+                inner.append(value)
+        queue += [each for each in inner if each not in queue]

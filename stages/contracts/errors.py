@@ -7,7 +7,7 @@ SHOWN = 40  # names at most that an error lists
 
 
 class InputError(Exception):
-    """Input that cannot be used: what is wrong, where, and how to mend it (docs/errors.md has all codes).
+    """Input that cannot be used: what is wrong, where, and how to mend it.
 
     The command line prints it as one line and exits with 1; nothing is left half-written.
 
@@ -15,13 +15,9 @@ class InputError(Exception):
         code: what kind of fault it is, e.g. E-DEPTH-UNIT: stays the same when the words change.
     """
 
-    def __init__(self, where: object, what: str, fix: str = "", code: str = "E-INPUT") -> None:
-        self.where, self.what, self.fix, self.code = (
-            escape_control(str(where)),
-            escape_control(what),
-            escape_control(fix),
-            code,
-        )
+    def __init__(self, where: object, what: str, fix: str = "", *, code: str) -> None:
+        self.where, self.what, self.fix = map(escape_control, (str(where), what, fix))
+        self.code = code
         super().__init__((f"{self.where}: " if where else "") + self.what + (f" Fix: {self.fix}" if fix else ""))
 
 

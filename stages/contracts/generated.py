@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from stages.contracts.doubt import AnyDoubt
+from stages.contracts.doubt import Doubt
 from stages.contracts.files import Contract, Document
 from stages.contracts.library import Finish
 from stages.contracts.objects import Mounting, Wall, check_mounting, check_room, check_status
@@ -57,7 +57,7 @@ class PlacedObject(Contract):
     cousin: Rank | None = Field(None, description="rank in cousins.json of the model that stands here")
     chosen: bool = Field(False, description="a person says which model stands here")
     steps: list[str] = Field([], description="what each step of placing changed, in order, and by how much")
-    doubts: list[AnyDoubt] = Field([], description="what may be wrong and a person can mend")
+    doubts: list[Doubt] = Field([], description="what may be wrong and a person can mend")
     moved: NonNegative = Field(0.0, description="xy distance it was pushed to resolve collisions, metres")
     settled_shift: NonNegative | None = Field(None, description="how far it moved in the settling test, metres")
 

@@ -28,7 +28,9 @@ def check_smooth(depth: NDArray[np.floating]) -> None:
     steps = np.abs(np.diff(depth, axis=1))[known] / depth[:, 1:][known]
     if len(steps) and (rough := float(np.median(steps))) > ROUGH:
         what = f"is noise: neighbouring pixels differ by {100 * rough:.0f} % in the median."
-        raise InputError("depth.npz", what, "give depth of this picture, unpacked as its camera says", "E-DEPTH-NOISE")
+        raise InputError(
+            "depth.npz", what, "give depth of this picture, unpacked as its camera says", code="E-DEPTH-NOISE"
+        )
 
 
 def find_floor_frame(

@@ -1,14 +1,13 @@
 """The base of our skills: tries once, and again after a miss while there is time."""
 
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.geometry.frames import apply, inverse
 from stages.planning.clearance import Surroundings
-from stages.plugins import refuse_old_names
 from stages.skills import Act, Outcome
 from stages.skills.motion import Motion
 from stages.tasks.api import TaskEnv
@@ -18,10 +17,6 @@ class RetryingSkill(ABC):
     """A subclass defines one attempt; `final` are the causes of failure after which no other attempt would succeed."""
 
     final: ClassVar[tuple[str, ...]] = ()
-
-    def __init_subclass__(cls, **kwargs: Any) -> None:
-        super().__init_subclass__(**kwargs)
-        refuse_old_names(cls, {"done": "is_done", "enough": "has_moved_enough"})
 
     def __init__(self, task: TaskEnv, options: DemonstrationsConfig) -> None:
         self.task, self.options = task, options

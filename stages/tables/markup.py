@@ -64,7 +64,7 @@ def environment(package: str = "stages.tables") -> jinja2.Environment:
 
 
 def html(tables: list[Table], title: str) -> str:
-    """A page with the tables alone (Snakemake's report shows it)."""
+    """A page with the tables alone."""
     return environment().get_template("table_page.html.jinja").render(tables=tables, title=title)
 
 

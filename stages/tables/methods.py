@@ -41,12 +41,14 @@ def check_methods(rollouts: pd.DataFrame, options: MethodTables) -> None:
     for key, checkpoints in rollouts.groupby(policy)["checkpoint"]:
         if checkpoints.nunique() > 1:
             what = f"hold checkpoints {' and '.join(sorted(set(checkpoints)))} of the policy {'/'.join(map(str, key))}."
-            raise InputError("--rollouts", what, "give those of one checkpoint", "E-CHECKPOINTS-MIXED")
+            raise InputError("--rollouts", what, "give those of one checkpoint", code="E-CHECKPOINTS-MIXED")
     for (target, name, training_set), runs in rollouts.groupby(policy[:3])["run"]:
         best = options.policies[name].best if name in options.policies else None
         if runs.nunique() > (best or 1):
             what = f"hold the runs {' and '.join(sorted(set(runs)))} of {target}/{name}/{training_set}."
-            raise InputError("--rollouts", what, "give those that trials chose, or make each a policy", "E-RUNS-MIXED")
+            raise InputError(
+                "--rollouts", what, "give those that trials chose, or make each a policy", code="E-RUNS-MIXED"
+            )
 
 
 def kinds_of(options: PolicyTables) -> dict[str, str]:

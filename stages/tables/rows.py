@@ -43,7 +43,7 @@ def read_rows(model: type[BaseModel], paths: Sequence[Path], one_file: list[str]
             if source.setdefault(key, number) != number:
                 same = ", ".join(f"{name} {value}" for name, value in zip(one_file, key, strict=True))
                 what = f"holds the same rows as {paths[source[key]]} ({same})."
-                raise InputError(path, what, "give each file once", "E-ROWS-TWICE")
+                raise InputError(path, what, "give each file once", code="E-ROWS-TWICE")
             rows.append(row)
     return pd.DataFrame(rows, columns=list(model.model_fields))
 

@@ -20,7 +20,9 @@ def parse_comparisons(items: tuple[str, ...], flag: str = "--comparisons") -> di
     for item in items:
         name, sign, path = item.partition("=")
         if not (name and sign and path):
-            raise InputError(flag, f"'{item}' is not room=picture.", "write e.g. room_1=picture.png", "E-PICTURE-NAME")
+            raise InputError(
+                flag, f"'{item}' is not room=picture.", "write e.g. room_1=picture.png", code="E-PICTURE-NAME"
+            )
         room, _, variant = name.partition("/")
         pictures[room, variant] = Path(path)
     return pictures

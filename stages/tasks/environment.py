@@ -17,7 +17,6 @@ from stages.config.demonstrations import RandomiseOptions
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 from stages.geometry.frames import apply, inverse
 from stages.planning.clearance import Surroundings
-from stages.plugins import refuse_old_names
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, set_joint_friction
 from stages.simulation.poses import batch_poses
@@ -31,7 +30,7 @@ from stages.tasks.filmed import FilmedEnv
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
 from stages.tasks.observation import CameraRig, Observation, Sensing
 from stages.tasks.randomised import randomise, sample_factors
-from stages.tasks.task import OLD_NAMES, Task
+from stages.tasks.task import Task
 
 LARGEST_ID = 30_000  # of an entity: a picture holds 16 bits of it, and every change of scale takes new ones
 
@@ -61,10 +60,6 @@ class OpenTaskEnv(FilmedEnv):
     simulation_frequency: ClassVar[int] = SIMULATION_FREQUENCY  # a task may have a multiple of it
     robot_shift: ClassVar[tuple[float, float, float]] = (0.0, 0.0, 0.0)  # metres: out from the front, y, up
     agent: AcdcPanda
-
-    def __init_subclass__(cls, **kwargs: Any) -> None:
-        super().__init_subclass__(**kwargs)
-        refuse_old_names(cls, OLD_NAMES)
 
     def __init__(
         self,

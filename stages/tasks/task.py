@@ -8,9 +8,6 @@ from typing import Literal
 from stages.articulated.affordance import Affordance, target_joint
 from stages.contracts.errors import InputError
 
-# Methods of a task's environment: the name of today by that of before; an override of the latter is refused.
-OLD_NAMES = {"succeeded": "check_success", "opened": "measure_opening", "around": "sample_surroundings"}
-
 
 @dataclass(frozen=True)
 class Task:

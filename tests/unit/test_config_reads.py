@@ -9,11 +9,11 @@ import pytest
 import yaml
 from pydantic import BaseModel
 
-from reference.commands import rule_files
 from stages.config.matching import MatchingConfig, matching_model
 from stages.config.model import complete, load, merge_mappings, read_files, with_defaults
 from stages.config.packages import find_packages, home_of
 from stages.config.reads import READS, options_of, section_name, stores
+from tests.commands import list_rule_files
 from tests.packages import needs
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -146,7 +146,7 @@ def test_ranges_of_what_is_randomised_run_its_demonstrations_alone_again() -> No
 
 
 def test_rules_pass_options_to_the_verbs_that_read_any() -> None:
-    for path in rule_files(ROOT):
+    for path in list_rule_files():
         for body in re.split(r"^(?:rule|checkpoint) ", path.read_text(), flags=re.MULTILINE)[1:]:
             for called in re.findall(r'\*\*verb\(\s*"(\w+)",\s*"([\w-]+)"', body):
                 assert (called in READS) == ("{params.options:q}" in body), called

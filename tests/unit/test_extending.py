@@ -380,19 +380,3 @@ def test_a_run_with_plugins_has_a_dag(tmp_path: Path) -> None:
         "results/demonstrations/touch/twin/episodes.h5",
     ):
         assert text in done.stdout, text
-
-
-def test_a_task_of_yours_that_overrides_what_is_called_otherwise_now_is_refused() -> None:
-    from stages.tasks.environment import OpenTaskEnv
-
-    with refused("E-PLUGIN-OLD", "check_success"):
-        type("Mine", (OpenTaskEnv,), {"succeeded": lambda self: None})
-    assert type("Mine", (OpenTaskEnv,), {"check_success": lambda self: None})
-
-
-def test_a_skill_of_yours_that_overrides_what_is_called_otherwise_now_is_refused() -> None:
-    from stages.skills.attempts import RetryingSkill
-
-    with refused("E-PLUGIN-OLD", "is_done"):
-        type("Mine", (RetryingSkill,), {"done": lambda self: True})
-    assert type("Mine", (RetryingSkill,), {"is_done": lambda self: True})

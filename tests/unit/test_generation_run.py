@@ -455,7 +455,7 @@ def test_a_scene_that_fails_leaves_nothing(
     scene: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def unreadable(*args: object) -> None:
-        raise InputError("mesh.obj", "is broken.")
+        raise InputError("mesh.obj", "is broken.", code="E-MESH-BROKEN")
 
     monkeypatch.setattr("stages.generation.generate.settle", unreadable)
     with pytest.raises(InputError, match="is broken"):

@@ -2,10 +2,7 @@
 
 from pathlib import Path
 
-import pytest
-from jinja2 import Template
-
-from tests.workflow.workspace import ROOT, dry_run, make, planned
+from tests.workflow.workspace import dry_run, make, planned
 
 TWO = """
 evaluation:
@@ -62,9 +59,3 @@ def test_a_condition_that_is_not_named_is_made_by_no_rule(tmp_path: Path) -> Non
     folder = make(tmp_path)
     done = dry_run(folder, "results/evaluation/conditions/nowhere/door/skill/rollouts.csv", *asked(folder, TWO))
     assert "MissingRuleException" in done.stdout, done.stdout
-
-
-@pytest.mark.parametrize("rule", ["rollout", "rollout_under"])
-def test_films_under_conditions_are_called_rollouts(rule: str) -> None:
-    caption = Template((ROOT / "report/captions/demos.rst").read_text())
-    assert "Rollouts of the policy" in caption.render(snakemake={"rule": rule, "wildcards": {"training_set": "twin"}})

@@ -15,11 +15,11 @@ from plugins.inputs.own_scene import write_config
 from plugins.ops.outside import list_key_variables, list_outside_paths
 from plugins.studio.correcting import Correcting
 from plugins.studio.tests.test_correcting import BOXES
-from reference.commands import rule_files
 from stages.config import reference
 from stages.config.containers import ContainersConfig, tag
 from stages.config.inputs import INPUT_FILES
 from stages.config.model import complete, load, with_defaults
+from tests.commands import list_rule_files
 from tests.unit.synthetic_room import write_room
 from tests.workflow.workspace import ROOT, dry_run, make, planned
 
@@ -452,7 +452,7 @@ def test_config_yaml_is_the_default_run_on_a_screen() -> None:
 def rules_text() -> dict[str, str]:
     """Body of every rule by name; of one made of another, what it was made of as well; with its file's container."""
     own = {}
-    for path in rule_files(ROOT):
+    for path in list_rule_files():
         text = path.read_text()
         parts = re.split(r"^(?:rule|checkpoint|use rule (\w+) as) (\w+)(?: with)?:$", text, flags=re.MULTILINE)
         container = re.search(r"^container: CONFIG.*$", parts[0], flags=re.MULTILINE)
@@ -528,7 +528,7 @@ def test_training_asks_for_the_hours_that_its_size_takes(folder: Path) -> None:
 
 def test_files_stay_small() -> None:
     assert len((ROOT / "Snakefile").read_text().splitlines()) <= 80
-    for path in rule_files(ROOT):
+    for path in list_rule_files():
         assert len(path.read_text().splitlines()) <= 170, path.name
     paths = [file for folder in ("stages", "plugins") for file in (ROOT / folder).rglob("*.py")]
     for path in (path for path in paths if "tests" not in path.relative_to(ROOT).parts):

@@ -7,7 +7,8 @@ from collections import defaultdict
 
 import pytest
 
-from reference.commands import module_of, verbs
+from stages.cli import find_module
+from tests.commands import list_commands, list_rule_files
 from tests.workflow.workspace import ROOT
 
 FAMILY = re.compile(r"CONFIG\.containers\.(\w+)")
@@ -39,25 +40,23 @@ for name in sys.argv[2:]:
 
 def list_modules() -> dict[str, set[str]]:
     """Modules of the verbs that rules run, by the family of the rule's image."""
-    folders = {}
-    for folder in ("stages", "plugins"):
-        folders |= {path.parent.name: folder for path in (ROOT / folder).glob("*/__main__.py")}
+    folders = {folder.rpartition("/")[2]: folder.replace("/", ".") for folder, _ in list_commands()}
     found: dict[str, set[str]] = defaultdict(set)
-    for path in [*ROOT.glob("rules/*.smk"), *ROOT.glob("plugins/*/*.smk")]:
+    for path in list_rule_files():
         head, *rules = re.split(r"^ *(?:rule|checkpoint) \w+:$", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
         usual = FAMILY.search(head)
         for text in rules:
             own = FAMILY.search(text) or usual
             for stage, name in VERB.findall(text):
                 assert own, f"{path}: {stage} {name} has no image"
-                found[own[1]].add(f"{folders[stage]}.{stage}.{module_of(name).removesuffix('.py')}")
+                found[own[1]].add(f"{folders[stage]}.{find_module(name)}")
     return found
 
 
 def test_every_verb_of_a_rule_is_found() -> None:
     found = set().union(*list_modules().values())
-    known = {f"{each.stage}.{module_of(each.name).removesuffix('.py')}" for each in verbs(ROOT)}
-    assert len(found) > 40 and {name.split(".", 1)[1] for name in found} <= known
+    known = {f"{folder.replace('/', '.')}.{find_module(name)}" for folder, name in list_commands()}
+    assert len(found) > 40 and found <= known
 
 
 @pytest.mark.parametrize("family", ["report", "learning", "simulation"])

@@ -67,14 +67,3 @@ def test_a_failed_run_says_of_every_scene_where_it_stopped(folder: Path) -> None
     assert ("hall_1", "extraction", "hall_1: nothing is in it. Fix: look again") in cells
     assert ("hall_0", "extraction", "not run") in cells
     assert not (folder / "results/report/overview/b.html").exists()
-
-
-def test_waiting_jobs_are_looked_at_when_one_has_ended_and_not_all_the_time(folder: Path) -> None:
-    (folder / "slow.yaml").write_text(
-        "experiment: {rooms: [hall_1, hall_2, hall_4]}\n"
-        "stages: {extraction: {extract: {command: 'sleep 3; false #', code: []}}}\n"
-    )
-    run = ("--cores", "1", "--keep-going", "--verbose", "extraction", "--configfile", "mine.yaml", "slow.yaml")
-    done = snakemake(folder, *run)
-    looks = re.findall(r"^Ready jobs: \d", done.stdout, re.MULTILINE)
-    assert 3 <= len(looks) <= 4, done.stdout[-3000:]

@@ -127,16 +127,6 @@ def test_a_correction_runs_what_depends_on_it_and_nothing_else(
     assert "corrections.json: breaks the Corrections contract" in dry_run(folder, page, *MICRO).stdout
 
 
-def test_snakemakes_own_report_has_captions_and_labels(run: Path, tmp_path: Path) -> None:
-    done = snakemake(run, "--report", str(tmp_path / "report.html"), *MICRO)
-    assert done.returncode == 0, done.stdout[-3000:]
-    text = (tmp_path / "report.html").read_text()
-    for words in ("What extraction found", "Demonstrations on twin", '"name": "figure4"', '"asset": "twin"'):
-        assert words in text, words
-    for name in ("index.html", "table3.html", "film.png", "cousins.png", "comparison.png", "overview.png"):
-        assert f"Adding {name}" in done.stdout, name
-
-
 def test_more_snapshots_keep_library_rooms_and_extraction(run: Path, tmp_path: Path) -> None:
     folder = copy(run, tmp_path / "run")
     done = dry_run(folder, "matching", "extraction", *overlay(folder, "assets: {n_snap: 8}"))

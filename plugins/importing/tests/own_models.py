@@ -21,7 +21,7 @@ def import_folder(folder: Path, models: Path, taken: Sequence[str] = ()) -> list
     kinds = by_suffix(IMPORTERS)
     assets, left_out = import_models(named_models([folder], kinds, taken), kinds, models)
     if not assets:
-        raise InputError(folder, left_out[0])
+        raise InputError(folder, left_out[0], code="E-ASSET-MISSING")
     return assets
 
 

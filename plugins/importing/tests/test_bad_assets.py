@@ -88,7 +88,7 @@ def test_what_takes_too_long_or_too_much_or_crashes_is_told(monkeypatch: pytest.
             pass
 
     def refuse() -> str:
-        raise InputError("b.obj", "is bad.", "mend it")
+        raise InputError("b.obj", "is bad.", "mend it", code="E-BAD")
 
     monkeypatch.setattr(limits, "SECONDS", 1)
     monkeypatch.setattr(limits, "MEGABYTES", 200)

@@ -23,7 +23,7 @@ def test_the_section_is_read_where_its_judge_is_asked() -> None:
 
 
 def test_where_the_section_was_is_told() -> None:
-    with refused("E-CONFIG-KEY", "matching.geometry: is no option. Fix: the section `geometry`, on the top level"):
+    with refused("E-CONFIG-KEY", "matching.geometry: unknown key. Fix: do you mean geometry?"):
         load({"matching": {"geometry": {"nearest": 7}}})
 
 

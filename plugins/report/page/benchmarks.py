@@ -36,7 +36,7 @@ def read_jobs(paths: Iterable[Path], root: Path) -> pd.DataFrame:
             )
         except (ValueError, KeyError) as error:
             what = f"is not a benchmark file of Snakemake ({error})."
-            raise InputError(path, what, "delete it and run its rule again", "E-BENCHMARK") from None
+            raise InputError(path, what, "delete it and run its rule again", code="E-BENCHMARK") from None
         rows += [(inner.parts[0], str(inner.with_suffix("")), *line) for line in times.itertuples(index=False)]
     return pd.DataFrame(rows, columns=JOB)
 

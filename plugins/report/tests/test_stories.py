@@ -160,7 +160,6 @@ def test_cousins_have_the_number_that_put_them_in_their_order(
         ({}, {}, {"moved": 0.3}, "place", "pushed 30 cm"),
         ({}, {}, {"settled_shift": 0.04}, "place", "moved 4.0 cm when physics ran"),
         ({}, {}, {"doubts": [Doubt(cause="affordance", what=OTHERWISE)]}, "affordance", "2 doors and 1 drawer"),
-        ({}, {}, {"doubts": ["of an earlier version"]}, "place", "of an earlier version"),
     ],
 )
 def test_doubts(entry: dict[str, Any], item: dict[str, Any], there: dict[str, Any], cause: str, words: str) -> None:

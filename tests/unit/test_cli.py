@@ -1,4 +1,4 @@
-"""Every verb refuses the seeds that config would, in one line, before it reads or writes anything."""
+"""Every verb refuses the seeds that config would before it reads or writes anything; progress is told."""
 
 import importlib
 import inspect
@@ -55,3 +55,11 @@ def test_good_ones_pass(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.
             cli.main("plugins.furniture", {"library": ""})
         assert ended.value.code == 1
         assert capsys.readouterr().err == f"error: --seed: {seed} is no seed. Fix: 0 to {2**53 - 1} [E-SEED]\n"
+
+
+def test_progress_is_told_now_and_then(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter(range(0, 1000, 2))  # two seconds a look
+    monkeypatch.setattr("stages.cli.time.monotonic", lambda: float(next(clock)))
+    assert list(cli.progress(range(6), "models", 6)) == [*range(6)]
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 2 and told[0].startswith("models: 3/6 [00:")
