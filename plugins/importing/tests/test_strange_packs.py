@@ -9,11 +9,12 @@ import trimesh
 from PIL import Image
 
 from plugins.importing import pushing
-from plugins.importing.discover import discover, strip_name
+from plugins.importing.discover import discover
 from plugins.importing.fronts import doors_and_drawers
 from plugins.importing.import_ import run
 from plugins.importing.importers.mjcf import read_mjcf
 from plugins.importing.inertia_repair import repair_inertias
+from plugins.importing.naming import strip_name
 from plugins.importing.portrait import Portraits
 from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.mesh_writer import write_glb
