@@ -14,12 +14,12 @@ from plugins.importing.discover import (
     discover,
     is_model,
     is_part,
-    number_names,
 )
 from plugins.importing.evidence import Stated, find_shared_facts
 from plugins.importing.examine import Examined, Read, examine_model, read
 from plugins.importing.import_page import write_page
-from plugins.importing.imports import IMPORTERS, by_suffix, in_one_line, snake_case
+from plugins.importing.imports import IMPORTERS, by_suffix, in_one_line
+from plugins.importing.naming import number_names, snake_case
 from plugins.importing.pack import complete_pack, read_pack, write_pack
 from plugins.importing.portrait import Portraits
 from plugins.importing.reach import list_unreachable

@@ -1,7 +1,6 @@
 """Import the user's own models: files of the kinds in `importers`, sorted in folders by category."""
 
 import json
-import re
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -13,11 +12,12 @@ from typing import NamedTuple, get_args
 import numpy as np
 from pydantic import Field, ValidationError
 
-from plugins.importing.discover import Found, discover, number_names
+from plugins.importing.discover import Found, discover
 from plugins.importing.fronts import align_to_axes, doors_and_drawers, front_direction
 from plugins.importing.importers import IMPORTERS, Axis, Importer
 from plugins.importing.inertia_repair import repair_inertias, with_mass
 from plugins.importing.inside import check_inside
+from plugins.importing.naming import number_names, snake_case
 from plugins.importing.proposal import Proposal
 from plugins.importing.pushing import find_touching_links, stuck_joints
 from plugins.importing.sandbox import run_in_fork
@@ -217,11 +217,6 @@ def check_believable(robot: RobotModel, path: Path) -> None:
         raise InputError(
             path, f"lies {np.abs([low, high]).max():.4g} m from its origin.", "move it there", code="E-MODEL-SIZE"
         )
-
-
-def snake_case(text: str) -> str:
-    """Lower-case letters, digits and underscores."""
-    return re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_") or "model"
 
 
 def turn_upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:

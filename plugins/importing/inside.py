@@ -5,6 +5,7 @@ from pathlib import Path
 
 from stages.contracts.arrays import MAX_BYTES
 from stages.contracts.errors import InputError
+from stages.contracts.files import MAX_TEXT
 
 
 def check_inside(path: Path, folder: Path) -> None:
@@ -47,3 +48,11 @@ def read_inside(path: Path, folder: Path, most: int = MAX_BYTES) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise InputError(path, f"cannot be read ({type(error).__name__}).", code="E-FILE-UNREADABLE") from None
+
+
+def read_text_inside(path: Path, folder: Path) -> bytes:
+    """What is in a file of text of the user's folder; nothing if it cannot be read: the import reports it."""
+    try:
+        return read_inside(path, folder, MAX_TEXT)
+    except InputError:
+        return b""

@@ -1,7 +1,5 @@
 """Ask a language model: out of the ledger if it is there, else over the network, within the budget."""
 
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -9,10 +7,9 @@ from pydantic import BaseModel, ValidationError
 
 from plugins.vlm.answers import LONGEST, UnusableError, parse_answer, response_format, text_of, usage_of
 from plugins.vlm.config import VlmConfig
-from plugins.vlm.endpoint import SHOWN, Endpoint, OversizedError, RefusedError, UnreachedError
+from plugins.vlm.endpoint import SHOWN, Endpoint, RefusedError, UnreachedError
 from plugins.vlm.ledger import AGAIN, Entry, Exchange, Ledger
 from plugins.vlm.prompt import DETAIL, TOKENS, Prompt, digest
-from plugins.vlm.secret import HIDDEN
 from stages.contracts.errors import InputError
 
 A = TypeVar("A", bound=BaseModel)
@@ -30,14 +27,14 @@ class NoAnswerError(Exception):
 class Asker:
     """One model behind one ledger."""
 
-    def __init__(self, options: VlmConfig, sleep: Callable[[float], None] = time.sleep) -> None:
+    def __init__(self, options: VlmConfig) -> None:
         self.options = options
         self.ledger = Ledger(Path(options.ledger))
-        self.endpoint = Endpoint(options, sleep)
+        self.endpoint = Endpoint(options, self._count_request)
         self.asked, self.known = 0, 0  # questions of this process: over the network, out of the ledger
         self._format = 0
         self._silences = 0
-        self._sent = 0  # requests of the exchange at hand, which the ledger does not have yet
+        self._sent, self._size = 0, 0  # requests of the exchange at hand, which the ledger lacks yet; tokens of each
 
     def ask(self, prompt: Prompt, answer: type[A], about: str = "", names: dict[str, str] | None = None) -> A:
         """The checked answer to a question.
@@ -113,16 +110,14 @@ class Asker:
 
     def _exchange(self, messages: list[dict[str, Any]], answer: type[A], size: int) -> tuple[Exchange, A | None]:
         """One request that is replied to, and the answer if it can be used."""
-        self._sent = 0
+        self._sent, self._size = 0, size
         text, value, problem = "", None, ""
         reply: dict[str, Any] = {}
         try:
-            reply = self._reply(messages, answer, size)
+            reply = self._reply(messages, answer)
             text = self.endpoint.hide_key(text_of(reply))
-            if text == HIDDEN:
-                raise UnusableError("the answer holds the key")
             value = parse_answer(text, answer)
-        except (UnusableError, OversizedError) as error:
+        except UnusableError as error:
             problem = self.endpoint.quote_server(str(error))
         usage, served = usage_of(reply), reply.get("model")
         served = served if isinstance(served, str) else ""
@@ -133,7 +128,7 @@ class Asker:
         )  # fmt: skip
         return exchange, value
 
-    def _reply(self, messages: list[dict[str, Any]], answer: type[A], size: int) -> dict[str, Any]:
+    def _reply(self, messages: list[dict[str, Any]], answer: type[A]) -> dict[str, Any]:
         """The reply in the strictest format that the server takes."""
         refusal = ""
         for number in range(self._format, len(FORMATS)):
@@ -141,9 +136,9 @@ class Asker:
             if form := response_format(FORMATS[number], answer):
                 body["response_format"] = form
             try:
-                reply = self.endpoint.post(body, lambda: self._count_request(size))
+                reply = self.endpoint.post(body)
             except RefusedError as error:
-                if any(word in error.message for word in FILTERED):
+                if any(word in str(error) for word in FILTERED):
                     raise UnusableError("the server's filter took the question") from None
                 refusal = refusal or str(error)  # of the strictest format
                 continue
@@ -152,7 +147,7 @@ class Asker:
         mend = "correct vlm.model or vlm.options, or lower vlm.image_size"
         raise InputError(self.options.url, f"refuses the request ({refusal}).", mend, code="E-VLM-REQUEST")
 
-    def _count_request(self, size: int) -> None:
+    def _count_request(self) -> None:
         """Count a request, if the budget has one left."""
         options, spent = self.options, self.ledger.sum_costs()
         if options.max_calls is not None and spent.requests + self._sent >= options.max_calls:
@@ -160,7 +155,7 @@ class Asker:
             raise InputError("vlm.max_calls", what, RAISE, code="E-VLM-BUDGET")
         given = options.options
         longest = given.get("max_tokens") or given.get("max_completion_tokens") or TOKENS
-        next_one = self._cost(size, longest if isinstance(longest, int) else TOKENS)
+        next_one = self._cost(self._size, longest if isinstance(longest, int) else TOKENS)
         if options.max_cost is not None and spent.cost + next_one > options.max_cost:
             what = f"{spent.cost:.4f} of {options.max_cost:g} are spent, and the next request may cost {next_one:.4f}."
             raise InputError("vlm.max_cost", what, RAISE, code="E-VLM-BUDGET")

@@ -44,7 +44,7 @@ class VlmConfig(Section):
         description="Cousins that it chooses, and turns, one call for each; those after them follow by distance "
         "(Table 2 uses the first; official: all).",
     )
-    timeout: float = Field(120.0, gt=0, description="Seconds until a request is given up.")
+    timeout: float = Field(120.0, gt=0, description="Seconds without a word of the server until a request is given up.")
     price_input: NotNegative = Field(2.5, description="Price of a million tokens sent ...")
     price_output: NotNegative = Field(10.0, description="... and received, in any currency.")
     max_calls: int | None = Field(

@@ -46,11 +46,6 @@ class Entry(Document):
         return sum(exchange.requests for exchange in self.exchanges)
 
     @property
-    def tokens(self) -> tuple[int, int]:
-        """Tokens sent and received."""
-        return sum(one.tokens_in for one in self.exchanges), sum(one.tokens_out for one in self.exchanges)
-
-    @property
     def problem(self) -> str:
         """Why there is no answer."""
         return self.exchanges[-1].problem if self.exchanges else ""
@@ -100,17 +95,9 @@ class Ledger:
         """File of a key."""
         return self.folder / f"{key}.json"
 
-    def _paths(self) -> list[Path]:
-        return sorted(self.folder.glob("[0-9a-f]*.json"))
-
-    def entries(self) -> Iterator[Entry]:
-        """All entries, by key."""
-        for path in self._paths():
-            yield read_json(Entry, path, AGAIN)
-
     def sum_costs(self) -> Spent:
         """Sums over the whole ledger; files that did not change are not read again."""
-        paths = self._paths()
+        paths = sorted(self.folder.glob("[0-9a-f]*.json"))
         for path in paths:
             stat = path.stat()
             stamp = (stat.st_mtime_ns, stat.st_size)

@@ -22,7 +22,6 @@ MESH_FILES = (  # found by their suffix; named here so that an edit of one impor
     "plugins.importing.mesh_files.dae",
     "plugins.importing.mesh_files.glb",
     "plugins.importing.mesh_files.gltf",
-    "plugins.importing.mesh_files.off",
     "plugins.importing.mesh_files.ply",
     "plugins.importing.mesh_files.stl",
 )

@@ -1,4 +1,4 @@
-"""COLLADA: in metres; polygons of any shape; skins as they were bound. `up_of`: what a file says is up."""
+"""COLLADA: in metres; polygons of any shape. `up_of`: what a file says is up."""
 
 import io
 import xml.etree.ElementTree as ET
@@ -12,6 +12,7 @@ from stages.articulated.mesh_files import MeshReader
 from stages.articulated.mesh_files.polygons import Corners, Triangles, split
 from stages.articulated.mesh_resolver import MeshResolver
 from stages.articulated.urdf_tree import MAX_NUMBER
+from stages.contracts.errors import InputError
 
 SPACE = "http://www.collada.org/2005/11/COLLADASchema"
 UNREAD = {
@@ -20,13 +21,13 @@ UNREAD = {
     "lines": "lines",
     "linestrips": "lines",
 }  # by their tags
-DEEPEST = 8  # controllers that hold one another
 
 
 def read_dae(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     """The meshes of a file, and what of it is not read, a line each.
 
     Raises:
+        InputError: it has skins or morph targets.
         ValueError: it is broken.
     """
     root = _parse_file(path)
@@ -34,10 +35,11 @@ def read_dae(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     found = {element.tag for element in root.iter()}
     if "instance_visual_scene" not in found:
         raise ValueError("it shows no scene")
+    if "instance_controller" in found:
+        mend = "re-export it with modifiers applied"
+        raise InputError(path, "has skins or morph targets, not read here.", mend, code="E-MESH-EXTENSION")
     lines = sorted({name for tag, name in UNREAD.items() if tag in found})
     lines = [f"{path.name} has what is not read: {', '.join(lines)}"] if lines else []
-    if _show_bound(root, named):
-        lines.append(f"{path.name} is shown as its skins were bound")
     for parent in list(root.iter()):
         for number, child in enumerate(parent):
             if child.tag in ("polylist", "polygons"):
@@ -123,37 +125,6 @@ def _positions(vertex: ET.Element, named: dict[str, ET.Element]) -> Corners:
 
 def _integers(element: ET.Element | None) -> Triangles:
     return np.array((element.text or "").split() if element is not None else [], dtype=np.int64)
-
-
-def _show_bound(root: ET.Element, named: dict[str, ET.Element]) -> bool:
-    """Put the meshes of skins and morphs into the scene as they were bound, which trimesh leaves out; whether any."""
-    found = False
-    for scene in root.iter("visual_scene"):
-        for parent in list(scene.iter("node")):
-            for instance in parent.findall("instance_controller"):
-                parent.remove(instance)
-                url, matrices = _bound(instance.get("url", ""), named)
-                node = ET.SubElement(scene, "node")
-                for text in matrices:
-                    ET.SubElement(node, "matrix").text = text
-                ET.SubElement(node, "instance_geometry", url=url).extend(instance.findall("bind_material"))
-                found = True
-    return found
-
-
-def _bound(url: str, named: dict[str, ET.Element]) -> tuple[str, list[str]]:
-    """The mesh that a controller holds, and the matrices at which it was bound, the outermost first."""
-    matrices, first = list[str](), url
-    for _ in range(DEEPEST):
-        controller = named.get(url)
-        if controller is None or controller.tag != "controller":
-            break
-        holds = next((child for child in controller if child.tag in ("skin", "morph")), controller)
-        matrices += [text for text in [holds.findtext("bind_shape_matrix")] if text]
-        url = holds.get("source", "")
-    if (mesh := named.get(url)) is None or mesh.tag != "geometry":
-        raise ValueError(f"its skin holds no mesh ('{first[:60]}')")
-    return url, matrices
 
 
 READER = MeshReader(read_dae, up_of)

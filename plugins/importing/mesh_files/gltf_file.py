@@ -1,130 +1,308 @@
-"""glTF: what moves, repeats or packs a mesh is worked out on reading; what cannot be is refused or named."""
+"""glTF 2.0, read by trimesh. Worked out here: quantised numbers, instances, where pictures lie, colours of corners.
 
-import importlib.util
+What a shape needs and is not read is refused by name; what only looks need is named.
+"""
+
 import io
-from base64 import b64decode
+import json
+import struct
+import warnings
+from copy import deepcopy
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import trimesh
-from PIL import features
+from numpy.typing import NDArray
+from PIL import Image
+from scipy.spatial.transform import Rotation
 from trimesh import Scene
+from trimesh.visual import ColorVisuals, TextureVisuals
+from trimesh.visual.material import PBRMaterial
 
-from plugins.importing.mesh_files.accessors import Accessors, Header, header_of
-from plugins.importing.mesh_files.gltf_nodes import INSTANCES, VISIBILITY, place_meshes
-from plugins.importing.mesh_files.gltf_parts import DRACO, GLOSSY, MOVED, Parts
-from stages.articulated.mesh_resolver import PICTURES, MeshResolver, fault_of
+from stages.articulated.mesh_resolver import MeshResolver
 from stages.articulated.urdf_tree import MOST_SHAPES
 from stages.contracts.errors import InputError
+from stages.contracts.look import GAMMA
 
-PACKED = ("EXT_meshopt_compression", "KHR_meshopt_compression")
-QUANTIZED, WEBP, AVIF = "KHR_mesh_quantization", "EXT_texture_webp", "EXT_texture_avif"
-READ = {DRACO, GLOSSY, MOVED, INSTANCES, VISIBILITY, QUANTIZED, WEBP}
+Header = dict[str, Any]
+Numbers = NDArray[np.float64]
+MAGIC = b"glTF"
+QUANTIZED, INSTANCES, MOVED = "KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_texture_transform"
+GLOSSY, WEBP = "KHR_materials_pbrSpecularGlossiness", "EXT_texture_webp"  # which trimesh reads
+READ = {QUANTIZED, INSTANCES, MOVED, GLOSSY, WEBP}
 LOOKS = ("KHR_materials_", "KHR_lights_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_xmp")  # not its shape
-KTX2 = b"\xabKTX 20\xbb"
-UNUSED = ("skins", "animations", "cameras", "extensions", "extensionsUsed", "extensionsRequired")
+LARGEST = {5120: 127, 5121: 255, 5122: 32767, 5123: 65535}  # what is 1 in a normalized accessor, by component type
+TRIANGLES, STRIP, FAN = 4, 5, 6
+TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
+METAL = "pbrMetallicRoughness"
+PLACES = {"_TRANSLATION": (0.0, 0, 0), "_ROTATION": (0.0, 0, 0, 1), "_SCALE": (1.0, 1, 1)}  # of instances, usually
+SAME = 1.5 / 255  # by which colours differ that are one
 
 
 def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
-    """The meshes of the file's scene, as it stands, and what of it is not read, a line each.
+    """The meshes of the file's scene, and what of it is not read, a line each.
+
+    trimesh hands on attributes that begin with _ as they are in the file: what it would take otherwise is called so.
 
     Raises:
-        InputError: it needs an extension without which its shape would be wrong.
+        InputError: it has what is not read and changes its shape.
         ValueError: it is broken.
     """
-    header, binary = header_of(path.read_bytes())
-    _check_extensions(path, header)
-    if isinstance(nodes := header.get("nodes"), list) and len(nodes) > MOST_SHAPES:
-        raise InputError(path, f"has {len(nodes)} nodes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
-    accessors = Accessors(header, binary, files)
-    lost = [f"is shown {line}" for line in _drop_lost_pictures(header, accessors, files)]
-    parts, placings, meshes = Parts(header, accessors), list[Header](), list[Header]()
-    placed_meshes = dict[tuple[int, tuple[float, ...]], int]()
-    for one in place_meshes(header, accessors):
-        key = (one.mesh, one.weights)
-        if one.joints is not None or key not in placed_meshes:
-            placed_meshes[key] = len(meshes)
-            meshes.append({"primitives": parts.read_triangles(one)})
-        placings.append({"mesh": placed_meshes[key], "matrix": one.transform.T.ravel().tolist()})
-    left_out = _list_left_out(header, parts)
-    header.update(meshes=meshes, nodes=placings, materials=parts.materials, scene=0)
-    header["scenes"] = [{"nodes": list(range(len(placings)))}]
-    plain = {key: value for key, value in header.items() if key not in UNUSED}
-    accessors.header = plain
-    scene = trimesh.load_scene(io.BytesIO(accessors.pack_glb()), file_type="glb", resolver=files)
-    lost += [f"is shown {line}" for line in dict.fromkeys(parts.lost)]
-    return scene, [f"{path.name} {line}" for line in [*lost, *left_out]]
+    header, binary = _split(path.read_bytes())
+    _refuse_unread(path, header)
+    lines = _list_left_out(header)
+    said = _place_pictures(header.get("materials", []))
+    primitives = _rename_attributes(header)
+    data = _join(header, binary) if binary else json.dumps(header).encode()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", Image.DecompressionBombWarning)  # of a picture that is too large
+        try:
+            scene = trimesh.load_scene(io.BytesIO(data), file_type="glb" if binary else "gltf", resolver=files)
+        except FileNotFoundError as error:
+            raise ValueError(f"its file '{str(error)[:200]}' is not in {files.folder.name}/") from None
+    placed = dict[str, Numbers]()
+    for (name, mesh), primitive in zip(scene.geometry.items(), primitives, strict=True):
+        said += _work_out(mesh, primitive, header, files)
+        if primitive["attributes"].keys() & PLACES.keys():
+            placed[name] = _instances(mesh, primitive, header)
+    return _repeat(scene, placed), [f"{path.name} {line}" for line in dict.fromkeys([*said, *lines])]
 
 
-def _check_extensions(path: Path, header: Header) -> None:
-    """Refuse a file that cannot be understood without an extension that is not read here.
+def _split(data: bytes) -> tuple[Header, bytes]:
+    """The header of a file, and what follows it in a .glb.
 
     Raises:
-        InputError: names them.
+        ValueError: it is no glTF 2.
     """
-    needed = set(header.get("extensionsRequired", []))
-    if DRACO in needed and importlib.util.find_spec("DracoPy") is None:
-        raise InputError(
-            path,
-            f"is compressed ({DRACO}).",
-            "pip install DracoPy, or export it uncompressed",
-            code="E-MESH-COMPRESSED",
-        )
-    if packed := sorted(needed.intersection(PACKED)):
-        raise InputError(path, f"is compressed ({packed[0]}).", "export it uncompressed", code="E-MESH-COMPRESSED")
-    if unknown := sorted(name for name in needed - READ if not name.startswith(LOOKS)):
-        raise InputError(
-            path, f"needs {', '.join(unknown)[:200]}, not read here.", "export it without", code="E-MESH-EXTENSION"
-        )
+    try:
+        end = 20 + struct.unpack("<I", data[12:16])[0] if data[:4] == MAGIC else 0
+        header, binary = json.loads(data[20:end] if end else data), data[end:] if end else b""
+    except (ValueError, struct.error) as error:
+        raise ValueError(f"its header is broken ({error})") from None
+    if not isinstance(header, dict):
+        raise ValueError("its header is no object")
+    if not str(version := header.get("asset", {}).get("version", "2")).startswith("2"):
+        raise ValueError(f"it is glTF {version}, and 2.0 is read")
+    return header, binary
 
 
-def _list_left_out(header: Header, parts: Parts) -> list[str]:
+def _join(header: Header, binary: bytes) -> bytes:
+    """A .glb of a header and what follows it."""
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 4)
+    start = struct.pack("<4sIII4s", MAGIC, 2, 20 + len(text) + len(binary), len(text), b"JSON")
+    return start + text + binary
+
+
+def _refuse_unread(path: Path, header: Header) -> None:
+    """Refuse a file with what changes its shape and is not read here.
+
+    Raises:
+        InputError: names it.
+    """
+    nodes, parts = header.get("nodes", []), [part for mesh in header.get("meshes", []) for part in mesh["primitives"]]
+    if len(nodes) > MOST_SHAPES:
+        raise InputError(path, f"has {len(nodes)} nodes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
+    found = {
+        "skins": any("skin" in node for node in nodes),
+        "morph targets": any("targets" in part for part in parts),
+        "triangle fans": any(part.get("mode") == FAN for part in parts),
+        "sparse accessors": any("sparse" in one for one in header.get("accessors", [])),
+        "hidden nodes": any("KHR_node_visibility" in node.get("extensions", {}) for node in nodes),
+        "compressed numbers": any("bufferView" not in one for one in header.get("accessors", [])),
+    }
+    names = [name for name, is_there in found.items() if is_there]
+    names += sorted(one for one in set(header.get("extensionsRequired", [])) - READ if not one.startswith(LOOKS))
+    if names:
+        mend = "re-export it with modifiers applied, as plain triangles, uncompressed"
+        raise InputError(path, f"has {', '.join(names)[:200]}, not read here.", mend, code="E-MESH-EXTENSION")
+
+
+def _list_left_out(header: Header) -> list[str]:
     """What of the file is not read, in a line."""
     scenes = len(header.get("scenes", []))
+    modes = [part.get("mode", TRIANGLES) for mesh in header.get("meshes", []) for part in mesh["primitives"]]
     present = {
         f"{scenes - 1} of its {scenes} scenes": scenes > 1,
         "animations": bool(header.get("animations")),
         "cameras": bool(header.get("cameras")),
-        "points or lines": parts.others > 0,
+        "points or lines": any(mode not in (TRIANGLES, STRIP) for mode in modes),
     }
-    names = [what for what, is_there in present.items() if is_there]
+    names = [name for name, is_there in present.items() if is_there]
     names += sorted(set(header.get("extensionsUsed", [])) - READ)
     return [f"has what is not read: {', '.join(names)[:300]}"] if names else []
 
 
-def _drop_lost_pictures(header: Header, accessors: Accessors, files: MeshResolver) -> list[str]:
-    """A line for every picture that cannot be shown; textures are left with the one picture that can."""
-    lost, images, used = list[str](), header.get("images", []), list[int]()
-    for texture in header.get("textures", []):
-        extensions = texture.pop("extensions", {})
-        usable = [name for name in (AVIF, WEBP) if name in extensions and features.check(name.rpartition("_")[2])]
-        if usable:
-            texture["source"] = extensions[usable[0]]["source"]
-        if "source" in texture:
-            used.append(texture["source"])
-        elif extensions:
-            used += [one["source"] for one in extensions.values() if "source" in one]
-    for number in sorted(set(used)):
-        if why := _fault(images[number], accessors, files):
-            lost.append(f"without its picture {number}, which {why}")
+def _pictures(material: Header) -> list[tuple[Header, str]]:
+    """Where a material names pictures, as an object and its key: the one that is seen most first."""
+    glossy = material.get("extensions", {}).get(GLOSSY, {})
+    return [
+        (holder, key)
+        for holder in (glossy, material.get(METAL, {}), material)
+        for key in ("diffuseTexture", "specularGlossinessTexture", *TEXTURES)
+        if isinstance(holder.get(key), dict)
+    ]
+
+
+def _placement(holder: Header, key: str) -> tuple[str, Header]:
+    """The coordinates that a picture lies by, and how they are moved."""
+    picture = holder[key]
+    moves = picture.get("extensions", {}).get(MOVED, {})
+    return f"TEXCOORD_{moves.get('texCoord', picture.get('texCoord', 0))}", moves
+
+
+def _place_pictures(materials: list[Header]) -> list[str]:
+    """Take out the pictures of materials that lie otherwise than their first: renderers know one way; a line each."""
+    lost = []
+    for material in materials:
+        if material.get("alphaMode", "OPAQUE") == "OPAQUE" and "baseColorFactor" in material.get(METAL, {}):
+            material[METAL]["baseColorFactor"][3:] = [1.0]
+        pictures = _pictures(material)
+        for holder, key in pictures[1:]:
+            if _placement(holder, key) != _placement(*pictures[0]):
+                lost.append(f"is shown without its {key}, which lies otherwise than its first picture")
+                del holder[key]
     return lost
 
 
-def _fault(image: Header, accessors: Accessors, files: MeshResolver) -> str | None:
-    """The reason why a picture cannot be read; None: it can, or is a file that whoever reads it complains of."""
-    name = image.get("uri", "")
-    try:
-        if "bufferView" in image:
-            data = accessors.bytes_of(image["bufferView"])
-        elif name.startswith("data:"):
-            data = b64decode(name.partition(",")[2])
-        elif Path(name).suffix.lower() in PICTURES:
-            return None
-        else:
-            data = files.get(name)
-    except FileNotFoundError:
+def _rename_attributes(header: Header) -> list[Header]:
+    """Make the header one that trimesh reads whole; the primitives in the order of its meshes."""
+    nodes, meshes = header.get("nodes", []), header.get("meshes", [])
+    if not header.get("scenes"):
+        below = {child for node in nodes for child in node.get("children", [])}
+        header |= {"scenes": [{"nodes": sorted(set(range(len(nodes))) - below)}], "scene": 0}
+    for mesh in meshes:
+        mesh["primitives"] = [part for part in mesh["primitives"] if part.get("mode", TRIANGLES) in (TRIANGLES, STRIP)]
+    for node in nodes:
+        node.pop("camera", None)  # trimesh leaves out what such a node holds
+        places = node.get("extensions", {}).get(INSTANCES, {}).get("attributes")
+        if places and "mesh" in node:
+            meshes.append(deepcopy(meshes[node["mesh"]]))
+            node["mesh"] = len(meshes) - 1
+            for part in meshes[-1]["primitives"]:
+                part["attributes"] |= {f"_{name}": number for name, number in places.items()}
+        if "mesh" in node and not meshes[node["mesh"]]["primitives"]:
+            del node["mesh"]
+    primitives = [part for mesh in meshes for part in mesh["primitives"]]
+    for part in primitives:
+        attributes = part["attributes"]
+        pictures = _pictures(header["materials"][part["material"]]) if "material" in part else []
+        for name in [name for name in attributes if name.startswith(("TEXCOORD_", "COLOR_"))]:
+            number = attributes.pop(name)
+            if name == "COLOR_0":
+                attributes["_COLOR"] = number
+            elif pictures and name == _placement(*pictures[0])[0]:
+                attributes["_UV"] = number
+    return primitives
+
+
+def _shares(values: Any, name: str, primitive: Header, header: Header) -> Numbers:
+    """Numbers of a primitive's attribute; integers that stand for shares divided."""
+    accessor = header["accessors"][primitive["attributes"][name]]
+    values = np.asarray(values, dtype=float).reshape(len(values), -1)
+    if not accessor.get("normalized") or accessor["componentType"] not in LARGEST:
+        return values
+    return np.maximum(values / LARGEST[accessor["componentType"]], -1.0)
+
+
+def _work_out(mesh: Any, primitive: Header, header: Header, files: MeshResolver) -> list[str]:
+    """Give a mesh the coordinates, normals and looks that its primitive says; what of its looks is lost, a line each.
+
+    Raises:
+        ValueError: it names corners that it does not have.
+    """
+    if len(mesh.faces) and mesh.faces.max() >= len(mesh.vertices):
+        raise ValueError(f"a face names corner {mesh.faces.max()} of {len(mesh.vertices)}")
+    normals = np.array(mesh.vertex_normals, dtype=float) if "NORMAL" in primitive["attributes"] else None
+    mesh.vertices = _shares(mesh.vertices, "POSITION", primitive, header)
+    if normals is not None:
+        mesh.vertex_normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    material = header["materials"][primitive["material"]] if "material" in primitive else {}
+    lost, pictures = list[str](), _pictures(material)
+    if "_UV" in primitive["attributes"]:
+        uv = _shares(mesh.vertex_attributes.pop("_UV"), "_UV", primitive, header)[:, :2]
+        mesh.visual.uv = _transform_uv(uv, _placement(*pictures[0])[1]) * [1, -1] + [0, 1]  # v upwards
+    for holder, key in pictures:
+        if why := _drop_if_broken(mesh.visual.material, "baseColorTexture" if key == "diffuseTexture" else key):
+            source = header["textures"][holder[key]["index"]].get("source")
+            named = "" if source is None else header["images"][source].get("uri", "")
+            if not (named and any(named in line for line in files.lost)):
+                lost.append(f"is shown without its {key}, which {why}")
+    if "_COLOR" in primitive["attributes"]:
+        colours = _shares(mesh.vertex_attributes.pop("_COLOR"), "_COLOR", primitive, header)
+        lost += _paint(mesh, colours, material)
+    return lost
+
+
+def _transform_uv(uv: Numbers, moves: Header) -> Numbers:
+    """Texture coordinates (N, 2), v downwards, that are scaled, turned and shifted, in this order."""
+    sine, cosine = np.sin(moves.get("rotation", 0)), np.cos(moves.get("rotation", 0))
+    turn = np.array([[cosine, -sine], [sine, cosine]])
+    return np.asarray((uv * moves.get("scale", [1, 1])) @ turn + moves.get("offset", [0, 0]))
+
+
+def _drop_if_broken(material: PBRMaterial, key: str) -> str | None:
+    """Take a picture that cannot be read out of a material, and why; None: it can, or trimesh works it into others."""
+    if key not in TEXTURES:
         return None
-    except (ValueError, TypeError, KeyError, IndexError, AttributeError):
-        return "is not in the file"
-    if data.startswith(KTX2):
-        return "is KTX2, not read here (export it as PNG or JPEG)"
-    return fault_of(data)
+    if (picture := getattr(material, key)) is None:
+        return "is no picture that is read here (export it as PNG or JPEG)"
+    try:
+        picture.load()
+    except (OSError, ValueError, SyntaxError) as error:
+        setattr(material, key, None)
+        return f"is no whole picture ({type(error).__name__})"
+    return None
+
+
+def _paint(mesh: Any, colours: Numbers, material: Header) -> list[str]:
+    """Give a mesh the colours (N, 3 or 4), linear, of its corners: one of all as its material; a line if they are
+    lost."""
+    rgba = np.ones((len(colours), 4))
+    rgba[:, : colours.shape[1]] = colours.clip(0, 1)
+    if material.get("alphaMode", "OPAQUE") == "OPAQUE":
+        rgba[:, 3] = 1.0
+    factor = material.get(METAL, {}).get("baseColorFactor", [1.0] * 4)
+    glossy = GLOSSY in material.get("extensions", {})
+    if np.ptp(rgba, axis=0).max() <= SAME and not glossy:
+        look = mesh.visual.material.copy() if material else PBRMaterial(metallicFactor=0.0, roughnessFactor=0.8)
+        look.baseColorFactor = rgba.mean(axis=0) * factor
+        mesh.visual = TextureVisuals(uv=getattr(mesh.visual, "uv", None), material=look)
+    elif glossy or _pictures(material):
+        return ["is shown without the colours of its corners, which would tint its picture"]
+    else:
+        rgba *= factor
+        rgba[:, :3] **= 1 / GAMMA
+        mesh.visual = ColorVisuals(mesh, vertex_colors=(255 * rgba).round().astype(np.uint8))
+    return []
+
+
+def _instances(mesh: Any, primitive: Header, header: Header) -> Numbers:
+    """(N, 4, 4) of the copies of a mesh in its node's frame."""
+    given = primitive["attributes"].keys() & PLACES.keys()
+    found = {name: _shares(mesh.vertex_attributes.pop(name), name, primitive, header) for name in given}
+    count = len(next(iter(found.values())))
+    places, turns, scales = (found.get(name, np.tile(usual, (count, 1))) for name, usual in PLACES.items())
+    result = np.tile(np.eye(4), (count, 1, 1))
+    result[:, :3, :3] = Rotation.from_quat(turns).as_matrix() * scales[:, None, :]
+    result[:, :3, 3] = places
+    return result
+
+
+def _repeat(scene: Scene, placed: dict[str, Numbers]) -> Scene:
+    """The scene with some of its meshes, by name, repeated.
+
+    Raises:
+        ValueError: they become too many.
+    """
+    shown = [scene.graph[node] for node in scene.graph.nodes_geometry]
+    if sum(len(placed.get(name, [0])) for _, name in shown) > MOST_SHAPES:
+        raise ValueError(f"it shows more than {MOST_SHAPES} meshes")
+    if not placed:
+        return scene
+    whole = Scene()
+    for frame, name in shown:
+        for one in placed.get(name, [np.eye(4)]):
+            whole.add_geometry(scene.geometry[name], transform=frame @ one)
+    return whole

@@ -1,6 +1,17 @@
-"""PLY."""
+"""PLY, as trimesh reads it."""
 
-from plugins.importing.mesh_files.ply_off import read_ply
+from pathlib import Path
+
+import trimesh
+from trimesh import Scene
+
 from stages.articulated.mesh_files import MeshReader
+from stages.articulated.mesh_resolver import MeshResolver
 
-READER = MeshReader(read_ply)
+
+def read_plain(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
+    """The meshes of a file."""
+    return trimesh.load_scene(path, resolver=files), []
+
+
+READER = MeshReader(read_plain)

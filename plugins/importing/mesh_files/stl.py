@@ -1,6 +1,6 @@
-"""STL."""
+"""STL, as trimesh reads it."""
 
-from plugins.importing.mesh_files.ply_off import read_stl
+from plugins.importing.mesh_files.ply import read_plain
 from stages.articulated.mesh_files import MeshReader
 
-READER = MeshReader(read_stl)
+READER = MeshReader(read_plain)

@@ -8,7 +8,7 @@ import trimesh
 
 from plugins.importing import imports
 from plugins.importing.discover import discover
-from plugins.importing.imports import snake_case
+from plugins.importing.naming import snake_case
 from plugins.importing.tests.own_models import import_folder, import_model
 from stages.articulated.forward_kinematics import link_frames, measure_closed_box
 from stages.articulated.mesh_reader import convex_pieces

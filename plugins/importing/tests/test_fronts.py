@@ -9,8 +9,9 @@ import pytest
 import sapien
 import trimesh
 
-from plugins.importing.discover import discover, number_names
+from plugins.importing.discover import discover
 from plugins.importing.fronts import doors_and_drawers, front_direction
+from plugins.importing.naming import number_names
 from plugins.importing.pushing import stuck_joints
 from plugins.importing.solid_handle import with_solid_handles
 from plugins.importing.tests.own_models import import_folder

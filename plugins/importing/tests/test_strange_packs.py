@@ -1,8 +1,5 @@
 """What packs of other people do: files beside the folder, other systems' names, placeholders, robots, whole scenes."""
 
-import json
-import struct
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +9,14 @@ import trimesh
 from PIL import Image
 
 from plugins.importing import pushing
-from plugins.importing.discover import discover, strip_name
+from plugins.importing.discover import discover
 from plugins.importing.fronts import doors_and_drawers
 from plugins.importing.import_ import run
 from plugins.importing.importers.mjcf import read_mjcf
 from plugins.importing.inertia_repair import repair_inertias
+from plugins.importing.naming import strip_name
 from plugins.importing.portrait import Portraits
 from plugins.importing.tests.test_fronts import box, joint
-from stages.articulated.mesh_reader import load_meshes
 from stages.articulated.mesh_writer import write_glb
 from stages.articulated.roles import contract_joints, with_roles
 from stages.articulated.urdf_reader import read_urdf
@@ -205,19 +202,6 @@ def test_import_says_what_it_only_assumes(tmp_path: Path, capsys: pytest.Capture
     assert "front assumed" in said["gears.glb"], "glTF has an agreed direction up"
     for name in ("cloth.obj", "ramp.obj"):
         assert f"{name}: not used: is flat" in said[name]
-
-
-@pytest.mark.parametrize("kind", ["glb", "gltf"])
-@pytest.mark.parametrize("extension", ["KHR_draco_mesh_compression", "EXT_meshopt_compression"])
-def test_compressed_gltf_is_not_read_as_zeros(
-    tmp_path: Path, kind: str, extension: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "DracoPy", None)
-    text = json.dumps({"asset": {"version": "2.0"}, "extensionsRequired": [extension]}).encode()
-    header = b"glTF" + struct.pack("<IIII", 2, 20 + len(text), len(text), 0x4E4F534A)
-    (tmp_path / f"a.{kind}").write_bytes(header + text if kind == "glb" else text)
-    with refused("E-MESH-COMPRESSED"):
-        load_meshes(tmp_path / f"a.{kind}", tmp_path)
 
 
 def test_loose_things_hold_still(tmp_path: Path) -> None:

@@ -108,7 +108,8 @@ def chooses(choice: str, **more: Any) -> Step:
 
 
 def fails(status: int, message: str = "", **headers: str) -> Step:
-    return lambda handler, body: handler.send(status, {"error": {"code": "", "message": message}}, **headers)
+    pause = {"Retry_After_Ms": "1", **headers}
+    return lambda handler, body: handler.send(status, {"error": {"code": "", "message": message}}, **pause)
 
 
 def sends(data: bytes, **headers: str) -> Step:
@@ -117,18 +118,6 @@ def sends(data: bytes, **headers: str) -> Step:
 
 def sleeps(seconds: float) -> Step:
     return lambda handler, body: time.sleep(seconds)
-
-
-def drips(head: bytes, again: bytes, pause: float = 0.01) -> Step:
-    """Sends `head`, then `again` and again, and never an end."""
-
-    def step(handler: Handler, body: dict[str, Any]) -> None:
-        handler.wfile.write(head)
-        while True:
-            handler.wfile.write(again)
-            time.sleep(pause)
-
-    return step
 
 
 def hangs_up(handler: Handler, body: dict[str, Any]) -> None:

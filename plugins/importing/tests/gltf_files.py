@@ -9,7 +9,7 @@ import numpy as np
 import trimesh
 
 CODES = {"int8": 5120, "uint8": 5121, "int16": 5122, "uint16": 5123, "uint32": 5125, "float32": 5126}
-KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
+KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 BOX = trimesh.creation.box((0.2, 0.4, 0.6))
 
 
@@ -21,7 +21,7 @@ class Gltf:
         self.data = b""
 
     def add(self, values: Any, kind: str = "float32", **more: Any) -> int:
-        """Number of an accessor of these values, rows of 1 to 16."""
+        """Number of an accessor of these values, rows of 1 to 4."""
         rows = np.asarray(values, dtype=kind).reshape(len(values), -1)
         accessor = {"bufferView": self.view(rows.tobytes()), "componentType": CODES[kind], "count": len(rows)}
         self.header["accessors"].append(accessor | {"type": KINDS[rows.shape[1]]} | more)

@@ -1,6 +1,0 @@
-"""OFF."""
-
-from plugins.importing.mesh_files.ply_off import read_off
-from stages.articulated.mesh_files import MeshReader
-
-READER = MeshReader(read_off)

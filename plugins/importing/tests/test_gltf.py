@@ -1,0 +1,242 @@
+"""glTF: quantised numbers, instances and looks as the file says them; what is not read is refused or told by name."""
+
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from plugins.importing.tests.gltf_files import BOX, Gltf
+from stages.articulated.mesh_reader import has_texture, load_meshes, texture_of
+from stages.articulated.mesh_writer import write_glb
+from tests.refusals import refused
+
+SIZE = (0.2, 0.4, 0.6)
+
+
+def read(file: Gltf, folder: Path) -> tuple[list[Any], list[str]]:
+    return load_meshes(file.write(folder / "a.gltf"), folder)
+
+
+@pytest.mark.parametrize(("kind", "normalized"), [("int8", True), ("uint16", True), ("int16", True), ("int16", False)])
+def test_quantized_positions_have_their_size(tmp_path: Path, kind: str, normalized: bool) -> None:
+    one = np.iinfo(kind).max if normalized else 100
+    low = 0.0 if kind == "uint16" else -1.0
+    shares = (BOX.vertices - BOX.bounds[0]) / BOX.extents * (1 - low) + low
+    file = Gltf(extensionsRequired=["KHR_mesh_quantization"])
+    primitive = file.box(NORMAL=file.add(127 * BOX.vertex_normals, "int8", normalized=True))
+    primitive["attributes"]["POSITION"] = file.add((shares * one).round(), kind, normalized=normalized)
+    scale = np.array(SIZE) / (1 - low) / (1 if normalized else one)
+    (mesh,), lost = read(file.show(primitive, scale=scale.tolist()), tmp_path)
+    assert mesh.extents == pytest.approx(SIZE, abs=1e-3)
+    assert np.linalg.norm(mesh.vertex_normals, axis=1) == pytest.approx(1.0)
+    assert not lost
+
+
+def test_instances_stand_where_they_are_put(tmp_path: Path) -> None:
+    file = Gltf(extensionsRequired=["EXT_mesh_gpu_instancing"])
+    places = [[0, 0, 0], [2, 0, 0], [0, 3, 0], [2, 3, 0]]
+    turns = [[0, 0, 0, 127]] * 3 + [[0, 0, 90, 90]]
+    told = {"TRANSLATION": file.add(places), "ROTATION": file.add(turns, "int8", normalized=True)}
+    file.show(file.box(), extensions={"EXT_mesh_gpu_instancing": {"attributes": told}}, translation=[10, 0, 0])
+    file.header["nodes"].append({"mesh": 0, "translation": [-10, 0, 0]})
+    file.header["scenes"][0]["nodes"].append(1)
+    meshes, lost = read(file, tmp_path)
+    extents = {tuple(mesh.bounds.mean(axis=0).round(6).tolist()): mesh.extents for mesh in meshes}
+    assert extents.keys() == {(10 + x, y, z) for x, y, z in places} | {(-10, 0, 0)}, "the same mesh elsewhere once"
+    assert extents[10, 0, 0] == pytest.approx(SIZE)
+    assert extents[12, 3, 0] == pytest.approx((0.4, 0.2, 0.6)), "a quarter turn about z"
+    assert not lost
+
+
+UNREAD: dict[str, dict[str, Any]] = {  # what is put into a file: into its node, its primitive, its first accessor
+    "skins": {"node": {"skin": 0}},
+    "morph targets": {"primitive": {"targets": [{"POSITION": 0}]}},
+    "triangle fans": {"primitive": {"mode": 6}},
+    "sparse accessors": {"accessor": {"sparse": {"count": 1}}},
+    "hidden nodes": {"node": {"extensions": {"KHR_node_visibility": {"visible": False}}}},
+    "compressed numbers": {"accessor": {"bufferView": None}},
+}
+
+
+@pytest.mark.parametrize("name", UNREAD)
+def test_what_changes_a_shape_and_is_not_read_is_refused_by_name(tmp_path: Path, name: str) -> None:
+    file, put = Gltf(), UNREAD[name]
+    file.show(file.box() | put.get("primitive", {}), **put.get("node", {}))
+    accessor = file.header["accessors"][0] | put.get("accessor", {})
+    file.header["accessors"][0] = {key: value for key, value in accessor.items() if value is not None}
+    with refused("E-MESH-EXTENSION", f"has {name}, not read here", "re-export it with modifiers applied"):
+        read(file, tmp_path)
+
+
+@pytest.mark.parametrize("name", ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "ACME_folded_meshes"])
+def test_an_extension_that_is_needed_and_not_read_is_refused_by_name(tmp_path: Path, name: str) -> None:
+    file = Gltf(extensionsRequired=[name, "KHR_mesh_quantization", "KHR_materials_clearcoat"])
+    with refused("E-MESH-EXTENSION", f"has {name}, not read here"):
+        read(file.show(file.box()), tmp_path)
+
+
+def picture(file: Gltf, **info: Any) -> dict[str, Any]:
+    """A material with a picture: its upper left quarter is red, the rest blue."""
+    data = io.BytesIO()
+    pixels = np.full((8, 8, 3), (0, 0, 255), np.uint8)
+    pixels[:4, :4] = (255, 0, 0)
+    Image.fromarray(pixels).save(data, "PNG")
+    file.header["images"] = [{"bufferView": file.view(data.getvalue()), "mimeType": "image/png"}]
+    file.header["textures"] = [{"source": 0}]
+    return {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, **info}}}
+
+
+@pytest.mark.parametrize(
+    ("info", "within"),
+    [
+        ({"texCoord": 1}, (0, 0.5, 0.5, 1)),
+        ({"extensions": {"KHR_texture_transform": {"scale": [0.5, 0.25]}}}, (0, 0.5, 0.75, 1)),
+        ({"extensions": {"KHR_texture_transform": {"texCoord": 1, "offset": [0.5, 0]}}}, (0.5, 1, 0.5, 1)),
+        # the specification's example: the lower left quarter
+        (
+            {"extensions": {"KHR_texture_transform": {"offset": [0, 1], "rotation": np.pi / 2, "scale": [0.5, 0.5]}}},
+            (0, 0.5, 0, 0.5),
+        ),
+    ],
+)
+@pytest.mark.parametrize("kind", ["float32", "uint16"])
+def test_pictures_lie_where_the_file_puts_them(
+    tmp_path: Path, info: dict[str, Any], within: tuple[float, ...], kind: str
+) -> None:
+    file = Gltf(extensionsUsed=["KHR_texture_transform"])
+    one = 65534 if kind == "uint16" else 1
+    whole = (BOX.vertices[:, :2] > 0) * one
+    sets = {f"TEXCOORD_{k}": file.add(whole / (1 + k), kind, normalized=one > 1) for k in (0, 1)}
+    file.header["materials"] = [picture(file, **info)]
+    (mesh,), lost = read(file.show(file.box(**sets) | {"material": 0}), tmp_path)
+    u, v = mesh.visual.uv.T
+    assert (u.min(), u.max(), v.min(), v.max()) == pytest.approx(within, abs=1e-4)
+    assert texture_of(mesh) is not None
+    assert not lost
+
+
+def test_pictures_that_lie_otherwise_or_nowhere_are_told(tmp_path: Path) -> None:
+    file = Gltf()
+    material = picture(file)
+    material["occlusionTexture"] = {"index": 0, "texCoord": 1}
+    file.header["materials"] = [material]
+    uv = file.add(BOX.vertices[:, :2] > 0)
+    (mesh,), lost = read(file.show(file.box(TEXCOORD_0=uv, TEXCOORD_1=uv) | {"material": 0}), tmp_path)
+    assert mesh.visual.material.occlusionTexture is None
+    assert lost == ["a.gltf is shown without its occlusionTexture, which lies otherwise than its first picture"]
+    (mesh,), lost = read(file.show(file.box() | {"material": 0}), tmp_path)
+    assert not has_texture(mesh)
+    assert "without a picture that it places nowhere" in lost[-1]
+
+
+def test_a_picture_of_another_kind_is_told_unless_there_is_another(tmp_path: Path) -> None:
+    file = Gltf(extensionsUsed=["KHR_texture_basisu"])
+    file.header["materials"] = [picture(file)]
+    file.header["images"].append({"bufferView": file.view(b"\xabKTX 20\xbb\r\n\x1a\n"), "mimeType": "image/ktx2"})
+    file.header["textures"][0]["extensions"] = {"KHR_texture_basisu": {"source": 1}}
+    file.show(file.box(TEXCOORD_0=file.add(BOX.vertices[:, :2] > 0)) | {"material": 0})
+    (mesh,), lost = read(file, tmp_path)
+    assert has_texture(mesh)
+    assert lost == ["a.gltf has what is not read: KHR_texture_basisu"]
+    del file.header["textures"][0]["source"]
+    (mesh,), lost = read(file, tmp_path)
+    assert not has_texture(mesh)
+    assert "without its baseColorTexture, which is no picture that is read here (export it as PNG" in lost[0]
+
+
+def test_one_colour_of_all_corners_is_a_material(tmp_path: Path) -> None:
+    file = Gltf(materials=[{"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 1, 0]}}, picture(Gltf())])
+    colours = file.add([[128, 64, 0, 255]] * 8, "uint8", normalized=True)
+    (mesh,), lost = read(file.show(file.box(COLOR_0=colours)), tmp_path)
+    assert mesh.visual.material.baseColorFactor.tolist() == [128, 64, 0, 255]
+    (mesh,), lost = read(file.show(file.box(COLOR_0=colours) | {"material": 0}), tmp_path)
+    assert mesh.visual.material.baseColorFactor.tolist() == [128, 32, 0, 255], "opaque, as it says"
+    assert not lost
+
+
+def test_colours_of_corners_are_told_where_a_picture_is(tmp_path: Path) -> None:
+    file = Gltf()
+    file.header["materials"] = [picture(file)]
+    corners = {"COLOR_0": file.add(BOX.vertices > 0), "TEXCOORD_0": file.add(BOX.vertices[:, :2] > 0)}
+    (mesh,), lost = read(file.show(file.box(**corners) | {"material": 0}), tmp_path)
+    assert has_texture(mesh)
+    assert lost == ["a.gltf is shown without the colours of its corners, which would tint its picture"]
+
+
+def test_colours_of_corners_reach_the_picture_that_renderers_show(tmp_path: Path) -> None:
+    coloured = trimesh.creation.box(SIZE)
+    coloured.unmerge_vertices()
+    coloured.visual.face_colors = [(200, 100, 50, 255)] * 6 + [(20, 100, 50, 255)] * 6
+    coloured.export(tmp_path / "table.glb")
+    meshes, _ = load_meshes(tmp_path / "table.glb", tmp_path)
+    write_glb(tmp_path / "written.glb", meshes)
+    (mesh,), lost = load_meshes(tmp_path / "written.glb", tmp_path)
+    picture = texture_of(mesh)
+    assert picture is not None and not lost
+    shown = {tuple(shade) for shade in np.asarray(picture).reshape(-1, 4)[:, :3].tolist()}
+    linear = (np.array([[200, 100, 50], [20, 100, 50]]) / 255) ** (1 / 2.2)
+    assert shown == {tuple(shade) for shade in (255 * linear).round().astype(int).tolist()}
+    assert np.abs(np.asarray(mesh.vertex_normals)).max(axis=1) == pytest.approx(1.0), "every face is flat"
+
+
+def test_every_face_is_painted_in_its_own_colour(tmp_path: Path) -> None:
+    box = trimesh.creation.box(SIZE)
+    shades = np.column_stack([20 * np.arange(12), 255 - 20 * np.arange(12), np.full(12, 7), np.full(12, 255)])
+    box.visual.face_colors = shades.astype(np.uint8)
+    write_glb(tmp_path / "a.glb", [box])
+    (mesh,), _ = load_meshes(tmp_path / "a.glb", tmp_path)
+    middles = np.asarray(mesh.visual.uv)[mesh.faces].mean(axis=1)
+    shown = trimesh.visual.color.uv_to_color(middles, texture_of(mesh))
+    which = np.linalg.norm(mesh.triangles_center[:, None] - box.triangles_center[None], axis=2).argmin(axis=1)
+    np.testing.assert_array_equal(shown, shades[which])
+    assert sorted(which) == list(range(12))
+
+
+def test_what_is_not_read_is_told_in_a_line(tmp_path: Path) -> None:
+    file = Gltf(extensionsUsed=["KHR_materials_transmission", "KHR_texture_transform"], animations=[{}], cameras=[{}])
+    line = {"attributes": {"POSITION": file.add(BOX.vertices)}, "mode": 1}
+    file.show(file.box(), line, camera=0)
+    file.header["scenes"].append({"nodes": []})
+    meshes, lost = read(file, tmp_path)
+    assert len(meshes) == 1, "a mesh that a camera is fixed to is a mesh"
+    others = "1 of its 2 scenes, animations, cameras, points or lines, KHR_materials_transmission"
+    assert lost == [f"a.gltf has what is not read: {others}"]
+
+
+def test_files_without_scenes_are_shown_whole(tmp_path: Path) -> None:
+    file = Gltf()
+    file.show(file.box())
+    file.header["nodes"] += [{"translation": [1, 0, 0], "children": [2]}, {"mesh": 0}]
+    del file.header["scenes"], file.header["scene"]
+    meshes, _ = read(file, tmp_path)
+    assert sorted(mesh.bounds.mean(axis=0)[0] for mesh in meshes) == pytest.approx([0, 1])
+
+
+@pytest.mark.parametrize(("key", "value"), [("count", 9), ("byteOffset", -4), ("bufferView", 99)])
+def test_numbers_that_are_not_there_are_one_line(tmp_path: Path, key: str, value: int) -> None:
+    file = Gltf()
+    primitive = file.box()
+    file.header["accessors"][primitive["attributes"]["POSITION"]][key] = value
+    with refused("E-MESH-BROKEN"):
+        read(file.show(primitive), tmp_path)
+
+
+def test_faces_without_corners_missing_buffers_and_old_files_are_one_line(tmp_path: Path) -> None:
+    file = Gltf()
+    with refused("E-MESH-BROKEN", "a face names corner 99 of 8"):
+        read(file.show(file.box() | {"indices": file.add([0, 1, 99], "uint8")}), tmp_path)
+    path = file.show(file.box()).write(tmp_path / "a.gltf")
+    text = json.loads(path.read_text())
+    text["buffers"][0]["uri"] = "../a.bin"
+    path.write_text(json.dumps(text))
+    (tmp_path.parent / "a.bin").write_bytes(file.data)
+    with refused("E-MESH-BROKEN", f"its file '../a.bin' is not in {tmp_path.name}/"):
+        load_meshes(path, tmp_path)
+    path.write_text(json.dumps(text | {"asset": {"version": "1.0"}}))
+    with refused("E-MESH-BROKEN", "it is glTF 1.0, and 2.0 is read"):
+        load_meshes(path, tmp_path)
