@@ -105,7 +105,7 @@ def list_proposers(options: EyesSection) -> list[str]:
     lacking = [weights.name for weights in ALL if not is_there(weights)]
     if not lacking or not WANT_WEIGHTS & set(options.proposers):
         return options.proposers
-    print(f"no {', '.join(lacking)} (make weights): outlines by a smaller network of ours, right less often")
+    print(f"no {', '.join(lacking)} (make weights): outlines by depth alone, right less often")
     return [*(name for name in options.proposers if name not in WANT_WEIGHTS), WITHOUT]
 
 
