@@ -297,9 +297,9 @@ def test_depth_is_ray_as_an_option(tmp_path: Path, room: tuple[Any, Any], capsys
     (tmp_path / "names.json").write_text(json.dumps({str(FLOOR): "floor", str(OBJECT): "box"}))
     (tmp_path / "K.json").write_text(json.dumps(INTRINSICS.tolist()))
     np.save(tmp_path / "d.npy", depth * ray_lengths(depth.shape, INTRINSICS))
-    files: dict[str, Any] = {"rgb": "rgb.png", "depth": "d.npy", "intrinsics": "K.json", "masks": "masks.png",
+    files: dict[str, Any] = {"rgb": "rgb.png", "depth": "d.npy", "masks": "masks.png",
                              "labels": "names.json"}  # fmt: skip
-    given = {key: tmp_path / name for key, name in files.items()}
+    given = {key: tmp_path / name for key, name in files.items()} | {"camera": (str(tmp_path / "K.json"),)}
     from_rgbd.run(out=tmp_path / "z", **given)
     assert "depth in doubt: floor and walls would be flat with --depth-is ray" in capsys.readouterr().out
     assert "in doubt" in read_json(Camera, tmp_path / "z/camera.json").note

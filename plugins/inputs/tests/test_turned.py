@@ -41,7 +41,7 @@ def colour(folder: Path, orientation: int, square: bool = False) -> Path:
 
 
 def run(folder: Path, orientation: int, **other: Any) -> Path:
-    given = {"depth": folder / "depth.npy", "intrinsics": folder / "K.json", "masks": folder / "masks.png"}
+    given = {"depth": folder / "depth.npy", "camera": (str(folder / "K.json"),), "masks": folder / "masks.png"}
     from_rgbd.run(out=folder / "out", rgb=colour(folder, orientation), labels=folder / "names.json", **given | other)
     return folder / "out"
 
@@ -78,7 +78,7 @@ def test_what_is_upright_already_stays(folder: Path, capsys: pytest.CaptureFixtu
 def test_intrinsics_without_a_size_are_those_of_the_picture_in_whose_middle_they_are(folder: Path) -> None:
     (folder / "K.json").write_text(json.dumps(K))
     assert read_json(Camera, run(folder, 6) / "camera.json").intrinsics[0] == [410, 0, HEIGHT - 1 - 184]
-    out = run(folder, 6, intrinsics=None, matrix=(410.0, 400.0, 175.0, 236.0))
+    out = run(folder, 6, camera=("410", "400", "175", "236"))
     assert read_json(Camera, out / "camera.json").intrinsics[0] == [410, 0, 175]
 
 
@@ -91,7 +91,9 @@ def test_half_a_turn_and_mirrors_are_refused(folder: Path, orientation: int) -> 
 
 def test_a_quarter_turn_of_a_square_and_of_a_lens_are_refused(folder: Path) -> None:
     with refused("E-PICTURE-TURNED", "its depth"):
-        from_rgbd.run(out=folder / "out", rgb=colour(folder, 6, square=True), depth=folder / "depth.npy", fov=60.0)
+        from_rgbd.run(
+            out=folder / "out", rgb=colour(folder, 6, square=True), depth=folder / "depth.npy", camera=("60",)
+        )
     (folder / "K.json").write_text(json.dumps({**K, "width": WIDTH, "height": HEIGHT, "k1": -0.1}))
     with refused("E-PICTURE-TURNED", "its lens"):
         run(folder, 6)
