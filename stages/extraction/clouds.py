@@ -1,16 +1,16 @@
 """The pixels and the cloud of one object: crop, erosion, outlier removal, DBSCAN (paper A.7)."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.spatial import KDTree
 
 from stages.config.extraction import ExtractionConfig
-from stages.contracts.scenes import Annotation
 from stages.extraction.border import continue_depth
-from stages.extraction.observation import AnnotatedImage
-from stages.geometry.cameras import back_project
+from stages.extraction.visibility import DepthView
 from stages.geometry.clouds import dbscan, statistical_inliers
-from stages.geometry.frames import Array, apply
-from stages.geometry.masks import MIN_PIXELS, Mask, erode, remove_specks
+from stages.geometry.frames import Array
+from stages.geometry.masks import MIN_PIXELS, Mask, central_crop, erode, remove_specks
 
 MAX_POINTS = 8000  # of a cloud; chosen for time
 MAX_CUT = 0.4  # share of an object's pixels outside the crop (A.7), above which it fails; chosen
@@ -23,34 +23,33 @@ class ObjectError(Exception):
     """One object cannot be used; the scene goes on without it."""
 
 
-def find_object_mask(item: Annotation, image: AnnotatedImage, crop: Mask) -> Mask:
-    """An object's pixels (H, W) inside the crop (H, W), without specks.
+def find_object_mask(whole: Mask, crop_share: float, is_known: bool) -> Mask:
+    """An object's pixels (H, W) inside the crop, without specks; one whose box is known may be cut off by it.
 
     Raises:
         ObjectError: it has none, or too few.
     """
-    whole = image.masks == item.mask
     if not whole.any():
         raise ObjectError("not in the picture: no pixel has its mask value")
-    inside = remove_specks(whole & crop)
-    if item.box is None and (whole & crop).sum() < (1 - MAX_CUT) * whole.sum():
+    cropped = whole & central_crop(whole.shape, crop_share)
+    inside = remove_specks(cropped)
+    if not is_known and cropped.sum() < (1 - MAX_CUT) * whole.sum():
         raise ObjectError("cut off: too much of it is outside the central crop")
     if inside.sum() < MIN_PIXELS:
         raise ObjectError(f"too small or hidden: {int(inside.sum())} pixels")
     return inside
 
 
-def make_object_cloud(
-    mask: Mask, image: AnnotatedImage, floor_from_camera: Array, options: ExtractionConfig, rng: np.random.Generator
-) -> Array:
+def make_object_cloud(mask: Mask, view: DepthView, options: ExtractionConfig, rng: np.random.Generator) -> Array:
     """The cleaned points (N, 3), floor frame, of a mask (H, W).
 
     Raises:
         ObjectError: too little depth is known of it.
     """
     core = erode(mask)
-    depth = continue_depth(image.depth, core, mask) if options.restore_border else np.where(core, image.depth, 0.0)
-    cloud = apply(floor_from_camera, back_project(depth, image.intrinsics)[depth > 0])
+    if options.restore_border:
+        view = replace(view, depth=continue_depth(view.depth, core, mask))
+    cloud = view.of(mask if options.restore_border else core)
     if len(cloud) < 3:
         raise ObjectError("no depth on its pixels")
     cloud = clean_cloud(cloud, options, rng)

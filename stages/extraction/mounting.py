@@ -42,12 +42,12 @@ def mount_objects(
     found: Sequence[MeasuredObject],
     image: AnnotatedImage,
     walls: list[Wall],
-    fitted: dict[int, str],
+    shown: dict[int, Wall],
     view: DepthView,
 ) -> list[MeasuredObject]:
     """The objects with mountings, supports, and boxes that reach down to these; supports are placed first.
 
-    `scene` is named in messages; `fitted`: the walls' ids by mask value.
+    `scene` is named in messages; `shown`: the walls by the mask values that show them.
     """
     boxes = {one.object.id: one.box for one in found if one.box is not None}
     unnamed = ~np.isin(image.masks, image.annotations.values)
@@ -60,7 +60,7 @@ def mount_objects(
         stated, note = None, ""
         if one.stated.mounting is not None:
             try:
-                stated = resolve_stated_mounting(one.stated.mounting, box, walls, fitted)
+                stated = resolve_stated_mounting(one.stated.mounting, box, shown)
             except ImpossibleError as error:
                 note = str(error)
                 print(f"{scene} {name}: {note}: mounting by geometry")

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
-from stages.contracts.objects import DepthError, SceneObject
+from stages.contracts.objects import SceneObject
 from stages.contracts.scenes import Annotation
 from stages.contracts.types import LARGEST
 from stages.extraction.clouds import MAX_POINTS, ObjectError, find_object_mask, make_object_cloud
 from stages.extraction.levels import fit_box_and_levels
-from stages.extraction.observation import AnnotatedImage
+from stages.extraction.visibility import DepthView
 from stages.geometry.boxes import UprightBox, round_off_box, surface_points
 from stages.geometry.masks import pixel_bounds
 
@@ -37,31 +37,31 @@ class MeasuredObject:
 def measure_object(
     name: str,
     item: Annotation,
-    image: AnnotatedImage,
-    crop: NDArray[np.bool_],
-    floor_from_camera: NDArray[np.float64],
-    error: DepthError,
+    whole: NDArray[np.bool_],
+    view: DepthView,
     options: ExtractionConfig,
     rng: np.random.Generator,
 ) -> MeasuredObject:
-    """The pixels inside a crop (H, W), cloud and box of the object `name`; a box that the input states is kept.
+    """The pixels inside the crop, cloud and box of the object `name`; a box that the input states is kept.
 
-    `rng` chooses which points of a large cloud are left out; floor_from_camera (4, 4).
+    Args:
+        whole: its pixels (H, W).
+        rng: chooses which points of a large cloud are left out.
     """
-    whole = item.box is not None and not item.guessed
+    is_whole = item.box is not None and not item.guessed
     other = {"box", "guessed", "mounting", "proposals", "probabilities"}
-    known = SceneObject(id=name, whole=whole, names=item.names, **item.model_dump(exclude=other))
+    known = SceneObject(id=name, whole=is_whole, names=item.names, **item.model_dump(exclude=other))
     share, heights = None, tuple[float, ...]()
     try:
-        mask = find_object_mask(item, image, crop)
+        mask = find_object_mask(whole, options.crop, item.box is not None)
         if item.box is not None:
             box = UprightBox(item.box.center, item.box.size, item.box.yaw)
             cloud = surface_points(box, MAX_POINTS)
             cloud = cloud if item.front is not None else round_off_box(cloud, box)
         else:
-            share = round(float((image.depth[mask] > 0).mean()), 3)
-            cloud = make_object_cloud(mask, image, floor_from_camera, options, rng)
-            box, heights = fit_box_and_levels(item.label, cloud, mask, image, floor_from_camera, error, options.trim)
+            share = round(float((view.depth[mask] > 0).mean()), 3)
+            cloud = make_object_cloud(mask, view, options, rng)
+            box, heights = fit_box_and_levels(item.label, cloud, mask, view, options.trim)
         extent = float(np.max(box.size))
         if extent > LARGEST:
             raise ObjectError(f"{extent:.0f} m large: its depth cannot be right")

@@ -88,7 +88,7 @@ def measure_shelf(box: UprightBox, walls: Sequence[Wall], view: DepthView, own: 
     inside = rows + 2 * OUTLINE < own.shape[0]
     columns, rows = columns[inside], rows[inside] + OUTLINE
     shown = unnamed[rows, columns] & unnamed[rows + OUTLINE, columns] & (view.depth[rows, columns] > 0)
-    points = view.points(columns[shown], rows[shown])
+    points = view.points[rows[shown], columns[shown]]
     near = _is_over(points, box, 2 * tolerance) & (np.abs(points[:, 2] - box.bottom) < tolerance)
     for wall in walls:
         near &= points @ np.array(wall.normal) - wall.offset > tolerance

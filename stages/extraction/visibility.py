@@ -5,34 +5,27 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stages.contracts.objects import DepthError
+from stages.contracts.objects import USUAL_ERROR, DepthError
 from stages.geometry.cameras import project
 from stages.geometry.frames import Array, apply, inverse
+from stages.geometry.point_map import PointMap
 
 CONTACT = 0.045  # metres, besides the error of depth: what is less apart touches, and hides nothing; chosen
 
 
-def tolerance_of(error: DepthError, distance: float) -> float:
-    """Gap in metres that counts as touching at a distance from the camera, metres."""
-    return CONTACT + error.predict(distance)
+@dataclass(frozen=True, eq=False)
+class DepthView(PointMap):
+    """What a picture shows (depth is 0 where it is cropped away), in the floor frame, and how far its depth errs."""
 
-
-@dataclass(frozen=True)
-class DepthView:
-    """The depth image (H, W; 0 unknown or cropped away), its camera in the floor frame, and how far it errs."""
-
-    depth: NDArray[np.float32]
-    intrinsics: Array
-    floor_from_camera: Array
-    error: DepthError
+    error: DepthError = USUAL_ERROR
 
     def distance(self, point: ArrayLike) -> float:
         """Distance in metres from the camera to a point of the floor frame."""
-        return float(np.linalg.norm(np.asarray(point, dtype=float) - self.floor_from_camera[:3, 3]))
+        return float(np.linalg.norm(np.asarray(point, dtype=float) - self.eye))
 
     def tolerance(self, point: ArrayLike) -> float:
         """Gap in metres that counts as touching at a point of the floor frame."""
-        return tolerance_of(self.error, self.distance(point))
+        return CONTACT + self.error.predict(self.distance(point))
 
     def pixel_size(self, distance: float) -> float:
         """Size in metres of a pixel's footprint at a distance."""
@@ -41,16 +34,9 @@ class DepthView:
     def intersect_level(self, columns: NDArray[np.integer], rows: NDArray[np.integer], height: float) -> Array:
         """Where the rays through pixels (N,), (N,) meet the plane z = `height` of the floor frame: (N, 3), else NaN."""
         pixels = np.stack([columns, rows, np.ones_like(rows)], axis=1).astype(np.float64)
-        rays = pixels @ np.linalg.inv(self.intrinsics).T @ self.floor_from_camera[:3, :3].T
-        origin = self.floor_from_camera[:3, 3]
+        rays = pixels @ np.linalg.inv(self.intrinsics).T @ self.frame[:3, :3].T
         down = np.where(rays[:, 2] < 0, rays[:, 2], np.nan)
-        return origin + rays * ((height - origin[2]) / down)[:, None]
-
-    def points(self, columns: NDArray[np.integer], rows: NDArray[np.integer]) -> Array:
-        """What pixels (N,), (N,) show, as points (N, 3) of the floor frame; NaN where depth is unknown."""
-        rays = np.stack([columns, rows, np.ones_like(rows)], axis=1) @ np.linalg.inv(self.intrinsics).T
-        depth = self.depth[rows, columns].astype(np.float64)
-        return np.asarray(apply(self.floor_from_camera, rays * np.where(depth > 0, depth, np.nan)[:, None]))
+        return self.eye + rays * ((height - self.eye[2]) / down)[:, None]
 
     def free_share(self, points: Array, own: NDArray[np.bool_]) -> float:
         """Share of the points (N, 3), floor frame, that an object with the mask `own` (H, W) does not fill.
@@ -58,7 +44,7 @@ class DepthView:
         Were the point part of the object, its pixel would show the object, or something nearer that
         hides it. A pixel that shows neither tells that the point is empty. 0 if no point is in the picture.
         """
-        in_camera = apply(inverse(self.floor_from_camera), points)
+        in_camera = apply(inverse(self.frame), points)
         pixels = project(in_camera, self.intrinsics)
         height, width = self.depth.shape
         columns, rows = np.rint(np.where(np.isfinite(pixels), pixels, -1)).astype(int).T

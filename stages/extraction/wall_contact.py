@@ -25,22 +25,21 @@ class ImpossibleError(Exception):
     """The stated mounting is impossible; the one by geometry is used."""
 
 
-def resolve_stated_mounting(held: Held, box: UprightBox, walls: list[Wall], fitted: dict[int, str]) -> Mounting:
+def resolve_stated_mounting(held: Held, box: UprightBox, shown: dict[int, Wall]) -> Mounting:
     """The mounting that the input states (A.2: by a captioner), with ids of walls.
 
     Args:
         box: of what was seen of the object.
-        fitted: the wall's id by its mask value, of those masks in which a plane was found.
+        shown: walls by the mask values that show them.
 
     Raises:
         ImpossibleError: a wall has no plane, or is too far behind the object.
     """
-    by_id = {wall.id: wall for wall in walls}
     names = []
     for value in held.walls:
-        if value not in fitted:
+        if value not in shown:
             raise ImpossibleError(f"no wall is found in mask {value}, at which the input states it")
-        wall = by_id[fitted[value]]
+        wall = shown[value]
         if (gap := make_gap(box, wall).depth) > MAX_HIDDEN_DEPTH:
             raise ImpossibleError(f"{wall.id}, at which the input states it, is {gap:.1f} m behind it")
         names.append(wall.id)

@@ -134,8 +134,8 @@ def test_parts_of_a_wall_are_one_wall() -> None:
     right = left + np.array([0.03, 3.0, 0.0])
     side = np.c_[rng.uniform(0, 3, 2000), np.full(2000, 2.0), rng.uniform(0, 2, 2000)]
     fits = [fit_wall(part, 1.6, rng) for part in (left, right, side)]
-    walls, ids = merge_walls([fit for fit in fits if fit is not None])
-    assert [wall.id for wall in walls] == ["wall_1", "wall_2"] and ids == ["wall_1", "wall_1", "wall_2"]
+    walls, places = merge_walls([fit for fit in fits if fit is not None])
+    assert [wall.id for wall in walls] == ["wall_1", "wall_2"] and places == [0, 0, 1]
     assert walls[0].points == 4000
     np.testing.assert_allclose(walls[0].normal, [-1, 0, 0], atol=1e-3)
     assert walls[0].offset == pytest.approx(-3.015, abs=2e-3)
