@@ -37,7 +37,7 @@ def find_room_walls(
 
 
 def merge_walls(planes: Sequence[WallPlane]) -> tuple[list[Wall], list[int]]:
-    """One wall for all planes that are the same, left and right of a cupboard say; and where among them each plane is."""
+    """One wall for all planes that are the same, left and right of a cupboard say; and which of them each plane is."""
     merged: list[WallPlane] = []
     places = []
     for plane in planes:
