@@ -39,12 +39,12 @@ from benchmarks.alternatives import (
 from benchmarks.tables import table
 from stages.config.extraction import DepthNoiseConfig, ExtractionConfig
 from stages.contracts import Truth, read_json
-from stages.extraction import clouds, levels
+from stages.extraction import levels, objects
+from stages.extraction.contact import extend_to_wall
 from stages.extraction.noise import noisy_depth
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
 from stages.extraction.sources.folder import observe
-from stages.extraction.wall_contact import extend_to_wall
 from stages.geometry import room_planes
 from stages.geometry.boxes import UprightBox, oriented_iou
 from stages.geometry.clouds import dbscan, farthest_points, statistical_inliers
@@ -60,8 +60,8 @@ Row = list[object]
 
 VARIANTS: dict[str, dict[tuple[Any, str], Any]] = {
     "as it is": {},
-    "outliers by scipy": {(clouds, "statistical_inliers"): scipy_inliers},
-    "DBSCAN by scikit-learn": {(clouds, "dbscan"): sklearn_dbscan},
+    "outliers by scipy": {(objects, "statistical_inliers"): scipy_inliers},
+    "DBSCAN by scikit-learn": {(objects, "dbscan"): sklearn_dbscan},
     "planes by Open3D": {(room_planes, "fit_plane"): open3d_free_plane},
     "planes by Open3D, implausible ones taken away": {(room_planes, "fit_plane"): open3d_plane},
     "boxes by Open3D": {(levels, "minimum_box"): open3d_box},
@@ -132,13 +132,13 @@ def time_fastest(function: Callable[[], Any], repeats: int = 3) -> tuple[float, 
 def raw_clouds(rooms: list[Path]) -> list[Points]:
     """The clouds that extraction is about to clean."""
     taken: list[Points] = []
-    original = clouds.clean_cloud
+    original = objects.clean_cloud
 
     def keep(points: Points, *args: Any) -> Points:
-        taken.append(points[:: max(1, len(points) // clouds.MAX_POINTS)][: clouds.MAX_POINTS])
+        taken.append(points[:: max(1, len(points) // objects.MAX_POINTS)][: objects.MAX_POINTS])
         return original(points, *args)
 
-    with patch("stages.extraction.clouds.clean_cloud", keep):
+    with patch("stages.extraction.objects.clean_cloud", keep):
         for folder in rooms:
             noise, steps = np.random.default_rng(0).spawn(2)
             reconstruct(folder.name, observe(folder / "input", ExtractionConfig(), noise), ExtractionConfig(), steps)
@@ -156,8 +156,8 @@ def share_equal(a: NDArray[Any], b: NDArray[Any]) -> float:
 # step: by other means (named), by Open3D, how far they agree
 STEPS: dict[str, tuple[Step, Step, Callable[[Any, Any], float]]] = {
     "outliers (scipy): same verdict": (
-        lambda cloud: scipy_inliers(cloud, clouds.NEIGHBOURS, 3.0),
-        lambda cloud: statistical_inliers(cloud, clouds.NEIGHBOURS, 3.0),
+        lambda cloud: scipy_inliers(cloud, objects.NEIGHBOURS, 3.0),
+        lambda cloud: statistical_inliers(cloud, objects.NEIGHBOURS, 3.0),
         share_equal,
     ),
     "DBSCAN (scikit-learn): same verdict": (

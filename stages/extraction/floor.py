@@ -41,8 +41,9 @@ def find_floor_frame(image: AnnotatedImage, seen: PointMap, max_tilt: float, rng
         max_tilt: largest angle between image-up and the floor's normal, degrees.
 
     Raises:
-        InputError: no floor is seen, or it is not where the given frame says.
+        InputError: depth is noise, no floor is seen, or it is not where the given frame says.
     """
+    check_smooth(image.depth)
     frame = image.floor_from_camera
     # A given frame draws numbers of its own: what is drawn later does not depend on it.
     floor = fit_shown_floor(image, seen, max_tilt, rng if frame is None else np.random.default_rng(0))

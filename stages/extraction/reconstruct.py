@@ -11,7 +11,7 @@ from stages.contracts import InputError, Objects
 from stages.contracts.files import first_error
 from stages.contracts.objects import object_ids
 from stages.extraction.depth_error import estimate_depth_error
-from stages.extraction.floor import check_smooth, find_floor_frame
+from stages.extraction.floor import find_floor_frame
 from stages.extraction.mounting import mount_objects
 from stages.extraction.objects import measure_object
 from stages.extraction.observation import AnnotatedImage
@@ -42,7 +42,6 @@ def reconstruct(
         InputError: depth is noise, no floor can be found, or no room comes out. Anything wrong with one object only
             marks that object as failed.
     """
-    check_smooth(image.depth)
     crop = central_crop(image.depth.shape, options.crop)
     seen = PointMap(np.where(crop, image.depth, 0), image.intrinsics)
     seen = replace(seen, frame=find_floor_frame(image, seen, options.max_tilt, rng))

@@ -7,13 +7,12 @@ import pytest
 
 from stages.config.extraction import DepthNoiseConfig, ExtractionConfig
 from stages.contracts.objects import USUAL_ERROR, Wall, object_ids
-from stages.extraction import clouds, noise
+from stages.extraction import noise, objects
 from stages.extraction.border import continue_depth
-from stages.extraction.clouds import clean_cloud
+from stages.extraction.contact import find_carrier, find_touched_walls
 from stages.extraction.noise import blur_outlines, noisy_depth, periphery_ramp
-from stages.extraction.support import find_carrier
+from stages.extraction.objects import clean_cloud
 from stages.extraction.visibility import DepthView
-from stages.extraction.wall_contact import find_touched_walls
 from stages.extraction.walls import merge_walls
 from stages.geometry.boxes import UprightBox
 from stages.geometry.masks import central_crop, erode, remove_specks
@@ -30,7 +29,7 @@ def _no_outlines(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def _no_outliers(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(clouds, "MAX_DEVIATIONS", 50)
+    monkeypatch.setattr(objects, "MAX_DEVIATIONS", 50)
 
 
 def _rng() -> np.random.Generator:
