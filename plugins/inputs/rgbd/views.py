@@ -13,9 +13,9 @@ from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
 from plugins.inputs.rgbd.depth_scale import find_stated_units
 from plugins.inputs.rgbd.frame import Frame, fit_frame
 from plugins.inputs.rgbd.lens import Lens, read_lens, straighten_frame
-from plugins.inputs.rgbd.mask_files import read_upright_masks
+from plugins.inputs.rgbd.mask_files import read_labelled
 from plugins.inputs.rgbd.mask_shapes import list_remarks
-from plugins.inputs.rgbd.upright import Turn, find_turn, turn_depth
+from plugins.inputs.rgbd.upright import check_upright
 from stages.contracts import InputError
 from stages.contracts.images import check_shown, read_rgb
 from stages.geometry.cameras import make_intrinsics
@@ -76,15 +76,16 @@ def read_frame(view: View, unit: str, depth_is: str, masks: Path | None, labels:
         labels: names of their values.
 
     Raises:
-        InputError: one of its files cannot be used, or it is unknown how they lie on each other.
+        InputError: one of its files cannot be used, or they do not lie on each other.
     """
     rgb = read_rgb(view.colour)
     check_shown(view.colour, rgb)
-    turn = find_turn(view.colour, rgb)
-    raw = turn_depth(turn, read_raw(view.depth), view.depth)
+    check_upright(view.colour)
+    raw = read_raw(view.depth)
     depth, line = convert_to_metres(view.depth, raw, unit, find_stated_units(view.depth, view.unit_file), view.usual)
-    lens = read_upright_camera(turn, view.camera)
-    labelled = None if masks is None else read_upright_masks(masks, labels, turn)
+    shown = (rgb.shape[1], rgb.shape[0], view.colour.name)
+    lens = view.camera(*shown)
+    labelled = None if masks is None else read_labelled(masks, labels, *shown)
     notes = [*view.notes[:1], line, *view.notes[1:]]
     frame = straighten_frame(fit_frame(Frame(rgb, depth, lens.intrinsics, labelled, notes)), lens.distortion)
     if labelled is not None and frame.masks is not None:
@@ -99,38 +100,3 @@ def read_frame(view: View, unit: str, depth_is: str, masks: Path | None, labels:
         print(f"{view.depth}: {doubt}")
         frame = replace(frame, doubt=doubt)
     return frame
-
-
-def read_upright_camera(turn: Turn, read: CameraReader) -> Lens:
-    """The camera of the upright picture; that of the sensor's picture is turned with it.
-
-    Where a file states no size, it is of the picture in whose middle its axis is.
-
-    Raises:
-        InputError: it is of neither, or a lens that would have to be turned.
-    """
-    sizes = {False: (turn.width, turn.height), True: turn.stored}
-    if turn.orientation == 1:
-        return read(*sizes[False], turn.path.name)
-    found: dict[bool, Lens] = {}
-    errors: list[InputError] = []
-    for is_stored, size in sizes.items():
-        try:
-            found[is_stored] = read(*size, turn.path.name)
-        except InputError as error:
-            errors.append(error)
-    if not found:
-        raise errors[0]
-
-    def miss_middle(is_stored: bool) -> float:
-        return float(np.abs((2 * found[is_stored].intrinsics[:2, 2] + 1) / sizes[is_stored] - 1).sum())
-
-    if not min(found, key=miss_middle):
-        return found[False]
-    if found[True].bends:
-        raise turn.refusal("its lens")
-    (fx, _, cx), (_, fy, cy), _ = found[True].intrinsics
-    x = turn.width - 1 - cy if turn.orientation in (6, 7) else cy
-    y = turn.height - 1 - cx if turn.orientation in (7, 8) else cx
-    print(f"intrinsics are of the {turn.height}x{turn.width} pixels that the sensor wrote, and turned with its picture")
-    return Lens(make_intrinsics(fy, fx, x, y))
