@@ -254,7 +254,7 @@ def test_the_channel_of_depth_is_told_by_its_name(
         {"A": OTHER, "B": DEPTH},
         {"R": OTHER, "G": THIRD, "B": DEPTH},
         {"left.Z": OTHER, "right.Z": DEPTH},
-        {f"Position.{axis}": OTHER for axis in "XYZ"},
+        {"Position.X": OTHER, "Position.Y": THIRD, "Position.Z": DEPTH},
     ],
 )
 def test_channels_that_may_all_be_depth_are_refused(
