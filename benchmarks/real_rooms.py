@@ -33,7 +33,7 @@ FOUND, HEIGHT = 0.5, 0.1  # IoU; metres
 def measure(frame: Path, out: Path) -> list[str]:
     """A row of the table."""
     from_rgbd.run(
-        out=out / "view", rgb=frame / "color.png", depth=frame / "depth.png", intrinsics=frame / "camera.json"
+        out=out / "view", rgb=frame / "color.png", depth=frame / "depth.png", camera=(str(frame / "camera.json"),)
     )
     see.run(picture=out / "view", out=out / "seen")
     given, things = read_scene_input(out / "seen"), read_json(Things, out / "seen" / THINGS)

@@ -163,8 +163,9 @@ def _make_input(root: Path, folder: Path, kind: str, entry: Path) -> tuple[Path,
         write_json(path, Corrections(objects=told))
         return (path,)
     by_hand = {} if kind not in BY_HAND else {"masks": folder / f"{kind}.png", "labels": folder / f"{kind}.json"}
-    files = {"rgb": folder / "rgb.png", "depth": folder / "depth.png", "intrinsics": folder / "intrinsics.json"}
-    from_rgbd.run(out=entry if by_hand else entry.parent / "view", unit="mm", **files, **by_hand)
+    files = {"rgb": folder / "rgb.png", "depth": folder / "depth.png"}
+    camera, out = (str(folder / "intrinsics.json"),), entry if by_hand else entry.parent / "view"
+    from_rgbd.run(out=out, unit="mm", camera=camera, **files, **by_hand)
     if by_hand:
         _count_panels(entry, truth)
     else:

@@ -25,7 +25,7 @@ from stages.contracts.scene_input import read_annotations
 from stages.contracts.things import THINGS, Things
 
 HERE = Path(__file__).parent
-CAMERA = (612.937, 613.173, 322.549, 248.158)  # fx, fy, cx, cy in pixels
+CAMERA = ("612.937", "613.173", "322.549", "248.158")  # fx, fy, cx, cy in pixels
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def main() -> None:
         if not objects.is_file():
             depth = rgb.with_name(f"{name}_depth.png")
             with log_stage(out / "extraction.log"):
-                from_rgbd.run(out=out / "view", rgb=rgb, depth=depth, unit="mm", matrix=CAMERA)
+                from_rgbd.run(out=out / "view", rgb=rgb, depth=depth, unit="mm", camera=CAMERA)
                 see.run(picture=out / "view", out=entry)
                 extract_objects(entry, f"frame_{name}", objects, config)
         place_cousins(entry, objects, out, "geometry", config, shelf, ONE_RANK)

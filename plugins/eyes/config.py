@@ -13,7 +13,7 @@ class EyesSection(Section):
         min_length=1,
         json_schema_extra={"kind": "proposers"},
         description="What proposes outlines, of which one choice is made. ssd: COCO's things, mobile_sam: anything; "
-        "both want weights (`make weights`). pieces: a network of ours, in their place where those lack. grounding: "
+        "both want weights (`make weights`). pieces: by depth alone, in their place where those lack. grounding: "
         "Grounding DINO and SAM 2, by section `photo`. Or yours.",
     )
     sure: float = Field(

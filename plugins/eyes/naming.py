@@ -10,7 +10,7 @@ from plugins.eyes.proposal import Array, Mask, RoomView
 from plugins.names.observed import observe
 from plugins.names.propose import Names, Proposal, propose_names
 from stages.contracts.categories import known_categories
-from stages.extraction.support import lowest_pixels
+from stages.extraction.contact import lowest_pixels
 
 # What may be flat on a wall, and how likely each is, before its looks are seen; chosen.
 FLAT = {"picture": 0.5, "mirror": 0.2, "television": 0.1, "clock": 0.05, "radiator": 0.05, "curtain": 0.05}

@@ -13,7 +13,6 @@ from plugins.eyes.proposal import Proposal, RoomView
 from plugins.eyes.surfaces import Surfaces, find_surfaces
 from plugins.eyes.weights import ALL, is_there
 from plugins.inputs.numbered import draw_numbers
-from plugins.inputs.rgbd.edges import remove_edges
 from plugins.inputs.rgbd.frame import TILT, Frame, Labelled
 from plugins.inputs.rgbd.write import write_frame
 from plugins.names.observed import WITHOUT as WITHOUT_CLASSES
@@ -53,9 +52,7 @@ def run(*, picture: Path, out: Path, options: str = "{}") -> None:
     frame = Frame(read_rgb(picture / "rgb.png"), depth, np.array(camera.intrinsics, dtype=float))
     seen = see(frame, settings)
     masks, things = label(seen)
-    frame = replace(frame, masks=masks)
-    frame = replace(frame, depth=remove_edges(frame.depth, masks.values))
-    written = write_frame(out, frame, camera.note)
+    written = write_frame(out, replace(frame, masks=masks, doubt=camera.note))
     assert written is not None
     write_json(out / THINGS, things)
     with write_atomically(out / "numbers.png") as path:
@@ -105,7 +102,7 @@ def list_proposers(options: EyesSection) -> list[str]:
     lacking = [weights.name for weights in ALL if not is_there(weights)]
     if not lacking or not WANT_WEIGHTS & set(options.proposers):
         return options.proposers
-    print(f"no {', '.join(lacking)} (make weights): outlines by a smaller network of ours, right less often")
+    print(f"no {', '.join(lacking)} (make weights): outlines by depth alone, right less often")
     return [*(name for name in options.proposers if name not in WANT_WEIGHTS), WITHOUT]
 
 

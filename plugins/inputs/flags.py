@@ -19,15 +19,13 @@ def frame_flags(frame: Picture, files: Mapping[str, Any]) -> str:
         "--recording": files.get("recording"),
         "--masks": files.get("masks"),
         "--labels": files.get("labels"),
-        "--intrinsics": files.get("camera"),
         "--unit": frame.unit,
         "--depth-is": None if frame.depth_is == "z" else frame.depth_is,
         "--number": None if frame.depth else frame.number,
-        "--camera": None if files.get("camera") else frame.camera or None,
-        "--fov": frame.fov or None,
+        "--camera": files.get("camera") or frame.camera or frame.fov,
     }
-    words = [word for flag, value in flags.items() if value is not None for word in (flag, str(value))]
-    matrix = ["--matrix", *map(str, frame.intrinsics)] if frame.intrinsics else []
+    words = [word for flag, value in flags.items() if value for word in (flag, str(value))]
+    matrix = ["--camera", *map(str, frame.intrinsics)] if frame.intrinsics else []
     return shlex.join([*words, *matrix])
 
 

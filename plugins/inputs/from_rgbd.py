@@ -1,22 +1,14 @@
 """Verb `from-rgbd`: a frame of an RGB-D camera or data set -> an input folder."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
-
-from plugins.inputs.rgbd.cameras import KNOWS, choose_intrinsics
-from plugins.inputs.rgbd.edges import remove_edges
-from plugins.inputs.rgbd.frame import Frame, fit_frame
+from plugins.inputs.rgbd.camera_files import KNOWS
+from plugins.inputs.rgbd.frame import Frame
 from plugins.inputs.rgbd.layouts import find_view
-from plugins.inputs.rgbd.lens import straighten_frame
-from plugins.inputs.rgbd.mask_files import read_upright_masks
-from plugins.inputs.rgbd.mask_shapes import list_remarks
-from plugins.inputs.rgbd.views import View, read_view
+from plugins.inputs.rgbd.views import View, choose_camera, read_frame
 from plugins.inputs.rgbd.write import write_frame
 from stages.contracts import Annotations, InputError
-from stages.geometry.ray_depth import along_axis, find_flatter
 
 
 def run(
@@ -27,10 +19,7 @@ def run(
     recording: Path | None = None,
     number: int = 0,
     unit: str = "auto",
-    intrinsics: Path | None = None,
-    camera: str = "",
-    fov: float = 0.0,
-    matrix: tuple[float, ...] = (),
+    camera: tuple[str, ...] = (),
     depth_is: Literal["z", "ray"] = "z",
     masks: Path | None = None,
     labels: Path | None = None,
@@ -44,53 +33,28 @@ def run(
         recording: instead of both, the folder of a recording: TUM, Open3D, RealSense, Record3D.
         number: which frame of the recording, from 0.
         unit: of the depth: auto (by files beside it, else its median), m, mm, or the number that stands for one metre.
-        intrinsics: file with the colour camera's intrinsics (JSON, YAML, text); distortion in it is taken out.
-        camera: its name, instead of a file, e.g. realsense_d435.
-        fov: its field of view over the picture's width in degrees, instead of both.
-        matrix: fx, fy, cx, cy in pixels, instead of all three.
+        camera: of the picture: a file of intrinsics (JSON, YAML, text), from which distortion is taken out, too; its
+            name, e.g. realsense_d435; the field of view over the picture's width in degrees; or fx fy cx cy in pixels.
         depth_is: z: the distance along the optical axis; ray: along the ray of each pixel, as of many simulators.
         masks: COCO or labelme JSON, or a PNG of indices or colours.
         labels: names of the PNG's values, as JSON.
     """
-    stated = choose_intrinsics(intrinsics, camera, fov, matrix)
+    read_camera, camera_file = choose_camera(camera)
     if recording is not None:
         if rgb is not None or depth is not None:
             raise InputError(
                 "--recording", "has its own pictures.", "leave out --rgb and --depth", code="E-OPTION-CONFLICT"
             )
-        view = find_view(recording, number, stated, intrinsics)
+        view = find_view(recording, number, read_camera, camera_file)
     elif rgb is None or depth is None:
         raise InputError("--rgb, --depth", "both are needed.", "or give --recording", code="E-OPTION-MISSING")
-    elif stated is None:
-        raise InputError(
-            rgb,
-            "nothing says what camera took it.",
-            f"--intrinsics: {KNOWS}; or --camera, or --fov",
-            code="E-CAMERA-MISSING",
-        )
+    elif read_camera is None:
+        fix = f"--camera: its name, degrees over the width, or {KNOWS}"
+        raise InputError(rgb, "nothing says what camera took it.", fix, code="E-CAMERA-MISSING")
     else:
-        view = View(rgb, depth, stated, intrinsics, intrinsics)
-    frame = read_view(view, unit)
-    if masks is not None:
-        assert frame.turn is not None
-        frame = replace(frame, masks=read_upright_masks(masks, labels, frame.turn))
-    before = frame.masks
-    frame = straighten_frame(fit_frame(frame))
-    if masks is not None and before is not None and frame.masks is not None:
-        kept = set(np.unique(frame.masks.values).tolist())
-        if lost := [(name, "has no pixels") for value, name in before.labels.items() if value not in kept]:
-            left = f"{len(before.labels) - len(lost)} of {len(before.labels)}"
-            print(f"{masks}: made straight and fitted, {left} are left: {list_remarks(lost)}")
-    if depth_is == "ray":
-        frame = replace(frame, depth=along_axis(frame.depth, frame.intrinsics))
-    doubt = ""
-    if flatter := find_flatter(frame.depth, frame.intrinsics):
-        doubt = f"depth in doubt: floor and walls would be flat with --depth-is {'ray' if flatter == 'ray' else 'z'}"
-        print(f"{depth or recording}: {doubt}")
-    if frame.masks is not None:
-        frame = replace(frame, depth=remove_edges(frame.depth, frame.masks.values))
-    written = write_frame(out, frame, doubt)
-    print_summary(out, frame, written)
+        view = View(rgb, depth, read_camera, camera_file)
+    frame = read_frame(view, unit, depth_is, masks, labels)
+    print_summary(out, frame, write_frame(out, frame))
 
 
 def print_summary(out: Path, frame: Frame, written: Annotations | None) -> None:

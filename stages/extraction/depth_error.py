@@ -12,6 +12,7 @@ from stages.contracts.objects import USUAL_ERROR, DepthError, Wall
 from stages.extraction.floor import ROUGH
 from stages.extraction.observation import AnnotatedImage
 from stages.geometry.masks import erode
+from stages.geometry.point_map import PointMap
 from stages.geometry.room_planes import GRAZING, PLANE_THRESHOLD
 
 PARTS = 8  # of a plane, by distance; chosen
@@ -26,15 +27,13 @@ class Surface(NamedTuple):
     offset: float
 
 
-def estimate_depth_error(
-    image: AnnotatedImage, points: NDArray[np.float64], eye: NDArray[np.float64], walls: Mapping[int, Wall]
-) -> DepthError:
+def estimate_depth_error(image: AnnotatedImage, seen: PointMap, walls: Mapping[int, Wall]) -> DepthError:
     """The error of a picture's depth: as its source states it, else measured at the floor, else at the walls.
 
     The floor comes first: one mask of a person's may show two walls. Where neither is seen it is the usual error.
 
     Args:
-        points: (H, W, 3) of the pixels, floor frame, NaN where not used; the camera is at `eye` (3,).
+        seen: what is used of the picture, floor frame.
         walls: by the mask values that show them.
     """
     if image.depth_error is not None:
@@ -42,12 +41,11 @@ def estimate_depth_error(
     if image.annotations.floor is not None:
         floor = image.masks == image.annotations.floor
     else:
-        floor = (np.abs(points[..., 2]) < PLANE_THRESHOLD) & ~np.isin(image.masks, image.annotations.values)
+        floor = (np.abs(seen.points[..., 2]) < PLANE_THRESHOLD) & ~np.isin(image.masks, image.annotations.values)
     shown = [(floor, [0.0, 0.0, 1.0], 0.0)]
     shown += [(image.masks == value, list(wall.normal), wall.offset) for value, wall in walls.items()]
-    known = np.isfinite(points[..., 2])
-    surfaces = [Surface(points[erode(mask & known, keep=0)], np.array(n), offset) for mask, n, offset in shown]
-    return measure_error(surfaces[:1], eye) or measure_error(surfaces[1:], eye) or USUAL_ERROR
+    surfaces = [Surface(seen.of(erode(mask & seen.known, keep=0)), np.array(n), offset) for mask, n, offset in shown]
+    return measure_error(surfaces[:1], seen.eye) or measure_error(surfaces[1:], seen.eye) or USUAL_ERROR
 
 
 def measure_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> DepthError | None:

@@ -7,10 +7,10 @@ from stages.contracts import InputError
 from stages.extraction.camera_height import doubt_height
 from stages.extraction.observation import AnnotatedImage
 from stages.geometry.frames import Array
-from stages.geometry.gravity import cell_normals, estimate_up
+from stages.geometry.gravity import find_up
 from stages.geometry.levels import find_floor
-from stages.geometry.masks import Mask
 from stages.geometry.planes import Plane
+from stages.geometry.point_map import PointMap
 from stages.geometry.room_planes import SAME_DIRECTION, fit_floor, make_floor_frame
 
 ROUGH = 0.05  # share of the distance by which neighbouring pixels differ in the median: no room is so rough; chosen
@@ -33,26 +33,27 @@ def check_smooth(depth: NDArray[np.floating]) -> None:
         )
 
 
-def find_floor_frame(
-    image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float, rng: np.random.Generator
-) -> Array:
+def find_floor_frame(image: AnnotatedImage, seen: PointMap, max_tilt: float, rng: np.random.Generator) -> Array:
     """`floor_from_camera` (4, 4): as given, else from the floor's mask, else from the level planes.
 
     It prints where the floor was found without a mask, and a doubtful height of the camera.
 
     Args:
-        points: (H, W, 3) of the pixels, camera frame; only those `usable` (H, W) count.
+        seen: what is used of the picture, camera frame.
         max_tilt: largest angle between image-up and the floor's normal, degrees.
 
     Raises:
-        InputError: no floor is seen, or it is not where the given frame says.
+        InputError: depth is noise, no floor is seen, or it is not where the given frame says.
     """
+    check_smooth(image.depth)
     frame = image.floor_from_camera
+    # A given frame draws numbers of its own: what is drawn later does not depend on it.
+    floor = fit_shown_floor(image, seen, max_tilt, rng if frame is None else np.random.default_rng(0))
+    up = floor.normal if floor else find_up(seen.points, seen.known, max_tilt)
     if frame is not None:
-        check_frame(frame, image, points, usable, max_tilt)
+        check_frame(frame, floor, up)
     else:
-        shown = fit_shown_floor(image, points, usable, max_tilt, rng)
-        frame = make_floor_frame(shown or find_unnamed_floor(image, points, usable, max_tilt))
+        frame = make_floor_frame(floor or find_unnamed_floor(image, seen, up))
         if image.annotations.floor is None:
             what = "level surface that most objects stand on" if image.annotations.objects else "lowest level surface"
             print(f"no mask of the floor: taken to be the {what}, {frame[2, 3]:.2f} m below the camera")
@@ -61,15 +62,12 @@ def find_floor_frame(
     return frame
 
 
-def check_frame(frame: Array, image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float) -> None:
-    """Compare a given `floor_from_camera` (4, 4) with the floor's pixels; without them, its up with all surfaces.
+def check_frame(frame: Array, floor: Plane | None, up: Array | None) -> None:
+    """Compare a given `floor_from_camera` (4, 4) with the floor that its mask shows; without it, with what is up (3,).
 
     Raises:
         InputError: they contradict each other.
     """
-    rng = np.random.default_rng(0)  # of its own: what is drawn later does not depend on it
-    floor = fit_shown_floor(image, points, usable, max_tilt, rng)
-    up = floor.normal if floor else estimate_up(cell_normals(points, usable)[1], max_tilt)
     if up is None:
         return
     tilt = float(np.degrees(np.arccos(np.clip(frame[2, :3] @ up, -1, 1))))
@@ -87,31 +85,25 @@ def check_frame(frame: Array, image: AnnotatedImage, points: Array, usable: Mask
     raise InputError("camera.json", f"floor_from_camera {fault}", mend, code="E-FLOOR-FRAME")
 
 
-def fit_shown_floor(
-    image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float, rng: np.random.Generator
-) -> Plane | None:
+def fit_shown_floor(image: AnnotatedImage, seen: PointMap, max_tilt: float, rng: np.random.Generator) -> Plane | None:
     """The floor by its mask; None if there is none, or it is above the camera."""
     if image.annotations.floor is None:
         return None
-    floor = fit_floor(points[usable & (image.masks == image.annotations.floor)], max_tilt, rng)
+    floor = fit_floor(seen.of(image.masks == image.annotations.floor), max_tilt, rng)
     return floor if floor is not None and floor.offset < 0 else None
 
 
-def find_unnamed_floor(image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float) -> Plane:
+def find_unnamed_floor(image: AnnotatedImage, seen: PointMap, up: Array | None) -> Plane:
     """The floor without a mask of it.
 
     Raises:
         InputError: nothing level is seen below the camera.
     """
     named = [item.mask for item in image.annotations.objects]
-    clouds = [cloud for value in named if len(cloud := points[usable & (image.masks == value)])]
-    free = usable & ~np.isin(image.masks, [*named, *image.annotations.walls])
-    floor = find_floor(points, usable, free, clouds, max_tilt)
+    clouds = [cloud for value in named if len(cloud := seen.of(image.masks == value))]
+    free = seen.known & ~np.isin(image.masks, [*named, *image.annotations.walls])
+    floor = None if up is None else find_floor(seen.points, seen.known, free, clouds, up)
     if floor is None:
-        raise InputError(
-            "depth.npz",
-            "shows no level surface that could be the floor.",
-            "check depth (metres) and intrinsics",
-            code="E-FLOOR-MISSING",
-        )
+        what, fix = "shows no level surface that could be the floor.", "check depth (metres) and intrinsics"
+        raise InputError("depth.npz", what, fix, code="E-FLOOR-MISSING")
     return floor

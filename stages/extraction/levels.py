@@ -6,13 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from stages.contracts.objects import DepthError
-from stages.extraction.observation import AnnotatedImage
-from stages.extraction.visibility import tolerance_of
+from stages.extraction.visibility import DepthView
 from stages.geometry.boxes import UprightBox, with_top
-from stages.geometry.cameras import back_project
 from stages.geometry.estimate import BIN, PROMINENT
-from stages.geometry.frames import Array, apply, yaw_matrix
+from stages.geometry.frames import Array, yaw_matrix
 from stages.geometry.minimum_box import minimum_box
 from stages.geometry.room_planes import STRAY
 
@@ -34,9 +31,7 @@ def fit_box_and_levels(
     label: str,
     cloud: Array,
     mask: NDArray[np.bool_],
-    image: AnnotatedImage,
-    floor_from_camera: Array,
-    error: DepthError,
+    view: DepthView,
     trim: float,
 ) -> tuple[UprightBox, tuple[float, ...]]:
     """The box of a cleaned cloud (N, 3), floor frame, and the heights at which it may carry others.
@@ -48,11 +43,9 @@ def fit_box_and_levels(
         trim: share of the points left out at either end of the box.
     """
     box = minimum_box(cloud, trim)
-    distance = float(np.linalg.norm(box.center - floor_from_camera[:3, 3]))
-    depth = np.where(mask, image.depth, 0.0)
-    whole = apply(floor_from_camera, back_project(depth, image.intrinsics)[depth > 0])
+    distance, whole = view.distance(box.center), view.of(mask)
     top = float(np.quantile(whole[:, 2], 1 - trim))
-    lost = top > box.top + tolerance_of(error, distance)
+    lost = top > box.top + view.tolerance(box.center)
     level = find_level(whole if lost else cloud, box, distance)
     box = with_top(box, top) if lost else box
     heights = find_carrying_heights(label, level, box.top)

@@ -8,19 +8,23 @@ from numpy.typing import NDArray
 
 from stages.contracts.objects import Box, Mounting, Wall
 from stages.contracts.types import FLOOR, UNNAMED, WALL
-from stages.extraction.levels import is_seat
-from stages.extraction.objects import MeasuredObject
-from stages.extraction.observation import AnnotatedImage
-from stages.extraction.support import SUNK, find_carrier, is_hanging, measure_shelf
-from stages.extraction.visibility import DepthView
-from stages.extraction.wall_contact import (
+from stages.extraction.contact import (
     MAX_HIDDEN_DEPTH,
+    SUNK,
     ImpossibleError,
+    end_near,
     extend_to_wall,
+    find_carrier,
     find_touched_walls,
+    is_collapsed,
+    is_hanging,
+    measure_shelf,
     resolve_stated_mounting,
 )
-from stages.geometry.boxes import THINNEST, UprightBox, with_bottom, with_top
+from stages.extraction.objects import MeasuredObject
+from stages.extraction.observation import AnnotatedImage
+from stages.extraction.visibility import DepthView
+from stages.geometry.boxes import THINNEST, UprightBox, with_bottom
 from stages.geometry.frames import round_vector
 
 MAX_STRETCH = 2.0  # of an object's seen height: by more its box is not extended down to what carries it; chosen
@@ -42,12 +46,12 @@ def mount_objects(
     found: Sequence[MeasuredObject],
     image: AnnotatedImage,
     walls: list[Wall],
-    fitted: dict[int, str],
+    shown: dict[int, Wall],
     view: DepthView,
 ) -> list[MeasuredObject]:
     """The objects with mountings, supports, and boxes that reach down to these; supports are placed first.
 
-    `scene` is named in messages; `fitted`: the walls' ids by mask value.
+    `scene` is named in messages; `shown`: the walls by the mask values that show them.
     """
     boxes = {one.object.id: one.box for one in found if one.box is not None}
     unnamed = ~np.isin(image.masks, image.annotations.values)
@@ -60,15 +64,15 @@ def mount_objects(
         stated, note = None, ""
         if one.stated.mounting is not None:
             try:
-                stated = resolve_stated_mounting(one.stated.mounting, box, walls, fitted)
+                stated = resolve_stated_mounting(one.stated.mounting, box, shown)
             except ImpossibleError as error:
                 note = str(error)
                 print(f"{scene} {name}: {note}: mounting by geometry")
-        known, seat = one.stated.box is not None, is_seat(one.stated.label)
+        known = one.stated.box is not None
         reach = 2 * view.tolerance(box.center)
         beneath = {key: end_near(each, done[key].heights, box.bottom, reach) for key, each in carriers.items()}
-        placed = place_object(box, beneath, others, walls, view, own, known, stated, seat, unnamed)
-        if is_collapsed(box, placed, view.tolerance(box.center)):
+        placed = place_object(box, beneath, others, walls, view, own, known, stated, one.is_seat, unnamed)
+        if is_collapsed(box, placed.box, view.tolerance(box.center)):
             done[name] = one.fail("its top is found below what carries it: the depth of one of the two is wrong")
             continue
         carriers[name] = placed.filled
@@ -82,18 +86,6 @@ def mount_objects(
         }
         done[name] = replace(one, object=one.object.model_copy(update=update))
     return list(done.values())
-
-
-def end_near(carrier: UprightBox, heights: tuple[float, ...], bottom: float, reach: float) -> UprightBox:
-    """A carrier's box, ending at the first of its heights within `reach` metres of the bottom of what it may carry."""
-    near = next((height for height in heights if abs(height - bottom) < reach), None)
-    return carrier if near is None else with_top(carrier, near)
-
-
-def is_collapsed(seen: UprightBox, placed: Placement, tolerance: float) -> bool:
-    """Whether an object that looks high would become a thin plate on its carrier: then the depth of one is wrong."""
-    height, left = seen.size[2], placed.box.size[2]
-    return bool(left < 1.5 * THINNEST and height > tolerance)
 
 
 def place_object(

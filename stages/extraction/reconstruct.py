@@ -11,16 +11,15 @@ from stages.contracts import InputError, Objects
 from stages.contracts.files import first_error
 from stages.contracts.objects import object_ids
 from stages.extraction.depth_error import estimate_depth_error
-from stages.extraction.floor import check_smooth, find_floor_frame
+from stages.extraction.floor import find_floor_frame
 from stages.extraction.mounting import mount_objects
 from stages.extraction.objects import measure_object
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reflections import remove_reflections
 from stages.extraction.visibility import DepthView
 from stages.extraction.walls import find_room_walls
-from stages.geometry.cameras import back_project
-from stages.geometry.frames import apply
 from stages.geometry.masks import central_crop
+from stages.geometry.point_map import PointMap
 
 
 @dataclass(frozen=True)
@@ -43,27 +42,22 @@ def reconstruct(
         InputError: depth is noise, no floor can be found, or no room comes out. Anything wrong with one object only
             marks that object as failed.
     """
-    check_smooth(image.depth)
     crop = central_crop(image.depth.shape, options.crop)
-    usable = crop & (image.depth > 0)
-    in_camera = back_project(image.depth, image.intrinsics)
-    frame = find_floor_frame(image, in_camera, usable, options.max_tilt, rng)
-    points = np.where(usable[..., None], apply(frame, in_camera), np.nan)
-
-    walls, fitted = find_room_walls(image, points, usable, float(frame[2, 3]), rng)
-    by_id = {wall.id: wall for wall in walls}
-    error = estimate_depth_error(image, points, frame[:3, 3], {value: by_id[name] for value, name in fitted.items()})
+    seen = PointMap(np.where(crop, image.depth, 0), image.intrinsics)
+    seen = replace(seen, frame=find_floor_frame(image, seen, options.max_tilt, rng))
+    walls, shown = find_room_walls(image, seen, rng)
+    error = estimate_depth_error(image, seen, shown)
 
     annotations = sorted(image.annotations.objects, key=lambda item: item.mask)
     masks = (image.masks == item.mask for item in annotations)
-    image = replace(image, depth=remove_reflections(image.depth, points, masks, walls, error))
+    image = replace(image, depth=remove_reflections(image.depth, seen, masks, walls, error))
+    view = DepthView(np.where(crop, image.depth, 0), image.intrinsics, seen.frame, error)
     names = object_ids([item.label for item in annotations])
     found = [
-        measure_object(name, item, image, crop, frame, error, options, rng)
+        measure_object(name, item, image.masks == item.mask, view, options, rng)
         for name, item in zip(names, annotations, strict=True)
     ]
-    view = DepthView(np.where(usable, image.depth, 0), image.intrinsics, frame, error)
-    found = mount_objects(scene, found, image, walls, fitted, view)
+    found = mount_objects(scene, found, image, walls, shown, view)
 
     height, width = image.depth.shape
     clean = np.zeros((height, width), dtype=np.uint16)
@@ -76,7 +70,7 @@ def reconstruct(
             width=width,
             height=height,
             intrinsics=image.intrinsics.tolist(),
-            floor_from_camera=frame.tolist(),
+            floor_from_camera=view.frame.tolist(),
             crop=options.crop,
             depth_error=error,
             walls=walls,

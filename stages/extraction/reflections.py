@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from stages.contracts.objects import DepthError, Wall
 from stages.geometry.estimate import REACH
+from stages.geometry.point_map import PointMap
 
 IN_ROOM = 0.2  # share of a thing's points before a wall's plane, from which on it is in this room; chosen
 NICHE = 0.3  # metres: no niche in a wall is deeper; chosen
@@ -14,7 +15,7 @@ NICHE = 0.3  # metres: no niche in a wall is deeper; chosen
 
 def remove_reflections(
     depth: NDArray[np.float32],
-    points: NDArray[np.float64],
+    seen: PointMap,
     things: Iterable[NDArray[np.bool_]],
     walls: Sequence[Wall],
     error: DepthError,
@@ -22,17 +23,17 @@ def remove_reflections(
     """Depth (H, W), set to unknown (0) where an object of this room shows points behind a wall.
 
     Args:
-        points: (H, W, 3) of the picture in the floor frame; NaN where not used.
+        seen: what is used of the picture, floor frame.
         things: their pixels (H, W).
     """
     clean = depth.copy()
     for mask in things:
-        known = mask & np.isfinite(points[..., 2])
+        known = mask & seen.known
         if not known.any():
             continue
         limit = NICHE + REACH * error.predict(depth[known].astype(np.float64))
         for wall in walls:
-            behind = points[known] @ np.array(wall.normal) - wall.offset < -limit
+            behind = seen.of(known) @ np.array(wall.normal) - wall.offset < -limit
             if IN_ROOM <= (~behind).mean() < 1:
                 clean[known] = np.where(behind, 0, clean[known])
     return clean

@@ -3,48 +3,43 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stages.contracts.objects import Wall
 from stages.extraction.observation import AnnotatedImage
 from stages.geometry.masks import erode
+from stages.geometry.point_map import PointMap
 from stages.geometry.room_planes import PLANE_THRESHOLD, SAME_DIRECTION, WallPlane, find_walls, fit_wall
 
 SAME_PLACE = 0.15  # metres: walls of one direction that are nearer than that are one; chosen
 
 
 def find_room_walls(
-    image: AnnotatedImage,
-    points: NDArray[np.float64],
-    usable: NDArray[np.bool_],
-    camera_height: float,
-    rng: np.random.Generator,
-) -> tuple[list[Wall], dict[int, str]]:
-    """The walls, and their ids by the mask values that show them.
+    image: AnnotatedImage, seen: PointMap, rng: np.random.Generator
+) -> tuple[list[Wall], dict[int, Wall]]:
+    """The walls, and by the mask values that show them.
 
     Args:
-        points: (H, W, 3) of the pixels, floor frame; only those `usable` (H, W) count.
-        camera_height: the camera is at (0, 0, camera_height).
+        seen: what is used of the picture, floor frame.
     """
-    planes, shown = [], []
-    others = usable & ~np.isin(image.masks, [item.mask for item in image.annotations.objects])
+    planes, shown, camera_height = [], [], float(seen.eye[2])
+    others = seen.known & ~np.isin(image.masks, [item.mask for item in image.annotations.objects])
     others &= image.masks != image.annotations.floor
     for value in image.annotations.walls:
-        mask = erode(usable & (image.masks == value))
-        plane = fit_wall(points[mask], camera_height, rng)
+        mask = erode(seen.known & (image.masks == value))
+        plane = fit_wall(seen.of(mask), camera_height, rng)
         if plane is not None:
             planes.append(plane)
             shown.append(value)
-            others &= ~(points @ plane.normal - plane.offset < 3 * PLANE_THRESHOLD)
-    planes += find_walls(points[usable], others[usable], camera_height, rng.spawn(1)[0])
-    walls, ids = merge_walls(planes)
-    return walls, dict(zip(shown, ids, strict=False))
+            others &= ~(seen.points @ plane.normal - plane.offset < 3 * PLANE_THRESHOLD)
+    planes += find_walls(seen.of(seen.known), others[seen.known], camera_height, rng.spawn(1)[0])
+    walls, places = merge_walls(planes)
+    return walls, {value: walls[place] for value, place in zip(shown, places, strict=False)}
 
 
-def merge_walls(planes: Sequence[WallPlane]) -> tuple[list[Wall], list[str]]:
-    """One wall for all planes that are the same, left and right of a cupboard say; and each plane's wall by its id."""
+def merge_walls(planes: Sequence[WallPlane]) -> tuple[list[Wall], list[int]]:
+    """One wall for all planes that are the same, left and right of a cupboard say; and which of them each plane is."""
     merged: list[WallPlane] = []
-    ids = []
+    places = []
     for plane in planes:
         for k, other in enumerate(merged):
             same_way = plane.normal @ other.normal > np.cos(np.deg2rad(SAME_DIRECTION))
@@ -57,9 +52,9 @@ def merge_walls(planes: Sequence[WallPlane]) -> tuple[list[Wall], list[str]]:
         else:
             k = len(merged)
             merged.append(plane)
-        ids.append(f"wall_{k + 1}")
+        places.append(k)
     walls = [
         Wall(id=f"wall_{k}", normal=(float(normal[0]), float(normal[1]), 0.0), offset=float(offset), points=count)
         for k, (normal, offset, count) in enumerate(merged, start=1)
     ]
-    return walls, ids
+    return walls, places

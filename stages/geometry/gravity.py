@@ -38,8 +38,19 @@ def cell_normals(points: Array, known: NDArray[np.bool_]) -> tuple[Array, Array]
     return first, np.where(((first * normals).sum(-1) > 0)[:, None], -normals, normals)
 
 
-def estimate_up(normals: Array, max_tilt: float) -> Array | None:
+def find_up(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Array | None:
     """The unit vector (3,) against gravity in the camera frame; None: no surface tells.
+
+    Args:
+        points: (H, W, 3) camera frame, metres.
+        known: (H, W) pixels with depth.
+        max_tilt: largest angle to image-up, degrees.
+    """
+    return estimate_up(cell_normals(points, known)[1], max_tilt)
+
+
+def estimate_up(normals: Array, max_tilt: float) -> Array | None:
+    """Likewise, by the normals of surfaces.
 
     A surface that faces up counts twice, an upright one and a ceiling once: a lone table top is upright, too, to
     every level direction.

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.gravity import LEVEL, cell_normals, estimate_up
+from stages.geometry.gravity import LEVEL, cell_normals, find_up
 from stages.geometry.planes import Plane, least_squares_plane
 from stages.geometry.room_planes import PLANE_THRESHOLD, STRAY, sample_points, scale_threshold
 
@@ -30,7 +30,7 @@ def find_levels(points: Array, known: NDArray[np.bool_], up: Array) -> list[Plan
     Args:
         points: (H, W, 3) camera frame, metres.
         known: (H, W) pixels that count.
-        up: (3,) as of `estimate_up`.
+        up: (3,) as of `find_up`.
     """
     centres, normals = cell_normals(points, known)
     cells, cloud = centres[normals @ up > LEVEL], points[known]
@@ -71,7 +71,7 @@ def _fit_level(cloud: Array, up: Array, height: float, off: float) -> tuple[Arra
 
 
 def find_floor(
-    points: Array, known: NDArray[np.bool_], free: NDArray[np.bool_], objects: Sequence[Array], max_tilt: float
+    points: Array, known: NDArray[np.bool_], free: NDArray[np.bool_], objects: Sequence[Array], up: Array
 ) -> Plane | None:
     """The floor without a mask of it: the level (a table top, too) that most objects stand on.
 
@@ -79,13 +79,12 @@ def find_floor(
 
     Args:
         points: (H, W, 3) camera frame, metres.
-        known: (H, W) pixels with depth, used to find the direction up.
+        known: (H, W) pixels with depth, which count where none is free.
         free: (H, W) those that belong to no object and no wall.
         objects: (N, 3) of each object.
-        max_tilt: largest angle between image-up and its normal, degrees.
+        up: (3,) as of `find_up`.
     """
-    up = estimate_up(cell_normals(points, known)[1], max_tilt)
-    levels = [] if up is None else find_levels(points, free, up) or find_levels(points, known, up)
+    levels = find_levels(points, free, up) or find_levels(points, known, up)
     cloud = points[free if free.any() else known]
     limit = -scale_threshold(cloud, PLANE_THRESHOLD) if len(cloud) else 0.0
 
@@ -107,7 +106,7 @@ def find_ground(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Pla
         known: (H, W) pixels with depth.
         max_tilt: largest angle between image-up and its normal, degrees.
     """
-    up = estimate_up(cell_normals(points, known)[1], max_tilt)
+    up = find_up(points, known, max_tilt)
     if up is None:
         return None
     cloud = points[known]

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
-from stages.geometry.gravity import cell_normals, estimate_up
+from stages.geometry.gravity import estimate_up, find_up
 from stages.geometry.levels import find_floor, find_levels
 from tests.unit.synthetic_room import HEIGHT, INTRINSICS, OBJECT, WIDTH, WORLD_FROM_CAMERA, trace
 
@@ -25,7 +25,7 @@ def seen(boxes: list[UprightBox], noise: float = 0.0) -> tuple[NDArray, NDArray]
 @pytest.mark.parametrize("noise", [0.0, 0.002])
 def test_up_is_where_surfaces_are_level_or_upright(noise: float) -> None:
     points, masks = seen([TABLE, BED], noise)
-    up = estimate_up(cell_normals(points, masks > 0)[1], 60.0)
+    up = find_up(points, masks > 0, 60.0)
     assert up is not None and up @ UP > np.cos(np.deg2rad(1.5))
 
 
@@ -59,7 +59,7 @@ def test_the_floor_is_the_lowest_level_or_what_most_things_stand_on() -> None:
     points, masks = seen([TABLE, BED, *cups])
     known = masks > 0
     for objects, height in (([], 0.0), ([points[masks == OBJECT + k] for k in (2, 3)], 0.7)):
-        found = find_floor(points, known, known & (masks < OBJECT + 2), objects, 60.0)
+        found = find_floor(points, known, known & (masks < OBJECT + 2), objects, find_up(points, known, 60.0))
         assert found is not None and CAMERA_HEIGHT + found.offset == pytest.approx(height, abs=0.01)
         assert found.normal @ UP > np.cos(np.deg2rad(1.0))
 
@@ -70,4 +70,4 @@ def test_a_ceiling_is_no_floor() -> None:
     rise = rays @ UP
     known = rise > 0.05
     ceiling = rays * np.where(known, 1.0 / np.maximum(rise, 0.05), 0.0)[..., None]
-    assert known.any() and find_floor(ceiling, known, known, [], 60.0) is None
+    assert known.any() and find_floor(ceiling, known, known, [], find_up(ceiling, known, 60.0)) is None

@@ -12,18 +12,14 @@ ORDER = (
 )
 
 ON_OTHERS = {  # few, each for a reason
-    ("segmenter", "furniture"),  # its training furnishes rooms
     ("inputs", "names"),  # masks may come with names that are proposed
     ("eyes", "inputs"),  # it writes an input folder
     ("eyes", "names"),  # its things are named
-    ("eyes", "segmenter"),  # one of its proposers
     ("names", "efficientnet"),  # how things look
     ("names", "furniture"),  # it learns from our models
-    ("names", "segmenter"),  # in its rooms
     ("exports", "handle"),  # an exported policy marks handles itself
     ("exports", "mujoco"),  # MJCF is MuJoCo's format
     ("inputs", "pretrained"),  # the same way to read weights
-    ("segmenter", "pretrained"),
     ("names", "pretrained"),
     ("inputs", "vlm"),  # captions may come from a language model
     ("exports", "pictures"),  # the same GLB, room and light

@@ -309,7 +309,7 @@ def test_a_frame_with_depth_and_a_recording_need_no_hand(tmp_path: Path) -> None
         "room",
     } & set(jobs)
     assert jobs["shards"] == 1 and not {"snapshots", "features"} & set(jobs)  # which, is known when objects are found
-    assert "--intrinsics k.json" in done.stdout and "--out results/scenes/0/view " in done.stdout
+    assert "--camera k.json" in done.stdout and "--out results/scenes/0/view " in done.stdout
     assert "--picture results/scenes/0/view " in done.stdout and "--out results/scenes/0/frame " in done.stdout
     assert "camera: nothing says what camera took" in dry_run(folder, "photo", "--config", *one).stdout
     assert "depth: is said of no picture" in dry_run(folder, "photo", "--config", one[1]).stdout

@@ -37,7 +37,7 @@ def test_every_picture_is_taken_to_scenes_and_the_overview(folder: Path) -> None
     told = re.search(r"from-rgbd (.*) --out results/scenes/desk_7/frame", done.stdout)
     assert told and told[1] == (
         "--rgb data/a.png --depth data/a_depth.png --masks data/m.png --labels data/m.json --unit 5000 "
-        "--matrix 600.0 601.0 320.0 240.0"
+        "--camera 600.0 601.0 320.0 240.0"
     )
     own = dict(re.findall(r"--scene (\w+) --options '[^']*' --own (\S+) +--seed", done.stdout))
     assert own["hall_3"] == "data/folders/hall_3/config.yaml"

@@ -4,6 +4,7 @@ import numpy as np
 
 from plugins.eyes.choosing import Chooser, choose
 from plugins.eyes.proposal import find_border
+from plugins.eyes.proposers import pieces
 from plugins.eyes.proposers.mobile_sam import choose_clicks
 from plugins.eyes.tests.room import ON_TABLE, TABLE, propose_mask, see_room
 
@@ -107,3 +108,16 @@ def test_what_is_seen_far_behind_a_chair_is_no_part_of_it() -> None:
     own = propose_mask(view, chair)
     things = choose(view, [type(own)(own.logits, 0.9, "test", wide.words, wide.box), propose_mask(view, behind)])
     assert len(things) == 2
+
+
+def test_pieces_are_cut_where_depth_jumps_and_at_hollows() -> None:
+    chest, box, beside = (
+        ((1.6, -0.6, 0.0), (2.0, 0.3, 0.6)),
+        ((1.8, -0.3, 0.6), (2.0, 0.1, 1.0)),
+        ((1.8, 0.5, 0.0), (2.1, 0.9, 0.5)),
+    )
+    view, (chest, box, beside) = see_room(chest, box, beside)
+    outlines = [(one.score, one.mask) for one in pieces.propose(view)]
+    for wanted, score in ((chest | box, pieces.WHOLE), (beside, pieces.WHOLE), (box, pieces.CUT)):
+        assert max(iou(view.shrink(wanted), mask) for found, mask in outlines if found == score) > 0.75
+    assert not any((mask & view.shrink(view.surfaces.floor)).sum() > 40 for _, mask in outlines)

@@ -135,7 +135,7 @@ def living(tmp_path_factory: pytest.TempPathFactory, published: None) -> Path:
     if not frame.is_dir():
         pytest.skip(f"no {frame}: ACDC_TEST_DATA says where real data lie")
     out = tmp_path_factory.mktemp("living")
-    options = {"rgb": frame / "color.png", "depth": frame / "depth.png", "intrinsics": frame / "camera.json"}
+    options = {"rgb": frame / "color.png", "depth": frame / "depth.png", "camera": (str(frame / "camera.json"),)}
     from_rgbd.run(out=out / "view", **options)  # type: ignore[arg-type]
     see.run(picture=out / "view", out=out / "seen")
     return out / "seen"
@@ -163,8 +163,8 @@ def test_what_stands_on_a_real_table_is_found(tmp_path: Path, published: None) -
     if not frames.is_dir():
         pytest.skip(f"no {frames}: ACDC_TEST_DATA says where real data lie")
     files = {kind: frames / f"0000_{kind}.png" for kind in ("color", "depth")}
-    lens = (612.937, 613.173, 322.549, 248.158)
-    from_rgbd.run(out=tmp_path / "view", rgb=files["color"], depth=files["depth"], matrix=lens)
+    lens = ("612.937", "613.173", "322.549", "248.158")
+    from_rgbd.run(out=tmp_path / "view", rgb=files["color"], depth=files["depth"], camera=lens)
     see.run(picture=tmp_path / "view", out=tmp_path / "seen")
     masks = cv2.imread(str(tmp_path / "seen/masks.png"), cv2.IMREAD_UNCHANGED)
     drawn = cv2.imread(str(Path(real_frames.__file__).with_name("0000.png")), cv2.IMREAD_UNCHANGED)

@@ -10,6 +10,7 @@ from plugins.inputs.rgbd.frame import Frame
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.depth import NEAREST
 from stages.geometry.cameras import back_project
+from stages.geometry.gravity import find_up
 from stages.geometry.levels import find_floor
 from stages.geometry.planes import Plane
 from stages.geometry.room_planes import STRAY, fit_floor, make_floor_frame
@@ -27,7 +28,8 @@ def level_camera(frame: Frame, floor: int | None) -> NDArray[np.float64] | None:
     max_tilt = ExtractionConfig().max_tilt
     on_floor = seen & (frame.masks.values == floor) if frame.masks and floor else np.zeros_like(seen)
     fitted = fit_floor(points[on_floor], max_tilt, np.random.default_rng(0))
-    if fitted is not None or find_floor(points, seen, seen, [], max_tilt) is not None:
+    up = find_up(points, seen, max_tilt)
+    if fitted is not None or (up is not None and find_floor(points, seen, seen, [], up) is not None):
         return None
     height, width = frame.depth.shape
     grey = np.asarray(cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2GRAY), np.uint8)

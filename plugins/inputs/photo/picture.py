@@ -11,7 +11,7 @@ from PIL import Image
 from PIL.ExifTags import IFD, Base
 
 from plugins.inputs.rgbd.frame import LONGEST_SIDE
-from plugins.inputs.rgbd.lens import read_lens, straighten_picture
+from plugins.inputs.rgbd.lens import CALIBRATION, read_lens, straighten_picture
 from stages.contracts.errors import InputError
 from stages.contracts.images import check_shown, read_rgb
 from stages.geometry.cameras import scale_intrinsics
@@ -115,6 +115,8 @@ def read_photo(path: Path, lens: Path | None = None) -> Photo:
     focal = None if focal is None else focal / shrunk
     if lens is not None:
         known = read_lens(lens, width, height)
+        if known.distortion is None:
+            raise InputError(lens, "holds no distortion.", CALIBRATION, code="E-LENS-MISSING")
         scaled = scale_intrinsics(known.intrinsics, rgb.shape[1] / width, rgb.shape[0] / height)
         rgb, focal = straighten_picture(rgb, replace(known, intrinsics=scaled), lens)
     return Photo(rgb, focal, shrunk)

@@ -1,7 +1,5 @@
 """Intrinsics of a frame: from a file, by the camera's name, or from a field of view."""
 
-from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.inputs.known_cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
-from plugins.inputs.rgbd.camera_files import ANGLE, CORNER, FOCAL, KNOWS, MATRICES, contents, find_first, matrix_of
-from plugins.inputs.rgbd.upright import Turn, is_stretched
+from plugins.inputs.rgbd.camera_files import ANGLE, CORNER, FOCAL, KNOWS, MATRICES, find_first, matrix_of
+from plugins.inputs.rgbd.upright import is_stretched
 from stages.contracts import InputError
 from stages.contracts.types import check_view
 from stages.geometry.cameras import make_intrinsics, scale_intrinsics
@@ -21,71 +19,12 @@ SIZES = ("resolution", "imagesize", "imgsize", "size")  # [width, height]
 NO_PINHOLE = {"omni", "ds", "eucm", "mei", "fov", "equirectangular", "spherical", "panorama", "orthographic", "unread"}
 
 
-def choose_intrinsics(
-    file: Path | None, camera: str, fov: float, matrix: Sequence[float]
-) -> Callable[[int, int, str], Matrix] | None:
-    """The function that gives K by width, height and name of a picture, for the one option that is set; None: none is.
-
-    Raises:
-        InputError: several are set, or the matrix has not four numbers.
-    """
-    if sum((file is not None, bool(camera), fov > 0, bool(matrix))) > 1:
-        raise InputError(
-            "--intrinsics, --camera, --fov, --matrix",
-            "say the same thing.",
-            "give one of them",
-            code="E-OPTION-CONFLICT",
-        )
-    if matrix and len(matrix) != 4:
-        raise InputError(
-            "--matrix", f"has {len(matrix)} numbers.", "fx fy cx cy, in pixels", code="E-CAMERA-INTRINSICS"
-        )
-    if file is not None:
-        return partial(read_intrinsics, file)
-    if matrix:
-        given = make_intrinsics(*matrix)
-        return lambda width, height, _: check_intrinsics("--matrix", given, width, height)
-    if camera:
-        return lambda width, height, _: intrinsics_of_camera(camera, width, height)
-    return (lambda width, height, _: intrinsics_of_view(fov, width, height)) if fov > 0 else None
-
-
-def read_upright_intrinsics(turn: Turn, read: Callable[[int, int], Matrix]) -> tuple[Matrix, bool]:
-    """K of the upright picture, and whether that of the sensor's picture was turned for it.
-
-    Where a file states no size, it is of the picture in whose middle its axis is.
-
-    Raises:
-        InputError: it is of neither.
-    """
-    if turn.orientation == 1:
-        return read(turn.width, turn.height), False
-    sizes = {False: (turn.width, turn.height), True: turn.stored}
-    found: dict[bool, Matrix] = {}
-    errors: list[InputError] = []
-    for is_stored, size in sizes.items():
-        try:
-            found[is_stored] = read(*size)
-        except InputError as error:
-            errors.append(error)
-    if not found:
-        raise errors[0]
-    is_stored = min(found, key=lambda one: float(np.abs((2 * found[one][:2, 2] + 1) / sizes[one] - 1).sum()))
-    if not is_stored:
-        return found[False], False
-    (fx, _, cx), (_, fy, cy), _ = found[True]
-    x = turn.width - 1 - cy if turn.orientation in (6, 7) else cy
-    y = turn.height - 1 - cx if turn.orientation in (7, 8) else cx
-    print(f"intrinsics are of the {turn.height}x{turn.width} pixels that the sensor wrote, and turned with its picture")
-    return make_intrinsics(fy, fx, x, y), True
-
-
 def intrinsics_of_view(degrees: float, width: int, height: int) -> Matrix:
     """K of square pixels with the axis in the middle, from the field of view over the picture's width."""
     low, high = FIELD_OF_VIEW
     if not low <= degrees <= high:
         what, fix = f"is {degrees:g} degrees.", f"{low:g} to {high:g}, over the picture's width"
-        raise InputError("--fov", what, fix, code="E-CAMERA-VIEW")
+        raise InputError("--camera", what, fix, code="E-CAMERA-VIEW")
     focal = width / 2 / np.tan(np.deg2rad(degrees) / 2)
     return make_intrinsics(focal, focal, (width - 1) / 2, (height - 1) / 2)
 
@@ -99,7 +38,7 @@ def intrinsics_of_camera(name: str, width: int, height: int) -> Matrix:
         raise InputError(
             "--camera",
             f"'{name}' is not known.",
-            f"one of {', '.join(FIELDS_OF_VIEW)}; or --intrinsics: {KNOWS}",
+            f"one of {', '.join(FIELDS_OF_VIEW)}; or {KNOWS}",
             code="E-CAMERA-NAME",
         )
     across, up = np.tan(np.deg2rad(FIELDS_OF_VIEW[name]) / 2)[:: -1 if height > width else 1]
@@ -107,21 +46,14 @@ def intrinsics_of_camera(name: str, width: int, height: int) -> Matrix:
     return make_intrinsics(focal, focal, (width - 1) / 2, (height - 1) / 2)
 
 
-def read_intrinsics(path: Path, width: int, height: int, picture: str = "") -> Matrix:
-    """K for a picture of this size, from a file of any usual layout (docs/your-data.md).
+def find_intrinsics(path: Path, stated: list[float] | dict[str, Any], width: int, height: int) -> Matrix:
+    """K for a picture of this size, from what a file states (`contents`), of any usual layout (docs/your-data.md).
 
     If the file states another size of the same proportions, K is scaled to the picture, which is printed.
-
-    Args:
-        path: the file.
-        width: of the picture, in pixels.
-        height: of it.
-        picture: its file name, for files of many cameras.
 
     Raises:
         InputError: nothing of the kind, or a camera that cannot have taken a picture of this size.
     """
-    stated = contents(path, picture)
     try:
         found, size = (
             read_names(path, stated, width, height) if isinstance(stated, dict) else matrix_of(np.array(stated))

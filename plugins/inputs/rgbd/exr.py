@@ -9,9 +9,6 @@ from numpy.typing import NDArray
 
 from stages.contracts import InputError
 
-DEPTH_LAYERS = ("depth", "z", "distance", "dist", "zdepth", "depthmap")  # what layers and channels of depth are called
-DEPTH_CHANNELS = ("z", "depth", "v", "y", "r", "d", "x", "")  # channels of a layer of depth, the best first
-
 
 def read_exr(path: Path) -> NDArray[Any]:
     """The channel (h, w) of depth, which is printed if there are others.
@@ -38,39 +35,20 @@ def read_exr(path: Path) -> NDArray[Any]:
 
 
 def depth_channel(path: Path, channels: dict[str, NDArray[Any]]) -> str:
-    """The name of the depth channel: by its own name or that of its layer; else the only one, or red of equal colours.
+    """The name of the depth channel: one called Z or depth, or of a layer called so; else any, if all are the same.
 
     Raises:
-        InputError: there is none, or several.
+        InputError: it may be one of several.
     """
-    ranked = {name: rank for name in channels if (rank := _rank(name)) is not None and not _is_part(name, channels)}
-    best = [name for name, rank in ranked.items() if rank == min(ranked.values())]
-    plain = [name for name in channels if not _is_part(name, channels)]
-    if not best and (len(plain) == 1 or {name.lower() for name in plain} == set("rgb")):
-        best = sorted(plain)[-1:]
-    if len(best) != 1:
-        what = f"has the channels {', '.join(best or channels)}: which of them is depth?"
+    named = [name for name in channels if "depth" in re.split(r"\W+", name.lower()) or _is_z(name, channels)]
+    first, *others = named or list(channels)
+    if not all(np.array_equal(channels[first], channels[other], equal_nan=True) for other in others):
+        what = f"has the channels {', '.join(named or channels)}: which of them is depth?"
         raise InputError(path, what, "save depth alone, or call its channel Z", code="E-DEPTH-FORMAT")
-    return best[0]
+    return first
 
 
-def _is_part(name: str, channels: dict[str, NDArray[Any]]) -> bool:
-    """Whether a channel is of a vector (X, Y, Z) or of a colour (R, G, B that differ)."""
-    layer, channel = name[:-1], name[-1:].upper()
-    for parts in ("XYZ", "RGB"):
-        own = [one for one in channels if one[:-1] == layer and one[-1:].upper() in parts]
-        if channel in parts and len(own) == 3:
-            same = all(np.array_equal(channels[own[0]], channels[one], equal_nan=True) for one in own)
-            return parts == "XYZ" or not same
-    return False
-
-
-def _rank(name: str) -> int | None:
-    """How surely a channel is depth by its name, 0 the most; None: not at all."""
-    *layers, channel = re.split(r"[.:/]", name.lower())
-    if channel in ("z", "depth"):
-        return 0
-    words = [word for layer in layers for word in re.findall(r"[a-z]+", layer)]
-    if channel in DEPTH_CHANNELS and any(word in DEPTH_LAYERS or "depth" in word for word in words):
-        return 1 + DEPTH_CHANNELS.index(channel)
-    return 1 + len(DEPTH_CHANNELS) if channel in DEPTH_LAYERS else None
+def _is_z(name: str, channels: dict[str, NDArray[Any]]) -> bool:
+    """Whether a channel is called Z, and is none of a vector."""
+    *layer, channel = name.split(".")
+    return channel.lower() == "z" and ".".join([*layer, "X"]) not in channels

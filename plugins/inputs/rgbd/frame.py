@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.inputs.rgbd.upright import Turn, is_stretched
+from plugins.inputs.rgbd.upright import is_stretched
 from plugins.names.propose import Proposal
 from stages.contracts import InputError
 from stages.geometry.cameras import scale_intrinsics
@@ -36,16 +36,15 @@ class Labelled:
 class Frame:
     """rgb (H, W, 3) uint8; depth (h, w) float32 metres along the optical axis, 0: unknown, of the same view at any
     size; intrinsics (3, 3) in pixels of `rgb`; masks of the size of `rgb`, if there are any; what was found, in lines;
-    OpenCV's coefficients of the lens, by which all of it is bent, if they are known; how its picture was turned.
+    what is doubtful about the camera or its depth, for the scene's page.
     """
 
     rgb: NDArray[np.uint8]
     depth: NDArray[np.float32]
     intrinsics: NDArray[np.float64]
     masks: Labelled | None = None
-    notes: Sequence[str] = field(default=())
-    distortion: NDArray[np.float64] | None = None
-    turn: Turn | None = None
+    notes: Sequence[str] = ()
+    doubt: str = ""
 
 
 def fit_frame(frame: Frame) -> Frame:

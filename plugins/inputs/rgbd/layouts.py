@@ -8,11 +8,10 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from plugins.inputs.rgbd.cameras import read_intrinsics
 from plugins.inputs.rgbd.depth_files import DEPTH_FILES
-from plugins.inputs.rgbd.views import Intrinsics, View
+from plugins.inputs.rgbd.lens import Lens, read_lens
+from plugins.inputs.rgbd.views import CameraReader, View
 from stages.contracts import InputError
 from stages.contracts.arrays import explain_unreadable
 from stages.geometry.cameras import make_intrinsics, scale_intrinsics
@@ -22,14 +21,14 @@ COLOUR = ("color", "rgb", "image", "colour")  # what folders of pictures are cal
 CAMERA_FILES = ("camera.json", "config.json", "metadata.json", "metadata")  # besides those with `intrinsic` in the name
 
 
-def find_view(path: Path, number: int, intrinsics: Intrinsics | None, camera_file: Path | None = None) -> View:
+def find_view(path: Path, number: int, camera: CameraReader | None, camera_file: Path | None = None) -> View:
     """Frame `number`, from 0, of a recording.
 
     Args:
         path: folder of the recording.
         number: of the frame, in the order of the recording.
-        intrinsics: what to use in the place of the recording's own.
-        camera_file: the file that they are from, if they are from one.
+        camera: what to use in the place of the recording's own.
+        camera_file: the file that it is from, if it is from one.
 
     Raises:
         InputError: no known layout, no such frame, or a broken one.
@@ -39,8 +38,8 @@ def find_view(path: Path, number: int, intrinsics: Intrinsics | None, camera_fil
         what = f"{path} has {len(frames)} frames, counted from 0: there is no {number}."
         raise InputError("--number", what, "a smaller one", code="E-RECORDING-FRAME")
     if _is_tum(path):
-        return _find_in_lists(frames[number], intrinsics, camera_file)
-    return _find_in_folders(path, frames[number], intrinsics, camera_file)
+        return _find_in_lists(frames[number], camera, camera_file)
+    return _find_in_folders(path, frames[number], camera, camera_file)
 
 
 def list_frames(path: Path) -> list[tuple[Path, Path]]:
@@ -73,17 +72,15 @@ def _list_of_tum(path: Path) -> list[tuple[Path, Path]]:
         return [(file, depths[k][1]) for (stamp, file), k in both if abs(times[k] - stamp) <= 0.02]
 
 
-def _find_in_lists(frame: tuple[Path, Path], intrinsics: Intrinsics | None, camera_file: Path | None) -> View:
+def _find_in_lists(frame: tuple[Path, Path], camera: CameraReader | None, camera_file: Path | None) -> View:
     """A frame of TUM."""
-    colour, depth = frame
-    source = "" if intrinsics else "intrinsics of TUM's tools"
-    camera = intrinsics or _make_tum_intrinsics
-    return View(colour, depth, camera, camera_file, camera_file, 5000.0, f"TUM, {colour.name}", source)
+    source = [] if camera else ["intrinsics of TUM's tools"]
+    return View(*frame, camera or _make_tum_camera, camera_file, 5000.0, (f"TUM, {frame[0].name}", *source))
 
 
-def _make_tum_intrinsics(width: int, height: int, _: str) -> NDArray[np.float64]:
-    """K of all three cameras, as TUM's tools have it for pictures of 640 x 480."""
-    return scale_intrinsics(make_intrinsics(525.0, 525.0, 319.5, 239.5), width / 640, height / 480)
+def _make_tum_camera(width: int, height: int, _: str) -> Lens:
+    """All three cameras, as TUM's tools have them for pictures of 640 x 480."""
+    return Lens(scale_intrinsics(make_intrinsics(525.0, 525.0, 319.5, 239.5), width / 640, height / 480))
 
 
 def _read_stamps(path: Path) -> list[tuple[float, Path]]:
@@ -101,21 +98,18 @@ def _list_in_folders(path: Path, colours: Path) -> list[tuple[Path, Path]]:
 
 
 def _find_in_folders(
-    path: Path, frame: tuple[Path, Path], intrinsics: Intrinsics | None, camera_file: Path | None
+    path: Path, frame: tuple[Path, Path], camera: CameraReader | None, camera_file: Path | None
 ) -> View:
     """A frame of folders, with the intrinsics of a file beside them."""
-    colour, depth = frame
     own = [one for one in sorted(path.iterdir()) if one.is_file() and "intrinsic" in one.name.lower()]
     own += [path / name for name in CAMERA_FILES if (path / name).is_file()]
-    if intrinsics is None and not own:
-        raise InputError(
-            path, "has no file of intrinsics.", "give --intrinsics, --camera or --fov", code="E-CAMERA-MISSING"
-        )
-    name, unit_file = f"{colour.name} and {depth.name}", camera_file or next(iter(own), None)
-    if intrinsics is not None:
-        return View(colour, depth, intrinsics, camera_file, unit_file, name=name)
-    camera, source = partial(read_intrinsics, own[0]), f"intrinsics of {own[0].name}"
-    return View(colour, depth, camera, own[0], unit_file, name=name, source=source)
+    notes = [f"{frame[0].name} and {frame[1].name}"]
+    if camera is None:
+        if not own:
+            raise InputError(path, "has no file of intrinsics.", "give --camera", code="E-CAMERA-MISSING")
+        camera = partial(read_lens, own[0])
+        notes.append(f"intrinsics of {own[0].name}")
+    return View(*frame, camera, camera_file or next(iter(own), None), None, tuple(notes))
 
 
 def _list_files(folder: Path, suffixes: tuple[str, ...]) -> list[Path]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.inputs.rgbd.camera_files import contents, find_first, has_camera, simplify_name
-from plugins.inputs.rgbd.cameras import Matrix, read_intrinsics
+from plugins.inputs.rgbd.cameras import Matrix, find_intrinsics
 from plugins.inputs.rgbd.frame import Frame
 from stages.contracts import InputError
 from stages.geometry.cameras import make_intrinsics
@@ -32,41 +32,41 @@ CALIBRATION = (
 
 @dataclass(frozen=True)
 class Lens:
-    """K and OpenCV's coefficients (5 to 14), or (4) those of a fisheye lens."""
+    """K and OpenCV's coefficients (5 to 14), or (4) those of a fisheye lens; none where nobody states them."""
 
     intrinsics: Matrix
-    distortion: NDArray[np.float64]
+    distortion: NDArray[np.float64] | None = None
 
     @property
     def fisheye(self) -> bool:
         """Whether the coefficients are Kannala and Brandt's."""
-        return len(self.distortion) == 4
+        return self.distortion is not None and len(self.distortion) == 4
+
+    @property
+    def bends(self) -> bool:
+        """Whether it is no pinhole."""
+        return self.fisheye or (self.distortion is not None and bool(self.distortion.any()))
 
 
-def read_lens(path: Path, width: int, height: int) -> Lens:
-    """The lens of a picture of this size.
+def read_lens(path: Path, width: int, height: int, picture: str = "") -> Lens:
+    """The camera of a picture of this size; `picture`: its file name, for files of many cameras.
 
     Raises:
-        InputError: no calibration, or one of another model.
+        InputError: no intrinsics, or a lens of a model that is not read.
     """
-    intrinsics = read_intrinsics(path, width, height)
-    distortion = find_distortion(path, intrinsics, width, height)
-    if distortion is None:
-        raise InputError(path, "holds no distortion.", CALIBRATION, code="E-LENS-MISSING")
-    return Lens(intrinsics, distortion)
+    stated = contents(path, picture)
+    intrinsics = find_intrinsics(path, stated, width, height)
+    return Lens(intrinsics, find_distortion(path, stated, intrinsics, width, height))
 
 
 def find_distortion(
-    path: Path, intrinsics: Matrix, width: int, height: int, picture: str = ""
+    path: Path, known: list[float] | dict[str, Any], intrinsics: Matrix, width: int, height: int
 ) -> NDArray[np.float64] | None:
-    """OpenCV's coefficients (5, 8, 12 or 14; 4: of a fisheye lens) in a file of intrinsics; None if it names none.
-
-    `picture`: its file name, for files of many cameras.
+    """OpenCV's coefficients (5, 8, 12 or 14; 4: of a fisheye lens) in what a file states; None if it names none.
 
     Raises:
         InputError: they are of a model that is not read, or broken.
     """
-    known = contents(path, picture)
     if not isinstance(known, dict):
         return None
     model = known.get("distortionmodel") or (known.get("model") if "coeffs" in known else "")
@@ -160,16 +160,14 @@ def straighten_picture(rgb: NDArray[np.uint8], lens: Lens, where: object) -> tup
     return _remap(target, rgb, lens, cv2.INTER_LINEAR), float(target[0, 0])
 
 
-def straighten_frame(frame: Frame) -> Frame:
+def straighten_frame(frame: Frame, distortion: NDArray[np.float64] | None) -> Frame:
     """A frame of one size as a pinhole camera would see it; depth and masks by the nearest pixel, unmixed.
 
     Raises:
         InputError: the distortion leaves nothing of the picture.
     """
-    if frame.distortion is None:
-        return frame
-    lens = Lens(frame.intrinsics, frame.distortion)
-    if not (lens.fisheye or lens.distortion.any()):
+    lens = Lens(frame.intrinsics, distortion)
+    if not lens.bends:
         return frame
     target = _choose_pinhole(lens, frame.rgb.shape[1], frame.rgb.shape[0], "intrinsics")
     masks = frame.masks and replace(frame.masks, values=_remap(target, frame.masks.values, lens, cv2.INTER_NEAREST))
@@ -180,7 +178,6 @@ def straighten_frame(frame: Frame) -> Frame:
         intrinsics=target,
         masks=masks,
         notes=[*frame.notes, "the lens's distortion is taken out"],
-        distortion=None,
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.inputs.own_scene import write_config
+from plugins.inputs.rgbd.edges import remove_edges
 from plugins.inputs.rgbd.frame import TILT, Frame, Labelled, fit_frame, is_nothing
 from plugins.names.propose import Proposal
 from stages.contracts import Annotations, Camera, InputError
@@ -78,17 +79,20 @@ def doubt_name(proposals: list[Proposal]) -> list[Doubt]:
     ]
 
 
-def write_frame(folder: Path, frame: Frame, doubt: str = "") -> Annotations | None:
+def write_frame(folder: Path, frame: Frame) -> Annotations | None:
     """Write the input folder with `config.yaml`; without masks rgb.png, camera.json and depth.npz alone.
 
-    `doubt`: about the camera or its depth, for the scene's page.
+    With masks, depth of their edges is left out.
     """
     frame = fit_frame(frame)
     height, width = frame.rgb.shape[:2]
-    masks, annotations = (None, None) if frame.masks is None else make_annotations(frame.masks)
-    camera = Camera(width=width, height=height, intrinsics=frame.intrinsics.tolist(), note=doubt)
-    write_scene_input(folder, frame.rgb, frame.depth, camera, masks, annotations)
-    if annotations is not None:
-        # Depth is good up to the border, few points stray, and what is held in a hand looks down steeply.
-        write_config(folder, extraction={"crop": 1.0, "trim": TRIM, "max_tilt": TILT})
+    camera = Camera(width=width, height=height, intrinsics=frame.intrinsics.tolist(), note=frame.doubt)
+    if frame.masks is None:
+        write_scene_input(folder, frame.rgb, frame.depth, camera, None, None)
+        return None
+    masks, annotations = make_annotations(frame.masks)
+    depth = remove_edges(frame.depth, frame.masks.values)
+    write_scene_input(folder, frame.rgb, depth, camera, masks, annotations)
+    # Depth is good up to the border, few points stray, and what is held in a hand looks down steeply.
+    write_config(folder, extraction={"crop": 1.0, "trim": TRIM, "max_tilt": TILT})
     return annotations

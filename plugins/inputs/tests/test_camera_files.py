@@ -9,7 +9,8 @@ import pytest
 import yaml
 from numpy.typing import NDArray
 
-from plugins.inputs.rgbd.cameras import intrinsics_of_camera, read_intrinsics
+from plugins.inputs.rgbd.camera_files import contents
+from plugins.inputs.rgbd.cameras import intrinsics_of_camera
 from plugins.inputs.rgbd.lens import find_distortion, read_lens
 from stages.contracts import Camera, InputError
 from stages.geometry.cameras import scale_intrinsics
@@ -44,7 +45,7 @@ SCANNET = (
 def camera(tmp_path: Path, said: object, picture: str = "") -> NDArray[np.float64]:
     path = tmp_path / "K"
     path.write_text(said if isinstance(said, str) else json.dumps(said))
-    return read_intrinsics(path, WIDTH, HEIGHT, picture)
+    return read_lens(path, WIDTH, HEIGHT, picture).intrinsics
 
 
 def rows(matrix: NDArray[np.float64]) -> str:
@@ -87,7 +88,7 @@ def test_files_of_other_tools(tmp_path: Path, said: object) -> None:
 
 def test_arrays_with_names(tmp_path: Path) -> None:
     np.savez(tmp_path / "calibration.npz", mtx=K, dist=np.array([[-0.2, 0.05, 0, 0, 0]]))
-    np.testing.assert_allclose(read_intrinsics(tmp_path / "calibration.npz", WIDTH, HEIGHT), K)
+    np.testing.assert_allclose(read_lens(tmp_path / "calibration.npz", WIDTH, HEIGHT).intrinsics, K)
     assert read_lens(tmp_path / "calibration.npz", WIDTH, HEIGHT).distortion[:2].tolist() == [-0.2, 0.05]
 
 
@@ -166,7 +167,7 @@ def test_an_axis_beside_the_middle_is_believed() -> None:
 def lens(tmp_path: Path, said: object) -> list[float] | None:
     path = tmp_path / "K"
     path.write_text(said if isinstance(said, str) else json.dumps(said))
-    found = find_distortion(path, K, WIDTH, HEIGHT)
+    found = find_distortion(path, contents(path), K, WIDTH, HEIGHT)
     return None if found is None else found.tolist()
 
 
@@ -238,7 +239,7 @@ def test_yaml_of_ros(tmp_path: Path) -> None:
     said |= {"distortion_coefficients": {"rows": 1, "cols": 5, "data": [0.1, 0, 0, 0, 0]}}
     said |= {"projection_matrix": {"rows": 3, "cols": 4, "data": (0.9 * P).ravel().tolist()}}
     (tmp_path / "K.yaml").write_text(yaml.safe_dump(said))
-    np.testing.assert_allclose(read_intrinsics(tmp_path / "K.yaml", WIDTH, HEIGHT), K)
+    np.testing.assert_allclose(read_lens(tmp_path / "K.yaml", WIDTH, HEIGHT).intrinsics, K)
     with pytest.raises(InputError):
         (tmp_path / "K.yaml").write_text("a: [1, 2")
-        read_intrinsics(tmp_path / "K.yaml", WIDTH, HEIGHT)
+        read_lens(tmp_path / "K.yaml", WIDTH, HEIGHT)

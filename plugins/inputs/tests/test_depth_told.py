@@ -254,7 +254,7 @@ def test_the_channel_of_depth_is_told_by_its_name(
         {"A": OTHER, "B": DEPTH},
         {"R": OTHER, "G": THIRD, "B": DEPTH},
         {"left.Z": OTHER, "right.Z": DEPTH},
-        {f"Position.{axis}": OTHER for axis in "XYZ"},
+        {"Position.X": OTHER, "Position.Y": THIRD, "Position.Z": DEPTH},
     ],
 )
 def test_channels_that_may_all_be_depth_are_refused(
@@ -297,9 +297,9 @@ def test_depth_is_ray_as_an_option(tmp_path: Path, room: tuple[Any, Any], capsys
     (tmp_path / "names.json").write_text(json.dumps({str(FLOOR): "floor", str(OBJECT): "box"}))
     (tmp_path / "K.json").write_text(json.dumps(INTRINSICS.tolist()))
     np.save(tmp_path / "d.npy", depth * ray_lengths(depth.shape, INTRINSICS))
-    files: dict[str, Any] = {"rgb": "rgb.png", "depth": "d.npy", "intrinsics": "K.json", "masks": "masks.png",
+    files: dict[str, Any] = {"rgb": "rgb.png", "depth": "d.npy", "masks": "masks.png",
                              "labels": "names.json"}  # fmt: skip
-    given = {key: tmp_path / name for key, name in files.items()}
+    given = {key: tmp_path / name for key, name in files.items()} | {"camera": (str(tmp_path / "K.json"),)}
     from_rgbd.run(out=tmp_path / "z", **given)
     assert "depth in doubt: floor and walls would be flat with --depth-is ray" in capsys.readouterr().out
     assert "in doubt" in read_json(Camera, tmp_path / "z/camera.json").note

@@ -129,7 +129,6 @@ def test_what_goes_from_bent_to_straight_is_turned_round(tmp_path: Path, inverse
 @pytest.mark.parametrize(
     ("data", "code"),
     [
-        ({}, "LENS-MISSING"),
         ({"D": BENT[:2], "distortion_model": "equidistant"}, "LENS-MISSING"),
         ({"coeffs": [*BENT[:4], 0.1], "model": "RS2_DISTORTION_KANNALA_BRANDT4"}, "LENS-MISSING"),
         ({"D": BENT, "distortion_model": "omni"}, "LENS-MODEL"),
@@ -152,8 +151,14 @@ def test_a_photograph_is_straightened_before_everything(tmp_path: Path) -> None:
     assert photo.rgb.shape == (1200, 1600, 3) and photo.shrunk > 1 and bend(photo.rgb) < 5
     assert photo.focal is not None and photo.focal == pytest.approx(FOCAL * 2.5, rel=0.15)
     assert bend(read_photo(tmp_path / "wide.png").rgb) > 12
+    lens.write_text(json.dumps({"K": [3 * FOCAL, 0, 967, 0, 3 * FOCAL, 709, 0, 0, 1]}))
+    with refused("E-LENS-MISSING"):
+        read_photo(tmp_path / "wide.png", lens)
     with refused("E-OPTION-CONFLICT"):
         annotate.run(tmp_path / "wide.png", lens=lens, depth=tmp_path / "depth.npz", browser=False)
+
+
+FILES = {"rgb": "rgb.png", "depth": "depth.png", "masks": "masks.png", "labels": "names.json"}
 
 
 def bent_frame(kind: str) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.uint16]]:
@@ -194,9 +199,10 @@ def test_rgbd_frames_are_straightened(tmp_path: Path, kind: str, said: dict[str,
     (tmp_path / "names.json").write_text(json.dumps({str(FLOOR): "floor", str(OBJECT): "box"}))
     (tmp_path / "K.json").write_text(json.dumps({"camera_matrix": INTRINSICS.tolist(), **said}))
     from_rgbd.run(
-        out=tmp_path / "out", rgb=tmp_path / "rgb.png", depth=tmp_path / "depth.png", intrinsics=tmp_path / "K.json",
-        masks=tmp_path / "masks.png", labels=tmp_path / "names.json",
-    )  # fmt: skip
+        out=tmp_path / "out",
+        camera=(str(tmp_path / "K.json"),),
+        **{name: tmp_path / file for name, file in FILES.items()},  # type: ignore[arg-type]
+    )
     written = read_scene_input(tmp_path / "out")
     u, v = np.meshgrid(np.arange(ROOM_WIDTH), np.arange(ROOM_HEIGHT))
     rays = np.stack([u, v, np.ones_like(u)], axis=-1) @ np.linalg.inv(np.array(written.camera.intrinsics)).T

@@ -13,9 +13,10 @@ import pytest
 import yaml
 
 from plugins.inputs import from_rgbd
-from plugins.inputs.rgbd.cameras import intrinsics_of_camera, read_intrinsics
+from plugins.inputs.rgbd.cameras import intrinsics_of_camera
 from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
 from plugins.inputs.rgbd.frame import Labelled
+from plugins.inputs.rgbd.lens import read_lens
 from plugins.inputs.rgbd.mask_files import read_labelled
 from plugins.inputs.rgbd.write import make_annotations
 from plugins.names.propose import Proposal
@@ -62,7 +63,7 @@ def files(tmp_path: Path, room: tuple) -> SimpleNamespace:
 def test_files_become_an_input_folder(files: SimpleNamespace, capsys: pytest.CaptureFixture[str]) -> None:
     out = files.folder / "mine"
     from_rgbd.run(
-        out=out, rgb=files.color, depth=files.depth, intrinsics=files.K, masks=files.masks, labels=files.names
+        out=out, rgb=files.color, depth=files.depth, camera=(str(files.K),), masks=files.masks, labels=files.names
     )
     given = read_scene_input(out)
     assert {item.label for item in given.annotations.objects} == {"table", "box", "cabinet"}
@@ -76,7 +77,7 @@ def test_files_become_an_input_folder(files: SimpleNamespace, capsys: pytest.Cap
 def test_depth_of_another_size_is_laid_on_the_picture(files: SimpleNamespace, room: tuple) -> None:
     small = cv2.resize(room[1], (WIDTH // 3, HEIGHT // 3), interpolation=cv2.INTER_NEAREST)
     np.save(files.folder / "small.npy", small)
-    options: dict[str, Any] = {"rgb": files.color, "fov": 55.0, "masks": files.masks, "labels": files.names}
+    options: dict[str, Any] = {"rgb": files.color, "camera": ("55",), "masks": files.masks, "labels": files.names}
     from_rgbd.run(out=files.folder / "a", depth=files.folder / "small.npy", **options)
     depth = read_scene_input(files.folder / "a").depth
     assert depth.shape == (HEIGHT, WIDTH)
@@ -88,20 +89,18 @@ def test_depth_of_another_size_is_laid_on_the_picture(files: SimpleNamespace, ro
 
 
 def test_intrinsics_may_be_told_as_numbers(files: SimpleNamespace) -> None:
-    told = tuple(INTRINSICS[[0, 1, 0, 1], [0, 1, 2, 2]].tolist())
+    told = tuple(map(str, INTRINSICS[[0, 1, 0, 1], [0, 1, 2, 2]].tolist()))
     options: dict[str, Any] = {"rgb": files.color, "depth": files.depth, "masks": files.masks, "labels": files.names}
-    from_rgbd.run(out=files.folder / "a", matrix=told, **options)
+    from_rgbd.run(out=files.folder / "a", camera=told, **options)
     assert read_scene_input(files.folder / "a").camera.intrinsics == INTRINSICS.tolist()
-    for wrong in (told[:3], (*told[:3], 5000.0), (30.0, *told[1:])):
+    for wrong in (told[:3], (*told[:3], "5000"), ("30", *told[1:])):
         with refused("E-CAMERA-INTRINSICS"):
-            from_rgbd.run(out=files.folder / "b", matrix=wrong, **options)
-    with refused("E-OPTION-CONFLICT"):
-        from_rgbd.run(out=files.folder / "b", matrix=told, fov=60.0, **options)
+            from_rgbd.run(out=files.folder / "b", camera=wrong, **options)
 
 
 def test_without_masks_the_page_is_named(files: SimpleNamespace, capsys: pytest.CaptureFixture[str]) -> None:
     out = files.folder / "bare"
-    from_rgbd.run(out=out, rgb=files.color, depth=files.depth, intrinsics=files.K)
+    from_rgbd.run(out=out, rgb=files.color, depth=files.depth, camera=(str(files.K),))
     assert sorted(path.name for path in out.iterdir()) == ["camera.json", "depth.npz", "rgb.png"]
     assert "annotate" in capsys.readouterr().out
 
@@ -134,7 +133,7 @@ def test_ground_is_what_the_named_things_stand_on(files: SimpleNamespace) -> Non
     files.names.write_text(json.dumps(names))
     out = files.folder / "table"
     from_rgbd.run(
-        out=out, rgb=files.color, depth=files.depth, intrinsics=files.K, masks=files.masks, labels=files.names
+        out=out, rgb=files.color, depth=files.depth, camera=(str(files.K),), masks=files.masks, labels=files.names
     )
     assert boxes_of(out)["can_1"].size[2] == pytest.approx(CAN.size[2], abs=0.02)
 
@@ -202,10 +201,10 @@ FLAT = [value for row in K for value in row]
 
 def test_intrinsics_as_an_array(tmp_path: Path) -> None:
     np.save(tmp_path / "K.npy", np.array(K))
-    assert read_intrinsics(tmp_path / "K.npy", 640, 480) == pytest.approx(np.array(K))
+    assert read_lens(tmp_path / "K.npy", 640, 480).intrinsics == pytest.approx(np.array(K))
     np.save(tmp_path / "K.npy", np.eye(4))
     with pytest.raises(InputError, match=r"K\.npy"):
-        read_intrinsics(tmp_path / "K.npy", 640, 480)
+        read_lens(tmp_path / "K.npy", 640, 480)
 
 
 @pytest.mark.parametrize(
@@ -225,7 +224,7 @@ def test_intrinsics_as_an_array(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_intrinsics_files(tmp_path: Path, text: str) -> None:
     (tmp_path / "K").write_text(text)
-    assert read_intrinsics(tmp_path / "K", 640, 480) == pytest.approx(np.array(K))
+    assert read_lens(tmp_path / "K", 640, 480).intrinsics == pytest.approx(np.array(K))
 
 
 @pytest.mark.parametrize(
@@ -234,7 +233,7 @@ def test_intrinsics_files(tmp_path: Path, text: str) -> None:
 def test_broken_intrinsics_are_one_line(tmp_path: Path, text: str) -> None:
     (tmp_path / "K").write_text(text)
     with pytest.raises(InputError):
-        read_intrinsics(tmp_path / "K", 640, 480)
+        read_lens(tmp_path / "K", 640, 480)
 
 
 def test_camera_by_name() -> None:
@@ -386,7 +385,7 @@ def test_the_lens_of_a_recording(tmp_path: Path, room: tuple, capsys: pytest.Cap
     file.write_text(json.dumps(json.loads(file.read_text()) | {"coeffs": [-0.2, 0, 0, 0, 0], "model": "brown_conrady"}))
     from_rgbd.run(out=tmp_path / "out", recording=recording)
     assert "distortion is taken out" in capsys.readouterr().out
-    from_rgbd.run(out=tmp_path / "out", recording=recording, fov=55.0)
+    from_rgbd.run(out=tmp_path / "out", recording=recording, camera=("55",))
     assert "distortion" not in capsys.readouterr().out
 
 
@@ -402,7 +401,7 @@ def test_intrinsics_follow_the_size() -> None:
         ({"recording": Path("nothing")}, "RECORDING-LAYOUT"),
         ({"recording": Path("tests")}, "RECORDING-LAYOUT"),
         ({"recording": Path("tests"), "rgb": Path("a")}, "OPTION-CONFLICT"),
-        ({"fov": 50.0, "camera": "xtion"}, "OPTION-CONFLICT"),
+        ({"rgb": Path("a.png"), "depth": Path("b.png"), "camera": ("xtion", "50")}, "CAMERA-INTRINSICS"),
         ({"rgb": Path("a.png"), "depth": Path("b.png")}, "CAMERA-MISSING"),
     ],
 )

@@ -51,7 +51,7 @@ def frame_of(folder: Path, depth: np.ndarray, masks: np.ndarray, names: dict[int
         out=folder / "out",
         rgb=folder / "rgb.png",
         depth=folder / "depth.npz",
-        intrinsics=folder / "K.txt",
+        camera=(str(folder / "K.txt"),),
         masks=folder / "masks.png",
         labels=folder / "names.json",
     )

@@ -13,11 +13,11 @@ from plugins.names.network import ShapeNetwork
 from plugins.names.shape import FAR, NUMBERS
 from plugins.names.training import dirt
 from plugins.names.training.draw import Examples, draw_examples, find_wholes, list_names, name_kind
+from plugins.names.training.furnishing import furnish, make_pool
 from plugins.names.training.junk import JUNK, make_junk
 from plugins.names.training.optimise import Options, train, vary
-from plugins.names.training.rooms import furnish_fully, make_full_pool
-from plugins.segmenter.training.pictures import LARGE, pictures_in
-from plugins.segmenter.training.sensor import sense_as_kinect
+from plugins.names.training.pictures import pictures_in
+from plugins.names.training.sensor import sense_as_kinect
 
 SHAPE = (120, 160)
 OWNER = np.zeros(SHAPE, np.uint8)
@@ -84,8 +84,8 @@ def test_junk_is_solid_and_never_the_same(kind: str) -> None:
 
 def test_what_a_thing_carries_may_be_shown_with_it() -> None:
     rng = np.random.default_rng(3)
-    room = furnish_fully(make_full_pool(1, 0), rng)
-    for picture in pictures_in(room, LARGE, 6, rng, False):
+    room = furnish(make_pool(1, 0), rng)
+    for picture in pictures_in(room, 6, rng):
         for number, some in find_wholes(picture, room).items():
             carried = {room.things[int(one) - 2].support for one in np.unique(picture.owner[some[-1] & ~some[0]])}
             assert carried <= {number} and not (some[0] & ~some[-1]).any()
@@ -93,8 +93,8 @@ def test_what_a_thing_carries_may_be_shown_with_it() -> None:
 
 def test_a_kinect_measures_steps_that_grow_and_loses_edges() -> None:
     rng = np.random.default_rng(1)
-    room = furnish_fully(make_full_pool(1, 0), rng)
-    picture = next(pictures_in(room, LARGE, 9, rng, False))
+    room = furnish(make_pool(1, 0), rng)
+    picture = next(pictures_in(room, 9, rng))
     depth = sense_as_kinect(picture, np.random.default_rng(0))
     known = (depth > 0) & (picture.depth > 0)
     assert 0.3 < known.mean() < 1

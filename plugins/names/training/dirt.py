@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.segmenter.training.solids import Rng
+from plugins.names.training.solids import Rng
 
 Mask = NDArray[np.bool_]
 CLEAN = 0.25  # share of masks that stay as they are; chosen

@@ -11,18 +11,17 @@ from numpy.typing import NDArray
 from plugins.furniture.catalogue import CATEGORIES
 from plugins.names.shape import AROUND, NUMBERS, POINTS, Shape, measure_shape
 from plugins.names.training.dirt import OTHER, SAME, Mask, cut_patch, share_owner, soil
-from plugins.names.training.rooms import furnish_fully, make_full_pool
-from plugins.segmenter.training.pictures import BACKGROUND, LARGE, NOTHING, Picture, pictures_in
-from plugins.segmenter.training.rooms import Room
-from plugins.segmenter.training.sensor import sense_as_kinect, sense_depth, tilt_frame
-from plugins.segmenter.training.solids import Rng
+from plugins.names.training.furnishing import furnish, make_pool
+from plugins.names.training.pictures import BACKGROUND, NOTHING, Picture, pictures_in
+from plugins.names.training.rooms import Room
+from plugins.names.training.sensor import sense_as_kinect, sense_depth, tilt_frame
+from plugins.names.training.solids import Rng
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply
 
 LEAST = 60  # pixels of a mask in a picture of 320 x 240
 VIEWS = 7  # of a room
 PATCHES = 1  # of no thing, in a picture
-ERROR = (1.7, 0.025)  # degrees and share of the camera's height by which the ground's frame is off; chosen
 KINECT = 0.5  # share of pictures that a Kinect sees
 NONE = "other"
 AS_IF = {"office_chair": "chair"}  # a kind of the rooms that the library lacks
@@ -62,8 +61,8 @@ def draw_examples(rooms: int, models: int, seed: int, processes: int = 1) -> Exa
 def draw_room(models: int, seed: int, number: int) -> Examples:
     """The examples of a room."""
     rng, names = np.random.default_rng((seed, number)), list_names()
-    room = furnish_fully(make_full_pool(models, seed), rng)
-    found = [one for picture in pictures_in(room, LARGE, VIEWS, rng, False) for one in look_at(picture, room, rng)]
+    room = furnish(make_pool(models, seed), rng)
+    found = [one for picture in pictures_in(room, VIEWS, rng) for one in look_at(picture, room, rng)]
     return Examples(
         np.array([shape.points for _, shape in found], np.float16).reshape(-1, POINTS, 3),
         np.array([shape.around for _, shape in found], np.float16).reshape(-1, AROUND, 3),
@@ -75,7 +74,7 @@ def draw_room(models: int, seed: int, number: int) -> Examples:
 def look_at(picture: Picture, room: Room, rng: Rng) -> Iterator[tuple[str, Shape]]:
     """The masks of a picture that show a thing or none, with the name, as a sensor sees them."""
     sense = sense_as_kinect if rng.random() < KINECT else sense_depth
-    depth, frame = sense(picture, rng), tilt_frame(picture.frame.astype(float), rng, *ERROR)
+    depth, frame = sense(picture, rng), tilt_frame(picture.frame, rng)
     points, known = apply(frame, back_project(depth, picture.intrinsics)), depth > 0
     wholes = find_wholes(picture, room)
     masks = [soil(some[-1 if rng.random() < 0.3 else 0], picture.owner, rng) for some in wholes.values()]

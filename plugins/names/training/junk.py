@@ -6,9 +6,7 @@ import numpy as np
 
 from plugins.furniture.model import Model, Part, part
 from plugins.furniture.shapes import cushion, hull, lathe, rod, slab
-from plugins.segmenter.training.solids import Rng, Solid, solid_of
-
-PAINT = [0.5, 0.5, 0.5]  # nobody looks at their colours
+from plugins.names.training.solids import PAINT, Rng, Solid, solid_of
 
 
 def _door(rng: Rng) -> list[Part]:

@@ -1,80 +1,160 @@
-"""Random rooms with a few things more, of every category alike and of none."""
+"""A room of boxes with things in it: walls with doors and windows, what is free, what carries, and its triangles."""
 
-from functools import cache
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
-from plugins.names.training.junk import JUNK, make_junk
-from plugins.segmenter.training import rooms
-from plugins.segmenter.training.kinds import SMALL, TOPS
-from plugins.segmenter.training.pictures import MODELS, make_pool
-from plugins.segmenter.training.rooms import FLOOR, WALL, Placed, Room, draw_scaled, wall_point
-from plugins.segmenter.training.solids import Rng, Solid
+from plugins.furniture.shapes import CUBE
+from plugins.names.training.solids import CELLS, Array, Rng, Solid
+from stages.geometry.frames import yaw_matrix
 
-Pool = dict[str, list[Solid]]
-# What hangs, and metres between which its foot is; chosen. Beside it hangs what has its top at `TOPS`.
-HUNG = {
-    "a_door": (0.0, 0.01), "a_window": (0.6, 1.2), "clock": (1.2, 2.0), "mirror": (0.1, 1.6), "picture": (0.7, 1.9),
-    "television": (0.6, 1.4), "wall_cabinet": (1.1, 1.6), "wall_shelf": (0.6, 1.9),
-}  # fmt: skip
-AGAINST_WALL = 0.6  # share of large things on the floor that stand with their back to a wall; chosen
-LITTLE = 0.5  # metres: junk that is smaller stands on others, as what is in `SMALL` does; chosen
-ON_FLOOR = 0.2  # share of small things that lie on the floor all the same; chosen
-MORE, TRIES = 24, 4  # things more in a room, and places that are tried for one
+FLAT = 0.025  # metres by which what a thing stands on may be uneven
+FLOOR, WALL = 0, 1  # owners; things are numbered from 2 on
+BEYOND = 4.0  # metres that floor and ceiling go on behind doors and windows
 
 
-@cache
-def make_full_pool(models: int, seed: int) -> Pool:
-    """So many solids of every category, of further kinds of the segmenter, and of junk."""
+@dataclass(frozen=True)
+class Placed:
+    """A solid stretched by `scale` (3,), turned by `yaw`, its base at `position`; on the floor, a wall or a thing."""
 
-    def make(kind: str, index: int) -> Solid:
-        return make_junk(kind, np.random.default_rng(np.random.SeedSequence((seed + MODELS, *kind.encode(), index))))
+    solid: Solid
+    scale: Array
+    yaw: float
+    position: Array
+    support: int  # FLOOR, WALL, or an owner
 
-    return make_pool(models, seed) | {kind: [make(kind, index) for index in range(models)] for kind in JUNK}
+    @property
+    def size(self) -> Array:
+        """(3,) metres, unturned."""
+        return self.solid.size * self.scale
 
+    @property
+    def vertices(self) -> Array:
+        """(V, 3) in the room."""
+        return self.solid.vertices * self.scale @ yaw_matrix(self.yaw).T + self.position
 
-def furnish_fully(pool: Pool, rng: Rng) -> Room:
-    """A random room with `MORE` further things, every kind as likely."""
-    room = rooms.furnish(pool, rng)
-    for kind in rng.choice(sorted(pool), MORE):
-        for _ in range(TRIES):
-            solid, scale = draw_scaled(str(kind), pool, rng, 0.1)
-            new = _place(room, solid, scale, rng)
-            base = None if new is None or new.support < 2 else room.things[new.support - 2]
-            if new is not None and room.is_free(new, [thing for thing in room.things if thing is not base]):
-                room.things.append(new)
-                break
-    return room
+    def local(self, points: Array) -> Array:
+        """Points (N, 2) of the room in the thing's axes."""
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        return np.asarray((points - self.position[:2]) @ np.array([[c, -s], [s, c]]))
 
-
-def _place(room: Room, solid: Solid, scale: np.ndarray, rng: Rng) -> Placed | None:
-    """A place for a thing, where such things are; None: there is none."""
-    size, side = solid.size * scale, int(rng.integers(4))
-    along = rng.uniform(size[1] / 2, max(size[1] / 2, room.size[side % 2] - size[1] / 2))
-    if solid.kind in HUNG or solid.kind in TOPS:
-        top = TOPS.get(solid.kind, 0.0) * rng.uniform(0.9, 1.15)
-        foot = rng.uniform(*HUNG[solid.kind]) if solid.kind in HUNG else max(0.0, top - size[2])
-        point, yaw = wall_point(room.size, side, along, size[0] / 2)
-        return Placed(solid, scale, yaw, np.array([*point, foot]), WALL) if foot + size[2] < room.size[2] else None
-    little = solid.kind in SMALL or (solid.kind in JUNK and size.max() < LITTLE)
-    if little and rng.random() > ON_FLOOR:
-        return _place_upon(room, solid, scale, rng)
-    if rng.random() < AGAINST_WALL:
-        point, yaw = wall_point(room.size, side, along, size[0] / 2 + rng.choice([0.0, rng.uniform(0, 0.15)]))
-        return Placed(solid, scale, yaw, np.array([*point, 0.0]), FLOOR)
-    point = rng.uniform(0.1, 0.9, 2) * room.size[:2]
-    return Placed(solid, scale, rng.uniform(0, 2 * np.pi), np.array([*point, 0.0]), FLOOR)
+    def corners(self, margin: float = 0.0) -> Array:
+        """(4, 2) of its box from above."""
+        half = self.size[:2] / 2 + margin
+        turn = yaw_matrix(self.yaw)[:2, :2]
+        return np.asarray(np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]]) * half @ turn.T + self.position[:2])
 
 
-def _place_upon(room: Room, solid: Solid, scale: np.ndarray, rng: Rng) -> Placed | None:
-    """A place on one of the things that may carry others."""
-    carriers = [n for n, one in enumerate(room.things) if one.size[:2].min() > 0.3 and one.size[2] < 1.5]
-    if not carriers:
+@dataclass
+class Room:
+    """`size` (3,) metres, corner at the origin; boxes (N, 2, 3) of floor (the first), ceiling and walls; the things."""
+
+    size: Array
+    shell: list[Array]
+    things: list[Placed] = field(default_factory=list)
+
+    def is_free(self, new: Placed, others: Sequence[Placed]) -> bool:
+        """Whether a new thing overlaps no wall and no other thing at its height, by their boxes from above."""
+        corners = new.corners()
+        if (corners < -1e-6).any() or (corners > self.size[:2] + 1e-6).any():
+            return False
+        low, high = new.position[2], new.position[2] + new.size[2]
+        level = [o for o in others if o.position[2] < high - 0.01 and o.position[2] + o.size[2] > low + 0.01]
+        return not any(_overlap(corners, other.corners()) for other in level)
+
+
+def _overlap(a: Array, b: Array) -> bool:
+    """Whether two rectangles (4, 2) overlap, by separating axes."""
+    for shape in (a, b):
+        for axis in (shape[1] - shape[0], shape[2] - shape[1]):
+            first, second = a @ axis, b @ axis
+            if first.max() <= second.min() or second.max() <= first.min():
+                return False
+    return True
+
+
+def build_shell(rng: Rng) -> Room:
+    """An empty room of random size."""
+    size = np.array([*rng.uniform(2.4, 7.0, 2), rng.uniform(2.3, 3.2)])
+    floor = np.array([[-BEYOND, -BEYOND, -0.1], [*size[:2] + BEYOND, 0.0]])
+    ceiling = np.array([[-BEYOND, -BEYOND, size[2]], [*size[:2] + BEYOND, size[2] + 0.1]])
+    return Room(size, [floor, ceiling, *(box for side in range(4) for box in _wall(size, side, rng))])
+
+
+def _wall(size: Array, side: int, rng: Rng) -> list[Array]:
+    """Boxes (2, 3) of one wall, with a door or window in it at times, and what is behind that; alcoves, pillars."""
+    length, thick = size[side % 2], 0.15
+    pieces = [(0.0, length, 0.0, size[2])]
+    kind = rng.choice(["closed", "window", "door"], p=[0.5, 0.25, 0.25])
+    if kind != "closed" and length > 2.2:
+        wide = rng.uniform(0.8, 1.9) if kind == "window" else rng.uniform(0.75, 1.4)
+        low, high = (rng.uniform(0.6, 1.1), rng.uniform(1.9, 2.2)) if kind == "window" else (0.0, rng.uniform(2.0, 2.2))
+        start = rng.uniform(0.2, length - wide - 0.2)
+        pieces = [
+            (0.0, start, 0.0, size[2]),
+            (start + wide, length, 0.0, size[2]),
+            (start, start + wide, high, size[2]),
+        ]
+        if low:
+            pieces.append((start, start + wide, 0.0, low))
+    boxes = [_place_along(size, side, start, end, -thick, 0.0, low, high) for start, end, low, high in pieces]
+    if kind == "door" or (kind == "window" and rng.random() < 0.5):
+        gap = rng.uniform(0.8, 3.0)
+        boxes.append(_place_along(size, side, -2.0, length + 2.0, -gap - 0.1, -gap, 0.0, size[2]))
+    if rng.random() < 0.2:  # a pillar, a chimney, a radiator's cover
+        start, wide, deep = rng.uniform(0, 0.8 * length), rng.uniform(0.2, 0.9), rng.uniform(0.05, 0.4)
+        boxes.append(_place_along(size, side, start, min(length, start + wide), 0.0, deep, 0.0, size[2]))
+    if rng.random() < 0.3:  # skirting
+        boxes.append(_place_along(size, side, 0.0, length, 0.0, 0.015, 0.0, rng.uniform(0.05, 0.12)))
+    return boxes
+
+
+def _place_along(
+    size: Array, side: int, start: float, end: float, near: float, far: float, low: float, high: float
+) -> Array:
+    """A box (2, 3) from `start` to `end` along a wall and from `near` to `far` into the room."""
+    across = (near, far) if side < 2 else (size[1 - side % 2] - far, size[1 - side % 2] - near)
+    ends = [(start, end), across] if side % 2 == 0 else [across, (start, end)]
+    return np.array([[ends[0][0], ends[1][0], low], [ends[0][1], ends[1][1], high]])
+
+
+def wall_point(size: Array, side: int, along: float, off: float) -> tuple[Array, float]:
+    """A point (2,) `off` a wall into the room, and the yaw that looks away from the wall."""
+    into = off if side < 2 else size[1 - side % 2] - off
+    point = np.array([along, into] if side % 2 == 0 else [into, along])
+    yaw = [np.pi / 2, 0.0, -np.pi / 2, np.pi][side]
+    return point, yaw
+
+
+def find_level_below(base: Placed, new: Placed) -> float | None:
+    """The height at which the base carries a new thing; None: it does not lie flat there."""
+    inner = new.corners(-0.25 * float(new.size[:2].min()))
+    mesh = np.concatenate([inner, inner.mean(axis=0, keepdims=True)])
+    cells = np.floor((base.local(mesh) / base.size[:2] + 0.5) * CELLS).astype(int)
+    if (cells < 0).any() or (cells >= CELLS).any():
         return None
-    owner = int(rng.choice(carriers))
-    base = room.things[owner]
-    c, s = np.cos(base.yaw), np.sin(base.yaw)
-    point = base.position[:2] + np.array([[c, -s], [s, c]]) @ (rng.uniform(-0.45, 0.45, 2) * base.size[:2])
-    yaw = base.yaw + rng.normal(0, 0.4)
-    level = rooms.find_level_below(base, Placed(solid, scale, yaw, np.array([*point, 0.0]), owner + 2))
-    return None if level is None else Placed(solid, scale, yaw, np.array([*point, level]), owner + 2)
+    heights = base.solid.heights[cells[:, 0], cells[:, 1]] * base.scale[2]
+    if not np.isfinite(heights).all() or np.ptp(heights) > FLAT:
+        return None
+    return float(base.position[2] + heights.max())
+
+
+def triangles(room: Room) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.int64], NDArray[np.bool_]]:
+    """Vertices (V, 3), faces (F, 3), owner (F,), and whether they mirror (F,)."""
+    vertices, faces, owners, mirrors, start = [], [], [], [], 0
+    for number, (low, high) in enumerate(room.shell):
+        vertices.append((low + high) / 2 + CUBE.vertices * (high - low))
+        faces.append(CUBE.faces + start)
+        owners.append(np.full(len(CUBE.faces), WALL if number else FLOOR))
+        mirrors.append(np.zeros(len(CUBE.faces), dtype=bool))
+        start += len(CUBE.vertices)
+    for owner, thing in enumerate(room.things, 2):
+        vertices.append(thing.vertices)
+        faces.append(thing.solid.faces + start)
+        owners.append(np.full(len(thing.solid.faces), owner))
+        mirrors.append(thing.solid.mirrors)
+        start += len(thing.solid.vertices)
+    joined = [np.concatenate(each) for each in (vertices, faces, owners, mirrors)]
+    return joined[0].astype(np.float32), joined[1].astype(np.uint32), joined[2], joined[3]

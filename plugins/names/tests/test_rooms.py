@@ -3,33 +3,25 @@
 import numpy as np
 import pytest
 
-from plugins.segmenter.training.pictures import (
-    BACKGROUND,
-    GROUND,
-    NOTHING,
-    SMALL,
-    Picture,
-    draw_pictures,
-    make_pool,
-    views_of,
-)  # fmt: skip
-from plugins.segmenter.training.rooms import FLOOR, WALL, Room, furnish
-from plugins.segmenter.training.solids import OTHERS, Solid, make_solid
+from plugins.names.training.furnishing import Pool, furnish, make_pool
+from plugins.names.training.pictures import BACKGROUND, GROUND, NOTHING, Picture, pictures_in
+from plugins.names.training.rooms import FLOOR, WALL, Room
+from plugins.names.training.solids import OTHERS, make_solid
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply
 
 
 @pytest.fixture(scope="module")
-def pool() -> dict[str, list[Solid]]:
+def pool() -> Pool:
     return make_pool(1, 0)
 
 
 @pytest.fixture(scope="module")
-def rooms(pool: dict[str, list[Solid]]) -> list[Room]:
+def rooms(pool: Pool) -> list[Room]:
     return [furnish(pool, np.random.default_rng(seed)) for seed in range(12)]
 
 
-def test_rooms_are_the_same_every_time(pool: dict[str, list[Solid]], rooms: list[Room]) -> None:
+def test_rooms_are_the_same_every_time(pool: Pool, rooms: list[Room]) -> None:
     again = furnish(pool, np.random.default_rng(3))
     assert [thing.position.tolist() for thing in again.things] == [thing.position.tolist() for thing in rooms[3].things]
 
@@ -57,8 +49,8 @@ def test_every_other_kind_stands_on_the_ground() -> None:
 
 
 @pytest.fixture(scope="module")
-def pictures(pool: dict[str, list[Solid]]) -> list[Picture]:
-    return [picture for seed in range(8) for picture in views_of(pool, SMALL, 4, np.random.default_rng(seed))]
+def pictures(rooms: list[Room]) -> list[Picture]:
+    return [picture for seed, room in enumerate(rooms) for picture in pictures_in(room, 2, np.random.default_rng(seed))]
 
 
 def test_the_ground_is_level_and_things_are_above_it(pictures: list[Picture]) -> None:
@@ -71,10 +63,3 @@ def test_the_ground_is_level_and_things_are_above_it(pictures: list[Picture]) ->
         assert height[things].min(initial=0.0) > -0.03
         tables += bool((height[picture.depth > 0] < -0.2).mean() > 0.02)
     assert 0 < tables < len(pictures)
-
-
-def test_as_many_pictures_are_drawn_as_asked(pool: dict[str, list[Solid]]) -> None:
-    one, two = (draw_pictures(pool, 6, SMALL, 4, np.random.default_rng(1)) for _ in range(2))
-    assert len(one) == 6 and all(
-        (a.rgb == b.rgb).all() and (a.owner == b.owner).all() for a, b in zip(one, two, strict=True)
-    )
