@@ -47,8 +47,3 @@ rule all:
         rules.tables.input,
         EVERYTHING,
     localrule: True
-
-
-for file in rule_files(CONFIG.packages, last=True):
-
-    include: file

@@ -1,1 +1,1 @@
-"""Runs in operation: one workflow per folder, no job outlives it, a short log, clusters (docs/running.md)."""
+"""Runs in operation: one workflow per folder, no job outlives it, clusters (docs/running.md)."""

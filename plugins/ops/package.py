@@ -2,4 +2,4 @@
 
 from stages.config.packages import Package
 
-PACKAGE = Package(last=True)
+PACKAGE = Package()

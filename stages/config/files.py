@@ -80,7 +80,7 @@ def read_file(path: Path) -> dict[str, Any]:
     return content
 
 
-def _check_keys(path: Path, root: yaml.Node) -> None:
+def _check_keys(path: Path, root: yaml.Node | None) -> None:
     """Refuse a key that is given twice: the last would win without a word."""
     queue = [root]
     for node in queue:

@@ -20,7 +20,6 @@ class Package:
     """What the core must know of a package.
 
     Attributes:
-        last: whether its rules.smk looks at the rules of all others.
         judges: whether judges of matching read its sections, each that of its name, so that variants may change them.
         draws: modules with which verbs show more, by stage: matching: `InPlace` shows cousins in an object's place;
             generation: `estimate_look` finds a picture's light and colours; demonstrations: `film_demonstrations` and
@@ -40,7 +39,6 @@ class Package:
         keys: of the whole config, environment variables of keys that it sends to a server; None: it asks none.
     """
 
-    last: bool = False
     section: str = ""
     judges: bool = False
     draws: Mapping[str, str] = field(default_factory=dict)
@@ -73,10 +71,9 @@ def list_drawers(on: Mapping[str, bool], stage: str) -> list[str]:
     return [package.draws[stage] for package in packages_on(on) if stage in package.draws]
 
 
-def rule_files(on: Mapping[str, bool], last: bool = False) -> list[str]:
-    """The rules.smk of packages that are on, below the workflow's folder: of those that come last, or of the others."""
-    packages = [name for name, package in find_packages().items() if on[name] and package.last == last]
-    names = [name for name in packages if (plugins.PACKAGES / name / "rules.smk").is_file()]
+def rule_files(on: Mapping[str, bool]) -> list[str]:
+    """The rules.smk of packages that are on, below the workflow's folder."""
+    names = [name for name in find_packages() if on[name] and (plugins.PACKAGES / name / "rules.smk").is_file()]
     return [f"plugins/{name}/rules.smk" for name in names]
 
 
