@@ -6,9 +6,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plugins.importing.hinges import ALONG, LEAST_OUT, LEAST_TURN, THIN, list_carried_links, slides_from_narrower
+from plugins.importing.hinges import (
+    ALONG,
+    LEAST_OUT,
+    LEAST_TURN,
+    THIN,
+    list_carried_links,
+    seen_points,
+    slides_from_narrower,
+)
 from stages.articulated.attributes import list_moved_links, merge_visuals
-from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box, visual_bounds
+from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
 from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.geometry.frames import rigid, yaw_matrix
 
@@ -123,9 +131,8 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> F
 
 def _box(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> Matrix | None:
     """Box (2, 3) around the visual meshes of some links, closed; None: they have none."""
-    boxes = [visual_bounds(robot.links[link].visuals, frames[link]) for link in links]
-    corners = [box for box in boxes if box is not None]
-    return np.array([np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))]) if corners else None
+    points = seen_points(robot, links, frames)
+    return np.array([points.min(axis=0), points.max(axis=0)]) if len(points) else None
 
 
 def _measure_skew(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix], outward: Matrix) -> float:

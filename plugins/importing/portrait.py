@@ -1,16 +1,17 @@
 """One picture of an imported model: everything open, its front marked by an arrow on the ground before it."""
 
-from itertools import product
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 from sapien.physx import PhysxArticulation
 
 from plugins.films.framing import frame_all, intrinsics_of
+from plugins.importing.hinges import seen_points
 from stages.articulated.asset_folder import read_asset, read_model
-from stages.articulated.forward_kinematics import link_frames, visual_bounds
+from stages.articulated.forward_kinematics import link_frames
 from stages.simulation.loading import load_looks, remove
 from stages.simulation.rendering import RenderCamera, make_scene
 
@@ -38,10 +39,12 @@ class Portraits:
         low, high = np.array(asset.box_min), np.array(asset.box_max)
         reach = 0.35 * float((high - low).max())
         foot = np.array([high[0] + 0.3 * reach, (low[1] + high[1]) / 2, low[2]])
-        opened = _bounds(folder)
+        robot = read_model(folder)
+        seen = seen_points(robot, robot.links, link_frames(robot, OPEN))
+        opened = np.array([seen.min(axis=0), seen.max(axis=0)])
         foot[0] = max(foot[0], opened[1, 0] + 0.1 * reach)
         tip = foot + np.array([[reach, -0.3 * reach, 0], [reach, 0.3 * reach, 0]])
-        shown = np.concatenate([_corners(opened), tip])
+        shown = np.concatenate([trimesh.bounds.corners(opened), tip])
         view = frame_all(shown, FROM, HEIGHT / WIDTH)
         picture = Image.fromarray(self.camera.render(view).rgb)
         remove(self.scene, body)
@@ -54,16 +57,3 @@ class Portraits:
         points = np.array([foot + reach * np.array([x, y, 0]) for x, y in outline])
         seen = (points - view[:3, 3]) @ view[:3, :3] @ self.intrinsics.T
         ImageDraw.Draw(picture).polygon([tuple(point) for point in (seen[:, :2] / seen[:, 2:]).tolist()], fill=ARROW)
-
-
-def _bounds(folder: Path) -> NDArray[np.float64]:
-    """(2, 3) box around the open model."""
-    robot = read_model(folder)
-    frames = link_frames(robot, OPEN)
-    boxes = [visual_bounds(link.visuals, frames[link.name]) for link in robot.links.values()]
-    corners = np.concatenate([box for box in boxes if box is not None])
-    return np.array([corners.min(axis=0), corners.max(axis=0)])
-
-
-def _corners(bounds: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.array([[bounds[i, 0], bounds[j, 1], bounds[k, 2]] for i, j, k in product((0, 1), repeat=3)])

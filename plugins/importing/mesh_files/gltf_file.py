@@ -5,7 +5,6 @@ What a shape needs and is not read is refused by name; what only looks need is n
 
 import io
 import json
-import struct
 import warnings
 from copy import deepcopy
 from pathlib import Path
@@ -20,20 +19,24 @@ from trimesh import Scene
 from trimesh.visual import ColorVisuals, TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
+from plugins.importing.mesh_files.gltf_header import (
+    GLOSSY,
+    INSTANCES,
+    MOVED,
+    STRIP,
+    TRIANGLES,
+    Header,
+    join_file,
+    list_left_out,
+    refuse_unread,
+    split_file,
+)
 from stages.articulated.mesh_resolver import MeshResolver
 from stages.articulated.urdf_tree import MOST_SHAPES
-from stages.contracts.errors import InputError
 from stages.contracts.look import GAMMA
 
-Header = dict[str, Any]
 Numbers = NDArray[np.float64]
-MAGIC = b"glTF"
-QUANTIZED, INSTANCES, MOVED = "KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_texture_transform"
-GLOSSY, WEBP = "KHR_materials_pbrSpecularGlossiness", "EXT_texture_webp"  # which trimesh reads
-READ = {QUANTIZED, INSTANCES, MOVED, GLOSSY, WEBP}
-LOOKS = ("KHR_materials_", "KHR_lights_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_xmp")  # not its shape
 LARGEST = {5120: 127, 5121: 255, 5122: 32767, 5123: 65535}  # what is 1 in a normalized accessor, by component type
-TRIANGLES, STRIP, FAN = 4, 5, 6
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
 METAL = "pbrMetallicRoughness"
 PLACES = {"_TRANSLATION": (0.0, 0, 0), "_ROTATION": (0.0, 0, 0, 1), "_SCALE": (1.0, 1, 1)}  # of instances, usually
@@ -49,12 +52,12 @@ def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
         InputError: it has what is not read and changes its shape.
         ValueError: it is broken.
     """
-    header, binary = _split(path.read_bytes())
-    _refuse_unread(path, header)
-    lines = _list_left_out(header)
+    header, binary = split_file(path.read_bytes())
+    refuse_unread(path, header)
+    lines = list_left_out(header)
     said = _place_pictures(header.get("materials", []))
     primitives = _rename_attributes(header)
-    data = _join(header, binary) if binary else json.dumps(header).encode()
+    data = join_file(header, binary) if binary else json.dumps(header).encode()
     with warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)  # of a picture that is too large
         try:
@@ -67,71 +70,6 @@ def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
         if primitive["attributes"].keys() & PLACES.keys():
             placed[name] = _instances(mesh, primitive, header)
     return _repeat(scene, placed), [f"{path.name} {line}" for line in dict.fromkeys([*said, *lines])]
-
-
-def _split(data: bytes) -> tuple[Header, bytes]:
-    """The header of a file, and what follows it in a .glb.
-
-    Raises:
-        ValueError: it is no glTF 2.
-    """
-    try:
-        end = 20 + struct.unpack("<I", data[12:16])[0] if data[:4] == MAGIC else 0
-        header, binary = json.loads(data[20:end] if end else data), data[end:] if end else b""
-    except (ValueError, struct.error) as error:
-        raise ValueError(f"its header is broken ({error})") from None
-    if not isinstance(header, dict):
-        raise ValueError("its header is no object")
-    if not str(version := header.get("asset", {}).get("version", "2")).startswith("2"):
-        raise ValueError(f"it is glTF {version}, and 2.0 is read")
-    return header, binary
-
-
-def _join(header: Header, binary: bytes) -> bytes:
-    """A .glb of a header and what follows it."""
-    text = json.dumps(header).encode()
-    text += b" " * (-len(text) % 4)
-    start = struct.pack("<4sIII4s", MAGIC, 2, 20 + len(text) + len(binary), len(text), b"JSON")
-    return start + text + binary
-
-
-def _refuse_unread(path: Path, header: Header) -> None:
-    """Refuse a file with what changes its shape and is not read here.
-
-    Raises:
-        InputError: names it.
-    """
-    nodes, parts = header.get("nodes", []), [part for mesh in header.get("meshes", []) for part in mesh["primitives"]]
-    if len(nodes) > MOST_SHAPES:
-        raise InputError(path, f"has {len(nodes)} nodes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
-    found = {
-        "skins": any("skin" in node for node in nodes),
-        "morph targets": any("targets" in part for part in parts),
-        "triangle fans": any(part.get("mode") == FAN for part in parts),
-        "sparse accessors": any("sparse" in one for one in header.get("accessors", [])),
-        "hidden nodes": any("KHR_node_visibility" in node.get("extensions", {}) for node in nodes),
-        "compressed numbers": any("bufferView" not in one for one in header.get("accessors", [])),
-    }
-    names = [name for name, is_there in found.items() if is_there]
-    names += sorted(one for one in set(header.get("extensionsRequired", [])) - READ if not one.startswith(LOOKS))
-    if names:
-        mend = "re-export it with modifiers applied, as plain triangles, uncompressed"
-        raise InputError(path, f"has {', '.join(names)[:200]}, not read here.", mend, code="E-MESH-EXTENSION")
-
-
-def _list_left_out(header: Header) -> list[str]:
-    """What of the file is not read, in a line."""
-    scenes = len(header.get("scenes", []))
-    modes = [part.get("mode", TRIANGLES) for mesh in header.get("meshes", []) for part in mesh["primitives"]]
-    present = {
-        f"{scenes - 1} of its {scenes} scenes": scenes > 1,
-        "animations": bool(header.get("animations")),
-        "cameras": bool(header.get("cameras")),
-        "points or lines": any(mode not in (TRIANGLES, STRIP) for mode in modes),
-    }
-    names = [name for name, is_there in present.items() if is_there]
-    names += sorted(set(header.get("extensionsUsed", [])) - READ)
-    return [f"has what is not read: {', '.join(names)[:300]}"] if names else []
 
 
 def _pictures(material: Header) -> list[tuple[Header, str]]:

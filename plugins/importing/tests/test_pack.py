@@ -9,7 +9,6 @@ import trimesh
 import yaml
 
 from plugins.importing.evidence import Shared
-from plugins.importing.examine import Examined
 from plugins.importing.import_ import run
 from plugins.importing.imports import Notes
 from plugins.importing.pack import read_pack
@@ -161,7 +160,3 @@ def test_one_partnet_model_keeps_its_category_and_size(
     run(tmp_path / "theirs" / given, out=tmp_path / "mine")
     assert "as large as ours are" in capsys.readouterr().out
     assert notes(tmp_path / "mine", "microwave/45132")[0] == "microwave"
-
-
-def test_facts_of_a_model_that_was_not_read() -> None:
-    assert Examined(Path("a"), Path("b"), doubts=["no"]).text() == "a: not used: no"

@@ -219,24 +219,6 @@ def test_large_textures_are_made_smaller(tmp_path: Path) -> None:
     assert picture.size == (3000, 1500)
 
 
-def test_doors_and_drawers_are_no_solid_blocks(tmp_path: Path) -> None:
-    body, drawer = box("0.4 0.5 0.6", "-0.21 0 0.3"), box("0.02 0.5 0.2") + box("0.3 0.45 0.15", "-0.16 0 0")
-    inertial = '<inertial><mass value="{}"/></inertial>'
-
-    def masses(kilograms: float) -> tuple[float, list[str]]:
-        links = f'<link name="body">{inertial.format(20)}{body}</link>'
-        links += f'<link name="d">{inertial.format(kilograms)}{drawer}</link>'
-        text = links + joint("slide", "prismatic", "d", "1 0 0", 0.3, "0.01 0 0.3")
-        robot, lines = repair_inertias(read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path))
-        assert robot.links["body"].mass == 20
-        return robot.links["d"].mass, lines
-
-    assert masses(4.0) == (4.0, [])
-    mass, lines = masses(40.0)
-    assert 2 < mass < 6
-    assert lines == [f"what 'slide' moves weighs 40 kg in its file: taken for boards, {mass:.2g} kg"]
-
-
 def test_kinds_that_are_not_read_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "theirs/chair").mkdir(parents=True)
     (tmp_path / "theirs/chair/a.usd").write_text("")
@@ -277,11 +259,3 @@ def test_masses_and_sizes_that_no_thing_has_are_doubted(tmp_path: Path, size: st
     text = f'<link name="a">{box(size)}<inertial><mass value="{mass}"/></inertial></link>'
     lines = repair_inertias(read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path))[1]
     assert [line.startswith(says) for line in lines] == [True] * bool(says)
-
-
-def test_a_frame_that_weighs_less_than_anything_is_doubted(tmp_path: Path) -> None:
-    bars = "".join(
-        box("1 0.01 0.01", f"0 {y} {z}") + box("0.01 0.01 1", f"0.5 {y} 0.5") for y in (0, 1) for z in (0, 1)
-    )
-    lines = repair_inertias(read_urdf(urdf(tmp_path / "a.urdf", f'<link name="a">{bars}</link>'), tmp_path))[1]
-    assert [line.partition(",")[2] for line in lines] == [" less than anything of its size (asset.json: mass)"]

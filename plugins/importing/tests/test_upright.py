@@ -16,7 +16,6 @@ from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.forward_kinematics import change_root, measure_closed_box
 from stages.articulated.model import RobotModel
 from stages.articulated.urdf_reader import read_urdf
-from stages.contracts.categories import known_categories
 from stages.geometry.frames import rigid
 
 BACK, LEVEL, UPRIGHT = "0 -1 0", "0 1 0", "0 0 -1"
@@ -141,19 +140,6 @@ def test_a_seat_on_its_gas_lift_is_no_drawer_however_it_lies(tmp_path: Path) -> 
     for text in (DRAWERS, DRAWERS.replace("</link>", f"{top}</link>", 1)):
         drawer, lines = doors_and_drawers(model(tmp_path, text))
         assert lines == [] and drawer.joints[0].type == "prismatic"
-
-
-def test_a_drawer_slides_no_farther_than_all_is_deep(tmp_path: Path) -> None:
-    robot, lines = doors_and_drawers(model(tmp_path, DRAWERS.replace('upper="0.25"', 'upper="0.9"')))
-    assert robot.joints[0].upper == pytest.approx(0.42)
-    assert lines == ["drawer 'slide' slides 90 cm in its file, cut to 42 cm: all of it is no deeper"]
-
-
-def test_doors_and_flaps_of_our_categories() -> None:
-    known = known_categories()
-    assert known["fridge"].doors > 0 == known["fridge"].flaps
-    assert known["oven"].flaps > 0 == known["oven"].doors
-    assert known["chair"].doors == known["chair"].flaps == 0
 
 
 def test_a_fridge_with_y_up_stands_and_its_door_opens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,82 @@
+"""A glTF file's header: found in the file, refused by name where it says what is not read, and put back."""
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+from stages.articulated.urdf_tree import MOST_SHAPES
+from stages.contracts.errors import InputError
+
+Header = dict[str, Any]
+MAGIC = b"glTF"
+QUANTIZED, INSTANCES, MOVED = "KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_texture_transform"
+GLOSSY, WEBP = "KHR_materials_pbrSpecularGlossiness", "EXT_texture_webp"  # which trimesh reads
+READ = {QUANTIZED, INSTANCES, MOVED, GLOSSY, WEBP}
+LOOKS = ("KHR_materials_", "KHR_lights_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_xmp")  # not its shape
+TRIANGLES, STRIP, FAN = 4, 5, 6
+
+
+def split_file(data: bytes) -> tuple[Header, bytes]:
+    """The header of a file, and what follows it in a .glb.
+
+    Raises:
+        ValueError: it is no glTF 2.
+    """
+    try:
+        end = 20 + struct.unpack("<I", data[12:16])[0] if data[:4] == MAGIC else 0
+        header, binary = json.loads(data[20:end] if end else data), data[end:] if end else b""
+    except (ValueError, struct.error) as error:
+        raise ValueError(f"its header is broken ({error})") from None
+    if not isinstance(header, dict):
+        raise ValueError("its header is no object")
+    if not str(version := header.get("asset", {}).get("version", "2")).startswith("2"):
+        raise ValueError(f"it is glTF {version}, and 2.0 is read")
+    return header, binary
+
+
+def join_file(header: Header, binary: bytes) -> bytes:
+    """A .glb of a header and what follows it."""
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 4)
+    start = struct.pack("<4sIII4s", MAGIC, 2, 20 + len(text) + len(binary), len(text), b"JSON")
+    return start + text + binary
+
+
+def refuse_unread(path: Path, header: Header) -> None:
+    """Refuse a file with what changes its shape and is not read here.
+
+    Raises:
+        InputError: names it.
+    """
+    nodes, parts = header.get("nodes", []), [part for mesh in header.get("meshes", []) for part in mesh["primitives"]]
+    if len(nodes) > MOST_SHAPES:
+        raise InputError(path, f"has {len(nodes)} nodes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
+    found = {
+        "skins": any("skin" in node for node in nodes),
+        "morph targets": any("targets" in part for part in parts),
+        "triangle fans": any(part.get("mode") == FAN for part in parts),
+        "sparse accessors": any("sparse" in one for one in header.get("accessors", [])),
+        "hidden nodes": any("KHR_node_visibility" in node.get("extensions", {}) for node in nodes),
+        "compressed numbers": any("bufferView" not in one for one in header.get("accessors", [])),
+    }
+    names = [name for name, is_there in found.items() if is_there]
+    names += sorted(one for one in set(header.get("extensionsRequired", [])) - READ if not one.startswith(LOOKS))
+    if names:
+        mend = "re-export it with modifiers applied, as plain triangles, uncompressed"
+        raise InputError(path, f"has {', '.join(names)[:200]}, not read here.", mend, code="E-MESH-EXTENSION")
+
+
+def list_left_out(header: Header) -> list[str]:
+    """What of the file is not read, in a line."""
+    scenes = len(header.get("scenes", []))
+    modes = [part.get("mode", TRIANGLES) for mesh in header.get("meshes", []) for part in mesh["primitives"]]
+    present = {
+        f"{scenes - 1} of its {scenes} scenes": scenes > 1,
+        "animations": bool(header.get("animations")),
+        "cameras": bool(header.get("cameras")),
+        "points or lines": any(mode not in (TRIANGLES, STRIP) for mode in modes),
+    }
+    names = [name for name, is_there in present.items() if is_there]
+    names += sorted(set(header.get("extensionsUsed", [])) - READ)
+    return [f"has what is not read: {', '.join(names)[:300]}"] if names else []
