@@ -25,7 +25,8 @@ def propose(view: RoomView) -> list[Proposal]:
     """The pieces, and what they fall into at hollows."""
     surfaces = view.surfaces
     points, depth = (
-        cv2.resize(each, view.small, interpolation=cv2.INTER_NEAREST) for each in (surfaces.points, view.depth)
+        np.asarray(cv2.resize(each, view.small, interpolation=cv2.INTER_NEAREST), np.float64)
+        for each in (surfaces.points, view.depth)
     )
     free = (depth > 0) & ~view.shrink(surfaces.floor | surfaces.beyond | view.border)
     bends, level = measure_bends(points, free, surfaces.frame[:3, 3])
@@ -73,7 +74,8 @@ def measure_bends(points: Array, free: Mask, camera: Array) -> tuple[list[Array]
     weight = cv2.blur(free.astype(float), (3, 3))
     points = cv2.blur(np.where(free[..., None], points, 0.0), (3, 3)) / np.maximum(weight, 1e-6)[..., None]
     sides = [_on_either_side(points, axis) for axis in (1, 0)]
-    normals = _unit(np.cross(*(after - before for before, after in sides)))
+    across, down = (after - before for before, after in sides)
+    normals = _unit(np.cross(across, down))
     away = (normals * (points - camera)).sum(axis=-1, keepdims=True) > 0
     normals = np.where(away, -normals, normals)
     bends = []

@@ -199,6 +199,7 @@ def _choose_pinhole(lens: Lens, width: int, height: int, where: object) -> Matri
 
 def _find_fisheye_focal(lens: Lens, width: int, height: int) -> float:
     """The least focal length, from that of `MAX_VIEW` on, at which all borders show what is in the picture."""
+    assert lens.distortion is not None
     last = np.array([width - 1, height - 1], dtype=float)
     share = np.linspace(-0.5, 0.5, 50)
     sides = [np.column_stack([share, 0 * share + end]) for end in (-0.5, 0.5)]

@@ -74,6 +74,8 @@ def rows(matrix: NDArray[np.float64]) -> str:
         {"fl_x": 600, "fl_y": 610, "cx": 320.5, "cy": 240.5, "w": 640, "h": 480, "camera_model": "OPENCV"},
         {"cam_K": K.ravel().tolist(), "depth_scale": 0.1},
         {"intrinsic": {"width": 640, "height": 480, "intrinsic_matrix": K.T.ravel().tolist()}, "extrinsic": [1] * 16},
+        {**FLAT, "fx": 600, "ppx": 320, "ppy": 240, "width": 640, "height": 480},
+        {"img_width": 1280, "img_height": 960, "fx": 1200, "fy": 1220, "x_offset": 640.5, "ppy": 480.5},
         OPENCV,
         SCANNET,
         "fx_color = 600\nfy_color = 610\nmx_color = 320\nmy_color = 240\ncolorWidth = 640\ncolorHeight = 480",
@@ -87,6 +89,8 @@ def test_files_of_other_tools(tmp_path: Path, said: object) -> None:
 
 
 def test_arrays_with_names(tmp_path: Path) -> None:
+    np.save(tmp_path / "K.npy", K)
+    np.testing.assert_allclose(read_lens(tmp_path / "K.npy", WIDTH, HEIGHT).intrinsics, K)
     np.savez(tmp_path / "calibration.npz", mtx=K, dist=np.array([[-0.2, 0.05, 0, 0, 0]]))
     np.testing.assert_allclose(read_lens(tmp_path / "calibration.npz", WIDTH, HEIGHT).intrinsics, K)
     assert read_lens(tmp_path / "calibration.npz", WIDTH, HEIGHT).distortion[:2].tolist() == [-0.2, 0.05]
@@ -125,6 +129,10 @@ def test_of_many_cameras_the_picture_s_own_is_taken(tmp_path: Path) -> None:
         ({"K": [600, 5, 320, 0, 610, 240, 0, 0, 1]}, "CAMERA-INTRINSICS", "skew"),
         ({**FLAT, "skew": 3.0}, "CAMERA-INTRINSICS", "skew"),
         ({"K": [0] * 9}, "CAMERA-INTRINSICS", ""),
+        ("1 2 3", "CAMERA-INTRINSICS", ""),
+        ("600 610 320 2400", "CAMERA-INTRINSICS", ""),
+        ({"fx": "a", "fy": 1, "cx": 1, "cy": 1}, "CAMERA-INTRINSICS", ""),
+        ("", "CAMERA-INTRINSICS", ""),
         ({"K": list(range(1, 17))}, "CAMERA-INTRINSICS", "a matrix that is no"),
         ({"K": [1, 2, 3, 40, 5, 6]}, "CAMERA-INTRINSICS", "six numbers"),
         ({**FLAT, "width": 640, "height": 640}, "CAMERA-SIZE", "other proportions"),
@@ -220,6 +228,14 @@ def test_the_first_of_kalibr_s_cameras_is_taken_and_said(tmp_path: Path, capsys:
     said = {"cam0": {"intrinsics": [600, 610, 320, 240]}, "cam1": {"intrinsics": [500, 500, 320, 240]}}
     np.testing.assert_allclose(camera(tmp_path, said), K)
     assert "cam0 is taken" in capsys.readouterr().out
+
+
+def test_camera_by_name() -> None:
+    """A real D435 at 640x480 has fx 613; its narrow picture is cut at the sides of a wide sensor."""
+    assert intrinsics_of_camera("realsense_d435", 640, 480)[0, 0] == pytest.approx(613, rel=0.02)
+    assert intrinsics_of_camera("realsense_d435", 1280, 720)[0, 0] == pytest.approx(920, rel=0.02)
+    with refused("E-CAMERA-NAME"):
+        intrinsics_of_camera("polaroid", 640, 480)
 
 
 def test_a_camera_that_was_held_upright() -> None:

@@ -138,6 +138,18 @@ def test_a_shape_that_cannot_be_read_is_refused_by_its_name(tmp_path: Path, draw
         read(tmp_path, labelme(shape("box", "polygon", CORNERS), drawn))
 
 
+def pack(counts: list[int]) -> str:
+    """Run lengths as COCO's tools write them."""
+    text = ""
+    for number, count in enumerate(counts):
+        value, more = count - (counts[number - 2] if number > 2 else 0), True
+        while more:
+            bits, value = value & 31, value >> 5
+            more = not ((value == 0 and not bits & 16) or (value == -1 and bits & 16))
+            text += chr((bits | 32 if more else bits) + 48)
+    return text
+
+
 @pytest.mark.parametrize(
     "segmentation",
     [
@@ -148,6 +160,7 @@ def test_a_shape_that_cannot_be_read_is_refused_by_its_name(tmp_path: Path, draw
         {"size": [HEIGHT, WIDTH], "counts": runs(BOX)},
         [{"size": [HEIGHT, WIDTH], "counts": runs(BOX)}],
         {"counts": runs(BOX)},
+        {"size": [HEIGHT, WIDTH], "counts": pack(runs(BOX))},
         [runs(BOX)],
         runs(BOX),
     ],

@@ -13,10 +13,8 @@ import pytest
 import yaml
 
 from plugins.inputs import from_rgbd
-from plugins.inputs.rgbd.cameras import intrinsics_of_camera
 from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
 from plugins.inputs.rgbd.frame import Labelled
-from plugins.inputs.rgbd.lens import read_lens
 from plugins.inputs.rgbd.mask_files import read_labelled
 from plugins.inputs.rgbd.write import make_annotations
 from plugins.names.propose import Proposal
@@ -28,7 +26,6 @@ from stages.contracts.scene_input import read_scene_input
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import reconstruct
 from stages.geometry.boxes import UprightBox
-from stages.geometry.cameras import scale_intrinsics
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
 
@@ -196,111 +193,6 @@ def test_a_picture_of_depth_is_refused(tmp_path: Path, room: tuple) -> None:
 
 
 K = [[600.0, 0, 320], [0, 610.0, 240], [0, 0, 1]]
-FLAT = [value for row in K for value in row]
-
-
-def test_intrinsics_as_an_array(tmp_path: Path) -> None:
-    np.save(tmp_path / "K.npy", np.array(K))
-    assert read_lens(tmp_path / "K.npy", 640, 480).intrinsics == pytest.approx(np.array(K))
-    np.save(tmp_path / "K.npy", np.eye(4))
-    with pytest.raises(InputError, match=r"K\.npy"):
-        read_lens(tmp_path / "K.npy", 640, 480)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "600 610 320 240",
-        "600, 0, 320\n0, 610, 240\n0, 0, 1",
-        json.dumps({"fx": 600, "fy": 610, "cx": 320, "cy": 240}),
-        json.dumps({"fx": 600, "fy": 610, "ppx": 320, "ppy": 240, "width": 640, "height": 480}),
-        json.dumps({"width": 640, "height": 480, "intrinsic_matrix": np.array(K).T.ravel().tolist()}),
-        json.dumps({"intrinsics": K}),
-        json.dumps({"img_width": 1280, "img_height": 960, "fx": 1200, "fy": 1220, "x_offset": 640.5, "ppy": 480.5}),
-        json.dumps({"color": {"K": FLAT}}),
-        yaml.safe_dump({"camera_matrix": {"rows": 3, "cols": 3, "data": FLAT}, "image_width": 640}),
-        json.dumps({"w": 1280, "h": 960, "fx": 1200, "fy": 1220, "cx": 640.5, "cy": 480.5}),  # twice as large
-    ],
-)  # fmt: skip
-def test_intrinsics_files(tmp_path: Path, text: str) -> None:
-    (tmp_path / "K").write_text(text)
-    assert read_lens(tmp_path / "K", 640, 480).intrinsics == pytest.approx(np.array(K))
-
-
-@pytest.mark.parametrize(
-    "text", ["1 2 3", "600 610 320 2400", "{}", '{"fx": "a", "fy": 1, "cx": 1, "cy": 1}', "\x00", ""]
-)
-def test_broken_intrinsics_are_one_line(tmp_path: Path, text: str) -> None:
-    (tmp_path / "K").write_text(text)
-    with pytest.raises(InputError):
-        read_lens(tmp_path / "K", 640, 480)
-
-
-def test_camera_by_name() -> None:
-    """A real D435 at 640x480 has fx 613; its narrow picture is cut at the sides of a wide sensor."""
-    assert intrinsics_of_camera("realsense_d435", 640, 480)[0, 0] == pytest.approx(613, rel=0.02)
-    assert intrinsics_of_camera("realsense_d435", 1280, 720)[0, 0] == pytest.approx(920, rel=0.02)
-    with refused("E-CAMERA-NAME"):
-        intrinsics_of_camera("polaroid", 640, 480)
-
-
-def coco(masks: np.ndarray, compressed: bool) -> dict[str, Any]:
-    """COCO of two of the masks: the box as run lengths, the can as a polygon."""
-    bits = (masks == OBJECT + 1).T.ravel()
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], bits.astype(int), [0]])))
-    counts = np.diff(np.concatenate([[0], edges, [bits.size]])).tolist()
-    rle = {"size": [HEIGHT, WIDTH], "counts": _packed(counts) if compressed else counts}
-    contour = cv2.findContours((masks == OBJECT + 2).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0][0]
-    polygons = [contour.ravel().tolist()]
-    return {
-        "images": [{"id": 7, "file_name": "color.png", "width": WIDTH, "height": HEIGHT}, {"id": 8, "file_name": "x"}],
-        "categories": [{"id": 3, "name": "box"}, {"id": 4, "name": "can"}],
-        "annotations": [
-            {"image_id": 7, "category_id": 3, "segmentation": rle, "iscrowd": 1},
-            {"image_id": 7, "category_id": 4, "segmentation": polygons},
-            {"image_id": 8, "category_id": 4, "segmentation": polygons},
-        ],
-    }
-
-
-def _packed(counts: list[int]) -> str:
-    """Run lengths as COCO's tools write them."""
-    text = ""
-    for number, count in enumerate(counts):
-        value, more = count - (counts[number - 2] if number > 2 else 0), True
-        while more:
-            bits, value = value & 31, value >> 5
-            more = not ((value == 0 and not bits & 16) or (value == -1 and bits & 16))
-            text += chr((bits | 32 if more else bits) + 48)
-    return text
-
-
-def labelme(masks: np.ndarray) -> dict[str, Any]:
-    shapes = []
-    for value, name in ((OBJECT + 1, "box"), (OBJECT + 2, "can")):
-        contour = cv2.findContours((masks == value).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0][0]
-        shapes.append({"label": name, "points": contour[:, 0].tolist(), "shape_type": "polygon", "group_id": None})
-    return {"shapes": shapes, "imageWidth": WIDTH, "imageHeight": HEIGHT}
-
-
-@pytest.mark.parametrize("kind", ["coco", "coco_packed", "labelme", "colours"])
-def test_mask_files(tmp_path: Path, room: tuple, kind: str) -> None:
-    masks, labels = room[2], None
-    path = tmp_path / "masks.json"
-    if kind == "colours":
-        path, labels = tmp_path / "masks.png", tmp_path / "names.json"
-        picture = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
-        picture[masks == OBJECT + 1], picture[masks == OBJECT + 2] = (0, 0, 255), (255, 0, 0)
-        cv2.imwrite(str(path), picture)
-        labels.write_text(json.dumps({"#ff0000": "box", "#0000ff": "can"}))
-    else:
-        path.write_text(json.dumps(labelme(masks) if kind == "labelme" else coco(masks, kind == "coco_packed")))
-    found = read_labelled(path, labels, WIDTH, HEIGHT, "color.png")
-    by_name = {name: found.values == value for value, name in found.labels.items()}
-    assert set(by_name) == {"box", "can"}
-    for name, value in (("box", OBJECT + 1), ("can", OBJECT + 2)):
-        true = masks == value
-        assert (by_name[name] & true).sum() / (by_name[name] | true).sum() > 0.99
 
 
 @pytest.mark.parametrize(
@@ -387,11 +279,6 @@ def test_the_lens_of_a_recording(tmp_path: Path, room: tuple, capsys: pytest.Cap
     assert "distortion is taken out" in capsys.readouterr().out
     from_rgbd.run(out=tmp_path / "out", recording=recording, camera=("55",))
     assert "distortion" not in capsys.readouterr().out
-
-
-def test_intrinsics_follow_the_size() -> None:
-    half = scale_intrinsics(np.array(K), 0.5, 0.5)
-    assert half[0].tolist() == [300.0, 0.0, 159.75]
 
 
 @pytest.mark.parametrize(

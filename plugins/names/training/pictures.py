@@ -94,8 +94,9 @@ def _look(caster: Caster, room: Room, rng: Rng) -> Picture | None:
         depth[mirrors] += caster.cast(points + 1e-3 * onward, onward)[0]
     owner = _choose_owners(room, owner, carrier, np.abs(heights) < TOP)
     frame = make_floor_frame(Plane(pose[2, :3], ground - pose[2, 3], np.zeros(0, dtype=bool)))
-    shown = (each.reshape(HEIGHT, WIDTH) for each in (depth, cosine, owner.astype(np.uint8)))
-    return Picture(*shown, intrinsics, frame)
+    shape = HEIGHT, WIDTH
+    shown = owner.astype(np.uint8).reshape(shape)
+    return Picture(depth.reshape(shape), cosine.reshape(shape), shown, intrinsics, frame)
 
 
 def _choose_view(room: Room, rng: Rng) -> tuple[Array, Array, float, int]:
