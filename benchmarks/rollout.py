@@ -19,9 +19,9 @@ START = time.process_time()
 import torch  # noqa: E402
 
 from plugins.furniture.library import make  # noqa: E402
-from stages.config.training import TrainingConfig  # noqa: E402
+from stages.config.training import TrainingSection  # noqa: E402
 from stages.contracts.task_options import TaskConfig  # noqa: E402
-from stages.policies import TrainablePolicy, make_policy  # noqa: E402
+from stages.policies.base import TrainablePolicy, make_policy  # noqa: E402
 from stages.policies.checkpoint import load_network  # noqa: E402
 from stages.tasks.api import TaskEnv  # noqa: E402
 
@@ -36,15 +36,15 @@ def time_calls(what: Callable[[], object], times: int) -> float:
 
 def roll_out(tasks: Sequence[TaskEnv], policy: TrainablePolicy, steps: int) -> float:
     """Steps per second of process time, the policy in the loop; resets are not counted."""
-    actor = policy.actor(len(tasks), "most_likely")
+    acting = policy.make_rollout_policy(len(tasks), "most_likely")
     slots = list(range(len(tasks)))
     observations = []
     for slot, task in enumerate(tasks):
         observations.append(task.reset(slot))
-        actor.reset(slot, slot)
+        acting.start_episode(slot, slot)
     start = time.process_time()
     for _ in range(steps):
-        actions = actor.act(
+        actions = acting.get_action(
             slots, [seen["point_cloud"] for seen in observations], [seen["proprio"] for seen in observations]
         )
         observations = [task.step(action).observation for task, action in zip(tasks, actions, strict=True)]
@@ -55,7 +55,7 @@ def main(steps: int, folder: Path | None) -> None:
     """Print a line per figure."""
     torch.set_num_threads(1)
     print(f"imports                        {(time.process_time() - START) * 1e3:8.0f} ms")
-    policy = load_network(folder, "best") if folder else make_policy(TrainingConfig().runs["lite"]).eval()
+    policy = load_network(folder, "best") if folder else make_policy(TrainingSection().configs["lite"]).eval()
     options = TaskConfig()
     with tempfile.TemporaryDirectory() as temporary:
         models = Path(temporary)

@@ -1,5 +1,5 @@
 # Trials of policies on the twin, which choose checkpoints and hyper-parameter sets (verbs of `evaluation`; paper B.3, B.4).
-# If a policy has more runs than `experiment.best_runs`, each is trained with the first seed and tried on the twin;
+# If a policy has more configs than `experiment.best_configs`, each is trained with the first seed and tried on the twin;
 # when `choose` has named the best, Snakemake knows which policies to train with all seeds and to roll out on all test assets.
 # Reads:  policies and the assets of targets.
 # Writes: results/evaluation/trials/<target>/<policy>/<training set>/{<run>/seed_<n>/rollouts.csv,chosen.json}.
@@ -45,7 +45,7 @@ checkpoint choose:
     input:
         trials=expand(
             "results/evaluation/trials/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
-            run=lambda wildcards: EXPERIMENT.plan(wildcards.policy).runs,
+            run=lambda wildcards: EXPERIMENT.plan(wildcards.policy).configs,
             seed=lambda wildcards: EXPERIMENT.plan(wildcards.policy).seeds[0],
             allow_missing=True,
         ),
@@ -58,7 +58,7 @@ checkpoint choose:
         **needs(1000, 10),
     params:
         **verb("evaluation", "choose", chosen="chosen"),
-        best=EXPERIMENT.best_runs,
+        best=EXPERIMENT.best_configs,
     shell:
         "({params.command} --trials {input.trials:q} --count {params.best} --out {output.chosen:q} && "
         "{params.check}) 2>&1 | tee {log:q}"

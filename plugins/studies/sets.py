@@ -95,7 +95,7 @@ def list_policies(config: Config) -> Iterator[Asked]:
             task = config.experiment.task(target)
             for policy, plan in islice(config.experiment.plans(target).items(), 1):
                 for name, seed in product(plan.training_sets, plan.seeds):
-                    yield Asked(condition, task, target, name, seed, policy, plan.runs[0])
+                    yield Asked(condition, task, target, name, seed, policy, plan.configs[0])
 
 
 def collect(config: Config, results: Path, predicted: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:

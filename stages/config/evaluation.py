@@ -60,7 +60,7 @@ class TrialOptions(ActingOptions):
         20,
         ge=1,
         description="episodes per checkpoint in a trial on the twin, from states that no test uses; trials choose "
-        "checkpoints (`checkpoint: rollouts`) and, of more than `experiment.best_runs`, hyper-parameter sets",
+        "checkpoints (`checkpoint: rollouts`) and, of more than `experiment.best_configs`, hyper-parameter sets",
     )
 
 

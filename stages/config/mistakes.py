@@ -29,14 +29,13 @@ GONE = {
     "implementation": "source: folder",
     "learning": "image: a name with {family} and {tag} in it",
     "mirror": "leave it out",
-    "patchnet": "own: {patchnet: {...}}, with plugins: [plugins.patchnet]",
+    "patchnet": "kwargs: {patchnet: {...}}, with plugins: [plugins.patchnet]",
     "preview_width": "leave it out: 640 pixels",
     "report": "image: a name with {family} and {tag} in it",
     "rerender": "leave it out",
     "refinement": "snap_articulated: 0 and snap_other: 0, where it was off; else leave it out",
     "resolve_collisions": "leave it out: overlapping stacks are pushed apart",
     "revision": "leave it out: weights.lock.json pins what `fetch` downloads",
-    "runs": "policies: {lite: {}, mine: {}}, or, where trials choose, policies: {best: {runs: [lite, mine]}}",
     "scene": "room: room_3",
     "seen_through": "leave it out: it is 0.35",
     "sha256": "leave it out: weights.lock.json pins what `fetch` downloads",
@@ -179,6 +178,8 @@ def _describe_unknown_key(key: str, name: str, model: type[BaseModel], root: typ
         return Mistake(key, f"is no option: it is {getattr(model, name)}", "leave it out", code)
     if name in GONE:
         return Mistake(key, "is no option", GONE[name], code)
+    if not model.model_fields:
+        return Mistake(key, "unknown key", "leave it out: no options are read here", code)
     return Mistake(key, "unknown key", _find_meant_key(name, model, root), code)
 
 

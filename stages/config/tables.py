@@ -41,7 +41,7 @@ class PolicyAbout(Section):
     best: how many of its runs trials choose, to be pooled; None: there is one run. targets: what it opens.
     """
 
-    runs: list[str]
+    configs: list[str]
     best: int | None = None
     targets: list[str]
 

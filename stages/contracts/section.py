@@ -19,7 +19,8 @@ class Section(BaseModel):
         return self
 
 
-OWN: Any = Field({}, description="Options of implementations of your own, by their name; handed on as they are.")
+KWARGS: Any = Field({}, description="Options of the implementation that is named above, by its class `Options`.")
+KWARGS_BY_NAME: Any = Field({}, description="Options of implementations, by their names and their classes `Options`.")
 
 
 def check_range(span: tuple[float, float]) -> tuple[float, float]:

@@ -21,7 +21,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.states import Start
 from stages.plugins import shorten_name
-from stages.policies import TrainablePolicy, make_actor
+from stages.policies.base import TrainablePolicy, make_rollout_policy
 from stages.policies.checkpoint import load_network
 from stages.tasks.api import TaskEnv
 from stages.tasks.observation import Sensing
@@ -174,4 +174,4 @@ class PolicyArena(Arena):
         starts = [(self.size_asset(asset), seed) for asset, seed in starts]
         folders = {asset.asset: self.folder(asset) for asset, _ in starts}
         tasks = self.tasks(min(self.acting.envs, len(starts)), starts[0][0])
-        return roll_out(tasks, folders, make_actor(network, len(tasks), self.acting.action), starts, record)
+        return roll_out(tasks, folders, make_rollout_policy(network, len(tasks), self.acting.action), starts, record)

@@ -52,7 +52,7 @@ def check_methods(rollouts: pd.DataFrame, options: MethodTables) -> None:
 def kinds_of(options: PolicyTables) -> dict[str, str]:
     """Policy -> what it is, in words: its kind and its name, or the runs that trials chose from."""
     found = options.policies.items()
-    sets = {name: f"best {about.best} of {', '.join(about.runs)}" if about.best else name for name, about in found}
+    sets = {name: f"best {about.best} of {', '.join(about.configs)}" if about.best else name for name, about in found}
     return {name: name if kind == name else f"{kind} ({sets[name]})" for name, kind in options.kinds.items()}
 
 

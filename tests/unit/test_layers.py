@@ -21,7 +21,6 @@ ON_OTHERS = {  # few, each for a reason
     ("names", "efficientnet"),  # how things look
     ("names", "furniture"),  # it learns from our models
     ("names", "segmenter"),  # in its rooms
-    ("exports", "handle"),  # an exported policy marks handles itself
     ("exports", "mujoco"),  # MJCF is MuJoCo's format
     ("inputs", "pretrained"),  # the same way to read weights
     ("patchnet", "pretrained"),

@@ -63,12 +63,6 @@ def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -
         with refused("E-CONFIG", "matching.model_selection: there is no 'geometry'", mend):
             load({"packages": {name: False}})
     packages, given = {name: False}, dict[str, Any](LEFT)
-    if name == "handle":
-        with refused(
-            "E-CONFIG-CLASH", "training.runs.lite_handle.handle: is what the package handle marks, which is off"
-        ):
-            load({"packages": packages})
-        given = given | {"experiment": {"policies": {"lite": {}}}}
     if name == "scripted":
         with refused("E-CONFIG-CLASH", "packages.scripted: is off or not here, and studies"):
             load({"packages": packages})

@@ -79,13 +79,13 @@ class Expert:
     def __init__(self, tasks: list[ToyTask]) -> None:
         self.tasks, self.batches = tasks, list[list[int]]()
 
-    def reset(self, slot: int, seed: int) -> None:
-        assert self.tasks[slot].seeds[-1] == seed
+    def start_episode(self, env_id: int, seed: int) -> None:
+        assert self.tasks[env_id].seeds[-1] == seed
 
-    def act(self, slots: list[int], clouds: list[Float], proprio: list[Float]) -> Float:
-        self.batches.append(list(slots))
-        idle = [self.tasks[slot].seeds[-1] % 2 for slot in slots]
-        return np.stack([(1 - still) * self.tasks[slot].toy.expert() for slot, still in zip(slots, idle, strict=True)])
+    def get_action(self, env_ids: list[int], clouds: list[Float], proprio: list[Float]) -> Float:
+        self.batches.append(list(env_ids))
+        idle = [self.tasks[i].seeds[-1] % 2 for i in env_ids]
+        return np.stack([(1 - still) * self.tasks[i].toy.expert() for i, still in zip(env_ids, idle, strict=True)])
 
 
 def test_every_state_once_in_order_and_stopped_at_success() -> None:
@@ -110,8 +110,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A policy that can reach, and the files of an experiment with two assets and four unseen ones."""
     folder = tmp_path_factory.mktemp("rollout")
     store = write_store(folder / "episodes.h5", 30)
-    network = {"points": 64, "pointnet_width": 16, "rnn_hidden": 16, "mlp": [16]}
-    options = {"network": network, "steps": 20, "log_every": 10, "keep": 2, "wandb": "disabled"}
+    kwargs = {"pointnet_width": 16, "rnn_hidden": 16, "mlp": [16]}
+    options = {"points": 64, "kwargs": kwargs, "steps": 20, "log_freq": 10, "num_checkpoints": 2, "wandb": "disabled"}
     train(episodes=(store,), per_store=30, options=json.dumps(options), out=folder / "policy", seed=4)
     about = {"category": "cabinet", "licence": "", "provenance": "", "checksum": ""}
     for name in ("a", "b", *UNSEEN):

@@ -130,7 +130,7 @@ def test_the_classifier_says_what_the_published_code_says() -> None:
 
 
 def test_the_last_blocks_come_from_the_installed_package(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    changed = OPTIONS.model_copy(update={"own": {"efficientnet": {"stride": 32}}})
+    changed = OPTIONS.model_copy(update={"kwargs": {"efficientnet": {"stride": 32}}})
     with monkeypatch.context() as without:
         without.setattr("importlib.metadata.distribution", absent)
         with refused("E-WEIGHTS-MISSING"):
@@ -155,10 +155,10 @@ def test_other_weights_are_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
         network.load()
 
 
-@pytest.mark.parametrize("own", [{"strid": 16}, {"stride": 8}, {"position": -1.0}])
-def test_options_that_cannot_be_are_refused(own: dict[str, float]) -> None:
-    with refused("E-EFFICIENTNET-OPTION"):
-        make_encoder(OPTIONS.model_copy(update={"own": {"efficientnet": own}}))
+@pytest.mark.parametrize("kwargs", [{"strid": 16}, {"stride": 8}, {"position": -1.0}])
+def test_options_that_cannot_be_are_refused(kwargs: dict[str, float]) -> None:
+    with refused("E-PLUGIN-OPTION"):
+        make_encoder(OPTIONS.model_copy(update={"kwargs": {"efficientnet": kwargs}}))
 
 
 def test_the_config_finds_it_by_its_name() -> None:

@@ -21,11 +21,11 @@ seed: 7
 experiment:
   rooms: [room_1]
   targets: {door: {room: room_1, object: cabinet_1}}
-  policies: {lite: {runs: [lite, lite_slow]}}
+  policies: {lite: {configs: [lite, lite_slow]}}
   training_sets: [twin, cousins_4, cousins_8]
-  best_runs: 1
+  best_configs: 1
   seeds: [0, 3]
-training: {runs: {lite_slow: {learning_rate: 0.001}}}
+training: {configs: {lite_slow: {learning_rate: 0.001}}}
 evaluation: {test_assets: [twin, cousin_2, trained], rollouts: 10}
 """
 
