@@ -43,7 +43,7 @@ def test_episodes():
     return len(options.test_assets) * options.rollouts + options.assets * options.asset_rollouts
 
 
-def trial_episodes(wildcards):
+def selection_episodes(wildcards):
     """How many episodes one policy is tried for."""
     return CONFIG.evaluation.selection_rollouts * max(1, CONFIG.training.configs[wildcards.run].num_checkpoints)
 

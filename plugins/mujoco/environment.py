@@ -36,7 +36,7 @@ from stages.simulation.recording import Moment, Recording
 from stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
 from stages.simulation.target import Target, read_target
 from stages.tasks.api import Float, TaskEnv
-from stages.tasks.base_placement import AJAR, find_success_opening, place_robot_and_asset
+from stages.tasks.base_placement import OFFICIAL_SUCCESS_FRACTION, find_success_opening, place_robot_and_asset
 from stages.tasks.cameras import shoulder
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
 from stages.tasks.observation import CameraRig, Observation
@@ -110,7 +110,7 @@ class MujocoTaskEnv(TaskEnv):
         fractions = self._fractions()
         self.opened = fractions[self.joint]
         self.success = self.opened >= self.success_opening
-        self.official_success |= max(fractions.values()) >= AJAR
+        self.official_success |= max(fractions.values()) >= OFFICIAL_SUCCESS_FRACTION
 
     def observe(self) -> Observation:
         """The observation of the present state."""

@@ -152,7 +152,7 @@ def policies(config: "Config") -> Iterator[Mistake]:
 
 
 def check_choices(config: "Config") -> Iterator[Mistake]:
-    """Policies of several configs: of one kind, of which trials choose the best (paper B.4)."""
+    """Policies of several configs: of one kind, of which rollouts choose the best (paper B.4)."""
     experiment, known = config.experiment, config.training.configs
     for name in experiment.policies:
         configs, key = experiment.plan(name).configs, f"experiment.policies.{name}.configs"
@@ -163,7 +163,7 @@ def check_choices(config: "Config") -> Iterator[Mistake]:
             yield Mistake(key, f"{first} and {other} are other kinds of policies, which are never pooled", mend)
         elif 1 < len(configs) <= experiment.best_configs:
             what = f"{' and '.join(configs)} are no more than experiment.best_configs = {experiment.best_configs}"
-            yield Mistake(key, what, f"{mend}, or lower best_configs: trials choose so many")
+            yield Mistake(key, what, f"{mend}, or lower best_configs: selection rollouts choose so many")
 
 
 def networks(config: "Config") -> Iterator[Mistake]:

@@ -10,7 +10,8 @@ from stages.plugins import find_options, parse_kwargs, shorten_name
 if TYPE_CHECKING:
     from stages.config.model import Config
 
-SENSING = ("simulator", "parking", "depth_noise", "camera_error")  # keys of `evaluation` that notes under tables state
+# Keys of `evaluation` that notes under tables state.
+SENSING = ("simulator", "robot_init_noise", "depth_noise", "camera_error")
 PAPERS = ("bc_rnn_gmm", False, True)  # kind of the paper's policies, whatever their size
 
 

@@ -4,7 +4,7 @@ from typing import Any
 
 from stages.config.assets import SnapshotOptions
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.evaluation import RolloutOptions, TrialOptions
+from stages.config.evaluation import RolloutOptions, SelectionOptions
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.matching import CandidateOptions, ComparisonOptions, EncoderOptions, matching_model
@@ -28,7 +28,7 @@ CORE: dict[tuple[str, str], type[Section]] = {
     ("generation", "generate"): GenerationConfig,
     ("demonstrations", "collect"): DemonstrationsConfig,
     ("training", "train"): PolicyConfig,
-    ("evaluation", "trial"): TrialOptions,
+    ("evaluation", "selection-rollout"): SelectionOptions,
     ("evaluation", "rollout"): RolloutOptions,
     ("tables", "scenes"): TablesConfig,
     ("tables", "policies"): PolicyTables,

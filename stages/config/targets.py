@@ -32,7 +32,7 @@ class Policy(Section):
         None,
         min_length=1,
         description="names of `training.configs`, one kind of policy; null: the one that is called as the "
-        "policy; of more than `experiment.best_configs` trials choose the best",
+        "policy; of more than `experiment.best_configs` selection rollouts choose the best",
     )
     targets: list[str] | None = Field(None, min_length=1, description="targets or pools that it opens; null: all")
     training_sets: list[TrainingSet] | None = Field(None, description="null: `experiment.training_sets`")

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from stages.config.evaluation import EvaluationConfig, SceneOptions, SensingOptions, SkillOptions
 from stages.contracts.task_options import TaskConfig
-from stages.evaluation.arena import make_sensing, park_object
+from stages.evaluation.vector_env import make_sensing, move_robot
 from stages.tasks.api import TaskEnv
 from stages.tasks.cameras import displace_pose
 from stages.tasks.observation import Sensing, with_noise
@@ -38,11 +38,11 @@ def test_a_displaced_camera_is_as_far_off_as_asked_elsewhere_in_every_episode() 
 
 
 def test_parking_is_of_the_robot_alone() -> None:
-    options = park_object(TaskConfig(), SceneOptions(parking=(0.15, 20.0)))
+    options = move_robot(TaskConfig(), SceneOptions(robot_init_noise=(0.15, 20.0)))
     assert options.base_xy == 0.15 and options.base_yaw == pytest.approx(np.deg2rad(20))
     changed = {key for key, value in options if value != getattr(TaskConfig(), key)}
     assert changed == {"base_xy", "base_yaw"}
-    assert park_object(TaskConfig(), SceneOptions()) == TaskConfig()
+    assert move_robot(TaskConfig(), SceneOptions()) == TaskConfig()
 
 
 def test_what_a_policy_sees_is_off_and_the_world_is_not(tmp_path: Path) -> None:

@@ -42,12 +42,18 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "matching.kwargs": set(),
     "photo.depth_pro": set(),  # not used
     "photo.mounting": set(),
-    "evaluation.selection_rollouts": {"trial"},
+    "evaluation.selection_rollouts": {"selection-rollout"},
     "demonstrations.randomise": set(),  # of one role's demonstrations alone
-    "evaluation.simulator": {"rollout", "skill", "trial", "policies", "report"},  # notes below tables tell of it
-    "evaluation.parking": {"rollout", "skill", "trial", "policies", "report"},
-    "evaluation.depth_noise": {"rollout", "trial", "policies", "report"},
-    "evaluation.camera_error": {"rollout", "trial", "policies", "report"},
+    "evaluation.simulator": {
+        "rollout",
+        "skill",
+        "selection-rollout",
+        "policies",
+        "report",
+    },  # notes below tables tell of it
+    "evaluation.robot_init_noise": {"rollout", "skill", "selection-rollout", "policies", "report"},
+    "evaluation.depth_noise": {"rollout", "selection-rollout", "policies", "report"},
+    "evaluation.camera_error": {"rollout", "selection-rollout", "policies", "report"},
     "training.configs.lite.kwargs": {"train", "policies", "report"},  # tables name it
     "training.configs.lite.policy": {"train", "policies", "report"},  # what policies are called
     "training.configs.lite.handle": {"train", "policies", "report"},
@@ -122,7 +128,7 @@ def test_a_key_runs_again_what_reads_it(key: str, monkeypatch: pytest.MonkeyPatc
 @pytest.mark.parametrize(("stage", "verb"), READS)
 def test_a_verb_can_read_nothing_else(stage: str, verb: str) -> None:
     """Its options are parsed by the model that they were made from, which refuses other keys."""
-    tree = ast.parse((ROOT / home_of(stage).replace(".", "/") / f"{verb}.py").read_text())
+    tree = ast.parse((ROOT / home_of(stage).replace(".", "/") / f"{verb.replace('-', '_')}.py").read_text())
     models = {
         node.args[0].id
         for node in ast.walk(tree)

@@ -32,7 +32,7 @@ from stages.plugins import KINDS, find, list_available
 from stages.plugins import load as implementation
 from stages.policies.checkpoint import load_network
 from stages.tasks.api import TaskEnv
-from stages.tasks.base_placement import AJAR
+from stages.tasks.base_placement import CLOSED
 from stages.training import loop
 from stages.training.logbook import Logbook
 from stages.training.train import run as train
@@ -284,7 +284,7 @@ def test_a_task_that_begins_with_an_open_drawer(package: Path, tmp_path: Path) -
     task.place(2)
     assert task.opened == pytest.approx(0.5, abs=0.01)
     _, outcome = Recorder(task, DemonstrationsConfig(noise=0.0, recovery=0.0)).attempt(2)
-    assert outcome.success and outcome.retries == 0 and task.success and task.opened < AJAR
+    assert outcome.success and outcome.retries == 0 and task.success and task.opened < CLOSED
     task.close()
 
 

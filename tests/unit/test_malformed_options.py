@@ -64,7 +64,7 @@ def test_options_that_are_none(section: Any, text: str) -> None:
         (PolicyConfig, "schedule", "never"), (PolicyConfig, "keep", -1),
         (EvaluationConfig, "rollouts", 0), (EvaluationConfig, "checkpoint", "worst"),
         (EvaluationConfig, "split", "train"), (EvaluationConfig, "test_assets", "twin"),
-        (EvaluationConfig, "camera_error", [-1, 0]), (EvaluationConfig, "parking", [-1, 0]),
+        (EvaluationConfig, "camera_error", [-1, 0]), (EvaluationConfig, "robot_init_noise", [-1, 0]),
         (TablesConfig, "bootstrap_samples", 1), (TablesConfig, "scenes", {"r": 9}),
     ],
 )  # fmt: skip

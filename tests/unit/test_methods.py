@@ -240,7 +240,8 @@ def test_what_policies_are_given_is_as_the_options_say() -> None:
         "tests share the simulator."
     )
     assert policy_notes(policy_tables(Config())) == [usual]
-    noisy = "{evaluation: {depth_noise: true, camera_error: [0.01, 2.0], parking: [0.15, 20.0], simulator: mujoco}}"
+    noisy = "{evaluation: {depth_noise: true, camera_error: [0.01, 2.0], simulator: mujoco,"
+    noisy += " robot_init_noise: [0.15, 20.0]}}"
     (note,) = policy_notes(policy_tables(config_of(noisy)))
     assert "depth without noise" not in note and "exact camera poses" not in note and "share" not in note
     for words in (

@@ -83,7 +83,7 @@ def test_every_seed_works_and_matters(name: str) -> None:
 
 
 def test_the_states_of_the_largest_seed_are_ones_that_the_simulator_takes() -> None:
-    states = [state for purpose in ("roles", "test", "trial") for state in initial_states(purpose, LARGEST, 3)]  # type: ignore[arg-type]
+    states = [state for purpose in ("roles", "test", "selection") for state in initial_states(purpose, LARGEST, 3)]  # type: ignore[arg-type]
     assert all(2**31 <= state < 2**32 for state in states) and len(set(states)) == 9
     assert all(0 <= seed < 2**31 for seed in attempt_seeds(LARGEST, "twin", 9))
 

@@ -142,7 +142,7 @@ def test_what_a_failed_job_left_out_is_made_the_next_time(folder: Path) -> None:
     left = {name for name, _, made in jobs if made and not set(made.split(", ")) & set(asked)}
     found = {name for name, *_ in jobs} - left
     assert found >= {"room", "extract", "match", "generate", "select", "demonstrate", "demonstrate_in_scene"}
-    assert found >= {"train", "skill", "rollout", "gather", "score", "table3"} and left <= MATERIAL, left
+    assert found >= {"train", "skill", "rollout", "merge", "score", "table3"} and left <= MATERIAL, left
 
 
 def test_two_policies_are_trained_on_the_same_and_both_are_shown(folder: Path) -> None:
@@ -164,9 +164,9 @@ def test_the_study_is_the_protocol_of_the_paper(folder: Path) -> None:
     assert jobs["choose"] == sum(sets.values())
     # Whole object, bowl, by the handle, without a cloud: training sets x seeds, and nothing to choose from.
     more = 2 * 3 + 2 * 5 + 2 * 7 * 3 + 2 * 3
-    assert jobs["train"] == jobs["trial"] == candidates * sum(sets.values()) + more
+    assert jobs["train"] == jobs["selection_rollout"] == candidates * sum(sets.values()) + more
     assert (
-        jobs["gather"] == sum(sets.values()) + 2 + 2 + 2 * 7 + 2 and jobs["rollout"] == more
+        jobs["merge"] == sum(sets.values()) + 2 + 2 + 2 * 7 + 2 and jobs["rollout"] == more
     )  # the others wait for `choose`
     assert jobs["demonstrate"] == 2 * (1 + 1 + 8 + 8 + 1) + 2 * (1 + 8)
     cells = [f"results/evaluation/policies/door/lite/{name}/rollouts.csv" for name in ("twin", "cousins_8")]

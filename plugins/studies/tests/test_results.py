@@ -57,7 +57,7 @@ def study(tmp_path: Path) -> Path:
         RunScore(run=run, checkpoint="best", successes=k, episodes=15) for run, k in (("lite", 9), ("lite_slow", 7))
     ]
     chosen = ChosenRuns(target="door", policy="lite", training_set="twin", runs=["lite"], scores=scores)
-    folder = root / "results/evaluation/trials/door/lite/twin"
+    folder = root / "results/evaluation/selection/door/lite/twin"
     folder.mkdir(parents=True)
     write_json(folder / "chosen.json", chosen)
     return root

@@ -41,11 +41,11 @@ class Acting(NamedTuple):
     checkpoint: str
 
 
-def park_object(options: TaskConfig, settings: SceneOptions) -> TaskConfig:
-    """The options of the task with the robot parked as the test says."""
-    if settings.parking is None:
+def move_robot(options: TaskConfig, settings: SceneOptions) -> TaskConfig:
+    """The options of the task with the robot standing as the test says."""
+    if settings.robot_init_noise is None:
         return options
-    metres, degrees = settings.parking
+    metres, degrees = settings.robot_init_noise
     return options.model_copy(update={"base_xy": metres, "base_yaw": float(np.deg2rad(degrees))})
 
 
@@ -55,7 +55,7 @@ def make_sensing(settings: SensingOptions) -> Sensing:
     return Sensing(settings.depth_noise, (metres, float(np.deg2rad(degrees))))
 
 
-class Arena:
+class VectorEnv:
     """Environments that turn from asset to asset: an exchange costs half of a new environment. To be used by `with`.
 
     Args:
@@ -71,7 +71,7 @@ class Arena:
         sensing: Sensing | None = None,
     ) -> None:
         self.plan, self.library = read_json(TaskAssets, assets), library
-        self.options, self.settings, self.sensing = park_object(options, settings), settings, sensing
+        self.options, self.settings, self.sensing = move_robot(options, settings), settings, sensing
         self.folders = AssetFolders(library)
         self._tasks: list[TaskEnv] = []
         self._sized = tempfile.TemporaryDirectory(prefix="acdc-sized-")
@@ -148,8 +148,8 @@ class Arena:
         ]
 
 
-class PolicyArena(Arena):
-    """A policy's arena: the task has the options of its demonstrations; the settings say how assets are shown.
+class PolicyVectorEnv(VectorEnv):
+    """A policy's environments: the task has the options of its demonstrations; the settings say how assets are shown.
 
     Raises:
         InputError: the policy was trained on another task.
