@@ -8,7 +8,7 @@ from stages.contracts.policies import TaskAsset
 from stages.evaluation.states import Start
 from stages.policies.base import RolloutPolicy
 from stages.simulation.recording import Moment, Recording
-from stages.tasks.api import Observation, TaskEnv
+from stages.tasks.api import EnvWrapper, Observation
 
 
 @dataclass
@@ -26,7 +26,7 @@ class RolloutEpisode:
 
 
 def roll_out(
-    tasks: Sequence[TaskEnv],
+    tasks: Sequence[EnvWrapper],
     folders: Mapping[str, Path],
     policy: RolloutPolicy,
     starts: Sequence[Start],

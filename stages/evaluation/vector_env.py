@@ -23,7 +23,7 @@ from stages.evaluation.states import Start
 from stages.plugins import shorten_name
 from stages.policies.base import TrainablePolicy, make_rollout_policy
 from stages.policies.checkpoint import load_network
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from stages.tasks.observation import Sensing
 
 
@@ -73,7 +73,7 @@ class VectorEnv:
         self.plan, self.library = read_json(TaskAssets, assets), library
         self.options, self.settings, self.sensing = move_robot(options, settings), settings, sensing
         self.folders = AssetFolders(library)
-        self._tasks: list[TaskEnv] = []
+        self._tasks: list[EnvWrapper] = []
         self._sized = tempfile.TemporaryDirectory(prefix="acdc-sized-")
 
     def __enter__(self) -> Self:
@@ -84,15 +84,15 @@ class VectorEnv:
             task.close()
         self._sized.cleanup()
 
-    def tasks(self, count: int, asset: TaskAsset) -> list[TaskEnv]:
+    def tasks(self, count: int, asset: TaskAsset) -> list[EnvWrapper]:
         """So many environments; new ones are made with the asset."""
         self._tasks += [self.task(asset) for _ in range(count - len(self._tasks))]
         return self._tasks[:count]
 
-    def task(self, asset: TaskAsset) -> TaskEnv:
+    def task(self, asset: TaskAsset) -> EnvWrapper:
         """A new environment with the asset."""
         asset = self.size_asset(asset)
-        environments: type[TaskEnv] = plugins.load("simulators", self.settings.simulator)
+        environments: type[EnvWrapper] = plugins.load("simulators", self.settings.simulator)
         return environments(
             self.plan.task,
             self.folder(asset),

@@ -11,7 +11,7 @@ from stages.planning.clearance import Surroundings
 from stages.plugins import refuse_old_names
 from stages.skills import Act, Outcome
 from stages.skills.motion import Motion
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 
 
 class RetryingSkill(ABC):
@@ -23,7 +23,7 @@ class RetryingSkill(ABC):
         super().__init_subclass__(**kwargs)
         refuse_old_names(cls, {"done": "is_done", "enough": "has_moved_enough"})
 
-    def __init__(self, task: TaskEnv, options: DemonstrationsConfig) -> None:
+    def __init__(self, task: EnvWrapper, options: DemonstrationsConfig) -> None:
         self.task, self.options = task, options
 
     @abstractmethod

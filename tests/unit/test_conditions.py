@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from stages.config.evaluation import EvaluationConfig, SceneOptions, SensingOptions, SkillOptions
 from stages.contracts.task_options import TaskConfig
 from stages.evaluation.vector_env import make_sensing, move_robot
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from stages.tasks.cameras import displace_pose
 from stages.tasks.observation import Sensing, with_noise
 from tests.unit.demo_assets import cabinet
@@ -50,7 +50,7 @@ def test_what_a_policy_sees_is_off_and_the_world_is_not(tmp_path: Path) -> None:
     seen, joints = [], []
     for sensing in (None, make_sensing(SensingOptions(camera_error=(0.05, 0.0))), Sensing(depth_noise=True)):
         where = tmp_path / "cabinet_0"
-        env = TaskEnv("door", where, "door_0_joint", None, TaskConfig(), vary_scale=False, sensing=sensing)
+        env = EnvWrapper("door", where, "door_0_joint", None, TaskConfig(), vary_scale=False, sensing=sensing)
         seen.append(env.reset(SEED)["point_cloud"])
         joints.append(env.env.base_from_asset())
         env.close()

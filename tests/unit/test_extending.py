@@ -31,7 +31,7 @@ from stages.geometry.boxes import UprightBox
 from stages.plugins import KINDS, find, list_available
 from stages.plugins import load as implementation
 from stages.policies.checkpoint import load_network
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from stages.tasks.base_placement import CLOSED
 from stages.training import loop
 from stages.training.logbook import Logbook
@@ -256,7 +256,7 @@ def test_task_and_skill(package: Path, tmp_path: Path) -> None:
     cabinet(tmp_path / "door")
     options = TaskConfig(scale_variants=1)
     name = find("tasks", "touch", ["my_package"])
-    task = TaskEnv(name, tmp_path / "door", "door_0_joint", None, options, render=False)
+    task = EnvWrapper(name, tmp_path / "door", "door_0_joint", None, options, render=False)
     episode, outcome = Recorder(task, DemonstrationsConfig()).attempt(3)
     assert outcome.success and task.success and task.opened < 0.1 and 2 < len(episode.actions) < 30
     assert task.task.target_joint(tmp_path / "door") is not None
@@ -280,7 +280,7 @@ def test_a_simulator_of_yours(package: Path, tmp_path: Path) -> None:
 def test_a_task_that_begins_with_an_open_drawer(package: Path, tmp_path: Path) -> None:
     cabinet(tmp_path / "chest", layout=[["drawer"]])
     name, options = find("tasks", "shut", ["my_package"]), TaskConfig(scale_variants=1)
-    task = TaskEnv(name, tmp_path / "chest", "drawer_0_joint", None, options, render=False)
+    task = EnvWrapper(name, tmp_path / "chest", "drawer_0_joint", None, options, render=False)
     task.place(2)
     assert task.opened == pytest.approx(0.5, abs=0.01)
     _, outcome = Recorder(task, DemonstrationsConfig(noise=0.0, recovery=0.0)).attempt(2)

@@ -34,7 +34,7 @@ UNSEEN = ("c_1", "c_2", "d", "e")  # three of the test split, one for validation
 
 
 class ToyTask:
-    """The toy behind the interface of `TaskEnv`: success within 5 cm."""
+    """The toy behind the interface of `EnvWrapper`: success within 5 cm."""
 
     open_tasks = 0
 
