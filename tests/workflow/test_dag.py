@@ -78,8 +78,8 @@ def test_a_task_may_have_targets_with_options_of_their_own(folder: Path) -> None
   policies:
     lite: {targets: [door]}
     lite_handle: null
-    lite_far: {runs: [lite], targets: [far], training_sets: [cousins_2, all], seeds: [0, 1, 2]}
-    lite_drawer: {runs: [lite], targets: [drawer], training_sets: [twin]}
+    lite_far: {configs: [lite], targets: [far], training_sets: [cousins_2, all], seeds: [0, 1, 2]}
+    lite_drawer: {configs: [lite], targets: [drawer], training_sets: [twin]}
 """
     (folder / "targets.yaml").write_text(f"experiment:\n  training_sets: [twin, cousins_2]\n  seeds: [0]{text}")
     done = dry_run(folder, "evaluation", "-p", "--configfile", "targets.yaml")
@@ -96,7 +96,7 @@ def test_a_task_may_have_targets_with_options_of_their_own(folder: Path) -> None
 
 def test_the_policies_of_a_target_share_its_assets_and_demonstrations(folder: Path) -> None:
     sets = "[cousins_2_randomised, random_2, twin_randomised]"
-    policies = f"{{lite_handle: null, flag: {{runs: [lite], training_sets: {sets}, seeds: [5, 6]}}}}"
+    policies = f"{{lite_handle: null, flag: {{configs: [lite], training_sets: {sets}, seeds: [5, 6]}}}}"
     (folder / "shared.yaml").write_text(
         f"experiment: {{training_sets: [twin], seeds: [0], episodes: 8, policies: {policies}}}"
     )
