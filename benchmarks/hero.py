@@ -28,7 +28,7 @@ from stages.contracts.look import Look
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.plugins import load
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 
 SMALL, LARGE = (320, 240), (640, 480)  # pixels: input and scene, the robot beside them
 FREQUENCY, BETWEEN = 10, 2  # moments per second, and pictures to a moment
@@ -40,7 +40,7 @@ def find_demonstration(room: GeneratedRoom, task: str) -> Recording:
     """The first successful demonstration in a scene."""
     still = TaskConfig(object_xy=0.0, object_yaw=0.0, scale_range=(1.0, 1.0))
     joint = load("tasks", task).suitable_joint(room.target.folder)
-    env = TaskEnv(task, room.target.folder, joint, None, still, vary_scale=False, room=room)
+    env = EnvWrapper(task, room.target.folder, joint, None, still, vary_scale=False, room=room)
     recorder = Recorder(env, DemonstrationsConfig(recovery=0.0, noise=0.0), film=True)
     for seed, room.shift in enumerate(list_base_shifts()):
         env.place(seed)

@@ -28,11 +28,11 @@ from robomimic.utils import obs_utils
 from torch import Tensor, nn
 
 from stages.contracts.episode_store import ACTION, PROPRIO
-from stages.contracts.training_run import TrainingRun
-from stages.policies.bc_rnn_gmm.network import BcRnnGmm
+from stages.contracts.policy_config import PolicyConfig
+from stages.policies.bc_rnn_gmm import Policy
 
-RUNS = yaml.safe_load(Path("config/paper/policies.yaml").read_text(encoding="utf-8"))["training"]["runs"]
-PAPER = TrainingRun.model_validate(RUNS["paper"])
+RUNS = yaml.safe_load(Path("config/paper/policies.yaml").read_text(encoding="utf-8"))["training"]["configs"]
+PAPER = PolicyConfig.model_validate(RUNS["paper"])
 KEYS = ("point_cloud", "proprio")
 # our parameter -> robomimic's, both below their roots
 NAMES = {
@@ -76,7 +76,7 @@ class DensePointNet(EncoderCore):  # type: ignore[misc]
         return pooled
 
 
-def robomimic_model(run: TrainingRun, points: int) -> Any:
+def robomimic_model(run: PolicyConfig, points: int) -> Any:
     """robomimic's BC-RNN-GMM of the sizes of a run."""
     config = config_factory("bc")
     with config.values_unlocked():
@@ -85,7 +85,7 @@ def robomimic_model(run: TrainingRun, points: int) -> Any:
         config.algo.actor_layer_dims = tuple(run.network.mlp)
         config.algo.gmm.enabled = config.algo.rnn.enabled = True
         config.algo.gmm.num_modes, config.algo.gmm.min_std = run.network.gmm_modes, run.network.gmm_min_std
-        config.algo.rnn.horizon, config.algo.rnn.num_layers = run.rnn_horizon, 1
+        config.algo.rnn.horizon, config.algo.rnn.num_layers = run.horizon, 1
         config.algo.rnn.hidden_dim = run.network.rnn_hidden
         config.observation.modalities.obs.cloud, config.observation.modalities.obs.low_dim = [KEYS[0]], [KEYS[1]]
         config.observation.encoder.cloud.core_class = "DensePointNet"
@@ -99,7 +99,7 @@ def robomimic_model(run: TrainingRun, points: int) -> Any:
     return model
 
 
-def same_parameters(ours: BcRnnGmm, policy: nn.Module) -> list[tuple[nn.Parameter, list[nn.Parameter]]]:
+def same_parameters(ours: Policy, policy: nn.Module) -> list[tuple[nn.Parameter, list[nn.Parameter]]]:
     """Each parameter of ours, and those of robomimic's network that make it up, one below the other."""
     theirs = dict(policy.nets.named_parameters())  # type: ignore[union-attr, operator]
     pairs = []
@@ -118,10 +118,10 @@ def join_tensors(parts: list[Tensor | None]) -> Tensor:
     return torch.cat([part for part in parts if part is not None])
 
 
-def batch_of(run: TrainingRun, points: int) -> dict[str, Tensor]:
+def batch_of(run: PolicyConfig, points: int) -> dict[str, Tensor]:
     """Clouds on the surfaces of boxes, a sixteenth of the points on the fingers; actions that follow from them."""
     random = np.random.default_rng(0)
-    shape = (run.batch_size, run.rnn_horizon, points)
+    shape = (run.batch_size, run.horizon, points)
     center, extent = random.uniform(-0.3, 0.3, (*shape[:1], 1, 1, 3)), random.uniform(0.1, 0.6, (*shape[:1], 1, 1, 3))
     surface = random.uniform(-0.5, 0.5, (*shape, 3))
     side = random.integers(0, 3, shape)
@@ -154,7 +154,7 @@ def main() -> None:
     torch.manual_seed(0)
     run = PAPER.model_copy(update={"batch_size": arguments.batch, "precision": arguments.precision})
     data = batch_of(run, arguments.points)
-    robomimic, ours = robomimic_model(run, arguments.points), BcRnnGmm(run)
+    robomimic, ours = robomimic_model(run, arguments.points), Policy(run)
     policy = robomimic.nets["policy"]
     pairs = same_parameters(ours, policy)
     for parameter, parts in pairs:

@@ -19,11 +19,11 @@ START = time.process_time()
 import torch  # noqa: E402
 
 from plugins.furniture.library import make  # noqa: E402
-from stages.config.training import TrainingConfig  # noqa: E402
+from stages.config.training import TrainingSection  # noqa: E402
 from stages.contracts.task_options import TaskConfig  # noqa: E402
-from stages.policies import TrainablePolicy, make_policy  # noqa: E402
+from stages.policies.base import TrainablePolicy, make_policy  # noqa: E402
 from stages.policies.checkpoint import load_network  # noqa: E402
-from stages.tasks.api import TaskEnv  # noqa: E402
+from stages.tasks.api import EnvWrapper  # noqa: E402
 
 
 def time_calls(what: Callable[[], object], times: int) -> float:
@@ -34,18 +34,18 @@ def time_calls(what: Callable[[], object], times: int) -> float:
     return (time.process_time() - start) / times * 1e3
 
 
-def roll_out(tasks: Sequence[TaskEnv], policy: TrainablePolicy, steps: int) -> float:
+def roll_out(tasks: Sequence[EnvWrapper], policy: TrainablePolicy, steps: int) -> float:
     """Steps per second of process time, the policy in the loop; resets are not counted."""
-    actor = policy.actor(len(tasks), "most_likely")
-    slots = list(range(len(tasks)))
+    acting = policy.make_rollout_policy(len(tasks), "most_likely")
+    env_ids = list(range(len(tasks)))
     observations = []
-    for slot, task in enumerate(tasks):
-        observations.append(task.reset(slot))
-        actor.reset(slot, slot)
+    for i, task in enumerate(tasks):
+        observations.append(task.reset(i))
+        acting.start_episode(i, i)
     start = time.process_time()
     for _ in range(steps):
-        actions = actor.act(
-            slots, [seen["point_cloud"] for seen in observations], [seen["proprio"] for seen in observations]
+        actions = acting.get_action(
+            env_ids, [seen["point_cloud"] for seen in observations], [seen["proprio"] for seen in observations]
         )
         observations = [task.step(action).observation for task, action in zip(tasks, actions, strict=True)]
     return steps * len(tasks) / (time.process_time() - start)
@@ -55,12 +55,12 @@ def main(steps: int, folder: Path | None) -> None:
     """Print a line per figure."""
     torch.set_num_threads(1)
     print(f"imports                        {(time.process_time() - START) * 1e3:8.0f} ms")
-    policy = load_network(folder, "best") if folder else make_policy(TrainingConfig().runs["lite"]).eval()
+    policy = load_network(folder, "best") if folder else make_policy(TrainingSection().configs["lite"]).eval()
     options = TaskConfig()
     with tempfile.TemporaryDirectory() as temporary:
         models = Path(temporary)
         assets = [models / make("bottom_cabinet", index, 0, models).id for index in (0, 2)]
-        tasks = [TaskEnv("door", assets[0], "door_0_joint", None, options, vary_scale=False) for _ in range(4)]
+        tasks = [EnvWrapper("door", assets[0], "door_0_joint", None, options, vary_scale=False) for _ in range(4)]
         task = tasks[0]
         print(f"first episode, first picture   {time_calls(lambda: task.reset(0), 1):8.0f} ms")
         print(f"the next environment           {time_calls(lambda: tasks[1].reset(0), 1):8.0f} ms")
@@ -80,7 +80,7 @@ def main(steps: int, folder: Path | None) -> None:
         print(f"crop, farthest points, fingers {seen:8.2f} ms")
         for count in (1, 4):
             print(f"policy in the loop, {count} envs     {roll_out(tasks[:count], policy, steps):8.0f} steps/s")
-        varied = TaskEnv("door", assets[0], "door_0_joint", None, options)
+        varied = EnvWrapper("door", assets[0], "door_0_joint", None, options)
         varied.place(0)
         seeds = iter(range(1, 1000))
         print(f"episode at another scale       {time_calls(lambda: varied.place(next(seeds)), 20):8.1f} ms")

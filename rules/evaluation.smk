@@ -1,5 +1,5 @@
 # Rollouts of the policies, one row each; nothing is aggregated here (paper B.3).
-# Reads:  policies, their trials and the assets of targets.
+# Reads:  policies, their selection rollouts and the assets of targets.
 # Writes: results/evaluation/policies/<target>/<policy>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films.zip},
 #         results/evaluation/policies/<target>/<policy>/<training set>/rollouts.csv.
 
@@ -17,8 +17,8 @@ rule rollout:
         checkpoints="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/checkpoints.zip",
         config="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/config.json",
         assets=f"results/experiment/{POLICY_VARIANT}/{{target}}/assets.json",
-        trial=(
-            "results/evaluation/trials/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv"
+        selection=(
+            "results/evaluation/selection/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv"
             if CONFIG.evaluation.checkpoint == "rollouts"
             else []
         ),
@@ -47,11 +47,11 @@ rule rollout:
         "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
         "--target {wildcards.target} --policy-name {wildcards.policy} --training-set {wildcards.training_set} "
         "--run-name {wildcards.run} --trained-roles {params.roles} --options {params.options:q} "
-        "--trial {input.trial:q} --films {params.films:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
+        "--selection {input.selection:q} --films {params.films:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
-rule gather:
+rule merge:
     """Put the rollouts of all policies of one cell into one table."""
     input:
         rollouts=lambda wildcards: policies_of(
@@ -61,14 +61,14 @@ rule gather:
     output:
         rollouts="results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv",
     log:
-        "logs/evaluation/gather_{target}_{policy}_{training_set}.log",
+        "logs/evaluation/merge_{target}_{policy}_{training_set}.log",
     localrule: True
     container:
         CONFIG.containers.learning
     resources:
         **needs(1000, 10),
     params:
-        **verb("evaluation", "gather", rollouts="rollouts"),
+        **verb("evaluation", "merge", rollouts="rollouts"),
     shell:
         "({params.command} --rollouts {input.rollouts:q} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"

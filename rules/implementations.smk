@@ -1,6 +1,5 @@
 # Helpers: implementations whose code counts beside that of a verb, as modules. Functions of a job's wildcards. No rules.
 from stages.config.names import modules
-from stages.config.training import list_policy_modules
 from stages.plugins import qualify_module
 
 
@@ -20,8 +19,8 @@ def task_modules(wildcards):
 
 
 def policy_modules(wildcards):
-    """The kind of policy that a hyper-parameter set is of."""
-    return list_policy_modules(CONFIG.training.runs[wildcards.run])
+    """The kind of policy of a config."""
+    return modules(CONFIG.training.configs[wildcards.run], "policy")
 
 
 def skill_modules(wildcards):

@@ -115,7 +115,7 @@ def policies_of(cell, pattern, **values):
     If its runs must be chosen first, Snakemake waits for the checkpoint.
     """
     plan = EXPERIMENT.plan(cell.policy)
-    runs = plan.runs
+    runs = plan.configs
     if EXPERIMENT.needs_choice(cell.policy):
         with checkpoints.choose.get(**cell._asdict()).output.chosen.open() as file:
             runs = json.load(file)["runs"]

@@ -43,17 +43,18 @@ def test_episodes():
     return len(options.test_assets) * options.rollouts + options.assets * options.asset_rollouts
 
 
-def trial_episodes(wildcards):
+def selection_episodes(wildcards):
     """How many episodes one policy is tried for."""
-    return CONFIG.evaluation.selection_rollouts * max(1, CONFIG.training.runs[wildcards.run].keep)
+    return CONFIG.evaluation.selection_rollouts * max(1, CONFIG.training.configs[wildcards.run].num_checkpoints)
 
 
 def training_minutes(wildcards):
-    """Three times what a hyper-parameter set takes: measured on one core, for a GPU reckoned at 20 TFLOP/s."""
-    options = CONFIG.training.runs[wildcards.run]
-    network, seconds = options.network, 3e-13 if CONFIG.device == "cuda" else 2.5e-11
-    clouds = options.batch_size * options.rnn_horizon * network.points
-    products = clouds * network.pointnet_width * (8 + network.pointnet_width * (network.pointnet_layers - 1))
+    """Three times what a config takes: measured on one core, for a GPU reckoned at 20 TFLOP/s."""
+    options = CONFIG.training.configs[wildcards.run]
+    width, layers = options.kwargs.get("pointnet_width", 1), options.kwargs.get("pointnet_layers", 1)
+    seconds = 3e-13 if CONFIG.device == "cuda" else 2.5e-11
+    clouds = options.batch_size * options.horizon * options.points
+    products = clouds * width * (8 + width * (layers - 1))
     return 30 + 3 * options.steps * (0.015 + seconds * products) / 60
 
 

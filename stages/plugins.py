@@ -11,9 +11,15 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
 
 from stages.contracts.errors import InputError, suggest_nearest
+from stages.contracts.files import first_error
+from stages.contracts.section import Section
+
+S = TypeVar("S", bound=Section)
 
 
 @dataclass(frozen=True)
@@ -40,7 +46,6 @@ KINDS = {
     "rooms": PluginKind("scenes.rooms", ".yaml"),
     "tasks": PluginKind("tasks", "TASK"),
     "policies": PluginKind("policies", "Policy"),
-    "markers": PluginKind("policies.markers", "MARKER"),
     "mesh_files": PluginKind("articulated.mesh_files", "READER"),
     "importers": PluginKind("assets.importers", "IMPORTER"),
     "skills": PluginKind("skills", "Skill"),
@@ -149,6 +154,35 @@ def load(kind: str, name: str) -> Any:
     if implementation is None:
         raise InputError(kind, f"{module} defines no {symbol}.", "see docs/extending.md", code="E-PLUGIN-SYMBOL")
     return implementation
+
+
+def find_options(kind: str, name: str) -> type[Section]:
+    """The class `Options` of an implementation: in `<its module>_options`, or in its module, which is then imported.
+
+    The first is for modules whose import takes long: the config is checked by it. `Section`, without keys: it has none.
+    """
+    module = qualify_module(kind, name)
+    home, _, stem = module.rpartition(".")
+    for place in (f"{stem}_options", stem):
+        file = folder(home) / place
+        if _is_one(file if file.is_dir() else file.with_suffix(".py"), "Options"):
+            options: type[Section] = importlib.import_module(f"{home}.{place}").Options
+            return options
+    return Section
+
+
+def parse_kwargs(options: type[S], kwargs: Mapping[str, Any], key: str = "kwargs") -> S:
+    """The options of an implementation from those that are given.
+
+    Raises:
+        InputError: one is not known, or has no such value.
+    """
+    try:
+        return options.model_validate(kwargs)
+    except ValidationError as error:
+        strange = [str(detail["loc"][0]) for detail in error.errors() if detail["type"] == "extra_forbidden"]
+        mend = suggest_nearest(strange[0], options.model_fields) if strange else ""
+        raise InputError(key, f"{first_error(error)}.", mend, code="E-PLUGIN-OPTION") from None
 
 
 def data_file(kind: str, name: str) -> Path:

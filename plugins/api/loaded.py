@@ -10,7 +10,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.policy_folder import read_config
 from stages.contracts.task_options import TaskConfig
 from stages.plugins import load
-from stages.policies import ActorProtocol, Choice, Float, TrainablePolicy, make_actor
+from stages.policies.base import ActionMode, Float, RolloutPolicy, TrainablePolicy, make_rollout_policy
 from stages.policies.checkpoint import load_network
 
 
@@ -22,14 +22,14 @@ class LoadedPolicy:
         task_options: what its environments were made with, for `gym.make(..., options=)`.
     """
 
-    def __init__(self, network: TrainablePolicy, env_id: str, task_options: TaskConfig, action: Choice) -> None:
+    def __init__(self, network: TrainablePolicy, env_id: str, task_options: TaskConfig, action: ActionMode) -> None:
         self.network, self.env_id, self.task_options, self.action = network, env_id, task_options, action
         self.reset()
 
     def reset(self, seed: int = 0) -> None:
         """Start an episode; `seed` decides every random choice of it, plus one in each further environment."""
         self._seed = seed
-        self._actor: ActorProtocol | None = None  # how many environments there are the first observation says
+        self._acting: RolloutPolicy | None = None  # how many environments there are the first observation says
         self._envs = 0
 
     def act(self, observation: Mapping[str, Any]) -> Float:
@@ -51,18 +51,18 @@ class LoadedPolicy:
 
     def _act(self, clouds: Float, proprio: Float) -> Float:
         count = len(clouds)
-        if self._actor is None:
-            self._actor, self._envs = make_actor(self.network, count, self.action), count
-            for slot in range(count):
-                self._actor.reset(slot, self._seed + slot)
+        if self._acting is None:
+            self._acting, self._envs = make_rollout_policy(self.network, count, self.action), count
+            for env_id in range(count):
+                self._acting.start_episode(env_id, self._seed + env_id)
         if count != self._envs:
             what = f"is of {count} environments, the episode began with {self._envs}."
             raise InputError("observation", what, "policy.reset()", code="E-POLICY-OBSERVATION")
-        return self._actor.act(range(count), list(clouds), list(proprio))
+        return self._acting.get_action(range(count), list(clouds), list(proprio))
 
 
 def load_policy(
-    folder: str | Path, checkpoint: str = "best", action: Choice = "sharpened", device: str = "cpu"
+    folder: str | Path, checkpoint: str = "best", action: ActionMode = "sharpened", device: str = "cpu"
 ) -> LoadedPolicy:
     """The policy in a folder that `training train` wrote, e.g. results/training/door/twin/lite/seed_0.
 

@@ -7,7 +7,7 @@ from typing import Any
 from stages.config.code import source
 from stages.config.mistakes import Mistake
 from stages.config.packages import Package
-from stages.contracts.training_run import TrainingRun
+from stages.contracts.policy_config import PolicyConfig, has_eyes
 from stages.plugins import qualify_module
 
 
@@ -21,9 +21,9 @@ def find_mistakes(config: Any) -> Iterator[Mistake]:
 PACKAGE = Package(verbs={"scenes": None, "demonstrations": None, "policy": None}, mistakes=find_mistakes)
 
 
-def has_portable_form(run: TrainingRun) -> bool:
+def has_portable_form(run: PolicyConfig) -> bool:
     """Whether `exports policy` can write policies of these options: they see clouds, and their kind has code for it."""
-    return run.network.cloud and find_portable_form(run.policy) is not None
+    return has_eyes(run) and find_portable_form(run.policy) is not None
 
 
 def find_portable_form(policy: str) -> str | None:
@@ -34,7 +34,7 @@ def find_portable_form(policy: str) -> str | None:
 
 
 def with_portable_form(
-    folders: Callable[[Any], list[str]], runs: Mapping[str, TrainingRun]
+    folders: Callable[[Any], list[str]], runs: Mapping[str, PolicyConfig]
 ) -> Callable[[Any], list[str]]:
     """A function of a rule's inputs: of the policies' folders that `folders` gives, those that `policy` can write."""
     names = {name for name, run in runs.items() if has_portable_form(run)}

@@ -5,13 +5,14 @@ import shutil
 from pathlib import Path
 
 from plugins.exports.package import find_portable_form
-from plugins.handle import handle_points
 from stages.config.code import cover
 from stages.contracts.errors import InputError
 from stages.contracts.files import write_atomically, write_json
+from stages.contracts.policy_config import has_eyes
 from stages.contracts.policy_folder import read_config
 from stages.plugins import qualify_module
-from stages.policies import Choice
+from stages.policies import handle_points
+from stages.policies.base import ActionMode
 from stages.policies.checkpoint import load_network, save_weights
 
 LAYOUT = {
@@ -21,7 +22,7 @@ LAYOUT = {
 }
 
 
-def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "sharpened") -> None:
+def run(*, policy: Path, out: Path, checkpoint: str = "best", action: ActionMode = "sharpened") -> None:
     """Write weights.safetensors, policy.json, loader.py and handle_points.py, which need torch and safetensors alone.
 
     A policy that sees flagged handles marks them itself, by handle_points.py.
@@ -32,26 +33,26 @@ def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "
         checkpoint: best, last, or the name of one of `checkpoints` in config.json.
         action: by which mode of the mixture it acts, as in `evaluation.action`.
     """
-    config = read_config(policy)
-    cover([qualify_module("policies", config.run.policy)])
-    module = find_portable_form(config.run.policy)
+    trained = read_config(policy)
+    cover([qualify_module("policies", trained.config.policy)])
+    module = find_portable_form(trained.config.policy)
     if module is None:
-        what = f"a policy '{config.run.policy}' has no portable form."
+        what = f"a policy '{trained.config.policy}' has no portable form."
         raise InputError(policy, what, "write `portable.py` beside it", code="E-POLICY-PORTABLE")
-    if not config.run.network.cloud:
+    if not has_eyes(trained.config):
         what = "sees no cloud: it is a baseline for rollouts."
-        raise InputError(policy, what, "export one with network.cloud: true", code="E-POLICY-PORTABLE")
+        raise InputError(policy, what, "export one with cloud: true", code="E-POLICY-PORTABLE")
     code = importlib.import_module(module)
     weights, about = code.portable(load_network(policy, checkpoint), action)
-    options = config.task_options
+    options = trained.task_options
     about |= {
         "layout": LAYOUT,
-        "task": config.task,
+        "task": trained.task,
         "control_frequency_hz": options.control_frequency,
         "translation_at_1_m": options.position_step,
         "rotation_at_1_rad": options.rotation_step,
-        "training_episodes": config.training_episodes,
-        "stores": [f"{store.file}: {store.episodes} episodes of {store.asset}" for store in config.stores],
+        "training_episodes": trained.training_episodes,
+        "stores": [f"{store.file}: {store.episodes} episodes of {store.asset}" for store in trained.stores],
     }
     save_weights(out / "weights.safetensors", weights)
     write_json(out / "policy.json", about)

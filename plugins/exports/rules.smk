@@ -91,7 +91,7 @@ rule exports:
         ),
         with_portable_form(
             policies("results/exports/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}"),
-            CONFIG.training.runs,
+            CONFIG.training.configs,
         ),
         [
             folder

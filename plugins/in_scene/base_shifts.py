@@ -9,7 +9,7 @@ from stages.articulated.asset_folder import read_asset
 from stages.geometry.frames import apply, inverse
 from stages.planning.clearance import BASE, arm_spheres
 from stages.simulation.robot import GRIPPER_OPEN
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 
 # Metres that are tried, towards the handle and sideways; chosen.
 TOWARDS, SIDEWAYS = (0.0, -0.05, 0.08, -0.1, 0.15), (0.0, 0.12, -0.12, 0.25, -0.25)
@@ -21,7 +21,7 @@ def list_base_shifts() -> list[tuple[float, float]]:
     return sorted(found, key=lambda shift: (round(abs(shift[0]) + abs(shift[1]), 3), shift))
 
 
-def find_obstacle(task: TaskEnv, room: GeneratedRoom) -> str | None:
+def find_obstacle(task: EnvWrapper, room: GeneratedRoom) -> str | None:
     """What is in the way of the robot in its present pose, or of what the task brings along (props); or None."""
     things = {name: points for name, points in room.obstacles.items() if name != "floor"}
     base = task.env.agent.robot.pose.sp.to_transformation_matrix()
@@ -43,7 +43,7 @@ def find_obstacle(task: TaskEnv, room: GeneratedRoom) -> str | None:
     return None
 
 
-def find_touched(task: TaskEnv, room: GeneratedRoom) -> set[str]:
+def find_touched(task: EnvWrapper, room: GeneratedRoom) -> set[str]:
     """Names of furniture and walls that the robot or the object touches now."""
     bodies = (task.env.agent.robot, task.env.object)
     ours = {link.entity.per_scene_id for body in bodies for link in body._objs[0].links}

@@ -25,7 +25,7 @@ from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.collect import attempt_seeds
 from stages.demonstrations.store import StoreHeader, write_episodes
 from stages.plugins import load
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from stages.tasks.task import Task
 
 SCENE_TRIES = 10  # attempts in one scene; chosen for time
@@ -115,7 +115,7 @@ def demonstrate_in_scene(
         reason = f"{object} is {asset}, which has no {known.role} that the robot can open"
         return SceneDemonstration(**about, asset=asset, status="failed", reason=reason), None
     about |= {"asset": asset, "joint": target.joint}
-    task = TaskEnv(setting.task, room.target.folder, target.joint, None, setting.world, vary_scale=False, room=room)
+    task = EnvWrapper(setting.task, room.target.folder, target.joint, None, setting.world, vary_scale=False, room=room)
     recorder, reasons, attempts = Recorder(task, setting.options, film=True), Counter[str](), 0
     seeds = attempt_seeds(setting.seed, f"rank_{generated.rank}", len(list_base_shifts()))
     for room.shift, seed in zip(list_base_shifts(), seeds, strict=True):

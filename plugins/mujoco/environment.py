@@ -35,8 +35,8 @@ from stages.simulation.observation import CAMERA_FROM_IMAGE
 from stages.simulation.recording import Moment, Recording
 from stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
 from stages.simulation.target import Target, read_target
-from stages.tasks.api import Float, TaskEnv
-from stages.tasks.base_placement import AJAR, find_success_opening, place_robot_and_asset
+from stages.tasks.api import EnvWrapper, Float
+from stages.tasks.base_placement import OFFICIAL_SUCCESS_FRACTION, find_success_opening, place_robot_and_asset
 from stages.tasks.cameras import shoulder
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
 from stages.tasks.observation import CameraRig, Observation
@@ -44,11 +44,11 @@ from stages.tasks.observation import CameraRig, Observation
 SHOWN_ID = np.array([1], np.int16)  # entity id of what the cloud shows; everything else has 0
 
 
-class MujocoTaskEnv(TaskEnv):
-    """A task on one asset, in MuJoCo. Its observations, actions, starts and success are those of `TaskEnv`."""
+class MujocoTaskEnv(EnvWrapper):
+    """A task on one asset, in MuJoCo. Its observations, actions, starts and success are those of `EnvWrapper`."""
 
     def __init__(self, *args: Any, **given: Any) -> None:
-        """Args as of `TaskEnv`; `room` and `randomise` have no effect.
+        """Args as of `EnvWrapper`; `room` and `randomise` have no effect.
 
         Raises:
             InputError: the task is neither door nor drawer.
@@ -110,7 +110,7 @@ class MujocoTaskEnv(TaskEnv):
         fractions = self._fractions()
         self.opened = fractions[self.joint]
         self.success = self.opened >= self.success_opening
-        self.official_success |= max(fractions.values()) >= AJAR
+        self.official_success |= max(fractions.values()) >= OFFICIAL_SUCCESS_FRACTION
 
     def observe(self) -> Observation:
         """The observation of the present state."""

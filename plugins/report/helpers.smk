@@ -62,7 +62,7 @@ POSSIBLE = columns(
         (*cell, run, seed)
         for cell in EXPERIMENT.cells
         for plan in [EXPERIMENT.plan(cell.policy)]
-        for run in plan.runs
+        for run in plan.configs
         for seed in plan.seeds
     ],
 )

@@ -8,10 +8,10 @@ from stages.config.evaluation import SkillOptions
 from stages.contracts.files import read_options
 from stages.contracts.policies import Rollout
 from stages.contracts.task_options import TaskConfig
-from stages.evaluation.arena import Acting, Arena
 from stages.evaluation.episodes import RolloutEpisode
 from stages.evaluation.rows import write_rows
 from stages.evaluation.states import Start, starts_of
+from stages.evaluation.vector_env import Acting, VectorEnv
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
 
@@ -43,29 +43,29 @@ def run(
     """
     settings, world = read_options(SkillOptions, options), read_options(TaskConfig, task_options)
     rows: list[Rollout] = []
-    with Arena(assets, library, world, settings) as arena:
-        skill = ScriptedSkill(arena, read_options(DemonstrationsConfig, skill_options))
-        for role, starts in starts_of(arena.plan, assets, settings, (), seed).items():
+    with VectorEnv(assets, library, world, settings) as envs:
+        skill = ScriptedSkill(envs, read_options(DemonstrationsConfig, skill_options))
+        for role, starts in starts_of(envs.plan, assets, settings, (), seed).items():
             episodes = [skill.episode(start) for start in starts]
             print(f"evaluation: {role} {sum(episode.success for episode in episodes)}/{len(starts)}", file=sys.stderr)
             acting = Acting(target, "skill", "skill", "scripted", 0, "none")
-            rows += arena.rows(acting, role, episodes)
+            rows += envs.rows(acting, role, episodes)
     write_rows(out, rows)
 
 
 class ScriptedSkill:
-    """The skills of a task in one environment of an arena."""
+    """The skills of a task in one environment of some."""
 
-    def __init__(self, arena: Arena, options: DemonstrationsConfig) -> None:
-        self.arena = arena
-        (self.task,) = arena.tasks(1, arena.plan.assets[0])
+    def __init__(self, envs: VectorEnv, options: DemonstrationsConfig) -> None:
+        self.envs = envs
+        (self.task,) = envs.tasks(1, envs.plan.assets[0])
         self.chain = SkillChain(self.task, options)
 
     def episode(self, start: Start) -> RolloutEpisode:
         """One attempt; as for policies, it is over at the first success."""
-        asset, seed, task = self.arena.size_asset(start[0]), start[1], self.task
+        asset, seed, task = self.envs.size_asset(start[0]), start[1], self.task
         episode = RolloutEpisode(asset, seed)
-        task.turn_to(self.arena.folder(asset), asset.joint, asset.size)
+        task.turn_to(self.envs.folder(asset), asset.joint, asset.size)
         task.place(seed)
 
         def act(action: Float, noisy: bool, ahead: float = FAR) -> None:

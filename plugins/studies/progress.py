@@ -26,10 +26,10 @@ def policy_file(results: Path, condition: str, cell: Cell, run: str, seed: int) 
 
 
 def list_counting_runs(config: Config, results: Path, cell: Cell) -> list[str]:
-    """The hyper-parameter sets that count: where trials chose, those that they chose."""
-    path = results / "evaluation/trials" / Path(*cell) / "chosen.json"
+    """The policy configs that count: where selection rollouts chose, those that they chose."""
+    path = results / "evaluation/selection" / Path(*cell) / "chosen.json"
     chose = config.experiment.needs_choice(cell.policy) and path.is_file()
-    return read_json(ChosenRuns, path).runs if chose else config.experiment.plan(cell.policy).runs
+    return read_json(ChosenRuns, path).runs if chose else config.experiment.plan(cell.policy).configs
 
 
 def progress_table(config: Config, results: Path) -> Table:

@@ -87,10 +87,10 @@ def list_cells(config: Config) -> pd.DataFrame:
 
 
 def _tabulate_trials(config: Config, results: Path) -> list[Table]:
-    """The trials of the hyper-parameter sets; nothing if there were none."""
+    """The selection rollouts of the policy configs; nothing if there were none."""
     rows = []
     for cell in config.experiment.cells:
-        path = results / "evaluation/trials" / Path(*cell) / "chosen.json"
+        path = results / "evaluation/selection" / Path(*cell) / "chosen.json"
         if config.experiment.needs_choice(cell.policy) and path.is_file():
             chosen = read_json(ChosenRuns, path)
             scores = ", ".join(f"{score.run} {score.successes}/{score.episodes}" for score in chosen.scores)

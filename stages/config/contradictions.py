@@ -62,7 +62,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
         "experiment.targets": experiment.targets,
         "experiment.policies": experiment.policies,
         "experiment.pools": experiment.pools,
-        "training.runs": config.training.runs,
+        "training.configs": config.training.configs,
         "evaluation.conditions": config.evaluation.conditions,
     }
     for key, names in named.items():
@@ -85,7 +85,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
         if "ranks" in changes:
             yield Mistake(f"experiment.placements.{variant}.ranks", "is one for all variants", "set generation.ranks")
     for name, policy in experiment.policies.items():
-        for key in ("targets", "training_sets", "runs", "seeds"):
+        for key in ("targets", "training_sets", "configs", "seeds"):
             yield from _list_repeated(f"experiment.policies.{name}.{key}", getattr(policy, key) or ())
     for name, protocol in experiment.protocols.items():
         yield from _list_repeated(f"experiment.protocols.{name}.seeds", protocol.seeds)

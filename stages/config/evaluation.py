@@ -22,7 +22,7 @@ class SceneOptions(Section):
         description="maniskill: that of the demonstrations; mujoco: another, with physics, contacts, controller and "
         "depth of its own, in the place of the paper's real robot; door and drawer",
     )
-    parking: tuple[NotNegative, NotNegative] | None = Field(
+    robot_init_noise: tuple[NotNegative, NotNegative] | None = Field(
         None, description="the robot stands within so many metres and degrees of its place; null: as in `task`"
     )
 
@@ -41,8 +41,8 @@ class ActingOptions(SensingOptions):
 
     checkpoint: Literal["best", "last", "rollouts"] = Field(
         "best",
-        description="best: as `training` selected; rollouts: of the checkpoints that `training: keep` left, the "
-        "one with most successes in its trial on the twin (the paper's way)",
+        description="best: as `training` selected; rollouts: of the `num_checkpoints` of its config, the one with "
+        "most successes in its selection rollouts on the twin (the paper's way)",
     )
     action: Literal["sample", "sharpened", "most_likely"] = Field(
         "sharpened",
@@ -53,14 +53,14 @@ class ActingOptions(SensingOptions):
     envs: ClassVar[int] = 4
 
 
-class TrialOptions(ActingOptions):
-    """Rollouts that choose checkpoints and hyper-parameter sets."""
+class SelectionOptions(ActingOptions):
+    """Rollouts that select checkpoints and policy configs."""
 
     selection_rollouts: int = Field(
         20,
         ge=1,
-        description="episodes per checkpoint in a trial on the twin, from states that no test uses; trials choose "
-        "checkpoints (`checkpoint: rollouts`) and, of more than `experiment.best_runs`, hyper-parameter sets",
+        description="episodes per checkpoint on the twin, from states that no test uses; they choose "
+        "checkpoints (`checkpoint: rollouts`) and, of more than `experiment.best_configs`, policy configs",
     )
 
 
@@ -93,7 +93,7 @@ class RolloutOptions(ActingOptions, SkillOptions):
     """Rollouts that are counted."""
 
 
-class EvaluationConfig(TrialOptions, RolloutOptions):
+class EvaluationConfig(SelectionOptions, RolloutOptions):
     """How policies are rolled out."""
 
     conditions: dict[str, SensingOptions] = Field(

@@ -115,12 +115,12 @@ class ExperimentConfig(Section):
         description="Demonstrations in every training set, shared evenly by its assets so that sets compare: a "
         "multiple of their numbers.",
     )
-    best_runs: int = Field(
+    best_configs: int = Field(
         2,
         ge=1,
-        description="Of a policy with more runs than this, how many are trained with all seeds: each is trained with "
-        "the first seed and tried on the twin, per target and training set, and the best are chosen (paper: 2). Those "
-        "are pooled in the tables.",
+        description="Of a policy with more configs than this, how many are trained with all seeds: each is trained "
+        "with the first seed and tried on the twin, per target and training set, and the best are chosen (paper: 2). "
+        "Those are pooled in the tables.",
     )
     seeds: list[Seed] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")
     in_scene: int = Field(
@@ -180,7 +180,7 @@ class ExperimentConfig(Section):
         named = list(self.targets) if own.targets is None else own.targets
         return PolicyPlan(
             targets=list(dict.fromkeys(chain(*(self.pools.get(name, [name]) for name in named)))),
-            runs=[policy] if own.runs is None else own.runs,
+            configs=[policy] if own.configs is None else own.configs,
             training_sets=self.training_sets if own.training_sets is None else own.training_sets,
             seeds=self.seeds if own.seeds is None else own.seeds,
         )
@@ -202,7 +202,7 @@ class ExperimentConfig(Section):
 
     def needs_choice(self, policy: str) -> bool:
         """Whether a policy has more hyper-parameter sets than are trained with all seeds."""
-        return len(self.plan(policy).runs) > self.best_runs
+        return len(self.plan(policy).configs) > self.best_configs
 
     def roles(self, training_set: str, seed: int) -> list[str]:
         """Roles whose demonstrations the policies of a training set and seed learn from, in order; one store each.

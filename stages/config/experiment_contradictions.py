@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from stages.config.inputs import list_objects
 from stages.config.mistakes import Mistake
+from stages.config.policy_kinds import list_traits
 from stages.contracts.errors import InputError
 from stages.contracts.training_sets import DRAW, DRAWN, read_set
 from stages.plugins import find, shorten_name
@@ -112,10 +113,14 @@ def test_assets(config: "Config") -> Iterator[Mistake]:
             yield Mistake("evaluation.test_assets", what, mend, "E-CONFIG-UNKNOWN")
     if config.evaluation.checkpoint == "rollouts":
         plans = [plan for plan in map(experiment.plan, experiment.policies) if plan.targets and plan.training_sets]
-        for run in dict.fromkeys(run for plan in plans for run in plan.runs):
-            if run in config.training.runs and not config.training.runs[run].keep:
-                what = f"is rollouts, but training.runs.{run}.keep = 0 leaves no checkpoints"
-                yield Mistake("evaluation.checkpoint", what, f"set training.runs.{run}.keep, or use best or last")
+        for name in dict.fromkeys(name for plan in plans for name in plan.configs):
+            key = f"training.configs.{name}.num_checkpoints"
+            if name in config.training.configs and not config.training.configs[name].num_checkpoints:
+                yield Mistake(
+                    "evaluation.checkpoint",
+                    f"is rollouts, but {key} = 0 leaves none",
+                    f"set {key}, or use best or last",
+                )
 
 
 def simulators(config: "Config") -> Iterator[Mistake]:
@@ -133,13 +138,13 @@ def simulators(config: "Config") -> Iterator[Mistake]:
 
 
 def policies(config: "Config") -> Iterator[Mistake]:
-    """Policies that are trained by sets of hyper-parameters that there are, for targets that there are."""
-    experiment, known = config.experiment, config.training.runs
+    """Policies that are trained by configs that there are, for targets that there are."""
+    experiment, known = config.experiment, config.training.configs
     for name, policy in experiment.policies.items():
         key = f"experiment.policies.{name}"
-        for run in experiment.plan(name).runs:
-            if run not in known:
-                yield Mistake.unknown(f"{key}.runs" if policy.runs else key, run, "training.runs", known)
+        for each in experiment.plan(name).configs:
+            if each not in known:
+                yield Mistake.unknown(f"{key}.configs" if policy.configs else key, each, "training.configs", known)
         for target in policy.targets or ():
             if target not in experiment.targets and target not in experiment.pools:
                 there = [*experiment.targets, *experiment.pools]
@@ -147,41 +152,38 @@ def policies(config: "Config") -> Iterator[Mistake]:
 
 
 def check_choices(config: "Config") -> Iterator[Mistake]:
-    """Policies of several runs: of one kind, of which trials choose the best (paper B.4)."""
-    experiment, known = config.experiment, config.training.runs
+    """Policies of several configs: of one kind, of which rollouts choose the best (paper B.4)."""
+    experiment, known = config.experiment, config.training.configs
     for name in experiment.policies:
-        runs, key = experiment.plan(name).runs, f"experiment.policies.{name}.runs"
-        kinds = {known[run].kind: run for run in reversed(runs) if run in known}
-        mend = "a policy for each: `policies: {" + ", ".join(f"{run}: {{}}" for run in runs) + "}`"
+        configs, key = experiment.plan(name).configs, f"experiment.policies.{name}.configs"
+        kinds = {list_traits(known[each]): each for each in reversed(configs) if each in known}
+        mend = "a policy for each: `policies: {" + ", ".join(f"{each}: {{}}" for each in configs) + "}`"
         if len(kinds) > 1:
             first, other, *_ = reversed(kinds.values())
             yield Mistake(key, f"{first} and {other} are other kinds of policies, which are never pooled", mend)
-        elif 1 < len(runs) <= experiment.best_runs:
-            what = f"{' and '.join(runs)} are no more than experiment.best_runs = {experiment.best_runs}"
-            yield Mistake(key, what, f"{mend}, or lower best_runs: trials choose so many")
+        elif 1 < len(configs) <= experiment.best_configs:
+            what = f"{' and '.join(configs)} are no more than experiment.best_configs = {experiment.best_configs}"
+            yield Mistake(key, what, f"{mend}, or lower best_configs: selection rollouts choose so many")
 
 
 def networks(config: "Config") -> Iterator[Mistake]:
     """Networks that see no more points than there are, checkpoints in reach."""
-    experiment, known = config.experiment, config.training.runs
+    experiment, known = config.experiment, config.training.configs
     plans = [experiment.plan(name) for name in experiment.policies]
-    for run in dict.fromkeys(run for plan in plans for run in plan.runs if run in known):
-        options = known[run]
+    for each in dict.fromkeys(each for plan in plans for each in plan.configs if each in known):
+        options = known[each]
         points = {
             config.task_of(name).points: f"experiment.targets.{name}.options"
             if "points" in experiment.targets[name].options
             else "task"
             for plan in plans
-            if run in plan.runs
+            if each in plan.configs
             for name in plan.targets
             if name in experiment.targets
         }
-        if points and options.network.points > min(points):
-            what = f"{options.network.points} of {points[min(points)]}.points = {min(points)}"
-            yield Mistake(f"training.runs.{run}.network.points", what, "lower it or raise task.points")
-        if options.handle and config.packages.get("handle") is False:
-            what = "is what the package handle marks, which is off"
-            yield Mistake(f"training.runs.{run}.handle", what, "packages: {handle: true}")
-        if options.keep > options.steps:
-            what = f"{options.keep} checkpoints of {options.steps} steps"
-            yield Mistake(f"training.runs.{run}.keep", what, "lower it")
+        if points and options.points > min(points):
+            what = f"{options.points} of {points[min(points)]}.points = {min(points)}"
+            yield Mistake(f"training.configs.{each}.points", what, "lower it or raise task.points")
+        if options.num_checkpoints > options.steps:
+            what = f"{options.num_checkpoints} checkpoints of {options.steps} steps"
+            yield Mistake(f"training.configs.{each}.num_checkpoints", what, "lower it")

@@ -5,7 +5,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from stages.contracts.objects import USUAL_ERROR
-from stages.contracts.section import OWN, Section
+from stages.contracts.section import KWARGS, Section
 
 
 class DepthNoiseConfig(Section):
@@ -26,6 +26,7 @@ class ExtractionConfig(Section):
         json_schema_extra={"kind": "sources"},
         description="Where depth, masks and captions come from. folder: from the files in the input folder.",
     )
+    kwargs: dict[str, Any] = KWARGS
     depth_noise: Literal["model", "none"] = Field(
         "model",
         description="model: exact depth from the renderer is put through `noise` first. none: it is used as it is. "
@@ -45,8 +46,6 @@ class ExtractionConfig(Section):
         lt=0.25,
         description="Share of the points left out at either end of a box (0: raw extremes).",
     )
-
-    own: dict[str, dict[str, Any]] = OWN
 
     def list_unread(self) -> set[str]:
         """The noise model, if there is no noise."""

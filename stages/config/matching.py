@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import Field, model_validator
 
 from stages.config.packages import with_sections
-from stages.contracts.section import OWN, Section
+from stages.contracts.section import KWARGS_BY_NAME, Section
 from stages.plugins import list_available, shorten_name
 
 JUDGE = "geometry" if "geometry" in list_available("judges") else "distance"  # the paper's where that package is not
@@ -59,7 +59,7 @@ class EncoderOptions(Section):
     )
     hog: HogConfig = Field(HogConfig(), description="The encoder `hog`.")
     dinov2: Dinov2Config = Field(Dinov2Config(), description="The encoder `dinov2`.")
-    own: dict[str, dict[str, Any]] = OWN
+    kwargs: dict[str, dict[str, Any]] = KWARGS_BY_NAME
 
     def list_unread(self) -> set[str]:
         """The options of encoders that are not used."""
@@ -70,10 +70,10 @@ class EncoderOptions(Section):
         given = getattr(self, self.encoder, None)
         if not isinstance(given, Section):
             name = shorten_name(self.encoder)
-            own: dict[str, Any] = {"own": {name: self.own[name]} if name in self.own else {}}
+            read: dict[str, Any] = {"kwargs": {name: self.kwargs[name]} if name in self.kwargs else {}}
         else:
-            own = {self.encoder: given.model_dump(mode="json", exclude=given.list_unread())}
-        return {"encoder": self.encoder, "dimensions": self.dimensions or 0} | own
+            read = {self.encoder: given.model_dump(mode="json", exclude=given.list_unread())}
+        return {"encoder": self.encoder, "dimensions": self.dimensions or 0} | read
 
     def store(self) -> str:
         """Name of the feature store: two variants share one if it holds the same for both."""
@@ -114,7 +114,7 @@ class CandidateOptions(Section):
         "the next nearest categories come in (paper: 1).",
     )
     clip: str = Field("", description="Folder with the weights of the text encoder `clip`.")
-    own: dict[str, dict[str, Any]] = OWN
+    kwargs: dict[str, dict[str, Any]] = KWARGS_BY_NAME
 
 
 class MatchingSection(ComparisonOptions, CandidateOptions):

@@ -63,6 +63,8 @@ def mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str = "")
 
 def _find_meant_key(name: str, model: type[BaseModel], root: type[BaseModel]) -> str:
     """Which key was meant: the nearest by its letters, one elsewhere, else any."""
+    if not model.model_fields:
+        return "leave it out: no options are read here"
     elsewhere = list(_places(name, root))
     if get_close_matches(name, model.model_fields, n=1, cutoff=0.6) or not 0 < len(elsewhere) <= 3:
         return suggest_nearest(name, model.model_fields)

@@ -23,7 +23,7 @@ from stages.config.packages import Objects, Package, find_packages, packages_on,
 from stages.config.replaced import Replaced
 from stages.config.tables import TablesConfig
 from stages.config.targets import Target
-from stages.config.training import TrainingConfig
+from stages.config.training import TrainingSection
 from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.section import Section, Seed
 from stages.contracts.task_options import TaskConfig
@@ -61,7 +61,7 @@ class Config(Section):
     demonstrations: DemonstrationsConfig = Field(
         DemonstrationsConfig(), description="Automatic demonstrations (A.4, A.5)."
     )
-    training: TrainingConfig = Field(TrainingConfig(), description="Policies (B.3).")
+    training: TrainingSection = Field(TrainingSection(), description="Policies (B.3).")
     evaluation: EvaluationConfig = Field(EvaluationConfig(), description="Rollouts and scene scores (B.1, B.3).")
     tables: TablesConfig = Field(TablesConfig(), description="Tables, figures and the report page.")
     stages: Replaced = Field(

@@ -1,12 +1,14 @@
 """Names of implementations in the config: checked, and qualified so that stages can load them."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, TypeVar
 
-from stages.config.mistakes import Mistake
-from stages.contracts.errors import InputError
+from pydantic import ValidationError
+
+from stages.config.mistakes import Mistake, mistakes_of, truths
+from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.section import Section
-from stages.plugins import find, list_available, qualify_module
+from stages.plugins import find, find_options, list_available, qualify_module
 
 S = TypeVar("S", bound=Section)
 
@@ -49,27 +51,51 @@ def resolve_names(section: S, packages: Sequence[str], path: str, mistakes: list
                 changes[field] = [find(kind, name, packages, key) for name in value]
             elif kind:
                 changes[field] = find(kind, value, packages, key)
-            elif field == "own":
-                _check_own(type(section), value, packages, key)
         except InputError as error:
             if mistakes is None:
                 raise
             mistakes.append(Mistake.of(error))
             default = type(section).model_fields[field].default
             changes[field] = default if value != default else next(iter(list_available(kind or "", packages)))
+    if "kwargs" in type(section).model_fields:
+        checked, wrong = _check_kwargs(section.model_copy(update=changes), packages, f"{path}.kwargs".lstrip("."))
+        changes["kwargs"] = checked
+        if wrong and mistakes is None:
+            raise InputError(wrong[0].key, f"{wrong[0].what}.", wrong[0].mend, code=wrong[0].code)
+        if mistakes is not None:
+            mistakes += wrong
     found = {field: value for field, value in changes.items() if value != getattr(section, field)}
     return section.model_copy(update=found)  # what nobody set stays so
 
 
-def _check_own(section: type[Section], names: Iterable[str], packages: Sequence[str], key: str) -> None:
-    """Options are given for implementations that there are, of a kind that the section names."""
-    kinds = {kind for field in section.model_fields if (kind := kind_of(section, field))}
-    known = {name for kind in kinds for name in list_available(kind, packages)}
-    for name in names:
+def _check_kwargs(section: Section, packages: Sequence[str], key: str) -> tuple[dict[str, Any], list[Mistake]]:
+    """The options that a section has for implementations, and what is wrong with them.
+
+    Of a section that names one implementation they are this one's, with the defaults of those that are not given; of
+    one that names several they are given by names of implementations.
+    """
+    given: dict[str, Any] = section.kwargs  # type: ignore[attr-defined]
+    named = [(kind, field) for field in type(section).model_fields if (kind := kind_of(type(section), field))]
+    if len(named) == 1:
+        ((kind, field),) = named
+        return _check_options(find_options(kind, getattr(section, field)), given, key)
+    known = {name: (kind, module) for kind, _ in named for name, module in list_available(kind, packages).items()}
+    checked, mistakes = dict[str, Any](), list[Mistake]()
+    for name, options in given.items():
         if name not in known:
-            raise InputError(
-                f"{key}.{name}",
-                f"there is no '{name}'.",
-                f"there are: {', '.join(sorted(known))}",
-                code="E-PLUGIN-UNKNOWN",
+            mistakes.append(
+                Mistake(f"{key}.{name}", f"there is no '{name}'", suggest_nearest(name, known), "E-PLUGIN-UNKNOWN")
             )
+            continue
+        checked[name], wrong = _check_options(find_options(*known[name]), options, f"{key}.{name}")
+        mistakes += wrong
+    return checked, mistakes
+
+
+def _check_options(model: type[Section], given: dict[str, Any], key: str) -> tuple[dict[str, Any], list[Mistake]]:
+    if mistakes := truths(given, model, key):
+        return {}, mistakes
+    try:
+        return model.model_validate(given).model_dump(mode="json"), []
+    except ValidationError as error:
+        return {}, [each._replace(key=each.key.rstrip(".")) for each in mistakes_of(model, error, f"{key}.")]

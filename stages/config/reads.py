@@ -4,7 +4,7 @@ from typing import Any
 
 from stages.config.assets import SnapshotOptions
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.evaluation import RolloutOptions, TrialOptions
+from stages.config.evaluation import RolloutOptions, SelectionOptions
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.matching import CandidateOptions, ComparisonOptions, EncoderOptions, matching_model
@@ -13,8 +13,8 @@ from stages.config.names import kind_of
 from stages.config.packages import find_packages
 from stages.config.policy_kinds import policy_tables
 from stages.config.tables import PolicyTables, TablesConfig
+from stages.contracts.policy_config import PolicyConfig
 from stages.contracts.section import Section
-from stages.contracts.training_run import TrainingRun
 from stages.contracts.training_sets import is_randomised
 from stages.plugins import shorten_name
 
@@ -27,8 +27,8 @@ CORE: dict[tuple[str, str], type[Section]] = {
     ("matching", "distances"): ComparisonOptions,
     ("generation", "generate"): GenerationConfig,
     ("demonstrations", "collect"): DemonstrationsConfig,
-    ("training", "train"): TrainingRun,
-    ("evaluation", "trial"): TrialOptions,
+    ("training", "train"): PolicyConfig,
+    ("evaluation", "selection-rollout"): SelectionOptions,
     ("evaluation", "rollout"): RolloutOptions,
     ("tables", "scenes"): TablesConfig,
     ("tables", "policies"): PolicyTables,
@@ -52,13 +52,13 @@ def section_name(stage: str) -> str:
 
 
 def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section:
-    """The section that a stage's verbs read: that of a variant, run or protocol where there are several."""
+    """The section that a stage's verbs read: that of a variant, config or protocol where there are several."""
     if "variant" in wildcards and stage == "matching":
         return config.matching_of(wildcards["variant"])
     if "variant" in wildcards and stage == "generation":
         return config.generation_of(wildcards["variant"])
     if stage == "training":
-        return config.training.runs[wildcards["run"]]
+        return config.training.configs[wildcards["run"]]
     if section_name(stage) == "evaluation" and "condition" in wildcards:
         return config.evaluation.under(wildcards["condition"])
     if section_name(stage) == "tables":
@@ -74,13 +74,14 @@ def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str])
     if (stage, verb) == ("matching", "features"):
         return stores(config)[wildcards["store"]].keep_stored()
     section, reads = section_of(config, stage, wildcards), READS[stage, verb]
+    kinds = [field for field in type(section).model_fields if kind_of(type(section), field)]
     if beside := {name: getattr(config, name).model_dump() for name in _sections(reads, section, config)}:
         section = reads.model_construct(**dict(section), **beside)
     kept = section.model_dump(mode="json", include=set(reads.model_fields) - section.list_unread())
-    if "own" in kept:
-        kinds = [field for field in reads.model_fields if kind_of(reads, field)]
-        used = {shorten_name(name) for field in kinds for name in _names(getattr(section, field))}
-        kept["own"] = {name: options for name, options in kept["own"].items() if name in used}
+    if "kwargs" in kept and len(kinds) > 1:  # by name
+        read = set(kinds) & set(reads.model_fields)
+        used = {shorten_name(name) for field in read for name in _names(getattr(section, field))}
+        kept["kwargs"] = {name: options for name, options in kept["kwargs"].items() if name in used}
     if not is_randomised(wildcards.get("role", "")):
         kept.pop("randomise", None)  # of such roles' demonstrations alone
     return kept

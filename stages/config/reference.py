@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
 from stages.config.model import complete
-from stages.plugins import list_available
+from stages.plugins import KINDS, PACKAGES, find_options, list_available
 
 
 def _scalar(value: Any) -> str:
@@ -76,6 +76,24 @@ def write_yaml(config: BaseModel) -> str:
     return "\n".join(_lines(config, "", "", [])).rstrip() + "\n"
 
 
+def _row(key: str, default: str, allowed: str, description: str) -> str:
+    allowed, description = (text.replace("|", "\\|").replace("\n", " ") for text in (allowed, description))
+    return f"| `{key}` | `{default}` | {allowed} | {description} |"
+
+
+def _list_kwargs() -> list[str]:
+    """Lines with the options of every implementation of ours that has some."""
+    packages = [f"plugins.{path.name}" for path in sorted(PACKAGES.glob("[!_]*/"))]
+    lines: list[str] = []
+    for kind in KINDS:
+        for name, module in list_available(kind, packages).items():
+            rows: list[tuple[str, str, str, str]] = []
+            _lines(find_options(kind, module)(), "", "", rows)
+            lines += [f"| *{name}* ({kind}) | | | |", *(_row(*row) for row in rows)] if rows else []
+    heading = ["", "## `kwargs`", "", "Options of implementations, where the config names them.", ""]
+    return [*heading, "| key | default | allowed | meaning |", "|---|---|---|---|", *lines]
+
+
 def generate() -> dict[str, str]:
     """Contents of the generated files by path."""
     rows: list[tuple[str, str, str, str]] = []
@@ -88,8 +106,8 @@ def generate() -> dict[str, str]:
             )
             table += ["| key | default | allowed | meaning |", "|---|---|---|---|"] if not default else []
         else:
-            cell = description.replace("|", "\\|").replace("\n", " ")
-            table.append(f"| `{key}` | `{default}` | {allowed.replace('|', chr(92) + '|')} | {cell} |")
+            table.append(_row(key, default, allowed, description))
+    table += _list_kwargs()
     schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **complete().model_json_schema()}
     return {
         "config/schema.json": json.dumps(schema, indent=1) + "\n",

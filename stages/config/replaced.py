@@ -16,7 +16,7 @@ VERBS = {
     "experiment": ("select",),
     "demonstrations": ("collect",),
     "training": ("train",),
-    "evaluation": ("trial", "choose", "rollout", "gather", "score"),
+    "evaluation": ("selection-rollout", "choose", "rollout", "merge", "score"),
     "tables": ("scenes", "policies"),
 }
 

@@ -38,10 +38,10 @@ class TablesConfig(Section):
 class PolicyAbout(Section):
     """A policy of the experiment.
 
-    best: how many of its runs trials choose, to be pooled; None: there is one run. targets: what it opens.
+    best: how many of its configs are chosen, to be pooled; None: there is one. targets: what it opens.
     """
 
-    runs: list[str]
+    configs: list[str]
     best: int | None = None
     targets: list[str]
 

@@ -26,13 +26,13 @@ class Target(Section):
 
 
 class Policy(Section):
-    """What opens targets: a way to train. Its kind follows from the options of its runs."""
+    """What opens targets: a way to train. Its kind follows from its configs."""
 
-    runs: list[str] | None = Field(
+    configs: list[str] | None = Field(
         None,
         min_length=1,
-        description="hyper-parameter sets of `training.runs`, one kind of policy; null: the one that is called as the "
-        "policy; of more than `experiment.best_runs` trials choose the best",
+        description="names of `training.configs`, one kind of policy; null: the one that is called as the "
+        "policy; of more than `experiment.best_configs` selection rollouts choose the best",
     )
     targets: list[str] | None = Field(None, min_length=1, description="targets or pools that it opens; null: all")
     training_sets: list[TrainingSet] | None = Field(None, description="null: `experiment.training_sets`")
@@ -43,7 +43,7 @@ class PolicyPlan(NamedTuple):
     """A policy with nothing left open."""
 
     targets: list[str]
-    runs: list[str]
+    configs: list[str]
     training_sets: list[str]
     seeds: list[int]
 

@@ -235,7 +235,7 @@ class Rollout(Contract):
 
 
 class RunScore(Contract):
-    """How a hyper-parameter set did in its trial on the twin, by its best checkpoint."""
+    """How a policy config did in its selection rollouts on the twin, by its best checkpoint."""
 
     run: Id
     checkpoint: Text
@@ -244,7 +244,7 @@ class RunScore(Contract):
 
 
 class ChosenRuns(Document):
-    """`chosen.json`: the hyper-parameter sets of one cell that are trained with all seeds (B.4)."""
+    """`chosen.json`: the policy configs of one cell that are trained with all seeds (B.4)."""
 
     target: Id
     policy: Id

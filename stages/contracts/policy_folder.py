@@ -31,7 +31,7 @@ def read_config(folder: Path) -> TrainedPolicy:
     return read_json(TrainedPolicy, folder / "config.json", AGAIN)
 
 
-def check_weights(path: Path, config: TrainedPolicy) -> Shapes:
+def check_weights(path: Path, trained: TrainedPolicy) -> Shapes:
     """Shapes by name of one file of weights; all finite, with the normaliser, and as many as config.json says.
 
     Raises:
@@ -49,7 +49,7 @@ def check_weights(path: Path, config: TrainedPolicy) -> Shapes:
                 raise InputError(path, f"{name}: holds NaN or infinity.", AGAIN, code="E-POLICY-WEIGHTS")
             if name in NORMALISER and name.endswith("_std") and array.min() <= 0:
                 raise InputError(path, f"{name}: is not positive.", AGAIN, code="E-POLICY-WEIGHTS")
-    if config.run.policy != PAPERS:
+    if trained.config.policy != PAPERS:
         return shapes  # which numbers another policy keeps is for it to know
     for name, shape in NORMALISER.items():
         if shapes.get(name) != shape:
@@ -57,10 +57,10 @@ def check_weights(path: Path, config: TrainedPolicy) -> Shapes:
                 path, f"{name}: has shape {shapes.get(name)}, not {shape}.", AGAIN, code="E-POLICY-WEIGHTS"
             )
     count = sum(math.prod(shape) for name, shape in shapes.items() if name not in NORMALISER)
-    if count != config.parameters:
+    if count != trained.parameters:
         raise InputError(
             path,
-            f"holds {count} numbers, config.json says parameters: {config.parameters}.",
+            f"holds {count} numbers, config.json says parameters: {trained.parameters}.",
             AGAIN,
             code="E-POLICY-WEIGHTS",
         )
@@ -70,10 +70,10 @@ def check_weights(path: Path, config: TrainedPolicy) -> Shapes:
 def check_policy(path: Path) -> None:
     """config.json (or its folder) and all weights that it names."""
     folder = path if path.is_dir() else path.parent
-    config = read_config(folder)
-    shapes = check_weights(folder / "policy.safetensors", config)
-    for name in ("last.safetensors", *config.checkpoints):
-        if check_weights(weights_of(folder, name), config) != shapes:
+    trained = read_config(folder)
+    shapes = check_weights(folder / "policy.safetensors", trained)
+    for name in ("last.safetensors", *trained.checkpoints):
+        if check_weights(weights_of(folder, name), trained) != shapes:
             raise InputError(
                 folder / name, "has other weights than policy.safetensors.", AGAIN, code="E-POLICY-WEIGHTS"
             )

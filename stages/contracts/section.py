@@ -56,7 +56,8 @@ def _without_nulls(value: Any, annotation: Any) -> Any:
     return {key: _without_nulls(item, inner) for key, item in (value or {}).items() if item is not None}
 
 
-OWN: Any = Field({}, description="Options of implementations of your own, by their name; handed on as they are.")
+KWARGS: Any = Field({}, description="Options of the implementation that is named above, by its class `Options`.")
+KWARGS_BY_NAME: Any = Field({}, description="Options of implementations, by their names and their classes `Options`.")
 
 
 def check_range(span: tuple[float, float]) -> tuple[float, float]:

@@ -3,8 +3,8 @@
 from pydantic import Field, RootModel, model_validator
 
 from stages.contracts.files import Contract, Document
+from stages.contracts.policy_config import PolicyConfig
 from stages.contracts.task_options import TaskConfig
-from stages.contracts.training_run import TrainingRun
 from stages.contracts.types import Count, Finite, Id, RelativePath, Seed, Text
 
 LATE = 0.25  # of the steps; healthy trainings took at most 0.16 (of 83)
@@ -27,7 +27,7 @@ class TrainedPolicy(Document):
 
     task: Id
     task_options: TaskConfig = Field(description="environment of the demonstrations; evaluation uses the same")
-    run: TrainingRun = Field(description="hyper-parameters")
+    config: PolicyConfig = Field(description="hyper-parameters")
     seed: Seed
     stores: list[TrainingStore] = Field(min_length=1)
     data_digest: str = Field(description="sha256 over the episodes used")
@@ -55,7 +55,7 @@ class TrainedPolicy(Document):
     @property
     def late(self) -> bool:
         """Whether much of its training passed before it learned anything."""
-        return self.learned and self.plateau is not None and self.plateau > LATE * self.run.steps
+        return self.learned and self.plateau is not None and self.plateau > LATE * self.config.steps
 
 
 class MetricsLine(RootModel[dict[Text, Finite | None]]):

@@ -12,7 +12,7 @@ from stages.demonstrations.store import RecordedEpisode
 from stages.simulation.recording import Recording
 from stages.skills import FAR, Float, Outcome
 from stages.skills.chain import SkillChain
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class FilmedAttempt:
 class Recorder:
     """Runs attempts on a task by the skills of its chain; with `film` the first success is recorded for a film."""
 
-    def __init__(self, task: TaskEnv, options: DemonstrationsConfig, film: bool = False) -> None:
+    def __init__(self, task: EnvWrapper, options: DemonstrationsConfig, film: bool = False) -> None:
         self.task, self.options, self.film = task, options, film
         self.filmed: list[FilmedAttempt] = []
         self.chain = SkillChain(task, options)

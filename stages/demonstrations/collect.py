@@ -18,7 +18,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.contracts.training_sets import is_randomised
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 
 TRIES = 3  # attempts on an asset before it is the next one's turn; chosen
 FAILED_LEDGER = "attempts.failed.jsonl"  # not an output of the rule: Snakemake deletes those of a failed job
@@ -65,7 +65,7 @@ def run(
     chosen = [(models[entry.asset], entry) for entry in wanted]
     folder, entry = chosen[0]
     randomise = settings.randomise if is_randomised(role) else None
-    task = TaskEnv(plan.task, folder, entry.joint, entry.size, world, randomise=randomise)
+    task = EnvWrapper(plan.task, folder, entry.joint, entry.size, world, randomise=randomise)
     recorder = Recorder(task, settings, film=bool(films))
     seeds = list(attempt_seeds(seed, role, int(np.ceil(episodes * settings.max_attempts_factor))))
     kept, ledger = take_turns(recorder, chosen, seeds, episodes)

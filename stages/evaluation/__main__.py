@@ -5,10 +5,10 @@ from stages.cli import main
 main(
     "stages.evaluation",
     {
-        "trial": "roll the checkpoints of a policy out on the twin",
-        "choose": "choose hyper-parameter sets by their trials",
+        "selection-rollout": "roll the checkpoints of a policy out on the twin",
+        "choose": "choose policy configs by their selection rollouts",
         "rollout": "roll a policy out on the test assets",
-        "gather": "put the rollouts of a training set into one table",
+        "merge": "put the rollouts of a training set into one table",
         "score": "compare generated scenes with the truth",
     },
 )

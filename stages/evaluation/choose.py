@@ -1,4 +1,4 @@
-"""Verb `choose`: the hyper-parameter sets that are trained with all seeds, by their trials on the twin (paper B.4)."""
+"""Verb `choose`: the policy configs that are trained with all seeds, by their rollouts on the twin (paper B.4)."""
 
 import sys
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from stages.contracts.policies import ChosenRuns, Rollout, RunScore
 
 
 def best_checkpoint(rows: Sequence[Rollout]) -> RunScore:
-    """The checkpoint of a trial with most successes; of equals the later one."""
+    """The checkpoint with most successes; of equals the later one."""
     scores: dict[str, list[bool]] = {}
     for row in rows:
         scores.setdefault(row.checkpoint, []).append(row.success)
@@ -18,20 +18,20 @@ def best_checkpoint(rows: Sequence[Rollout]) -> RunScore:
     return RunScore(run=rows[0].run, checkpoint=best, successes=sum(scores[best]), episodes=len(scores[best]))
 
 
-def run(*, trials: tuple[Path, ...], count: int, out: Path) -> None:
-    """Name the best hyper-parameter sets of one cell; of equals those given first.
+def run(*, rollouts: tuple[Path, ...], count: int, out: Path) -> None:
+    """Name the best policy configs of one cell; of equals those given first.
 
     Args:
-        trials: rollouts.csv of every candidate's trial, all from the same initial states.
+        rollouts: rollouts.csv of every candidate's selection rollouts, all from the same initial states.
         count: how many to choose.
         out: chosen.json (contract ChosenRuns).
     """
-    rows = {path: read_rows(Rollout, path, "run `evaluation trial` again") for path in trials}
+    rows = {path: read_rows(Rollout, path, "run `evaluation selection-rollout` again") for path in rollouts}
     about = {(row.target, row.policy, row.training_set) for each in rows.values() for row in each}
     states = {tuple(dict.fromkeys(row.initial_state for row in each)) for each in rows.values()}
     if len(about) != 1 or len(states) != 1:
         what = "are not of one target, policy and training set from the same states."
-        raise InputError("--trials", what, "run them again", code="E-TRIALS-MIXED")
+        raise InputError("--rollouts", what, "run them again", code="E-SELECTION-MIXED")
     scores = [best_checkpoint(each) for each in rows.values()]
     best = sorted(scores, key=lambda score: -score.successes)[:count]
     for score in scores:

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from stages.contracts.policies import TaskAsset
 from stages.evaluation.states import Start
-from stages.policies import ActorProtocol
+from stages.policies.base import RolloutPolicy
 from stages.simulation.recording import Moment, Recording
-from stages.tasks.api import Observation, TaskEnv
+from stages.tasks.api import EnvWrapper, Observation
 
 
 @dataclass
@@ -26,9 +26,9 @@ class RolloutEpisode:
 
 
 def roll_out(
-    tasks: Sequence[TaskEnv],
+    tasks: Sequence[EnvWrapper],
     folders: Mapping[str, Path],
-    actor: ActorProtocol,
+    policy: RolloutPolicy,
     starts: Sequence[Start],
     record: bool = False,
 ) -> list[RolloutEpisode]:
@@ -38,40 +38,40 @@ def roll_out(
     """
     episodes = [RolloutEpisode(asset, seed) for asset, seed in starts]
     waiting = list(episodes)
-    running: dict[int, RolloutEpisode] = {}  # slot -> its episode
+    running: dict[int, RolloutEpisode] = {}  # by environment
     observations: dict[int, Observation] = {}
 
-    def start(slot: int) -> None:
-        running.pop(slot, None)
+    def start(env_id: int) -> None:
+        running.pop(env_id, None)
         if waiting:
-            running[slot] = episode = waiting.pop(0)
-            tasks[slot].turn_to(folders[episode.asset.asset], episode.asset.joint, episode.asset.size)
-            observations[slot] = tasks[slot].reset(episode.seed)
-            actor.reset(slot, episode.seed)
+            running[env_id] = episode = waiting.pop(0)
+            tasks[env_id].turn_to(folders[episode.asset.asset], episode.asset.joint, episode.asset.size)
+            observations[env_id] = tasks[env_id].reset(episode.seed)
+            policy.start_episode(env_id, episode.seed)
 
-    def note(slot: int) -> None:
+    def note(env_id: int) -> None:
         if record:
-            running[slot].moments.append(tasks[slot].moment())
+            running[env_id].moments.append(tasks[env_id].moment())
 
-    for slot in range(len(tasks)):
-        start(slot)
+    for env_id in range(len(tasks)):
+        start(env_id)
     while running:
-        slots = list(running)
-        actions = actor.act(
-            slots,
-            [observations[slot]["point_cloud"] for slot in slots],
-            [observations[slot]["proprio"] for slot in slots],
+        env_ids = list(running)
+        actions = policy.get_action(
+            env_ids,
+            [observations[env_id]["point_cloud"] for env_id in env_ids],
+            [observations[env_id]["proprio"] for env_id in env_ids],
         )
-        for slot, action in zip(slots, actions, strict=True):
-            note(slot)
-            episode, result = running[slot], tasks[slot].step(action)
-            observations[slot] = result.observation
+        for env_id, action in zip(env_ids, actions, strict=True):
+            note(env_id)
+            episode, result = running[env_id], tasks[env_id].step(action)
+            observations[env_id] = result.observation
             episode.success, episode.official_success = result.success, result.official_success
             episode.opened = result.opened
             episode.steps += 1
             if result.done:
-                note(slot)
+                note(env_id)
                 if record:
-                    episode.recording = tasks[slot].recording(episode.moments)
-                start(slot)
+                    episode.recording = tasks[env_id].recording(episode.moments)
+                start(env_id)
     return episodes

@@ -10,7 +10,7 @@ import numpy as np
 from stages.config.evaluation import SkillOptions
 from stages.contracts.policies import TaskAsset, TaskAssets
 
-Purpose = Literal["roles", "test", "validation", "trial"]
+Purpose = Literal["roles", "test", "validation", "selection"]
 Start = tuple[TaskAsset, int]
 FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was trained on
 TRAINED = "trained"  # test role of the assets that a policy was trained on

@@ -8,7 +8,7 @@ from torch import Tensor
 from stages.contracts.errors import InputError
 from stages.contracts.files import write_atomically
 from stages.contracts.policy_folder import check_weights, read_config, weights_of
-from stages.policies import TrainablePolicy, make_policy
+from stages.policies.base import TrainablePolicy, make_policy
 
 FILES = {"best": "policy.safetensors", "last": "last.safetensors"}
 
@@ -29,10 +29,10 @@ def load_network(folder: Path, checkpoint: str, device: str = "cpu") -> Trainabl
     Raises:
         InputError: a file is missing, or the weights do not fit the sizes in config.json.
     """
-    config = read_config(folder)
-    policy = make_policy(config.run)
+    trained = read_config(folder)
+    policy = make_policy(trained.config)
     path = weights_of(folder, FILES.get(checkpoint, checkpoint))
-    check_weights(path, config)
+    check_weights(path, trained)
     try:
         policy.load_state_dict(load_file(path))
     except RuntimeError as error:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from stages.config.demonstrations import DemonstrationsConfig
-    from stages.tasks.api import TaskEnv
+    from stages.tasks.api import EnvWrapper
 
 Float = NDArray[np.float32]
 FAR = float("inf")
@@ -47,7 +47,7 @@ class SkillProtocol(Protocol):
     begins where the skill before it has ended: at a handle just let go of, or with an object in the gripper.
     """
 
-    def __init__(self, task: "TaskEnv", options: "DemonstrationsConfig") -> None: ...
+    def __init__(self, task: "EnvWrapper", options: "DemonstrationsConfig") -> None: ...
 
     def run(self, act: Act) -> Outcome:
         """Do it, through the actions that a policy has."""

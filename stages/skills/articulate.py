@@ -15,7 +15,7 @@ from stages.simulation.kinematics import Array, pose_error
 from stages.simulation.target import Target
 from stages.skills.attempts import RetryingSkill
 from stages.skills.motion import CLOSED, LOST, OPEN, Motion, Stall
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 
 
 class ArticulateSkill(RetryingSkill):
@@ -23,7 +23,7 @@ class ArticulateSkill(RetryingSkill):
 
     final = ("no_handle", "no_plan", "timeout", "ungrasp")
 
-    def __init__(self, task: TaskEnv, options: DemonstrationsConfig) -> None:
+    def __init__(self, task: EnvWrapper, options: DemonstrationsConfig) -> None:
         super().__init__(task, options)
         self.missed: list[tuple[Grasp, str]] = []  # of this run, with the cause
 

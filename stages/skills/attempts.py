@@ -10,7 +10,7 @@ from stages.geometry.frames import apply, inverse
 from stages.planning.clearance import Surroundings
 from stages.skills import Act, Outcome
 from stages.skills.motion import Motion
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 
 
 class RetryingSkill(ABC):
@@ -18,7 +18,7 @@ class RetryingSkill(ABC):
 
     final: ClassVar[tuple[str, ...]] = ()
 
-    def __init__(self, task: TaskEnv, options: DemonstrationsConfig) -> None:
+    def __init__(self, task: EnvWrapper, options: DemonstrationsConfig) -> None:
         self.task, self.options = task, options
 
     @abstractmethod

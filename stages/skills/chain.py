@@ -5,13 +5,13 @@ from dataclasses import replace
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.plugins import load, shorten_name
 from stages.skills import Act, Outcome, SkillProtocol
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 
 
 class SkillChain:
     """The skills that a task names, made once per task; they run one after the other."""
 
-    def __init__(self, task: TaskEnv, options: DemonstrationsConfig) -> None:
+    def __init__(self, task: EnvWrapper, options: DemonstrationsConfig) -> None:
         self.task = task
         self.skills: list[SkillProtocol] = [load("skills", name)(task, options) for name in task.task.skills]
 

@@ -10,7 +10,7 @@ from stages.planning.rollout import TOLERANCE, measure_deviation
 from stages.simulation.kinematics import Array, pose_error
 from stages.simulation.robot import GRIPPER_OPEN
 from stages.skills import FAR, Act
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 
 OPEN, CLOSED = 1.0, -1.0  # of the gripper's action
 CLOSE_STEPS, OPEN_STEPS = 3, 2  # control steps until the gripper has closed, and until it lets go; chosen
@@ -35,7 +35,7 @@ class Stall:
 class Motion:
     """Moves the hand of a task through the actions that a policy has; `act` executes (and records) one."""
 
-    def __init__(self, task: TaskEnv, act: Act) -> None:
+    def __init__(self, task: EnvWrapper, act: Act) -> None:
         self.task, self.act = task, act
 
     @property

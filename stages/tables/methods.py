@@ -1,4 +1,4 @@
-"""Policies of one method each. What differs in more than its seed is never averaged, but where trials chose (B.4)."""
+"""Policies of one method each. What differs in more than its seed is never averaged, but where rollouts chose (B.4)."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -19,7 +19,7 @@ def read_rollouts(paths: Sequence[Path], options: MethodTables) -> pd.DataFrame:
     """All rows of some files of `Rollout`.
 
     Raises:
-        InputError: rows of a policy are of several checkpoints, or of more runs than trials choose.
+        InputError: rows of a policy are of several checkpoints, or of more runs than selection rollouts choose.
     """
     rollouts = read_rows(Rollout, paths, ONE_TEST)
     check_methods(rollouts, options)
@@ -35,7 +35,7 @@ def check_methods(rollouts: pd.DataFrame, options: MethodTables) -> None:
     """Refuse rows that would count as several runs of a method and are not.
 
     Raises:
-        InputError: rows of a policy are of several checkpoints, or of more runs than trials choose.
+        InputError: rows of a policy are of several checkpoints, or of more runs than selection rollouts choose.
     """
     policy = ["target", "policy", "training_set", "run", "seed"]
     for key, checkpoints in rollouts.groupby(policy)["checkpoint"]:
@@ -52,9 +52,9 @@ def check_methods(rollouts: pd.DataFrame, options: MethodTables) -> None:
 
 
 def kinds_of(options: PolicyTables) -> dict[str, str]:
-    """Policy -> what it is, in words: its kind and its name, or the runs that trials chose from."""
+    """Policy -> what it is, in words: its kind and its name, or the configs that were chosen from."""
     found = options.policies.items()
-    sets = {name: f"best {about.best} of {', '.join(about.runs)}" if about.best else name for name, about in found}
+    sets = {name: f"best {about.best} of {', '.join(about.configs)}" if about.best else name for name, about in found}
     return {name: name if kind == name else f"{kind} ({sets[name]})" for name, kind in options.kinds.items()}
 
 

@@ -50,8 +50,8 @@ def _privileged(options: PolicyTables) -> str:
 def _start(options: PolicyTables) -> str:
     """How far off its place the robot stands."""
     place = "of their place before the true handle"
-    if options.sensing and options.sensing.parking:
-        metres, degrees = options.sensing.parking
+    if options.sensing and options.sensing.robot_init_noise:
+        metres, degrees = options.sensing.robot_init_noise
         return f"{_cm(metres)} cm and {degrees:g} degrees {place}"
     return " or ".join(f"{_cm(along)} and {_cm(up)} cm" for along, up in options.starts) + f" {place}"
 

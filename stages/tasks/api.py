@@ -44,8 +44,8 @@ class StepResult:
     done: bool
 
 
-class TaskEnv:
-    """A task on one asset: env = TaskEnv(...); observation = env.reset(seed); result = env.step(action).
+class EnvWrapper:
+    """A task on one asset: env = EnvWrapper(...); observation = env.reset(seed); result = env.step(action).
 
     Several may live in one process.
 
@@ -92,7 +92,7 @@ class TaskEnv:
         self._nominal: dict[tuple[Path, Size], Path] = {}  # folders of assets at their nominal sizes
 
     def turn_to(self, assets: Path, joint: str, size: Size | None) -> None:
-        """Use another asset and joint from the next episode on; see `TaskEnv`."""
+        """Use another asset and joint from the next episode on; see `EnvWrapper`."""
         asset, role = read_json(Asset, assets / "asset.json"), self.task.role
         names = [candidate.name for candidate in asset.joints if candidate.role == role]
         if joint not in names:

@@ -24,7 +24,7 @@ from stages.simulation.rendering import render_backend
 from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.room import Room
 from stages.simulation.target import Target, descends, read_target
-from stages.tasks.base_placement import AJAR, find_success_opening, place_robot_and_asset
+from stages.tasks.base_placement import OFFICIAL_SUCCESS_FRACTION, find_success_opening, place_robot_and_asset
 from stages.tasks.cameras import Camera, shoulder
 from stages.tasks.filmed import FilmedEnv
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
@@ -248,7 +248,7 @@ class OpenTaskEnv(FilmedEnv):
 
     def evaluate(self) -> dict[str, torch.Tensor]:
         """Success; beside it the official code's: any joint of the object was 10 % open at any time."""
-        self._official |= (self._fractions() >= AJAR).any(dim=1)
+        self._official |= (self._fractions() >= OFFICIAL_SUCCESS_FRACTION).any(dim=1)
         return {
             "success": self.check_success(),
             "official_success": self._official.clone(),

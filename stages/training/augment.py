@@ -1,4 +1,4 @@
-"""Random translation and jitter of training sequences (paper B.3); downsampling is in `dataset.py`.
+"""Random translation and jitter of training sequences (paper B.3); downsampling is in `batches.py`.
 
 Random numbers are drawn on the host and carried to where the sequences are: the same ones on every device.
 """
@@ -6,10 +6,13 @@ Random numbers are drawn on the host and carried to where the sequences are: the
 import torch
 from torch import Tensor
 
-from stages.contracts.training_run import TrainingRun
+from stages.contracts.policy_config import PolicyConfig
+
+TRANSLATION_PROBABILITY = 0.4  # per sequence (official: 0.4)
+JITTER_PROBABILITY, JITTER_CLIP = 0.1, 0.015  # per sequence (official: 0.1, switched off); largest, metres (official)
 
 
-def augment(clouds: Tensor, proprio: Tensor, run: TrainingRun, random: torch.Generator) -> tuple[Tensor, Tensor]:
+def augment(clouds: Tensor, proprio: Tensor, config: PolicyConfig, random: torch.Generator) -> tuple[Tensor, Tensor]:
     """Augmented copies of clouds (B, T, P, 4) and proprioception (B, T, 9), both metres in the robot frame.
 
     `translation_mode: sequence` shifts cloud and end-effector position of a sequence together: the actions are
@@ -17,15 +20,15 @@ def augment(clouds: Tensor, proprio: Tensor, run: TrainingRun, random: torch.Gen
     end-effector position untouched.
     """
     batch, steps, points = clouds.shape[:3]
-    together = run.translation_mode == "sequence"
+    together = config.translation_mode == "sequence"
     drawn = 1 if together else steps
-    shifted = torch.rand((batch, drawn, 1), generator=random) < run.translation_probability
-    shift = ((2 * torch.rand((batch, drawn, 3), generator=random) - 1) * run.translation * shifted).to(clouds.device)
+    shifted = torch.rand((batch, drawn, 1), generator=random) < TRANSLATION_PROBABILITY
+    shift = ((2 * torch.rand((batch, drawn, 3), generator=random) - 1) * config.translation * shifted).to(clouds.device)
     xyz = clouds[..., :3] + shift[:, :, None]
     position = proprio[..., :3] + (shift if together else 0.0)
 
-    shaken = (torch.rand(batch, generator=random) < run.jitter_probability).nonzero().squeeze(1)
-    if run.jitter > 0 and len(shaken):
-        noise = torch.randn((len(shaken), steps, points, 3), generator=random) * run.jitter
-        xyz[shaken.to(clouds.device)] += noise.clamp(-run.jitter_clip, run.jitter_clip).to(clouds.device)
+    shaken = (torch.rand(batch, generator=random) < JITTER_PROBABILITY).nonzero().squeeze(1)
+    if config.jitter > 0 and len(shaken):
+        noise = torch.randn((len(shaken), steps, points, 3), generator=random) * config.jitter
+        xyz[shaken.to(clouds.device)] += noise.clamp(-JITTER_CLIP, JITTER_CLIP).to(clouds.device)
     return torch.cat([xyz, clouds[..., 3:]], dim=-1), torch.cat([position, proprio[..., 3:]], dim=-1)

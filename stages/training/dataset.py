@@ -14,19 +14,17 @@ from stages.contracts.episode_store import read_episodes
 from stages.contracts.errors import InputError
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainingStore
-from stages.policies.marking import load_marker
+from stages.training.fronts import segment_episodes
 
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 Float = NDArray[np.float32]
+VALIDATION_FRACTION = 0.1  # of the episodes of every store (official: 0.1)
 
 
 @dataclass(frozen=True)
 class DemonstrationSet:
     """Episodes end to end: clouds (F, P, 4) float16, proprio (F, 9), actions (F, 7) float32; robot frame, metres.
 
-    fronts: (F, 3) the upright plane of the front as long as it stands still, else zeros (`policies.marking`); of
-    marked clouds alone.
+    fronts: (F, 3) the upright plane of the front as long as it stands still, else zeros; with `segment_handles` alone.
     """
 
     clouds: Tensor
@@ -40,9 +38,9 @@ class DemonstrationSet:
     digest: str
     fronts: Tensor | None = None
 
-    def mark_handles(self) -> "DemonstrationSet":
-        """The same with the handles marked in the clouds."""
-        clouds, fronts = load_marker().mark_episodes(self.clouds, self.lengths)
+    def segment_handles(self) -> "DemonstrationSet":
+        """The same with the handles flagged in the clouds."""
+        clouds, fronts = segment_episodes(self.clouds, self.lengths)
         return replace(self, clouds=clouds, fronts=fronts)
 
     def on(self, device: str) -> "DemonstrationSet":
@@ -51,28 +49,16 @@ class DemonstrationSet:
         return replace(self, **{name: frame.to(device) for name, frame in frames.items() if frame is not None})
 
 
-@dataclass(frozen=True)
-class Batch:
-    """Sequences: clouds (B, T, P, 4), proprio (B, T, 9), actions (B, T, 7), weights (B, T): 0 behind an episode.
-
-    fronts: (B, T, 3), as of `DemonstrationSet`.
-    """
-
-    clouds: Tensor
-    proprio: Tensor
-    actions: Tensor
-    weights: Tensor
-    fronts: Tensor | None = None
-
-
 def steps_until_release(actions: Float) -> int:
     """Steps (of T, 7 actions) until the hand opens for the last time; all of them if it ends closed or never closes."""
     closed = np.flatnonzero(actions[:, 6] < 0)
     return int(closed[-1]) + 1 if len(closed) else len(actions)
 
 
-def read_demonstrations(paths: Sequence[Path], per_store: int, let_go: bool = True, task: str = "") -> DemonstrationSet:
-    """The first `per_store` episodes of every store; without `let_go` each up to where the hand last opens.
+def read_demonstrations(
+    paths: Sequence[Path], per_store: int, release_included: bool = True, task: str = ""
+) -> DemonstrationSet:
+    """The first `per_store` episodes of every store; without `release_included` each up to where the hand last opens.
 
     `task`: that they must be of; '': any.
 
@@ -92,7 +78,7 @@ def read_demonstrations(paths: Sequence[Path], per_store: int, let_go: bool = Tr
             what = f"was collected for the task '{store.task}', not '{task}'."
             raise InputError(path, what, "collect it again", code="E-EPISODES-TASK")
     episodes = [
-        episode if let_go else tuple(array[: steps_until_release(episode[2])] for array in episode)
+        episode if release_included else tuple(array[: steps_until_release(episode[2])] for array in episode)
         for store in stores
         for episode in store.episodes
     ]
@@ -123,13 +109,13 @@ def read_demonstrations(paths: Sequence[Path], per_store: int, let_go: bool = Tr
     )
 
 
-def split_episodes(data: DemonstrationSet, fraction: float, seed: int) -> tuple[list[int], list[int]]:
+def split_episodes(data: DemonstrationSet, seed: int) -> tuple[list[int], list[int]]:
     """Episodes for training and for validation; of every store the same fraction, at least one to train on."""
     random = np.random.default_rng((seed, 11))
     validation: list[int] = []
     for store in range(len(data.stores)):
         episodes = [i for i, owner in enumerate(data.store_of) if owner == store]
-        count = min(round(fraction * len(episodes)), len(episodes) - 1)
+        count = min(round(VALIDATION_FRACTION * len(episodes)), len(episodes) - 1)
         validation += random.permutation(episodes)[:count].tolist()
     return [i for i in range(len(data.lengths)) if i not in set(validation)], sorted(validation)
 
@@ -150,49 +136,3 @@ def constant_error(data: DemonstrationSet, training: Sequence[int], validation: 
     action = data.actions[frames_of(data, training)].mean(0)
     error = (data.actions[frames_of(data, validation)] - action).square().mean().sqrt()
     return round(error.item(), 5)
-
-
-def list_windows(data: DemonstrationSet, episodes: Sequence[int], horizon: int, stride: int) -> tuple[Indices, Mask]:
-    """Frame indices (W, T) of the sequences that start at every `stride`-th step, and (W, T) which steps are real.
-
-    Behind its end an episode is padded by its last frame, as robomimic does, but with no weight in the loss.
-    """
-    ends = np.cumsum(data.lengths)
-    frames, real = [], []
-    for episode in episodes:
-        first, end = ends[episode] - data.lengths[episode], ends[episode]
-        index = np.arange(first, end, stride)[:, None] + np.arange(horizon)
-        frames.append(np.minimum(index, end - 1))
-        real.append(index < end)
-    return np.concatenate(frames), np.concatenate(real)
-
-
-def gather(
-    data: DemonstrationSet, frames: Indices, real: Mask, points: int, random: torch.Generator, keep: bool = False
-) -> Batch:
-    """Sequences of `frames` (B, T), each seeing its own random `points` of the P points of every cloud.
-
-    keep: the points of handles are never left out.
-    """
-    device, available = data.clouds.device, data.clouds.shape[1]
-    index = torch.from_numpy(frames).to(device)
-    if points < available:
-        chance = torch.rand((len(index), available), generator=random).to(device)
-        order = chance.argsort(1)[:, None].expand(-1, index.shape[1], -1)
-        if keep:
-            order = put_marked_first(data.clouds[index][..., 3], order)
-        clouds = data.clouds[index[:, :, None], order[..., :points]]
-    else:
-        clouds = data.clouds[index]
-    weights = torch.from_numpy(real).to(device).float()
-    fronts = None if data.fronts is None else data.fronts[index]
-    return Batch(clouds.float(), data.proprio[index], data.actions[index], weights, fronts)
-
-
-def put_marked_first(flags: Tensor, order: Tensor) -> Tensor:
-    """An order (B, T, P) of points in which those with flag -1 come first and all else stays as it was."""
-    marked = flags.gather(2, order) == -1
-    before = marked.cumsum(2)
-    others = torch.arange(order.shape[2], device=order.device) - before
-    place = torch.where(marked, before - 1, before[..., -1:] + others)
-    return torch.empty_like(order).scatter_(2, place, order)

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from stages.contracts.files import write_atomically
-from stages.policies import TrainablePolicy
+from stages.policies.base import TrainablePolicy
 from stages.training.logbook import Line
 
 STATE = "state.pt"

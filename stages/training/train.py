@@ -12,14 +12,14 @@ from typing import Literal
 import torch
 
 from stages.config.code import code_digest, cover
-from stages.config.training import list_policy_modules
 from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options, write_json, write_text
+from stages.contracts.policy_config import PolicyConfig
 from stages.contracts.policy_folder import CHECKPOINTS
 from stages.contracts.trained import TrainedPolicy
-from stages.contracts.training_run import TrainingRun
-from stages.policies import make_policy
+from stages.plugins import find_options, parse_kwargs, qualify_module
+from stages.policies.base import make_policy
 from stages.policies.checkpoint import FILES, save_weights
 from stages.training.dataset import DemonstrationSet, constant_error, frames_of, read_demonstrations, split_episodes
 from stages.training.logbook import Line, Logbook
@@ -49,40 +49,42 @@ def run(
         per_store: how many episodes of each are used, from the first.
         task: that they must be of; '': any.
         out: folder for policy.safetensors (best), last.safetensors, config.json, metrics.jsonl.
-        options: one entry of `training.runs` as JSON, or a JSON file.
+        options: one entry of `training.configs` as JSON, or a JSON file.
         seed: of initial weights, validation split, sampling and augmentation.
         threads: CPU threads. Results are repeatable for a given number.
         device: where the network is trained.
     """
-    hyper = read_options(TrainingRun, options)
+    config = read_options(PolicyConfig, options)
+    kwargs = parse_kwargs(find_options("policies", config.policy), config.kwargs)
+    config = config.model_copy(update={"kwargs": kwargs.model_dump(mode="json")})
     if device == "cuda" and not torch.cuda.is_available():
         what = "cuda is asked for, but torch finds no GPU."
         raise InputError("device", what, "set `device: cpu`", code="E-DEVICE-GPU")
     torch.set_num_threads(threads)
     torch.manual_seed(seed)
-    data = read_demonstrations(episodes, per_store, hyper.let_go, task)
-    if data.clouds.shape[1] < hyper.network.points:
-        what = f"is {hyper.network.points}, but the clouds have {data.clouds.shape[1]} points."
-        raise InputError("training.network.points", what, code="E-EPISODES-POINTS")
-    if hyper.handle:
-        data = data.mark_handles()
-    setting = Setting(hyper, data.on(device), seed, work=out.parent / f"{out.name}.work")
-    training, validation = split_episodes(data, hyper.validation_fraction, seed)
-    policy = make_policy(hyper)
+    data = read_demonstrations(episodes, per_store, config.release_included, task)
+    if data.clouds.shape[1] < config.points:
+        what = f"is {config.points}, but the clouds have {data.clouds.shape[1]} points."
+        raise InputError("training.points", what, code="E-EPISODES-POINTS")
+    if config.handle:
+        data = data.segment_handles()
+    setting = Setting(config, data.on(device), seed, work=out.parent / f"{out.name}.work")
+    training, validation = split_episodes(data, seed)
+    policy = make_policy(config)
     policy.fit(data.clouds, data.proprio, data.actions, frames_of(data, training))
     policy.to(device)
     learned = [*policy.parameters()] or [torch.nn.Parameter(torch.zeros(0))]  # a policy may be fitted alone
-    optimiser = torch.optim.AdamW(learned, weight_decay=hyper.weight_decay, fused=True)
-    state = TrainingState(optimiser, fingerprint(data, hyper, seed))
+    optimiser = torch.optim.AdamW(learned, weight_decay=config.weight_decay, fused=True)
+    state = TrainingState(optimiser, fingerprint(data, config, seed))
     if state.resume(policy, setting.work):
         print(f"training: goes on from step {state.step}", file=sys.stderr)
     setting.work.mkdir(parents=True, exist_ok=True)
     metrics = setting.work / "metrics.jsonl"
-    logbook = Logbook(metrics, state.lines, hyper.wandb, WANDB_FOLDER, hyper.model_dump(mode="json") | {"seed": seed})
+    logbook = Logbook(metrics, state.lines, config.wandb, WANDB_FOLDER, config.model_dump(mode="json") | {"seed": seed})
     optimise(policy, state, setting, logbook.write)
     logbook.close()
 
-    kept = sorted((setting.work / "checkpoints").glob("*.safetensors")) if hyper.keep else []
+    kept = sorted((setting.work / "checkpoints").glob("*.safetensors")) if config.num_checkpoints else []
     pack(setting.work / "checkpoints", out / CHECKPOINTS)  # the work folder stays whole until everything is written
     save_weights(out / FILES["last"], policy.state_dict())
     save_weights(out / FILES["best"], state.best)
@@ -91,7 +93,7 @@ def run(
     found = TrainedPolicy(
         task=data.task,
         task_options=data.task_options,
-        run=hyper,
+        config=config,
         seed=seed,
         stores=data.stores,
         data_digest=data.digest,
@@ -135,9 +137,11 @@ def outcome(policy: TrainedPolicy) -> str:
     return f"seed {policy.seed} learned late, after step {policy.plateau}: {text}" if policy.late else text
 
 
-def fingerprint(data: DemonstrationSet, run: TrainingRun, seed: int) -> str:
+def fingerprint(data: DemonstrationSet, config: PolicyConfig, seed: int) -> str:
     """What must be equal for an interrupted run to go on: data, options, seed and code."""
-    modules = list_policy_modules(run)
-    cover(modules)
-    text = json.dumps([data.digest, run.model_dump(mode="json"), seed, code_digest(__name__, *modules)], sort_keys=True)
+    module = qualify_module("policies", config.policy)
+    cover([module])
+    text = json.dumps(
+        [data.digest, config.model_dump(mode="json"), seed, code_digest(__name__, module)], sort_keys=True
+    )
     return hashlib.sha256(text.encode()).hexdigest()

@@ -15,8 +15,8 @@ from safetensors.numpy import save_file
 from stages.contracts.__main__ import main
 from stages.contracts.archives import pack
 from stages.contracts.kinds import KINDS
+from stages.contracts.policy_config import PolicyConfig
 from stages.contracts.task_options import TaskConfig
-from stages.contracts.training_run import TrainingRun
 from tests.unit.demo_assets import FRONT
 
 WIDTH, HEIGHT = 48, 36
@@ -245,7 +245,7 @@ def _policies(root: Path) -> None:
     folder = root / "training"
     store = {"file": "episodes.h5", "asset": "cabinet_0", "episodes": 2, "frames": 12}
     _json(folder / "config.json", task="door", task_options=options.model_dump(mode="json"),
-          run=TrainingRun().model_dump(mode="json"), seed=0, stores=[store], data_digest="d", training_episodes=2,
+          config=PolicyConfig().model_dump(mode="json"), seed=0, stores=[store], data_digest="d", training_episodes=2,
           validation_episodes=0, parameters=24, best_step=100, best_loss=-1.0, best_error=0.2,
           constant_error=0.5, plateau=0, checkpoints=[])  # fmt: skip
     for name in ("policy", "last"):

@@ -164,7 +164,7 @@ class World:
             folder,
             {"model_selection": "distance", "orientation_selection": "distance"} | options,
         )
-        encoding = json.dumps({key: options[key] for key in ("encoder", "own", "dimensions") if key in options})
+        encoding = json.dumps({key: options[key] for key in ("encoder", "kwargs", "dimensions") if key in options})
         self.library = write_library(folder)
         names = sorted(MODELS)
         self.snapshots = [write_snapshots(folder / f"shard_{k}.h5", names[k::2]) for k in range(2)]

@@ -79,7 +79,7 @@ def test_a_package_that_imports_all_its_modules_needs_them_and_those_to_come(cop
 
 @needs("mujoco")
 def test_a_rollout_needs_the_code_of_its_own_simulator() -> None:
-    for verb in ("stages.evaluation.trial", "stages.evaluation.rollout", "plugins.scripted.skill"):
+    for verb in ("stages.evaluation.selection_rollout", "stages.evaluation.rollout", "plugins.scripted.skill"):
         assert len(needed := code.closure(verb)) > 20
         assert not [name for name in needed if "mujoco" in name or "mjcf" in name]
     needed = code.closure("plugins.mujoco.environment")

@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from stages.config.evaluation import EvaluationConfig, SceneOptions, SensingOptions, SkillOptions
 from stages.contracts.task_options import TaskConfig
-from stages.evaluation.arena import make_sensing, park_object
-from stages.tasks.api import TaskEnv
+from stages.evaluation.vector_env import make_sensing, move_robot
+from stages.tasks.api import EnvWrapper
 from stages.tasks.cameras import displace_pose
 from stages.tasks.observation import Sensing, with_noise
 from tests.unit.demo_assets import cabinet
@@ -38,11 +38,11 @@ def test_a_displaced_camera_is_as_far_off_as_asked_elsewhere_in_every_episode() 
 
 
 def test_parking_is_of_the_robot_alone() -> None:
-    options = park_object(TaskConfig(), SceneOptions(parking=(0.15, 20.0)))
+    options = move_robot(TaskConfig(), SceneOptions(robot_init_noise=(0.15, 20.0)))
     assert options.base_xy == 0.15 and options.base_yaw == pytest.approx(np.deg2rad(20))
     changed = {key for key, value in options if value != getattr(TaskConfig(), key)}
     assert changed == {"base_xy", "base_yaw"}
-    assert park_object(TaskConfig(), SceneOptions()) == TaskConfig()
+    assert move_robot(TaskConfig(), SceneOptions()) == TaskConfig()
 
 
 def test_what_a_policy_sees_is_off_and_the_world_is_not(tmp_path: Path) -> None:
@@ -50,7 +50,7 @@ def test_what_a_policy_sees_is_off_and_the_world_is_not(tmp_path: Path) -> None:
     seen, joints = [], []
     for sensing in (None, make_sensing(SensingOptions(camera_error=(0.05, 0.0))), Sensing(depth_noise=True)):
         where = tmp_path / "cabinet_0"
-        env = TaskEnv("door", where, "door_0_joint", None, TaskConfig(), vary_scale=False, sensing=sensing)
+        env = EnvWrapper("door", where, "door_0_joint", None, TaskConfig(), vary_scale=False, sensing=sensing)
         seen.append(env.reset(SEED)["point_cloud"])
         joints.append(env.env.base_from_asset())
         env.close()

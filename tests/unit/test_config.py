@@ -84,10 +84,10 @@ def test_the_policies_of_a_target_share_its_demonstrations_and_options() -> None
     near = {"task": "door", "options": {"max_steps": 200}, "episodes": 32}
     policies = {
         "lite": {"training_sets": ["twin", "cousins_4"]},
-        "flag": {"runs": ["lite_x"], "targets": ["near"], "training_sets": ["cousins_2", "cousins_4"], "seeds": [5]},
+        "flag": {"configs": ["lite_x"], "targets": ["near"], "training_sets": ["cousins_2", "cousins_4"], "seeds": [5]},
     }
     runs = {"lite": {}, "lite_x": {"steps": 9}}
-    config = load({"experiment": {"targets": {"near": near}, "policies": policies}, "training": {"runs": runs}})
+    config = load({"experiment": {"targets": {"near": near}, "policies": policies}, "training": {"configs": runs}})
     experiment = config.experiment
     assert experiment.plan("flag") == (["near"], ["lite_x"], ["cousins_2", "cousins_4"], [5])
     assert experiment.plan("lite") == (["near"], ["lite"], ["twin", "cousins_4"], [0])
@@ -117,7 +117,7 @@ def test_a_policy_opens_every_target_or_those_that_it_names_also_by_their_pool()
 
 
 def test_what_the_default_has_comes_first_however_files_are_merged() -> None:
-    policies = {"diffusion": {"runs": ["lite"]}, "lite_handle": {}, "lite": {}}
+    policies = {"diffusion": {"configs": ["lite"]}, "lite_handle": {}, "lite": {}}
     assert list(load({"experiment": {"policies": policies}}).experiment.policies) == [
         "lite",
         "lite_handle",

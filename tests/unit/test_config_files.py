@@ -127,13 +127,13 @@ def test_an_unknown_verb_is_told_with_the_nearest(
 
 def test_a_run_has_the_defaults_of_all_that_its_files_leave_out(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text(
-        "assets: {counts: {chair: 3, bed: null}}\ntraining: {runs: {lite: {steps: 7}}}\n"
+        "assets: {counts: {chair: 3, bed: null}}\ntraining: {configs: {lite: {steps: 7}}}\n"
     )
     config = read_files([tmp_path / "mine.yaml"])
     assert (
         config.assets.counts["chair"] == 3 and config.assets.counts["fridge"] > 0 and "bed" not in config.assets.counts
     )
-    assert config.training.runs["lite"].steps == 7 and config.training.runs["lite_handle"].handle
+    assert config.training.configs["lite"].steps == 7 and config.training.configs["lite_handle"].handle
 
 
 def test_every_key_of_a_run_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -38,24 +38,45 @@ CASES = [
     ("evaluation: {test_assets: []}", "evaluation.test_assets: List should have at least 1 item"),
     (
         "{evaluation: {checkpoint: rollouts}, experiment: {policies: {lite_handle: null}}}",
-        "evaluation.checkpoint: is rollouts, but training.runs.lite.keep = 0",
+        "evaluation.checkpoint: is rollouts, but training.configs.lite.num_checkpoints = 0",
     ),
     ("evaluation: {rollouts: 0}", "evaluation.rollouts: Input should be greater than or equal to 1"),
     (
-        "training: {runs: {lite: {network: {points: 600}}}}",
-        "training.runs.lite.network.points: 600 of task.points = 512",
-    ),
-    ("training: {runs: {lite: {network: {mlp: [-5]}}}}", "training.runs.lite.network.mlp.0: Input should be greater"),
-    ("training: {runs: {lite: {handle: {hide: 0.5}}}}", "training.runs.lite.handle: Input should be a valid boolean"),
-    (
-        "training: {runs: {mine: {handle: true, network: {cloud: false}}}}",
-        "training.runs.mine: handle: marks points of a cloud",
+        "training: {configs: {lite: {points: 600}}}",
+        "training.configs.lite.points: 600 of task.points = 512",
     ),
     (
-        "training: {runs: {lite: {keep: 9, steps: 5}}}",
-        "training.runs.lite.keep: 9 checkpoints of 5 steps. Fix: lower it",
+        "{plugins: [plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {gmm_modes: 9}}}}}",
+        "training.configs.lite.kwargs.gmm_modes: unknown key. Fix: there are: cloud, cloud_frame",
     ),
-    ("training: {runs: {'a/b': {}}}", "training.runs: 'a/b' is no name"),
+    (
+        "{plugins: [plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {n_action_step: 9}}}}}",
+        "training.configs.lite.kwargs.n_action_step: unknown key. Fix: did you mean 'n_action_steps'?",
+    ),
+    ("training: {configs: {lite: {network: {gmm_modes: 9}}}}", "training.configs.lite.network: unknown key"),
+    ("training: {configs: {lite: {kwargs: {gmm_modes: on}}}}", "training.configs.lite.kwargs.gmm_modes: is True"),
+    (
+        "matching: {kwargs: {efficientnet: {strid: 32}}}",
+        "matching.kwargs.efficientnet.strid: unknown key. Fix: did you",
+    ),
+    ("extraction: {kwargs: {noise: 1}}", "extraction.kwargs.noise: unknown key. Fix: leave it out"),
+    (
+        "training: {configs: {lite: {kwargs: {mlp: [-5]}}}}",
+        "training.configs.lite.kwargs.mlp.0: Input should be greater",
+    ),
+    (
+        "training: {configs: {lite: {handle: {hide: 0.5}}}}",
+        "training.configs.lite.handle: Input should be a valid boolean",
+    ),
+    (
+        "training: {configs: {mine: {handle: true, kwargs: {cloud: false}}}}",
+        "training.configs.mine: handle: flags points of a cloud",
+    ),
+    (
+        "training: {configs: {lite: {num_checkpoints: 9, steps: 5}}}",
+        "training.configs.lite.num_checkpoints: 9 checkpoints of 5 steps. Fix: lower it",
+    ),
+    ("training: {configs: {'a/b': {}}}", "training.configs: 'a/b' is no name"),
     ("task: {control_frequency: 0}", "task.control_frequency: Input should be greater than 0"),
     ("task: {control_frequency: 12}", "task.control_frequency: 12 does not divide 100"),
     ("task: {scale_range: [1.1, 0.9]}", "task.scale_range: 1.1 is above 0.9"),
@@ -114,22 +135,31 @@ CASES = [
         "{experiment: {cousins: 6, policies: {lite: {training_sets: [cousins_8]}}}}",
         "experiment.policies.lite.training_sets: cousins_8 needs 8 cousins, experiment.cousins = 6 leaves 4",
     ),
-    ("experiment: {policies: {huge: {}}}", "experiment.policies.huge: 'huge' is not one of training.runs. Fix: one of"),
-    ("experiment: {policies: {a: {runs: [huge]}}}", "experiment.policies.a.runs: 'huge' is not one of training.runs"),
-    ("experiment: {policies: {lite: {runs: []}}}", "experiment.policies.lite.runs: List should have at least 1 item"),
+    (
+        "experiment: {policies: {huge: {}}}",
+        "experiment.policies.huge: 'huge' is not one of training.configs. Fix: one of",
+    ),
+    (
+        "experiment: {policies: {a: {configs: [huge]}}}",
+        "experiment.policies.a.configs: 'huge' is not one of training.configs",
+    ),
+    (
+        "experiment: {policies: {lite: {configs: []}}}",
+        "experiment.policies.lite.configs: List should have at least 1 item",
+    ),
     ("experiment: {policies: {lite: {seeds: [1, 1]}}}", "experiment.policies.lite.seeds: '1' is named 2 times"),
     (
         "experiment: {policies: {lite: {targets: [dor]}}}",
         "experiment.policies.lite.targets: 'dor' is not one of experiment.targets. Fix: one of door",
     ),
     (
-        "experiment: {policies: {both: {runs: [lite, lite_handle]}}}",
-        "experiment.policies.both.runs: lite and lite_handle are other kinds of policies, which are never pooled. Fix: "
-        "a policy for each: `policies: {lite: {}, lite_handle: {}}`",
+        "experiment: {policies: {both: {configs: [lite, lite_handle]}}}",
+        "experiment.policies.both.configs: lite and lite_handle are other kinds of policies, which are never pooled. "
+        "Fix: a policy for each: `policies: {lite: {}, lite_handle: {}}`",
     ),
     (
-        "{training: {runs: {wide: {steps: 9}}}, experiment: {policies: {a: {runs: [lite, wide]}}}}",
-        "experiment.policies.a.runs: lite and wide are no more than experiment.best_runs = 2. Fix: a policy for each",
+        "{training: {configs: {wide: {steps: 9}}}, experiment: {policies: {a: {configs: [lite, wide]}}}}",
+        "experiment.policies.a.configs: lite and wide are no more than experiment.best_configs = 2. Fix: a policy for",
     ),
     ("experiment: {targets: {far: {task: dor}}}", "experiment.targets.far.task: there is no 'dor'. Fix: did you mean"),
     ("experiment: {pools: {all: [door, dor]}}", "experiment.pools.all: 'dor' is not one of experiment.targets"),
@@ -142,7 +172,7 @@ CASES = [
         )
         for differs in ("options: {max_steps: 50}", "episodes: 80")
     ),
-    ("experiment: {runs: [lite, wide]}", "experiment.runs: unknown key. Fix: did you mean 'best_runs'?"),
+    ("experiment: {runs: [lite, wide]}", "experiment.runs: unknown key. Fix: did you mean 'best_configs'?"),
     ("experiment: {targets: {door: {scene: room_3}}}", "experiment.targets.door.scene: unknown key. Fix: there are"),
     ("experiment: {targets: {'a/b': {task: door}}}", "experiment.targets: 'a/b' is no name"),
     (
@@ -151,11 +181,11 @@ CASES = [
     ),
     (
         "experiment: {targets: {door: {options: {points: 128}}}, policies: {lite_handle: null}}",
-        "training.runs.lite.network.points: 192 of experiment.targets.door.options.points = 128",
+        "training.configs.lite.points: 192 of experiment.targets.door.options.points = 128",
     ),
     (  # beside a target that has enough
         "experiment: {targets: {near: {task: door, options: {points: 128}}}, policies: {lite_handle: null}}",
-        "training.runs.lite.network.points: 192 of experiment.targets.near.options.points = 128",
+        "training.configs.lite.points: 192 of experiment.targets.near.options.points = 128",
     ),
     (
         "{experiment: {cousins: 6, training_sets: [cousins_8]}}",
@@ -163,7 +193,7 @@ CASES = [
     ),
     ("seed: yes", "seed: is True (YAML's yes and no, too), not a number"),
     ("experiment: {seeds: [no]}", "experiment.seeds: is False"),
-    ("training: {runs: {lite: {steps: on}}}", "training.runs.lite.steps: is True"),
+    ("training: {configs: {lite: {steps: on}}}", "training.configs.lite.steps: is True"),
     ("generation: {snap_other: yes}", "generation.snap_other: is True"),
     ("experiment: {variants: {b: {k_model: yes}}}", "experiment.variants.b.k_model: is True"),
     (
@@ -191,8 +221,8 @@ CASES = [
     ("experiment: {draws: 0}", "experiment.draws: Input should be greater than or equal to 1"),
     ("experiment: {seeds: [-1]}", "experiment.seeds.0: Input should be greater than or equal to 0"),
     (
-        "training: {runs: {lite: {steps: 10, keep: 20}}}",
-        "training.runs.lite.keep: 20 checkpoints of 10 steps. Fix: lower it",
+        "training: {configs: {lite: {steps: 10, num_checkpoints: 20}}}",
+        "training.configs.lite.num_checkpoints: 20 checkpoints of 10 steps. Fix: lower it",
     ),
     ("tables: {scenes: {room_1: 9}}", "tables.scenes.room_1: Input should be less than or equal to 8"),
     (
@@ -292,7 +322,7 @@ def test_keys_given_once_are_no_fault(tmp_path: Path) -> None:
         ("seed: yes", "E-CONFIG-VALUE"),
         ("experiment: {rooms: [room_3, room_9]}", "E-CONFIG-UNKNOWN"),
         ("experiment: {rooms: [room_3, room_3]}", "E-CONFIG-TWICE"),
-        ("training: {runs: {'a/b': {}}}", "E-CONFIG-NAME"),
+        ("training: {configs: {'a/b': {}}}", "E-CONFIG-NAME"),
         pytest.param("assets: {folders: [nowhere]}", "E-CONFIG-FILE", marks=needs("importing")),
         ("task: {control_frequency: 12}", "E-CONFIG-CLASH"),
         ("matching: {encoder: hogg}", "E-PLUGIN-UNKNOWN"),
@@ -310,10 +340,10 @@ def test_all_mistakes_are_told_at_once() -> None:
     experiment: {rooms: [room_3, room_9], held_out: [-1], variants: {c: {hog: {postion: 1}}}}
     evaluation: {test_assets: [uncle]}
     task: {control_frequency: 0}
-    training: {runs: {lite: {network: {pionts: 3}}}}
+    training: {configs: {lite: {kwargs: {pionts: 3}}}}
     """
     keys = {line.partition(":")[0] for line in lines(text)}
-    assert keys == {"experiment.held_out.0", "task.control_frequency", "training.runs.lite.network.pionts",
+    assert keys == {"experiment.held_out.0", "task.control_frequency", "training.configs.lite.kwargs.pionts",
                     "experiment.variants.c.hog.postion", "experiment.rooms", "evaluation.test_assets"}  # fmt: skip
 
 
@@ -324,8 +354,8 @@ def test_all_mistakes_are_told_at_once() -> None:
         ("experiment: {targets: null}", "experiment.targets", set()),
         ("experiment: {variants: {b: null, c: {}}, policy_variant: c}", "experiment.variants", {"c"}),
         (
-            "{training: {runs: {lite_handle: null}}, experiment: {policies: {lite_handle: null}}}",
-            "training.runs",
+            "{training: {configs: {lite_handle: null}}, experiment: {policies: {lite_handle: null}}}",
+            "training.configs",
             {"lite"},
         ),
         ("tables: {variants: {a: null, b: null}}", "tables.variants", {"c", "d"}),
@@ -396,7 +426,7 @@ def test_own_models_alone_leave_none_of_ours() -> None:
     ("text", "meant"),
     [
         ("matching: {encodr: hog}", "did you mean 'encoder'?"),
-        ("learning_rate: 0.1", "training.runs.*.learning_rate"),
+        ("learning_rate: 0.1", "training.configs.*.learning_rate"),
         ("experiment: {folders: [mine]}", "assets.folders"),
         ("evaluation: {episodes: 3}", "experiment.episodes"),
     ],

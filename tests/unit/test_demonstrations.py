@@ -15,7 +15,7 @@ from stages.contracts.ledgers import read_attempts
 from stages.contracts.library_folder import write_part
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.collect import attempt_seeds, run
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from stages.tasks.randomised import sample_factors
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset, cabinet
@@ -79,7 +79,7 @@ def test_collect_writes_successes_that_replay(tmp_path: Path) -> None:
     assert 0.1 < np.ptp(scene[:, 1]) < 0.8 and np.median(scene[:, 0]) > 0.4  # the cabinet is in front of it
 
     # Evaluation sees the same first observation, from the options in the file.
-    task = TaskEnv("door", tmp_path / "models" / "cab", "door_0_joint", (0.4, 0.45, 0.7), options)
+    task = EnvWrapper("door", tmp_path / "models" / "cab", "door_0_joint", (0.4, 0.45, 0.7), options)
     again = task.reset(kept[0].seed)
     for action in executed:
         task.act(action)
@@ -127,8 +127,8 @@ def test_a_randomised_twin_is_another_one_in_every_attempt(tmp_path: Path) -> No
         seed = int(file["data/demo_0"].attrs["seed"])
     folder, joint = tmp_path / "models" / "cab", "door_0_joint"
     made = {"assets": folder, "joint": joint, "size": None, "options": TaskConfig(**world), "render": False}
-    drawn = TaskEnv("door", **made, randomise=RandomiseOptions(**ranges))
-    plain = TaskEnv("door", **made, vary_scale=False)
+    drawn = EnvWrapper("door", **made, randomise=RandomiseOptions(**ranges))
+    plain = EnvWrapper("door", **made, vary_scale=False)
     for _ in range(2):  # nothing adds up from episode to episode
         drawn.place(seed)
         plain.place(seed)
@@ -191,7 +191,7 @@ def test_a_heavier_door_is_as_much_harder_to_turn(tmp_path: Path) -> None:
     still = dict.fromkeys(["extents", "friction", "joint_friction"], (1.0, 1.0))
     inertias = []
     for randomised in (None, RandomiseOptions(mass=(2.0, 2.0), **still)):
-        task = TaskEnv("door", **made, render=False, vary_scale=False, randomise=randomised)
+        task = EnvWrapper("door", **made, render=False, vary_scale=False, randomise=randomised)
         task.place(3)
         inertias.append(np.array([link.inertia for link in task.env.object._objs[0].links]))
         task.close()

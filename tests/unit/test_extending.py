@@ -25,15 +25,15 @@ from stages.config.model import load, merge_mappings, with_defaults
 from stages.contracts import InputError, LibraryPart, Objects, read_json
 from stages.contracts.policy_folder import read_config
 from stages.contracts.task_options import TaskConfig
-from stages.contracts.training_run import TrainingRun
 from stages.demonstrations.attempt import Recorder
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
 from stages.plugins import KINDS, find, list_available
 from stages.plugins import load as implementation
 from stages.policies.checkpoint import load_network
-from stages.tasks.api import TaskEnv
-from stages.tasks.base_placement import AJAR
+from stages.tasks.api import EnvWrapper
+from stages.tasks.base_placement import CLOSED
+from stages.training import loop
 from stages.training.logbook import Logbook
 from stages.training.train import run as train
 from tests.refusals import refused
@@ -45,7 +45,7 @@ from tests.workflow.workspace import ROOT, make, snakemake
 
 DEFAULT = with_defaults({})
 YOURS = [
-    kind for kind in KINDS if kind not in {"mesh_files", "correctors", "markers", "renderers"}
+    kind for kind in KINDS if kind not in {"mesh_files", "correctors", "renderers"}
 ]  # those are found among ours alone
 BLOCK = re.compile(r"```(?:python|yaml)\n# (my_package/\S+)\n(.*?)```", re.DOTALL)
 
@@ -89,7 +89,7 @@ def test_every_config_line_of_the_page_is_one(package: Path) -> None:
 
 
 def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> None:
-    training = {"runs": {"mine": {"policy": "mean_action"}}}
+    training = {"configs": {"mine": {"policy": "mean_action"}}}
     experiment = {
         "variants": {"b": {"model_selection": "by_name"}},
         "rooms": ["attic"],
@@ -99,7 +99,7 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
     config = load(
         {
             "plugins": ["my_package"],
-            "matching": {"encoder": "colours", "own": {"colours": {"grid": 8}}},
+            "matching": {"encoder": "colours", "kwargs": {"colours": {"grid": 8}}},
             "assets": {"importers": ["urdf", "off"]},
             "experiment": experiment,
             "training": training,
@@ -108,14 +108,20 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
     assert config.matching.encoder == "my_package.encoders.colours" and config.matching.search == "torch"
     assert config.assets.importers == ["urdf", "my_package.importers.off"]
     assert config.matching_of("b").model_selection == "my_package.judges.by_name"
-    assert config.training.runs["mine"].policy == "my_package.policies.mean_action"
+    assert config.training.configs["mine"].policy == "my_package.policies.mean_action"
     for wrong, kind, named in (
         ({"matching": {"encoder": "colour"}}, "E-PLUGIN-UNKNOWN", "did you mean 'colours'?"),
-        ({"matching": {"own": {"colors": {}}}}, "E-PLUGIN-UNKNOWN", "matching.own.colors"),
+        ({"matching": {"kwargs": {"colors": {}}}}, "E-PLUGIN-UNKNOWN", "matching.kwargs.colors"),
+        ({"matching": {"kwargs": {"colours": {"gird": 8}}}}, "E-CONFIG-KEY", "did you mean 'grid'?"),
+        (
+            {"training": {"configs": {"lite": {"policy": "mean_action", "kwargs": {"gain": 2}}}}},
+            "E-CONFIG-KEY",
+            "no options",
+        ),
         ({"plugins": ["your_package"]}, "E-PLUGIN-PACKAGE", "your_package"),
     ):
         with refused(kind) as caught:
-            load({"plugins": ["my_package"], "experiment": {"targets": {}}} | wrong)
+            load({"plugins": ["my_package"], "experiment": {"targets": {}, "policies": {"lite": {}}}} | wrong)
         assert named in str(caught.value)
 
 
@@ -207,7 +213,7 @@ def test_encoder_text_encoder_search_and_judge(package: Path, tmp_path: Path) ->
         text_encoder="my_package.text_encoders.last_word",
         search="my_package.searches.brute",
         model_selection="my_package.judges.by_name",
-        own={"colours": {"grid": 8}},
+        kwargs={"colours": {"grid": 8}},
     )
     first = world.match(tmp_path / "cousins.json", count_threshold=None).objects[0]
     assert first.decided_by == "my_package.judges.by_name" and first.orientation_decided_by == "distance"
@@ -250,7 +256,7 @@ def test_task_and_skill(package: Path, tmp_path: Path) -> None:
     cabinet(tmp_path / "door")
     options = TaskConfig(scale_variants=1)
     name = find("tasks", "touch", ["my_package"])
-    task = TaskEnv(name, tmp_path / "door", "door_0_joint", None, options, render=False)
+    task = EnvWrapper(name, tmp_path / "door", "door_0_joint", None, options, render=False)
     episode, outcome = Recorder(task, DemonstrationsConfig()).attempt(3)
     assert outcome.success and task.success and task.opened < 0.1 and 2 < len(episode.actions) < 30
     assert task.task.target_joint(tmp_path / "door") is not None
@@ -274,11 +280,11 @@ def test_a_simulator_of_yours(package: Path, tmp_path: Path) -> None:
 def test_a_task_that_begins_with_an_open_drawer(package: Path, tmp_path: Path) -> None:
     cabinet(tmp_path / "chest", layout=[["drawer"]])
     name, options = find("tasks", "shut", ["my_package"]), TaskConfig(scale_variants=1)
-    task = TaskEnv(name, tmp_path / "chest", "drawer_0_joint", None, options, render=False)
+    task = EnvWrapper(name, tmp_path / "chest", "drawer_0_joint", None, options, render=False)
     task.place(2)
     assert task.opened == pytest.approx(0.5, abs=0.01)
     _, outcome = Recorder(task, DemonstrationsConfig(noise=0.0, recovery=0.0)).attempt(2)
-    assert outcome.success and outcome.retries == 0 and task.success and task.opened < AJAR
+    assert outcome.success and outcome.retries == 0 and task.success and task.opened < CLOSED
     task.close()
 
 
@@ -291,10 +297,10 @@ def test_room(package: Path) -> None:
 def test_policy(package: Path, tmp_path: Path) -> None:
     store = write_store(tmp_path / "episodes.h5", 4)
     options = {"policy": "my_package.policies.mean_action", "steps": 60, "batch_size": 8, "learning_rate": 0.05}
-    train(episodes=(store,), per_store=4, options=json.dumps(options | {"network": {"points": 16}}), out=tmp_path / "p")
+    train(episodes=(store,), per_store=4, options=json.dumps(options | {"points": 16}), out=tmp_path / "p")
     policy = load_network(tmp_path / "p", "best")
-    policy.actor(2, "most_likely").reset(0, 0)
-    action = policy.actor(2, "most_likely").act([0, 1], [], [])
+    policy.make_rollout_policy(2, "most_likely").start_episode(0, 0)
+    action = policy.make_rollout_policy(2, "most_likely").get_action([0, 1], [], [])
     assert action.shape == (2, 7) and 0.1 < action[0, 0] < 1.0  # the objects of the toy are ahead
 
 
@@ -305,12 +311,12 @@ def stop(self: object) -> None:
 FITTED = """\
 import torch
 
-from stages.policies import TrainablePolicy
+from stages.policies.base import TrainablePolicy
 
 
 class Policy(TrainablePolicy):
-    def __init__(self, run):
-        super().__init__(run)
+    def __init__(self, config):
+        super().__init__(config)
         self.register_buffer("hands", torch.zeros(64, 3))
         self.register_buffer("actions", torch.zeros(64, 7))
 
@@ -328,7 +334,7 @@ class Policy(TrainablePolicy):
         mean = (squared * weights).sum() / weights.sum()
         return mean, mean.sqrt()
 
-    def actor(self, slots, choose):
+    def make_rollout_policy(self, num_envs, mode):
         raise NotImplementedError
 """
 
@@ -339,14 +345,14 @@ def test_a_policy_without_parameters_is_fitted_alone(
     """A run that stopped at a saved step goes on, too."""
     (package / "policies" / "fitted.py").write_text(FITTED)
     store = write_store(tmp_path / "episodes.h5", 8)
-    options = {"policy": "my_package.policies.fitted", "steps": 3, "log_every": 1, "network": {"points": 16}}
+    options = {"policy": "my_package.policies.fitted", "steps": 3, "log_freq": 1, "points": 16}
 
     def fitted(out: str) -> dict[str, torch.Tensor]:
         train(episodes=(store,), per_store=8, options=json.dumps(options), out=tmp_path / out)
         assert read_config(tmp_path / out).parameters == 0 and read_config(tmp_path / out).learned
         return dict(load_network(tmp_path / out, "best").state_dict())
 
-    monkeypatch.setattr(TrainingRun, "save_every", 1)
+    monkeypatch.setattr(loop, "SAVE_FREQ", 1)
     whole = fitted("whole")
     assert whole["hands"].std(0).min() > 0
     with monkeypatch.context() as patch:
@@ -366,8 +372,9 @@ def test_a_run_with_plugins_has_a_dag(tmp_path: Path) -> None:
         "assets: {importers: [urdf, 'off']}\n"
         "extraction: {source: smoothed}\n"
         "matching: {encoder: colours, text_encoder: last_word, search: brute, model_selection: by_name}\n"
-        "training: {runs: {micro: {policy: mean_action}, micro_small: {policy: mean_action}}}\n"
-        "experiment: {rooms: [room_1, attic], targets: {touch: {room: room_1, object: cabinet_1}, door: null}}\n"
+        "training: {configs: {mean: {policy: mean_action, points: 64, num_checkpoints: 1}}}\n"
+        "experiment: {rooms: [room_1, attic], targets: {touch: {room: room_1, object: cabinet_1}, door: null},\n"
+        "  policies: {mean: {}, micro: null, micro_handle: null}}\n"
     )
     files = ("config.yaml", "config/test/micro.yaml", "mine.yaml")
     done = snakemake(folder, "-n", "-p", "--configfile", *files, "--", "all")

@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 
 from stages.contracts.task_options import TaskConfig
-from stages.contracts.training_run import TrainingRun
 from stages.demonstrations.collect import run as collect
 from stages.evaluation.episodes import roll_out
 from stages.evaluation.states import FIRST_STATE
-from stages.policies import TrainablePolicy, make_policy
+from stages.policies.base import TrainablePolicy, make_policy
 from stages.policies.checkpoint import load_network
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
+from stages.training import dataset
 from stages.training.train import run as train
 from tests.unit.demo_assets import an_asset
 from tests.unit.test_demonstrations import experiment
@@ -21,26 +21,26 @@ from tests.unit.test_demonstrations import experiment
 WORLD = TaskConfig(points=160, camera_size=96, base_z=0.03, base_yaw=0.1, scale_range=(0.95, 1.05))
 
 
-def opened(policy: TrainablePolicy, task: TaskEnv, states: int) -> int:
+def opened(policy: TrainablePolicy, task: EnvWrapper, states: int) -> int:
     """How many initial states of an evaluation end with an open door."""
-    actor = policy.actor(slots=1, choose="most_likely")
+    acting = policy.make_rollout_policy(1, "most_likely")
     cabinet = an_asset("cab", joint=task.joint, size=task.size)
-    episodes = roll_out([task], {"cab": task.assets}, actor, [(cabinet, FIRST_STATE + i) for i in range(states)])
+    episodes = roll_out([task], {"cab": task.assets}, acting, [(cabinet, FIRST_STATE + i) for i in range(states)])
     return sum(episode.success for episode in episodes)
 
 
 def test_a_policy_opens_the_asset_that_it_was_trained_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(TrainingRun, "validation_fraction", 0.0)
+    monkeypatch.setattr(dataset, "VALIDATION_FRACTION", 0.0)
     monkeypatch.setattr(TaskConfig, "finger_points", 32)
     inputs = experiment(tmp_path)
     store, out = tmp_path / "twin" / "episodes.h5", tmp_path / "policy"
     collect(**inputs, role="twin", episodes=16, out=store, task_options=WORLD.model_dump_json())
-    options = {"network": {"points": 96}, "steps": 800, "log_every": 400}
+    options = {"points": 96, "steps": 800, "log_freq": 400}
     train(episodes=(store,), per_store=16, options=json.dumps(options), out=out)
     policy = load_network(out, "last")
-    task = TaskEnv("door", tmp_path / "models" / "cab", "door_0_joint", None, WORLD, vary_scale=False)
+    task = EnvWrapper("door", tmp_path / "models" / "cab", "door_0_joint", None, WORLD, vary_scale=False)
     try:
-        assert opened(make_policy(policy.run), task, states=2) == 0
+        assert opened(make_policy(policy.config), task, states=2) == 0
         assert opened(policy, task, states=8) >= 5  # three seeds of training: 8, 8, 7
     finally:
         task.close()

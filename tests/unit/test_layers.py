@@ -17,7 +17,6 @@ ON_OTHERS = {  # few, each for a reason
     ("eyes", "names"),  # its things are named
     ("names", "efficientnet"),  # how things look
     ("names", "furniture"),  # it learns from our models
-    ("exports", "handle"),  # an exported policy marks handles itself
     ("exports", "mujoco"),  # MJCF is MuJoCo's format
     ("inputs", "pretrained"),  # the same way to read weights
     ("names", "pretrained"),

@@ -15,7 +15,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse, rigid
 from stages.planning.path import make_handle_path
 from stages.simulation.target import Target
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from stages.tasks.base_placement import find_success_opening
 from tests.unit.demo_assets import cabinet
 
@@ -39,12 +39,12 @@ def shifted(folder: Path, role: str) -> Path:
 
 
 @pytest.fixture(scope="module", params=["door", "drawer"])
-def both(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[TaskEnv, TaskEnv]:
+def both(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[EnvWrapper, EnvWrapper]:
     """The task with the plain cabinet and with the one whose limits are moved."""
     role, folder = request.param, tmp_path_factory.mktemp("cabinets") / request.param
     cabinet(folder, layout=[[role]])
     tasks = [
-        TaskEnv(role, each, f"{role}_0_joint", None, FULL, render=False, vary_scale=False)
+        EnvWrapper(role, each, f"{role}_0_joint", None, FULL, render=False, vary_scale=False)
         for each in (folder, shifted(folder, role))
     ]
     for task in tasks:
@@ -52,14 +52,14 @@ def both(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return tasks[0], tasks[1]
 
 
-def test_limits_are_moved(both: tuple[TaskEnv, TaskEnv]) -> None:
+def test_limits_are_moved(both: tuple[EnvWrapper, EnvWrapper]) -> None:
     plain, other = (task.env.unwrapped.target for task in both)
     by = SHIFT["door" if plain.revolute else "drawer"]
     assert (plain.lower, other.lower, other.upper - plain.upper) == pytest.approx((0, by, by), abs=1e-4)
     assert other.axis == pytest.approx(plain.axis, abs=1e-4)
 
 
-def test_an_episode_begins_closed(both: tuple[TaskEnv, TaskEnv]) -> None:
+def test_an_episode_begins_closed(both: tuple[EnvWrapper, EnvWrapper]) -> None:
     for task in both:
         env = task.env.unwrapped
         env.object.set_qpos(env.object.get_qlimits()[..., 1])
@@ -68,7 +68,7 @@ def test_an_episode_begins_closed(both: tuple[TaskEnv, TaskEnv]) -> None:
         assert task.env.unwrapped.target.reference == pytest.approx(both[0].env.unwrapped.target.reference, abs=1e-3)
 
 
-def test_success_and_openings_are_the_same(both: tuple[TaskEnv, TaskEnv]) -> None:
+def test_success_and_openings_are_the_same(both: tuple[EnvWrapper, EnvWrapper]) -> None:
     thresholds = []
     for task in both:
         task.place(3)
@@ -82,7 +82,7 @@ def test_success_and_openings_are_the_same(both: tuple[TaskEnv, TaskEnv]) -> Non
     assert thresholds[0] == pytest.approx(thresholds[1], abs=1e-4) and thresholds[0] < 0.9
 
 
-def test_the_hand_follows_the_handle_alike(both: tuple[TaskEnv, TaskEnv]) -> None:
+def test_the_hand_follows_the_handle_alike(both: tuple[EnvWrapper, EnvWrapper]) -> None:
     grasp = rigid(np.eye(3), [0.3, 0.1, 0.4])
     ways = []
     for task in both:

@@ -25,13 +25,13 @@ from stages.config.packages import home_of
 from stages.config.tables import TablesConfig
 from stages.contracts import InputError, read_options
 from stages.contracts.library import Recipe
+from stages.contracts.policy_config import PolicyConfig
 from stages.contracts.task_options import TaskConfig
-from stages.contracts.training_run import TrainingRun
 from tests.packages import needs
 from tests.unit.contract_files import contents, write_files
 
 SECTIONS = [AssetsConfig, ScenesConfig, ExtractionConfig, MatchingConfig, GenerationConfig, DemonstrationsConfig,
-            TaskConfig, TrainingRun, EvaluationConfig, TablesConfig]  # fmt: skip
+            TaskConfig, PolicyConfig, EvaluationConfig, TablesConfig]  # fmt: skip
 
 
 @pytest.mark.parametrize("section", SECTIONS)
@@ -59,12 +59,12 @@ def test_options_that_are_none(section: Any, text: str) -> None:
         (DemonstrationsConfig, "max_attempts_factor", float("inf")), (DemonstrationsConfig, "noise", -1),
         (TaskConfig, "control_frequency", 0), (TaskConfig, "success_fraction", 1.0), (TaskConfig, "points", 0),
         (TaskConfig, "camera_eye", [1, 2]), (TaskConfig, "camera_fov", 3.2), (TaskConfig, "scale_range", [1.1, 0.9]),
-        (TrainingRun, "network.mlp", [-5]), (TrainingRun, "steps", 0), (TrainingRun, "learning_rate", float("nan")),
-        (TrainingRun, "batch_size", 2.5), (TrainingRun, "jitter", -1), (TrainingRun, "network.points", 1),
-        (TrainingRun, "schedule", "never"), (TrainingRun, "keep", -1),
+        (PolicyConfig, "network.mlp", [-5]), (PolicyConfig, "steps", 0), (PolicyConfig, "learning_rate", float("nan")),
+        (PolicyConfig, "batch_size", 2.5), (PolicyConfig, "jitter", -1), (PolicyConfig, "network.points", 1),
+        (PolicyConfig, "schedule", "never"), (PolicyConfig, "keep", -1),
         (EvaluationConfig, "rollouts", 0), (EvaluationConfig, "checkpoint", "worst"),
         (EvaluationConfig, "split", "train"), (EvaluationConfig, "test_assets", "twin"),
-        (EvaluationConfig, "camera_error", [-1, 0]), (EvaluationConfig, "parking", [-1, 0]),
+        (EvaluationConfig, "camera_error", [-1, 0]), (EvaluationConfig, "robot_init_noise", [-1, 0]),
         (TablesConfig, "bootstrap_samples", 1), (TablesConfig, "scenes", {"r": 9}),
     ],
 )  # fmt: skip

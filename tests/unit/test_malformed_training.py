@@ -14,8 +14,8 @@ from safetensors.torch import save_file as save_torch
 
 from stages.contracts import InputError
 from stages.contracts.__main__ import main
-from stages.contracts.training_run import NetworkConfig, TrainingRun
-from stages.policies import TrainablePolicy, make_policy
+from stages.contracts.policy_config import PolicyConfig
+from stages.policies.base import TrainablePolicy, make_policy
 from stages.policies.checkpoint import load_network, save_weights
 from stages.training.dataset import read_demonstrations
 from stages.training.state import TrainingState
@@ -133,7 +133,7 @@ def test_weights_of_another_network(bench: Bench) -> None:
 
 def test_weights_of_a_policy_of_ones_own_are_its_own(bench: Bench) -> None:
     """No normaliser, numbers that numpy does not have, and a negative log_std: not for us to judge."""
-    bench.edit("policy", lambda content: content["run"].update(policy="my_package.policies.mlp"))
+    bench.edit("policy", lambda content: content["config"].update(policy="my_package.policies.mlp"))
     own = {"layer": torch.ones(3, dtype=torch.bfloat16), "log_std": torch.full((2,), -1.0)}
     for name in ("policy", "last"):
         save_torch(own, bench.root / f"training/{name}.safetensors")
@@ -151,12 +151,12 @@ def test_weights_have_the_permissions_of_other_files(tmp_path: Path) -> None:
 
 # the state of an interrupted training
 
-SMALL = NetworkConfig(points=16, pointnet_width=8, rnn_hidden=8, mlp=[8], gmm_modes=1)
+SMALL = PolicyConfig(points=16, kwargs={"pointnet_width": 8, "rnn_hidden": 8, "mlp": [8], "gmm_modes": 1})
 
 
 def training() -> tuple[TrainablePolicy, TrainingState]:
     torch.manual_seed(0)
-    policy = make_policy(TrainingRun(network=SMALL))
+    policy = make_policy(SMALL)
     return policy, TrainingState(torch.optim.AdamW(policy.parameters()), "this run")
 
 

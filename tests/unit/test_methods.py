@@ -40,7 +40,7 @@ experiment:
   targets: {door: {room: room_1, object: cabinet_1}}
   rooms: [room_1]
   policies: {lite: {}, lite_handle: null, mine: {}}
-training: {runs: {lite: {}, mine: {network: {pointnet_width: 32}}}}
+training: {configs: {lite: {}, mine: {kwargs: {pointnet_width: 32}}}}
 evaluation: {conditions: {noisy: {depth_noise: true}}}
 tables: {bootstrap_samples: 100}
 """
@@ -173,7 +173,7 @@ def test_the_paper_stands_beside_the_first_policy_of_its_kind_alone() -> None:
 
 
 def test_runs_that_trials_chose_are_pooled_and_said_to_be(tmp_path: Path) -> None:
-    best = PolicyAbout(runs=["lite", "mine", "third"], best=2, targets=["door"])
+    best = PolicyAbout(configs=["lite", "mine", "third"], best=2, targets=["door"])
     options = PolicyTables(bootstrap_samples=100, policies={"best": best}, kinds={"best": "my network"})
     rows = list(both(policy="best"))
     check_methods(frame(rows), options)
@@ -203,11 +203,13 @@ def config_of(text: str) -> Config:
 
 
 def test_trials_choose_among_policies_of_one_kind() -> None:
-    text = """{training: {runs: {wide: {network: {pointnet_width: 128}}}},
-    experiment: {best_runs: 1, policies: {best: {runs: [lite, %s]}}}}"""
+    text = """{training: {configs: {wide: {kwargs: {pointnet_width: 128}}}},
+    experiment: {best_configs: 1, policies: {best: {configs: [lite, %s]}}}}"""
     found = policy_tables(config_of(text % "wide")).policies["best"]
-    assert (found.runs, found.best) == (["lite", "wide"], 1)
-    with refused("E-CONFIG-CLASH", "experiment.policies.best.runs: lite and lite_handle are other kinds of policies"):
+    assert (found.configs, found.best) == (["lite", "wide"], 1)
+    with refused(
+        "E-CONFIG-CLASH", "experiment.policies.best.configs: lite and lite_handle are other kinds of policies"
+    ):
         config_of(text % "lite_handle")
 
 
@@ -216,9 +218,10 @@ def test_what_policies_are_is_told_by_the_config_and_by_no_name() -> None:
     plugins: [plugins.diffusion]
     experiment:
       targets: {fridge_handle: {task: door, room: room_3, object: hanging_cabinet_1}}
-      policies: {lite_handle: null, door_handle: {runs: [long]}, blind: {}, diffusion: {}, best: {runs: [a, b, lite]}}
+      policies: {lite_handle: null, door_handle: {configs: [long]}, blind: {}, diffusion: {},
+        best: {configs: [a, b, lite]}}
     training:
-      runs: {long: {rnn_horizon: 16}, a: {steps: 9}, b: {steps: 8}, blind: {network: {cloud: false}},
+      configs: {long: {horizon: 16}, a: {steps: 9}, b: {steps: 8}, blind: {kwargs: {cloud: false}},
         diffusion: {policy: diffusion}}
     """)
     paper = "64-wide network of the paper's kind"
@@ -237,7 +240,8 @@ def test_what_policies_are_given_is_as_the_options_say() -> None:
         "tests share the simulator."
     )
     assert policy_notes(policy_tables(Config())) == [usual]
-    noisy = "{evaluation: {depth_noise: true, camera_error: [0.01, 2.0], parking: [0.15, 20.0], simulator: mujoco}}"
+    noisy = "{evaluation: {depth_noise: true, camera_error: [0.01, 2.0], simulator: mujoco,"
+    noisy += " robot_init_noise: [0.15, 20.0]}}"
     (note,) = policy_notes(policy_tables(config_of(noisy)))
     assert "depth without noise" not in note and "exact camera poses" not in note and "share" not in note
     for words in (
@@ -256,7 +260,7 @@ def test_the_swap_and_the_page_compare_two_policies_as_two() -> None:
     (mine,) = re.findall(r"```yaml\n# mine.yaml\n(.*?)```", page, re.DOTALL)
     for text in (mine, (ROOT / "config/swaps/diffusion.yaml").read_text()):
         known = policy_tables(config_of(text)).policies
-        assert {name: about.runs for name, about in known.items()} == {
+        assert {name: about.configs for name, about in known.items()} == {
             "lite": ["lite"], "lite_handle": ["lite_handle"], "diffusion": ["diffusion"],
         }  # fmt: skip
         assert not any(about.best for about in known.values())

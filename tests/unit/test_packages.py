@@ -63,12 +63,6 @@ def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -
         with refused("E-CONFIG", "matching.model_selection: there is no 'geometry'", mend):
             load({"packages": {name: False}})
     packages, given = {name: False}, dict[str, Any](LEFT)
-    if name == "handle":
-        with refused(
-            "E-CONFIG-CLASH", "training.runs.lite_handle.handle: is what the package handle marks, which is off"
-        ):
-            load({"packages": packages})
-        given = given | {"experiment": {"policies": {"lite": {}}}}
     if name == "scripted":
         with refused("E-CONFIG-CLASH", "packages.scripted: is off or not here, and studies"):
             load({"packages": packages})
@@ -96,7 +90,7 @@ def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -
         ("inputs", {"experiment": {"inputs": {"a": {"image": "a.png"}}, "rooms": ["a"]}}, "experiment.inputs"),
         ("inputs", {"image": "a.png"}, "image: is read by the package inputs"),
         ("inputs", {"experiment": {"inputs": "many", "rooms": ["*"]}}, "experiment.inputs"),
-        ("studies", {"evaluation": {"conditions": {"far": {"parking": [0.1, 5]}}}}, "evaluation.conditions"),
+        ("studies", {"evaluation": {"conditions": {"far": {"robot_init_noise": [0.1, 5]}}}}, "evaluation.conditions"),
         ("vlm", {"photo": {"captions": "vlm"}, "image": "a.png"}, "photo.captions"),
         ("vlm", {"matching": {"model_selection": "vlm"}}, "matching.model_selection"),
     ],

@@ -1,6 +1,7 @@
 """The policy network: exact savings, mixture, files, closed loop."""
 
 import copy
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -8,10 +9,10 @@ import torch
 from torch.nn import functional
 
 from stages.contracts.errors import InputError
-from stages.contracts.training_run import NetworkConfig, TrainingRun
+from stages.contracts.policy_config import PolicyConfig
+from stages.policies.base import ActionMode
 from stages.policies.bc_rnn_gmm import Policy
-from stages.policies.bc_rnn_gmm.actor import Actor
-from stages.policies.bc_rnn_gmm.mixture import Mixture
+from stages.policies.mixture import Mixture
 from stages.policies.pointnet import PointNet
 
 
@@ -112,8 +113,7 @@ def test_mixture_density_and_choices() -> None:
 @pytest.mark.parametrize("asked", [True, False])
 def test_training_starts_at_the_mean_and_deviation_of_the_actions(asked: bool) -> None:
     torch.manual_seed(0)
-    network = NetworkConfig(points=64, start_at_actions=asked)
-    policy = Policy(TrainingRun(network=network))
+    policy = Policy(PolicyConfig(points=64, kwargs={"init_from_action_stats": asked}))
     actions = torch.tensor([0.1, -0.2, 0.3, 0, 0, 0, 1.0]) + 0.3 * torch.randn(200, 7) * torch.tensor([1.0] * 6 + [0])
     seen, felt = clouds(200, 64), torch.randn(200, 9)
     policy.fit(seen, felt, torch.cat([actions, torch.full((1, 7), 50.0)]), torch.arange(200))  # the last is unused
@@ -121,79 +121,66 @@ def test_training_starts_at_the_mean_and_deviation_of_the_actions(asked: bool) -
     means, stds = start.means.mean((0, 1, 2)), start.stds.mean((0, 1, 2))
     near = (means - actions.mean(0).clamp(-0.9, 0.9)).abs().max() < 0.1 and (stds[:6] - 0.3).abs().max() < 0.05
     assert bool(near) == asked
-    assert not asked or stds[6] < network.gmm_min_std + 0.02
+    assert not asked or stds[6] < policy.options.gmm_min_std + 0.02
 
 
 def test_paper_sizes() -> None:
     """B.3: 2-layer 512 PointNet, 128-d flag embedding, LSTM 512; 3.01 M parameters with MLP 512, 512 and 5 modes."""
     sizes = {"pointnet_width": 512, "pointnet_layers": 2, "rnn_hidden": 512, "mlp": [512, 512], "gmm_modes": 5}
-    policy = Policy(TrainingRun(network=NetworkConfig.model_validate(sizes)))
+    policy = Policy(PolicyConfig(kwargs=sizes))
     assert policy.pointnet.first.in_features == 3 + 128
     assert sum(parameter.numel() for parameter in policy.parameters()) == pytest.approx(3.01e6, rel=0.01)
 
 
 def test_gripper_frame_sees_no_common_shift() -> None:
-    policy = Policy(TrainingRun(network=NetworkConfig(cloud_frame="gripper")))
+    policy = Policy(PolicyConfig(kwargs={"cloud_frame": "gripper"}))
     cloud, proprio, shift = clouds(1, 40)[None], torch.randn(1, 1, 9), torch.tensor([0.3, -0.2, 0.1])
     moved, moved_proprio = cloud.clone(), proprio.clone()
     moved[..., :3] += shift
     moved_proprio[..., :3] += shift
     assert torch.allclose(policy.move_to_frame(cloud, proprio), policy.move_to_frame(moved, moved_proprio), atol=1e-6)
-    robot = Policy(TrainingRun(network=NetworkConfig(cloud_frame="robot")))
+    robot = Policy(PolicyConfig(kwargs={"cloud_frame": "robot"}))
     assert torch.equal(robot.move_to_frame(cloud, proprio), cloud[..., :3])
 
 
-def test_actor_acts_as_the_network_on_the_last_steps() -> None:
+def test_it_acts_as_the_network_on_the_last_steps() -> None:
     """Stepwise in a batch of episodes of unequal age = the whole sequence at once."""
     torch.manual_seed(0)
-    policy = Policy(TrainingRun(network=NetworkConfig(points=40))).eval()
+    policy = Policy(PolicyConfig(points=40, horizon=4)).eval()
     observations = clouds(6, 40).numpy(), np.random.default_rng(0).normal(size=(6, 9)).astype(np.float32)
-    actor = Actor(policy, horizon=4, slots=2, choose="most_likely")
-    actor.reset(0, 1)
-    actor.reset(1, 2)
+    acting = policy.make_rollout_policy(2, "most_likely")
+    acting.start_episode(0, 1)
+    acting.start_episode(1, 2)
     for step in range(6):
-        slots = [0, 1] if step >= 3 else [0]
-        actions = actor.act(slots, [observations[0][step]] * len(slots), [observations[1][step]] * len(slots))
-    for slot, first in ((0, 2), (1, 3)):
+        env_ids = [0, 1] if step >= 3 else [0]
+        actions = acting.get_action(
+            env_ids, [observations[0][step]] * len(env_ids), [observations[1][step]] * len(env_ids)
+        )
+    for env_id, first in ((0, 2), (1, 3)):
         with torch.no_grad():
             mixture = policy(*(torch.from_numpy(o[first:])[None] for o in observations))
-        assert np.allclose(actions[slot], mixture.most_likely()[0, -1].clamp(-1, 1).numpy(), atol=1e-5)
+        assert np.allclose(actions[env_id], mixture.most_likely()[0, -1].clamp(-1, 1).numpy(), atol=1e-5)
 
 
 def test_the_sharper_the_choice_the_rarer_the_lighter_mode() -> None:
     """Of two modes with weights 1/3 and 2/3 the lighter one is drawn in 1/3, in 1/5 and in none of the steps."""
-    policy = Policy(TrainingRun(network=NetworkConfig(points=40, gmm_modes=2))).eval()
+    policy = Policy(PolicyConfig(points=40, horizon=1, kwargs={"gmm_modes": 2})).eval()
     with torch.no_grad():
         policy.head.weight.zero_()
         policy.head.bias.copy_(torch.tensor([0.0, np.log(2.0), *[-1.0] * 7, *[1.0] * 7, *[0.0] * 14]))
     observations = clouds(1, 40).numpy(), np.zeros((1, 9), np.float32)
     shares = []
-    for choose in ("sample", "sharpened", "most_likely"):
-        actor = Actor(policy, horizon=1, slots=1, choose=choose)
-        actor.reset(0, 1)
-        shares.append(np.mean([actor.act([0], *observations)[0, 0] < 0 for _ in range(400)]))
+    for mode in get_args(ActionMode):
+        acting = policy.make_rollout_policy(1, mode)
+        acting.start_episode(0, 1)
+        shares.append(np.mean([acting.get_action([0], *observations)[0, 0] < 0 for _ in range(400)]))
     assert shares == pytest.approx([1 / 3, 1 / 5, 0], abs=0.06)
-
-
-def test_actor_repeats_itself_after_reset() -> None:
-    torch.manual_seed(0)
-    actor = Actor(Policy(TrainingRun(network=NetworkConfig(points=16))).eval(), horizon=10, slots=1, choose="sample")
-    cloud, proprio = clouds(1, 64)[0].numpy(), np.zeros(9, np.float32)
-
-    def episode(seed: int) -> np.ndarray:
-        actor.reset(0, seed)
-        return np.stack([actor.act([0], [cloud], [proprio])[0] for _ in range(4)])
-
-    first = episode(3)
-    other = episode(4)
-    assert np.array_equal(first, episode(3))
-    assert not np.array_equal(first, other)
 
 
 def test_lstm_is_the_only_memory() -> None:
     """What came before matters, and matters no more once the LSTM neither looks back nor keeps its cell."""
     torch.manual_seed(0)
-    policy = Policy(TrainingRun(network=NetworkConfig(points=40))).eval()
+    policy = Policy(PolicyConfig(points=40)).eval()
     cloud, proprio = clouds(4, 40)[None], torch.randn(1, 4, 9)
 
     def gap() -> float:
@@ -205,7 +192,7 @@ def test_lstm_is_the_only_memory() -> None:
     assert gap() > 1e-3
     with torch.no_grad():
         policy.lstm.weight_hh_l0.zero_()
-        hidden = policy.network.rnn_hidden
+        hidden = policy.options.rnn_hidden
         policy.lstm.bias_ih_l0[hidden : 2 * hidden] = -1e9  # the forget gate
     assert gap() < 1e-6
 

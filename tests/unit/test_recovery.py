@@ -10,19 +10,19 @@ from stages.demonstrations.recovery import sample_disturbance
 from stages.skills import FAR
 from stages.skills.motion import CLOSED
 from stages.skills.open import OpenSkill
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
 
 
 @pytest.fixture(scope="module")
-def door(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
+def door(tmp_path_factory: pytest.TempPathFactory) -> EnvWrapper:
     folder = tmp_path_factory.mktemp("assets") / "door"
     cabinet(folder)
-    return TaskEnv("door", folder, "door_0_joint", None, TaskConfig(scale_variants=1), render=False)
+    return EnvWrapper("door", folder, "door_0_joint", None, TaskConfig(scale_variants=1), render=False)
 
 
 def test_what_is_recorded_is_the_clean_action_and_what_is_executed_is_not(
-    door: TaskEnv, monkeypatch: pytest.MonkeyPatch
+    door: EnvWrapper, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """DART: the policy is to learn what was meant, from states that the noise led to."""
     executed: list[np.ndarray] = []
@@ -47,7 +47,7 @@ def test_what_is_recorded_is_the_clean_action_and_what_is_executed_is_not(
     assert not moving[-2:].any()  # it lets go without noise
 
 
-def test_a_missed_handle_is_tried_again(door: TaskEnv) -> None:
+def test_a_missed_handle_is_tried_again(door: EnvWrapper) -> None:
     """The gripper is shut on the way: the skill notices, backs off with open fingers, and comes again."""
     door.place(2)
     moved = 0
@@ -62,7 +62,7 @@ def test_a_missed_handle_is_tried_again(door: TaskEnv) -> None:
 
 
 @pytest.mark.parametrize(("kind", "seed"), [("push", 7), ("miss", 3)])
-def test_a_disturbed_attempt_shows_what_to_do_and_not_what_went_wrong(door: TaskEnv, kind: str, seed: int) -> None:
+def test_a_disturbed_attempt_shows_what_to_do_and_not_what_went_wrong(door: EnvWrapper, kind: str, seed: int) -> None:
     episode, outcome = Recorder(door, DemonstrationsConfig(noise=0.0, recovery=1.0)).attempt(seed)
     assert outcome.success and episode.recovery == kind
     meant, executed = np.array(episode.actions), np.array(episode.executed)
@@ -80,7 +80,7 @@ def test_a_disturbed_attempt_shows_what_to_do_and_not_what_went_wrong(door: Task
     assert meant[shut, 0].min() < -0.2, "and backs off"
 
 
-def test_some_attempts_are_disturbed_by_their_seed_and_some_approach_slowly(door: TaskEnv) -> None:
+def test_some_attempts_are_disturbed_by_their_seed_and_some_approach_slowly(door: EnvWrapper) -> None:
     recorder = Recorder(door, DemonstrationsConfig(noise=0.0, recovery=0.4, approach_speed=(0.4, 0.6)))
     drawn = [sample_disturbance(np.random.default_rng((seed, 2)), 0.4) for seed in range(400)]
     kinds = [item.kind if item else None for item in drawn]

@@ -16,8 +16,7 @@ from stages.contracts.kinds import KINDS
 from stages.contracts.library import Asset
 from stages.contracts.library_folder import write_part
 from stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
-from stages.evaluation import arena, choose, gather, rollout
-from stages.evaluation import trial as try_out
+from stages.evaluation import choose, merge, rollout, selection_rollout, vector_env
 from stages.evaluation.episodes import roll_out
 from stages.evaluation.simulators import maniskill
 from stages.evaluation.states import Purpose, Start, initial_states, share_states, starts_of
@@ -35,7 +34,7 @@ UNSEEN = ("c_1", "c_2", "d", "e")  # three of the test split, one for validation
 
 
 class ToyTask:
-    """The toy behind the interface of `TaskEnv`: success within 5 cm."""
+    """The toy behind the interface of `EnvWrapper`: success within 5 cm."""
 
     open_tasks = 0
 
@@ -79,13 +78,13 @@ class Expert:
     def __init__(self, tasks: list[ToyTask]) -> None:
         self.tasks, self.batches = tasks, list[list[int]]()
 
-    def reset(self, slot: int, seed: int) -> None:
-        assert self.tasks[slot].seeds[-1] == seed
+    def start_episode(self, env_id: int, seed: int) -> None:
+        assert self.tasks[env_id].seeds[-1] == seed
 
-    def act(self, slots: list[int], clouds: list[Float], proprio: list[Float]) -> Float:
-        self.batches.append(list(slots))
-        idle = [self.tasks[slot].seeds[-1] % 2 for slot in slots]
-        return np.stack([(1 - still) * self.tasks[slot].toy.expert() for slot, still in zip(slots, idle, strict=True)])
+    def get_action(self, env_ids: list[int], clouds: list[Float], proprio: list[Float]) -> Float:
+        self.batches.append(list(env_ids))
+        idle = [self.tasks[i].seeds[-1] % 2 for i in env_ids]
+        return np.stack([(1 - still) * self.tasks[i].toy.expert() for i, still in zip(env_ids, idle, strict=True)])
 
 
 def test_every_state_once_in_order_and_stopped_at_success() -> None:
@@ -110,8 +109,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A policy that can reach, and the files of an experiment with two assets and four unseen ones."""
     folder = tmp_path_factory.mktemp("rollout")
     store = write_store(folder / "episodes.h5", 30)
-    network = {"points": 64, "pointnet_width": 16, "rnn_hidden": 16, "mlp": [16]}
-    options = {"network": network, "steps": 20, "log_every": 10, "keep": 2, "wandb": "disabled"}
+    kwargs = {"pointnet_width": 16, "rnn_hidden": 16, "mlp": [16]}
+    options = {"points": 64, "kwargs": kwargs, "steps": 20, "log_freq": 10, "num_checkpoints": 2, "wandb": "disabled"}
     train(episodes=(store,), per_store=30, options=json.dumps(options), out=folder / "policy", seed=4)
     about = {"category": "cabinet", "licence": "", "provenance": "", "checksum": ""}
     for name in ("a", "b", *UNSEEN):
@@ -132,7 +131,7 @@ def evaluate(
     folder: Path,
     out: Path,
     trained_roles: tuple[str, ...] = ("twin",),
-    trial: tuple[Path, ...] = (),
+    selection: tuple[Path, ...] = (),
     films: tuple[str, ...] = (),
     **options: object,
 ) -> list[dict[str, str]]:
@@ -146,7 +145,7 @@ def evaluate(
         training_set="twin",
         trained_roles=trained_roles,
         run_name="lite",
-        trial=trial,
+        selection=selection,
         options=json.dumps(settings),
         films=films,
         out=out,
@@ -171,7 +170,7 @@ def toy_simulator(monkeypatch: pytest.MonkeyPatch) -> Made:
 
 
 def test_a_condition_reaches_the_environments(folder: Path, tmp_path: Path, toy_simulator: Made) -> None:
-    condition = {"depth_noise": True, "camera_error": (0.02, 3.0), "parking": (0.1, 5.0), "vary_scale": True}
+    condition = {"depth_noise": True, "camera_error": (0.02, 3.0), "robot_init_noise": (0.1, 5.0), "vary_scale": True}
     evaluate(folder, tmp_path / "rollouts.csv", test_assets=["twin"], rollouts=1, **condition)
     (task, asset, joint, size, options), given = toy_simulator[0]
     assert (task, asset.name, joint, size) == ("door", "a", "j", (1.0, 1.0, 1.0))
@@ -255,13 +254,13 @@ def test_the_twin_is_tested_once_for_a_policy_that_was_trained_on_it(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tested: list[str] = []
-    original = arena.PolicyArena.episodes
+    original = vector_env.PolicyVectorEnv.episodes
 
-    def note(self: arena.PolicyArena, network: object, starts: list[Start], record: bool) -> object:
+    def note(self: vector_env.PolicyVectorEnv, network: object, starts: list[Start], record: bool) -> object:
         tested.append(starts[0][0].role)
         return original(self, network, starts, record)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(arena.PolicyArena, "episodes", note)
+    monkeypatch.setattr(vector_env.PolicyVectorEnv, "episodes", note)
     rows = evaluate(folder, tmp_path / "rollouts.csv", test_assets=["twin", "cousin_2", "trained"])
     assert tested == ["twin", "cousin_2"] and len(rows) == 15
     outcome = [[(row["initial_state"], row["steps"]) for row in rows if row["test_asset"] == role]
@@ -269,26 +268,26 @@ def test_the_twin_is_tested_once_for_a_policy_that_was_trained_on_it(
     assert outcome[0] == outcome[1]
 
 
-def trial(folder: Path, out: Path, **options: object) -> list[dict[str, str]]:
+def select(folder: Path, out: Path, **options: object) -> list[dict[str, str]]:
     files = {"policy": folder / "policy", "assets": folder / "task.json", "library": folder / "library.json"}
     names = {"target": "my_door", "policy_name": "small", "training_set": "twin", "run_name": "lite"}
     settings = {"checkpoint": "rollouts", "selection_rollouts": 3} | options
-    try_out.run(**files, **names, options=json.dumps(settings), out=out)  # type: ignore[arg-type]
+    selection_rollout.run(**files, **names, options=json.dumps(settings), out=out)  # type: ignore[arg-type]
     KINDS["rollouts"].check(out)
     return list(csv.DictReader(out.read_text().splitlines()))
 
 
 @pytest.mark.usefixtures("toy_simulator")
 def test_a_trial_rolls_every_checkpoint_out_on_the_twin_from_states_of_its_own(folder: Path, tmp_path: Path) -> None:
-    tried = trial(folder, tmp_path / "trial.csv")
+    tried = select(folder, tmp_path / "trial.csv")
     steps = [f"checkpoints/step_{step}.safetensors" for step in (10, 20)]
     assert [(row["checkpoint"], row["test_asset"]) for row in tried] == [(n, "twin") for n in steps for _ in range(3)]
     assert len({row["initial_state"] for row in tried}) == 3
-    assert {row["checkpoint"] for row in trial(folder, tmp_path / "one.csv", checkpoint="last")} == {"last"}
-    rows = evaluate(folder, tmp_path / "rollouts.csv", trial=(tmp_path / "trial.csv",), checkpoint="rollouts")
+    assert {row["checkpoint"] for row in select(folder, tmp_path / "one.csv", checkpoint="last")} == {"last"}
+    rows = evaluate(folder, tmp_path / "rollouts.csv", selection=(tmp_path / "trial.csv",), checkpoint="rollouts")
     assert not {row["initial_state"] for row in rows} & {row["initial_state"] for row in tried}
     assert len({row["checkpoint"] for row in rows}) == 1
-    with refused("E-TRIAL-MISSING"):
+    with refused("E-SELECTION-MISSING"):
         evaluate(folder, tmp_path / "rollouts.csv", checkpoint="rollouts")
 
 
@@ -311,7 +310,7 @@ def test_the_best_checkpoint_of_a_trial_is_the_later_of_equals(tmp_path: Path) -
 def test_hyper_parameter_sets_are_chosen_by_their_best_checkpoint(tmp_path: Path) -> None:
     successes = {"a": {"x": 1, "y": 3}, "b": {"x": 2, "y": 2}, "c": {"x": 4, "y": 0}, "d": {"x": 3, "y": 1}}
     trials = tuple(trial_of(tmp_path, run, **each) for run, each in successes.items())
-    choose.run(trials=trials, count=2, out=tmp_path / "chosen.json")
+    choose.run(rollouts=trials, count=2, out=tmp_path / "chosen.json")
     chosen = read_json(ChosenRuns, tmp_path / "chosen.json")
     assert chosen.runs == ["c", "a"]  # of the equal a and d the one that was named first
     assert [(score.run, score.checkpoint, score.successes) for score in chosen.scores] == [
@@ -319,19 +318,19 @@ def test_hyper_parameter_sets_are_chosen_by_their_best_checkpoint(tmp_path: Path
     ]  # fmt: skip
     KINDS["chosen"].check(tmp_path / "chosen.json")
     other = write_rows(tmp_path / "e.csv", [made_rollout(9, True, run="e")])
-    with refused("E-TRIALS-MIXED"):
-        choose.run(trials=(*trials, other), count=2, out=tmp_path / "none.json")
+    with refused("E-SELECTION-MIXED"):
+        choose.run(rollouts=(*trials, other), count=2, out=tmp_path / "none.json")
     assert not (tmp_path / "none.json").exists()
 
 
 def test_rollouts_of_a_training_set_are_gathered_as_they_are(tmp_path: Path) -> None:
     paths = tuple(trial_of(tmp_path, run, best=count) for run, count in (("a", 1), ("b", 4)))
-    gather.run(rollouts=paths, out=tmp_path / "all.csv")
+    merge.run(rollouts=paths, out=tmp_path / "all.csv")
     rows = [row for path in paths for row in read_rows(Rollout, path)]
     assert read_rows(Rollout, tmp_path / "all.csv") == rows and len(rows) == 8
     twin = write_rows(tmp_path / "c.csv", [made_rollout(training_set="cousins_4")])
     with refused("E-ROLLOUTS-MIXED"):
-        gather.run(rollouts=(*paths, twin), out=tmp_path / "none.csv")
+        merge.run(rollouts=(*paths, twin), out=tmp_path / "none.csv")
 
 
 @pytest.mark.usefixtures("toy_simulator")

@@ -19,7 +19,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import draw_approach_speed
 from stages.demonstrations.collect import attempt_seeds
 from stages.evaluation.states import initial_states
-from stages.policies.bc_rnn_gmm.actor import Actor
+from stages.policies.bc_rnn_gmm import Rollout
 from stages.simulation.robot import REST
 from stages.tables.intervals import PLACE, resample_rates
 from stages.tasks.cameras import jitter, shoulder
@@ -35,9 +35,9 @@ SEEDS = [0, 20261122, 2**32, LARGEST]
 
 
 def random_actions(seed: int) -> list[float]:
-    actor = Actor(SimpleNamespace(proprio_mean=torch.zeros(9)), 1, 1, "sample")  # type: ignore[arg-type]
-    actor.reset(0, seed)
-    return [actor.random[0].random() for _ in range(3)]
+    acting = Rollout(SimpleNamespace(), 1, "sample")  # type: ignore[arg-type]
+    acting.start_episode(0, seed)
+    return [acting.random[0].random() for _ in range(3)]
 
 
 def resamples(seed: int) -> list[Any]:
@@ -83,14 +83,14 @@ def test_every_seed_works_and_matters(name: str) -> None:
 
 
 def test_the_states_of_the_largest_seed_are_ones_that_the_simulator_takes() -> None:
-    states = [state for purpose in ("roles", "test", "trial") for state in initial_states(purpose, LARGEST, 3)]  # type: ignore[arg-type]
+    states = [state for purpose in ("roles", "test", "selection") for state in initial_states(purpose, LARGEST, 3)]  # type: ignore[arg-type]
     assert all(2**31 <= state < 2**32 for state in states) and len(set(states)) == 9
     assert all(0 <= seed < 2**31 for seed in attempt_seeds(LARGEST, "twin", 9))
 
 
 def test_a_policy_is_trained_with_the_largest_seed(tmp_path: Path) -> None:
     store = write_store(tmp_path / "episodes.h5", episodes=2)
-    small = {"network": {"points": 64, "pointnet_width": 8, "rnn_hidden": 8, "mlp": [8]}, "steps": 1, "batch_size": 2}
+    small = {"points": 64, "kwargs": {"pointnet_width": 8, "rnn_hidden": 8, "mlp": [8]}, "steps": 1, "batch_size": 2}
     weights = []
     for seed in (0, LARGEST):
         out = tmp_path / str(seed)

@@ -22,7 +22,7 @@ from stages.skills import FAR, Act, Outcome
 from stages.skills.close import CloseSkill
 from stages.skills.motion import Motion
 from stages.skills.open import OpenSkill
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 
@@ -30,17 +30,17 @@ OPTIONS = TaskConfig(scale_variants=1)
 
 
 @pytest.fixture(scope="module")
-def door(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
+def door(tmp_path_factory: pytest.TempPathFactory) -> EnvWrapper:
     folder = tmp_path_factory.mktemp("assets") / "door"
     cabinet(folder)
-    return TaskEnv("door", folder, "door_0_joint", None, OPTIONS, render=False)
+    return EnvWrapper("door", folder, "door_0_joint", None, OPTIONS, render=False)
 
 
-def act_of(task: TaskEnv) -> Act:
+def act_of(task: EnvWrapper) -> Act:
     return lambda action, noisy, ahead=FAR: task.act(action)
 
 
-def attempt(task: TaskEnv, seed: int) -> Outcome:
+def attempt(task: EnvWrapper, seed: int) -> Outcome:
     task.place(seed)
     return OpenSkill(task, DemonstrationsConfig(noise=0.0)).run(act_of(task))
 
@@ -48,12 +48,12 @@ def attempt(task: TaskEnv, seed: int) -> Outcome:
 def test_an_unknown_task_or_joint_is_one_clear_line(tmp_path: Path) -> None:
     cabinet(tmp_path / "door")
     with refused("E-TASK-JOINT"):
-        TaskEnv("door", tmp_path / "door", "nonsense", None, OPTIONS)
+        EnvWrapper("door", tmp_path / "door", "nonsense", None, OPTIONS)
     with pytest.raises(InputError, match=r"no 'drower'.* did you mean 'drawer'"):
-        TaskEnv("drower", tmp_path / "door", "door_0_joint", None, OPTIONS)
+        EnvWrapper("drower", tmp_path / "door", "door_0_joint", None, OPTIONS)
 
 
-def test_a_seed_gives_one_initial_state(door: TaskEnv) -> None:
+def test_a_seed_gives_one_initial_state(door: EnvWrapper) -> None:
     first = door.reset(7)["proprio"]
     other = door.reset(8)["proprio"]
     again = door.reset(7)["proprio"]
@@ -65,7 +65,7 @@ def test_a_seed_gives_one_initial_state(door: TaskEnv) -> None:
 def test_an_action_moves_the_hand_in_the_base_frame(tmp_path: Path, controller: str) -> None:
     cabinet(tmp_path / "door")
     options = OPTIONS.model_copy(update={"controller": controller})
-    task = TaskEnv("door", tmp_path / "door", "door_0_joint", None, options, render=False)
+    task = EnvWrapper("door", tmp_path / "door", "door_0_joint", None, options, render=False)
     task.place(3)
     before = task.hand()
     for _ in range(3):
@@ -81,7 +81,7 @@ def test_an_action_moves_the_hand_in_the_base_frame(tmp_path: Path, controller: 
     task.close()
 
 
-def test_an_episode_is_over_after_its_last_step(door: TaskEnv) -> None:
+def test_an_episode_is_over_after_its_last_step(door: EnvWrapper) -> None:
     door.place(0)
     for steps, over in ((door.max_steps - 1, False), (door.max_steps, True)):
         door.steps = steps - 1
@@ -94,7 +94,7 @@ def test_an_episode_is_over_after_its_last_step(door: TaskEnv) -> None:
     ids=["half", "angle", "sixty"],
 )
 def test_a_door_is_open_at_half_of_its_range_or_at_an_angle(
-    door: TaskEnv, monkeypatch: pytest.MonkeyPatch, options: dict[str, float], enough: float
+    door: EnvWrapper, monkeypatch: pytest.MonkeyPatch, options: dict[str, float], enough: float
 ) -> None:
     door.place(0)
     monkeypatch.setattr(door.env, "options", OPTIONS.model_copy(update=options))
@@ -107,7 +107,7 @@ def test_a_door_is_open_at_half_of_its_range_or_at_an_angle(
 def test_a_drawer_is_open_at_half_of_its_range_or_at_a_length(tmp_path: Path) -> None:
     cabinet(tmp_path / "drawer", layout=[["drawer", "open"]])
     options = OPTIONS.model_copy(update={"success_distance": 0.05})
-    drawer = TaskEnv("drawer", tmp_path / "drawer", "drawer_0_joint", None, options, render=False)
+    drawer = EnvWrapper("drawer", tmp_path / "drawer", "drawer_0_joint", None, options, render=False)
     drawer.place(0)
     length = drawer.env.target.upper - drawer.env.target.lower
     assert drawer.success_opening * length == pytest.approx(0.05)
@@ -116,7 +116,7 @@ def test_a_drawer_is_open_at_half_of_its_range_or_at_a_length(tmp_path: Path) ->
 
 def test_the_official_criterion_is_any_joint_at_any_time(tmp_path: Path) -> None:
     cabinet(tmp_path / "two", layout=[["door", "door"]])
-    task = TaskEnv("door", tmp_path / "two", "door_0_joint", None, OPTIONS, render=False)
+    task = EnvWrapper("door", tmp_path / "two", "door_0_joint", None, OPTIONS, render=False)
     task.place(0)
     stay = np.array([0, 0, 0, 0, 0, 0, 1], np.float32)
     for value, expected in ((0.05, False), (0.2, True), (0.0, True)):
@@ -133,7 +133,7 @@ def test_the_official_criterion_is_any_joint_at_any_time(tmp_path: Path) -> None
 
 def test_the_cloud_shows_the_target_or_the_object(tmp_path: Path) -> None:
     cabinet(tmp_path / "two", layout=[["door", "door"]])
-    task = TaskEnv("door", tmp_path / "two", "door_0_joint", None, OPTIONS, render=False)
+    task = EnvWrapper("door", tmp_path / "two", "door_0_joint", None, OPTIONS, render=False)
     task.place(0)
     links = {link.entity.per_scene_id: link.name for link in task.env.object._objs[0].links}
     assert all("door_0" in links[i] for i in task.env.seen_ids().tolist())
@@ -157,7 +157,7 @@ def test_pursuit_aims_ahead_and_never_back() -> None:
     assert pursuit.progress == pytest.approx(0.05, abs=0.006)
 
 
-def test_the_opening_path_turns_about_the_hinge(door: TaskEnv) -> None:
+def test_the_opening_path_turns_about_the_hinge(door: EnvWrapper) -> None:
     door.place(0)
     target = door.env.target
     assert target.handle is not None
@@ -169,7 +169,7 @@ def test_the_opening_path_turns_about_the_hinge(door: TaskEnv) -> None:
     assert path[-1][:3, :3] @ path[0][:3, :3].T == pytest.approx(yaw_matrix(np.pi / 3 * target.axis[2]), abs=1e-6)
 
 
-def test_a_horizontal_bar_is_held_one_way_whichever_way_the_hand_is_turned(door: TaskEnv) -> None:
+def test_a_horizontal_bar_is_held_one_way_whichever_way_the_hand_is_turned(door: EnvWrapper) -> None:
     """Both ways are a right angle from the hand: noise would choose, and demonstrations would show two motions."""
     door.place(0)
     handle = door.env.target.handle
@@ -181,7 +181,7 @@ def test_a_horizontal_bar_is_held_one_way_whichever_way_the_hand_is_turned(door:
         assert closing == pytest.approx([1.0, 1.0] if along == 2 else [-1.0, -1.0])
 
 
-def test_clearance_sees_the_panel_where_it_is(door: TaskEnv) -> None:
+def test_clearance_sees_the_panel_where_it_is(door: EnvWrapper) -> None:
     door.place(0)
     target = door.env.target
     around = Surroundings(target)
@@ -195,7 +195,7 @@ def test_clearance_sees_the_panel_where_it_is(door: TaskEnv) -> None:
     assert around.clear(before_the_front, radii, closed)  # the other one is a copy
 
 
-def test_clearance_sees_a_finger_inside_a_knob(door: TaskEnv) -> None:
+def test_clearance_sees_a_finger_inside_a_knob(door: EnvWrapper) -> None:
     door.place(0)
     knob = trimesh.creation.icosphere(radius=0.02)
     knob.apply_translation([1.0, 0.0, 0.0])
@@ -205,7 +205,7 @@ def test_clearance_sees_a_finger_inside_a_knob(door: TaskEnv) -> None:
         assert around.clear(np.array([[[x, 0.0, 0.0]]]), np.array([0.0075]), closed) is clear
 
 
-def test_a_thick_bar_is_held_at_its_middle(door: TaskEnv) -> None:
+def test_a_thick_bar_is_held_at_its_middle(door: EnvWrapper) -> None:
     door.place(0)
     handle = door.env.target.handle
     assert handle is not None
@@ -218,17 +218,17 @@ def test_a_thick_bar_is_held_at_its_middle(door: TaskEnv) -> None:
             assert by_its_tips[0, 3] == pytest.approx(bar.position[0])
 
 
-def test_doors_and_drawers_are_opened(door: TaskEnv, tmp_path: Path) -> None:
+def test_doors_and_drawers_are_opened(door: EnvWrapper, tmp_path: Path) -> None:
     outcomes = [attempt(door, seed) for seed in range(4)]
     assert [outcome.cause for outcome in outcomes] == ["success"] * 4
     assert door.opened > 0.5 and 15 < door.steps < 60
     cabinet(tmp_path / "drawer", layout=[["drawer", "open"]], handle="knob", protrusion=0.034)
-    drawer = TaskEnv("drawer", tmp_path / "drawer", "drawer_0_joint", None, OPTIONS, render=False)
+    drawer = EnvWrapper("drawer", tmp_path / "drawer", "drawer_0_joint", None, OPTIONS, render=False)
     assert sum(attempt(drawer, seed).success for seed in range(4)) >= 3
     drawer.close()
 
 
-def test_what_was_opened_is_closed_again(door: TaskEnv) -> None:
+def test_what_was_opened_is_closed_again(door: EnvWrapper) -> None:
     assert attempt(door, 1).success
     opened = door.opened
     motion = Motion(door, act_of(door))
@@ -239,18 +239,18 @@ def test_what_was_opened_is_closed_again(door: TaskEnv) -> None:
 
 def test_failures_have_causes(tmp_path: Path) -> None:
     cabinet(tmp_path / "smooth", handle="none")
-    smooth = TaskEnv("door", tmp_path / "smooth", "door_0_joint", None, OPTIONS, render=False)
+    smooth = EnvWrapper("door", tmp_path / "smooth", "door_0_joint", None, OPTIONS, render=False)
     assert attempt(smooth, 0) == Outcome(False, "no_handle")
     smooth.close()
     cabinet(tmp_path / "door")
-    far = TaskEnv(
+    far = EnvWrapper(
         "door", tmp_path / "door", "door_0_joint", None, OPTIONS.model_copy(update={"base_distance": 1.6}), render=False
     )
     assert attempt(far, 0) == Outcome(False, "no_plan")
     far.close()
 
 
-def test_no_plan_goes_through_an_obstacle(door: TaskEnv) -> None:
+def test_no_plan_goes_through_an_obstacle(door: EnvWrapper) -> None:
     door.place(0)
     target = door.env.target
 
@@ -285,12 +285,12 @@ def test_the_tasks_are_known_to_gym_and_end_at_their_own_horizon(tmp_path: Path)
     env.close()
     assert "ACDC-OpenDrawer-v1" in gymnasium.registry
     with refused("E-DEVICE-GPU"):
-        TaskEnv("door", tmp_path / "door", "door_0_joint", None, TaskConfig(sim_backend="physx_cuda"))
+        EnvWrapper("door", tmp_path / "door", "door_0_joint", None, TaskConfig(sim_backend="physx_cuda"))
 
 
 def test_a_heavy_flap_is_opened_from_beside_it(tmp_path: Path) -> None:
     cabinet(tmp_path / "oven", layout=[["panel"], ["flap"]], major="rows", handle_length=0.6, density=1500.0)
-    flap = TaskEnv("door", tmp_path / "oven", "door_0_joint", None, OPTIONS, render=False)
+    flap = EnvWrapper("door", tmp_path / "oven", "door_0_joint", None, OPTIONS, render=False)
     assert sum(attempt(flap, seed).success for seed in range(3)) >= 2
     beside = inverse(flap.env.base_from_asset())[:3, 3] - flap.env.target.reference
     assert flap.env.target.flap and abs(beside[1]) > 0.2
@@ -299,7 +299,7 @@ def test_a_heavy_flap_is_opened_from_beside_it(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("fingers", "held"), [(0.0005, False), (0.006, True), (0.034, True), (0.04, False)])
 def test_what_is_between_the_fingers_may_be_thin_or_wide(
-    door: TaskEnv, monkeypatch: pytest.MonkeyPatch, fingers: float, held: bool
+    door: EnvWrapper, monkeypatch: pytest.MonkeyPatch, fingers: float, held: bool
 ) -> None:
     monkeypatch.setattr(door, "joints", lambda: np.append(np.zeros(7), [fingers, fingers]))
     assert Motion(door, act_of(door)).holds is held

@@ -20,21 +20,21 @@ from stages.simulation.robot import REST
 from stages.skills import FAR, Outcome
 from stages.skills.motion import OPEN_STEPS, Motion
 from stages.skills.open import OpenSkill
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
 
 OPTIONS = TaskConfig(scale_variants=1)
 
 
 @pytest.fixture(scope="module")
-def door(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
+def door(tmp_path_factory: pytest.TempPathFactory) -> EnvWrapper:
     folder = tmp_path_factory.mktemp("assets") / "door"
     cabinet(folder)
-    return TaskEnv("door", folder, "door_0_joint", None, OPTIONS, render=False)
+    return EnvWrapper("door", folder, "door_0_joint", None, OPTIONS, render=False)
 
 
 def test_of_ways_that_can_be_followed_the_first_with_joints_to_spare_is_taken(
-    door: TaskEnv, monkeypatch: pytest.MonkeyPatch
+    door: EnvWrapper, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     door.place(0)
     chain, where = door.chain, door.env.base_from_asset()
@@ -82,7 +82,7 @@ def joints_at_end(chain: Chain, path: np.ndarray) -> np.ndarray:
     return np.asarray(joints)
 
 
-def test_an_arm_that_is_elsewhere_may_go_through_rest(door: TaskEnv) -> None:
+def test_an_arm_that_is_elsewhere_may_go_through_rest(door: EnvWrapper) -> None:
     chain = door.chain
     rest = chain.pose(REST[None])[0]
     before = rest.copy()
@@ -101,9 +101,9 @@ def test_an_arm_that_is_elsewhere_may_go_through_rest(door: TaskEnv) -> None:
     assert chain.margin(joints[None]).min() > 0.3, "the arm comes there with no joint at a limit"
 
 
-def test_a_bar_is_held_from_above_only_on_a_drawer_and_last(door: TaskEnv, tmp_path: Path) -> None:
+def test_a_bar_is_held_from_above_only_on_a_drawer_and_last(door: EnvWrapper, tmp_path: Path) -> None:
     cabinet(tmp_path / "drawer", layout=[["drawer", "open"]])
-    drawer = TaskEnv("drawer", tmp_path / "drawer", "drawer_0_joint", None, OPTIONS, render=False)
+    drawer = EnvWrapper("drawer", tmp_path / "drawer", "drawer_0_joint", None, OPTIONS, render=False)
     door.place(0)
     drawer.place(0)
     for task, last in ((door, []), (drawer, list(FROM_ABOVE))):
@@ -117,7 +117,7 @@ def test_a_bar_is_held_from_above_only_on_a_drawer_and_last(door: TaskEnv, tmp_p
     drawer.close()
 
 
-def test_a_door_of_a_wide_range_need_not_be_moved_much_further_than_is_enough(door: TaskEnv) -> None:
+def test_a_door_of_a_wide_range_need_not_be_moved_much_further_than_is_enough(door: EnvWrapper) -> None:
     door.place(0)
     for degrees, opening, goals, let_go in (
         (90, 0.5, [63.0, 55.8, 50.4], [54.0, 54.0, 48.6]),
@@ -132,7 +132,7 @@ def test_a_door_of_a_wide_range_need_not_be_moved_much_further_than_is_enough(do
         assert all(opening * degrees < some < goal for some, goal in zip(let_go, goals, strict=True))
 
 
-def test_a_grasp_that_missed_twice_gives_way_to_another(door: TaskEnv, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_grasp_that_missed_twice_gives_way_to_another(door: EnvWrapper, monkeypatch: pytest.MonkeyPatch) -> None:
     taken: list[Grasp] = []
 
     def miss(self: OpenSkill, motion: Motion, plan: Any) -> str:
@@ -153,7 +153,7 @@ def test_a_grasp_that_missed_twice_gives_way_to_another(door: TaskEnv, monkeypat
     assert skill.attempt(motion, 1) == "converge" and taken[-1] in every, "where none is left any will do"
 
 
-def test_a_door_that_is_open_is_let_go_while_there_is_time(door: TaskEnv, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_door_that_is_open_is_let_go_while_there_is_time(door: EnvWrapper, monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[float] = []
 
     def act(action: np.ndarray, noisy: bool, ahead: float = FAR) -> None:
@@ -172,7 +172,7 @@ def test_a_door_that_is_open_is_let_go_while_there_is_time(door: TaskEnv, monkey
     assert attempt() == Outcome(True, "success") and len(opened) == door.max_steps
 
 
-def test_where_no_other_grasp_opens_a_door_a_level_bar_is_held_from_above(door: TaskEnv) -> None:
+def test_where_no_other_grasp_opens_a_door_a_level_bar_is_held_from_above(door: EnvWrapper) -> None:
     door.place(0)
     target = door.env.target
     assert target.handle is not None

@@ -15,7 +15,7 @@ from stages.articulated.asset_folder import read_asset, stretch_asset
 from stages.contracts.task_options import TaskConfig
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene
 from stages.simulation.stretching import stretch_builder
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from tests.unit.articulated_models import write_cabinet
 from tests.unit.demo_assets import cabinet
 
@@ -96,7 +96,7 @@ def test_a_body_without_joints_is_stretched(tmp_path: Path) -> None:
 def test_every_episode_has_the_scale_of_its_seed_and_the_scene_stays(tmp_path: Path) -> None:
     cabinet(tmp_path / "door", layout=[["door", "drawer"]])
     options = TaskConfig(scale_variants=50, base_xy=0, base_z=0, object_xy=0, object_yaw=0)
-    task = TaskEnv("door", tmp_path / "door", "door_0_joint", None, options, render=False)
+    task = EnvWrapper("door", tmp_path / "door", "door_0_joint", None, options, render=False)
     task.place(0)
     scene, seen, handles = task.env.scene, [], []
     for seed in (1, 2, 1):
@@ -111,7 +111,7 @@ def test_every_episode_has_the_scale_of_its_seed_and_the_scene_stays(tmp_path: P
         seen.append(scale.tolist())
         handles.append(target.reference.tolist())
     assert seen[0] == seen[2] != seen[1] and handles[0] == handles[2] != handles[1]
-    fixed = TaskEnv("door", tmp_path / "door", "door_0_joint", None, options, render=False, vary_scale=False)
+    fixed = EnvWrapper("door", tmp_path / "door", "door_0_joint", None, options, render=False, vary_scale=False)
     fixed.place(1)
     assert (fixed.env.scales == 1).all()
     for made in (task, fixed):
@@ -120,7 +120,7 @@ def test_every_episode_has_the_scale_of_its_seed_and_the_scene_stays(tmp_path: P
 
 def test_a_scene_is_built_again_before_its_ids_run_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cabinet(tmp_path / "door")
-    task = TaskEnv("door", tmp_path / "door", "door_0_joint", None, TaskConfig(), render=False)
+    task = EnvWrapper("door", tmp_path / "door", "door_0_joint", None, TaskConfig(), render=False)
     task.place(0)
     scene = task.env.scene
     monkeypatch.setattr("stages.tasks.environment.LARGEST_ID", 1)
@@ -133,7 +133,7 @@ def test_another_asset_comes_into_the_same_scene(tmp_path: Path) -> None:
     cabinet(tmp_path / "door")
     cabinet(tmp_path / "two", layout=[["door", "door"]], size=[0.5, 0.9, 0.8])
     options = TaskConfig()
-    task = TaskEnv("door", tmp_path / "door", "door_0_joint", None, options, render=False)
+    task = EnvWrapper("door", tmp_path / "door", "door_0_joint", None, options, render=False)
     task.place(5)
     scene, first = task.env.scene, task.env.target.moving.bounds
     task.turn_to(tmp_path / "two", "door_1_joint", None)

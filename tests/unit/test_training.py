@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -12,13 +13,14 @@ import torch
 from safetensors.torch import load_file
 
 from stages.contracts.errors import InputError
+from stages.contracts.policy_config import PolicyConfig
 from stages.contracts.policy_folder import read_config, weights_of
-from stages.contracts.training_run import NetworkConfig, TrainingRun
-from stages.policies import make_policy
+from stages.policies import point_cloud
+from stages.policies.base import make_policy
 from stages.policies.checkpoint import load_network
-from stages.training import loop
-from stages.training.augment import augment
-from stages.training.dataset import constant_error, frames_of, gather, list_windows, read_demonstrations, split_episodes
+from stages.training import augment, dataset, loop
+from stages.training.batches import list_windows, make_batch
+from stages.training.dataset import constant_error, frames_of, read_demonstrations, split_episodes
 from stages.training.logbook import Line
 from stages.training.state import TrainingState, copy_weights
 from stages.training.train import outcome, plateau
@@ -27,10 +29,11 @@ from tests.refusals import refused
 from tests.toy_reach import ToyReach, write_store
 
 SMALL = {
-    "network": {"points": 64, "pointnet_width": 32, "rnn_hidden": 32, "mlp": [32]},
+    "points": 64,
+    "kwargs": {"pointnet_width": 32, "rnn_hidden": 32, "mlp": [32]},
     "batch_size": 8,
     "steps": 6,
-    "log_every": 2,
+    "log_freq": 2,
     "wandb": "disabled",
 }
 
@@ -39,7 +42,7 @@ SMALL = {
 def _save_often() -> Iterator[None]:
     """States are saved at every line."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(TrainingRun, "save_every", 2)
+        patch.setattr(loop, "SAVE_FREQ", 2)
         yield
 
 
@@ -48,9 +51,14 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_store(tmp_path_factory.mktemp("store") / "episodes.h5", episodes=60)
 
 
-def varied(**values: object) -> TrainingRun:
-    """A run with other values, fixed ones too."""
-    return TrainingRun().model_copy(update=values)
+def augmented(
+    clouds: torch.Tensor, proprio: torch.Tensor, translation: float = 0.0, jitter: float = 0.0, **values: Any
+) -> tuple[torch.Tensor, torch.Tensor]:
+    """Augmented sequences; the shares of those that are translated and jittered."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(augment, "TRANSLATION_PROBABILITY", translation)
+        patch.setattr(augment, "JITTER_PROBABILITY", jitter)
+        return augment.augment(clouds, proprio, PolicyConfig(**values), torch.Generator().manual_seed(0))
 
 
 def options(**changes: object) -> str:
@@ -61,16 +69,16 @@ def test_learns_to_reach_what_the_cloud_shows(
     store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Closed loop on unseen goals: the hand ends within 3 cm; before training it does not."""
-    monkeypatch.setattr(NetworkConfig, "flag_embedding", 8)  # with 128 so small a network learns in thousands of steps
-    train(episodes=(store,), per_store=60, options=options(steps=800, log_every=200), out=tmp_path / "policy")
+    monkeypatch.setattr(point_cloud, "FLAG_EMBEDDING", 8)  # with 128 so small a network learns in thousands of steps
+    train(episodes=(store,), per_store=60, options=options(steps=800, log_freq=200), out=tmp_path / "policy")
     policy = load_network(tmp_path / "policy", "last")
     reached = []
     for seed in range(1000, 1020):
-        toy, actor = ToyReach(seed), policy.actor(slots=1, choose="most_likely")
-        actor.reset(0, seed)
+        toy, acting = ToyReach(seed), policy.make_rollout_policy(1, "most_likely")
+        acting.start_episode(0, seed)
         for _ in range(16):
             cloud, proprio = toy.observe()
-            toy.step(actor.act([0], [cloud], [proprio])[0])
+            toy.step(acting.get_action([0], [cloud], [proprio])[0])
         reached.append(toy.distance < 0.03)
     assert np.mean(reached) >= 0.7
     lines = [json.loads(line) for line in (tmp_path / "policy" / "metrics.jsonl").read_text().splitlines()]
@@ -125,7 +133,7 @@ def test_another_run_does_not_go_on_from_the_state(
 
 
 def test_writes_what_the_contract_says(store: Path, tmp_path: Path) -> None:
-    train(episodes=(store, store), per_store=5, options=options(keep=2), out=tmp_path / "policy", seed=3)
+    train(episodes=(store, store), per_store=5, options=options(num_checkpoints=2), out=tmp_path / "policy", seed=3)
     config = read_config(tmp_path / "policy")
     assert [s.episodes for s in config.stores] == [5, 5]
     assert config.training_episodes + config.validation_episodes == 10
@@ -155,7 +163,7 @@ def test_windows_pad_at_the_end_without_weight(store: Path) -> None:
 
 def test_the_split_and_the_batches_follow_the_seed(store: Path, tmp_path: Path) -> None:
     data = read_demonstrations([store], 40)
-    assert len({tuple(split_episodes(data, 0.2, seed)[1]) for seed in range(4)}) > 1
+    assert len({tuple(split_episodes(data, seed)[1]) for seed in range(4)}) > 1
     losses = []
     for seed in (0, 1):
         random = [loop.generator(seed, step) for step in (1, 2)]
@@ -165,16 +173,16 @@ def test_the_split_and_the_batches_follow_the_seed(store: Path, tmp_path: Path) 
 
 def test_split_is_by_episode_and_store(store: Path) -> None:
     data = read_demonstrations([store, store], 10)
-    training, validation = split_episodes(data, 0.2, seed=0)
+    training, validation = split_episodes(data, seed=0)
     assert sorted(training + validation) == list(range(20))
-    assert sum(i < 10 for i in validation) == 2
-    assert split_episodes(read_demonstrations([store], 1), 0.9, 0) == ([0], [])
+    assert sum(i < 10 for i in validation) == 1 and len(validation) == 2
+    assert split_episodes(read_demonstrations([store], 1), 0) == ([0], [])
 
 
 def test_downsampling_takes_one_subset_per_sequence(store: Path) -> None:
     data = read_demonstrations([store], 2)
     frames, real = list_windows(data, [0], 5, 5)
-    batch = gather(data, frames[:1], real[:1], 20, torch.Generator().manual_seed(0))
+    batch = make_batch(data, frames[:1], real[:1], 20, torch.Generator().manual_seed(0))
     assert batch.clouds.shape == (1, 5, 20, 4)
     whole = data.clouds[int(frames[0, 2])].float()
     assert all((whole == point).all(1).any() for point in batch.clouds[0, 2])
@@ -185,8 +193,7 @@ def sequences() -> tuple[torch.Tensor, torch.Tensor]:
 
 
 def test_translation_keeps_hand_and_handle_together() -> None:
-    hyper = varied(translation_probability=0.5, jitter_probability=0)
-    clouds, proprio = augment(*sequences(), hyper, torch.Generator().manual_seed(0))
+    clouds, proprio = augmented(*sequences(), translation=0.5)
     assert torch.equal(clouds[:, :, 0, :3], proprio[..., :3])  # same shift for both
     assert (proprio == proprio[:, :1]).all()  # constant over the sequence
     share = (proprio[:, 0, 0] != 0).float().mean()
@@ -197,24 +204,22 @@ def test_translation_keeps_hand_and_handle_together() -> None:
 
 
 def test_official_translation_moves_the_cloud_alone() -> None:
-    hyper = varied(translation_mode="cloud_only", translation_probability=1, jitter_probability=0)
-    clouds, proprio = augment(*sequences(), hyper, torch.Generator().manual_seed(0))
+    clouds, proprio = augmented(*sequences(), translation=1, translation_mode="cloud_only")
     assert (proprio == 0).all()
     assert not torch.equal(clouds[:, 0], clouds[:, 1])
 
 
 def test_jitter_is_clipped() -> None:
-    hyper = varied(translation_probability=0, jitter_probability=1)
-    clouds, proprio = augment(*sequences(), hyper, torch.Generator().manual_seed(0))
+    clouds, proprio = augmented(*sequences(), jitter=1)
     assert clouds[..., :3].abs().max() == pytest.approx(0.015)
     assert 0.005 < clouds[..., :3].std() < 0.01
     assert (proprio == 0).all()
 
 
 def test_learning_rates() -> None:
-    cosine = TrainingRun(steps=100, learning_rate=1.0, schedule="cosine", warmup=0)
+    cosine = PolicyConfig(steps=100, learning_rate=1.0, schedule="cosine", warmup=0)
     assert [loop.learning_rate(step, cosine) for step in (0, 50, 100)] == pytest.approx([1, 0.5, 0])
-    linear = TrainingRun(steps=50_000, learning_rate=1.0, schedule="linear", warmup=0)
+    linear = PolicyConfig(steps=50_000, learning_rate=1.0, schedule="linear", warmup=0)
     assert [loop.learning_rate(step, linear) for step in (0, 10_000, 40_000)] == pytest.approx([1, 0.1, 0.1])
 
 
@@ -233,13 +238,13 @@ def test_too_few_episodes_and_broken_stores_are_input_errors(store: Path, tmp_pa
     with refused("E-EPISODES-TASK"):
         train(episodes=(other,), per_store=2, task="door", options=options(), out=tmp_path / "policy")
     with refused("E-EPISODES-POINTS"):
-        train(episodes=(store,), per_store=2, options=json.dumps({"network": {"points": 97}}), out=tmp_path / "policy")
+        train(episodes=(store,), per_store=2, options=json.dumps({"points": 97}), out=tmp_path / "policy")
     assert not (tmp_path / "policy").exists()
 
 
 @pytest.mark.parametrize(("select", "kept"), [("validation", 2), ("last", 3)])
 def test_the_best_weights_are_those_of_the_lowest_validation_loss(select: str, kept: int) -> None:
-    policy = make_policy(TrainingRun.model_validate(json.loads(options())))
+    policy = make_policy(PolicyConfig.model_validate(json.loads(options())))
     state = TrainingState(torch.optim.AdamW(policy.parameters()), fingerprint="")
     for step, loss in enumerate((3.0, 1.0, 2.0), start=1):
         state.step = step
@@ -254,7 +259,7 @@ def test_the_validation_loss_is_the_mean_over_steps_and_is_no_training(
 ) -> None:
     data = read_demonstrations([store], 3)
     frames, real = list_windows(data, [0, 1, 2], 5, 5)
-    one = gather(data, frames[:2], real[:2], 64, loop.generator(0))
+    one = make_batch(data, frames[:2], real[:2], 64, loop.generator(0))
     batches = [replace(one, weights=torch.ones(2, 5)), replace(one, weights=torch.full((2, 5), 0.1))]
     policy = torch.nn.Module()
 
@@ -271,27 +276,27 @@ def test_the_validation_loss_is_the_mean_over_steps_and_is_no_training(
 def test_a_policy_is_fitted_to_its_training_episodes(
     store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(TrainingRun, "validation_fraction", 0.5)
+    monkeypatch.setattr(dataset, "VALIDATION_FRACTION", 0.5)
     train(episodes=(store,), per_store=8, out=tmp_path / "policy", options=options(steps=1), seed=1)
     data = read_demonstrations([store], 8)
-    training, validation = split_episodes(data, 0.5, 1)
+    training, validation = split_episodes(data, 1)
     mean = load_file(tmp_path / "policy/policy.safetensors")["proprio_mean"]
     whole, own = (data.proprio[frames_of(data, chosen)].mean(0) for chosen in ([*training, *validation], training))
     assert torch.allclose(mean, own, atol=1e-5) and not torch.allclose(mean, whole, atol=1e-5)
 
 
 def test_the_learning_rate_rises_to_its_schedule() -> None:
-    run = TrainingRun(steps=100, learning_rate=1.0, schedule="constant", warmup=4)
+    run = PolicyConfig(steps=100, learning_rate=1.0, schedule="constant", warmup=4)
     assert [loop.learning_rate(step, run) for step in range(6)] == pytest.approx([0.25, 0.5, 0.75, 1, 1, 1])
 
 
-def test_gradients_are_clipped(store: Path, tmp_path: Path) -> None:
+def test_gradients_are_clipped(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Adam's step has the size of the learning rate, unless the whole gradient is far below its epsilon of 1e-8."""
     data = read_demonstrations([store], 4)
 
     def largest_change(clip: float) -> float:
-        run = TrainingRun.model_validate_json(options(steps=1, weight_decay=0.0, warmup=0))
-        run = run.model_copy(update={"gradient_clip": clip})
+        run = PolicyConfig.model_validate_json(options(steps=1, weight_decay=0.0, warmup=0))
+        monkeypatch.setattr(loop, "GRADIENT_CLIP", clip)
         torch.manual_seed(0)
         policy = make_policy(run)
         before = copy_weights(policy.state_dict())
@@ -305,7 +310,7 @@ def test_gradients_are_clipped(store: Path, tmp_path: Path) -> None:
 
 def test_the_normaliser_knows_training_episodes_alone(store: Path) -> None:
     data = read_demonstrations([store], 4)
-    policy = make_policy(TrainingRun.model_validate(json.loads(options())))
+    policy = make_policy(PolicyConfig.model_validate(json.loads(options())))
     policy.fit(data.clouds, data.proprio, data.actions, frames_of(data, [0, 2]))
     frames = torch.arange(len(data.proprio)).split(data.lengths)
     used = data.proprio[torch.cat([frames[0], frames[2]])]
@@ -318,8 +323,8 @@ def test_batches_are_put_together_where_the_frames_are(store: Path) -> None:
     data = read_demonstrations([store], 2).on("meta")
     frames, real = list_windows(data, [0, 1], 5, 5)
     random = torch.Generator().manual_seed(0)
-    batch = gather(data, frames, real, 20, random)
-    clouds, proprio = augment(batch.clouds, batch.proprio, varied(jitter_probability=1), random)
+    batch = make_batch(data, frames, real, 20, random)
+    clouds, proprio = augmented(batch.clouds, batch.proprio, translation=0.4, jitter=1)
     assert clouds.device.type == proprio.device.type == batch.actions.device.type == batch.weights.device.type == "meta"
     assert clouds.shape == (len(frames), 5, 20, 4)
 

@@ -5,17 +5,17 @@ from pathlib import Path
 import torch
 
 from stages.contracts import write_json
+from stages.contracts.policy_config import PolicyConfig
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainedPolicy, TrainingStore
-from stages.contracts.training_run import TrainingRun
 from stages.policies.bc_rnn_gmm import Policy
 from stages.policies.checkpoint import save_weights
 
 
-def trained(folder: Path, run: TrainingRun) -> Path:
+def trained(folder: Path, config: PolicyConfig) -> Path:
     """A policy folder with random weights and a normaliser that does something."""
     torch.manual_seed(0)
-    policy = Policy(run)
+    policy = Policy(config)
     random = torch.Generator().manual_seed(1)
     policy.proprio_mean.normal_(generator=random)
     policy.proprio_std.uniform_(0.5, 2, generator=random)
@@ -26,10 +26,10 @@ def trained(folder: Path, run: TrainingRun) -> Path:
     for name in ("policy", "last"):
         save_weights(folder / f"{name}.safetensors", policy.state_dict())
     parameters = sum(parameter.numel() for parameter in policy.parameters())
-    config = TrainedPolicy(
-        task="door", task_options=TaskConfig(), run=run, seed=0, data_digest="0", parameters=parameters, best_step=1,
-        stores=[TrainingStore(file="episodes.h5", asset="cab", episodes=2, frames=9)], training_episodes=2,
+    policy_folder = TrainedPolicy(
+        task="door", task_options=TaskConfig(), config=config, seed=0, data_digest="0", parameters=parameters,
+        best_step=1, stores=[TrainingStore(file="episodes.h5", asset="cab", episodes=2, frames=9)], training_episodes=2,
         validation_episodes=0, best_loss=None,
     )  # fmt: skip
-    write_json(folder / "config.json", config)
+    write_json(folder / "config.json", policy_folder)
     return folder

@@ -8,7 +8,7 @@ TWO = """
 evaluation:
   conditions:
     mujoco: {simulator: mujoco, depth_noise: true}
-    parked: {parking: [0.15, 20]}
+    parked: {robot_init_noise: [0.15, 20]}
 """
 
 
@@ -38,7 +38,7 @@ def test_each_is_told_what_differs(tmp_path: Path) -> None:
         if "conditions/" in line
     }
     assert '"simulator": "mujoco"' in told["mujoco"] and '"depth_noise": true' in told["mujoco"]
-    assert '"simulator": "maniskill"' in told["parked"] and '"parking": [0.15, 20.0]' in told["parked"]
+    assert '"simulator": "maniskill"' in told["parked"] and '"robot_init_noise": [0.15, 20.0]' in told["parked"]
 
 
 def test_without_conditions_the_target_says_what_to_write(tmp_path: Path) -> None:

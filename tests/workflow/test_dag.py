@@ -77,8 +77,8 @@ def test_a_task_may_have_targets_with_options_of_their_own(folder: Path) -> None
   policies:
     lite: {targets: [door]}
     lite_handle: null
-    lite_far: {runs: [lite], targets: [far], training_sets: [cousins_2, all], seeds: [0, 1, 2]}
-    lite_drawer: {runs: [lite], targets: [drawer], training_sets: [twin]}
+    lite_far: {configs: [lite], targets: [far], training_sets: [cousins_2, all], seeds: [0, 1, 2]}
+    lite_drawer: {configs: [lite], targets: [drawer], training_sets: [twin]}
 """
     (folder / "targets.yaml").write_text(f"experiment:\n  training_sets: [twin, cousins_2]\n  seeds: [0]{text}")
     done = dry_run(folder, "evaluation", "-p", "--configfile", "targets.yaml")
@@ -95,7 +95,7 @@ def test_a_task_may_have_targets_with_options_of_their_own(folder: Path) -> None
 
 def test_the_policies_of_a_target_share_its_assets_and_demonstrations(folder: Path) -> None:
     sets = "[cousins_2_randomised, random_2, twin_randomised]"
-    policies = f"{{lite_handle: null, flag: {{runs: [lite], training_sets: {sets}, seeds: [5, 6]}}}}"
+    policies = f"{{lite_handle: null, flag: {{configs: [lite], training_sets: {sets}, seeds: [5, 6]}}}}"
     (folder / "shared.yaml").write_text(
         f"experiment: {{training_sets: [twin], seeds: [0], episodes: 8, policies: {policies}}}"
     )
@@ -141,7 +141,7 @@ def test_what_a_failed_job_left_out_is_made_the_next_time(folder: Path) -> None:
     left = {name for name, _, made in jobs if made and not set(made.split(", ")) & set(asked)}
     found = {name for name, *_ in jobs} - left
     assert found >= {"room", "extract", "match", "generate", "select", "demonstrate", "demonstrate_in_scene"}
-    assert found >= {"train", "skill", "rollout", "gather", "score", "table3"} and left <= MATERIAL, left
+    assert found >= {"train", "skill", "rollout", "merge", "score", "table3"} and left <= MATERIAL, left
 
 
 def test_two_policies_are_trained_on_the_same_and_both_are_shown(folder: Path) -> None:
@@ -163,9 +163,9 @@ def test_the_study_is_the_protocol_of_the_paper(folder: Path) -> None:
     assert jobs["choose"] == sum(sets.values())
     # Whole object, bowl, by the handle, without a cloud: training sets x seeds, and nothing to choose from.
     more = 2 * 3 + 2 * 5 + 2 * 7 * 3 + 2 * 3
-    assert jobs["train"] == jobs["trial"] == candidates * sum(sets.values()) + more
+    assert jobs["train"] == jobs["selection_rollout"] == candidates * sum(sets.values()) + more
     assert (
-        jobs["gather"] == sum(sets.values()) + 2 + 2 + 2 * 7 + 2 and jobs["rollout"] == more
+        jobs["merge"] == sum(sets.values()) + 2 + 2 + 2 * 7 + 2 and jobs["rollout"] == more
     )  # the others wait for `choose`
     assert jobs["demonstrate"] == 2 * (1 + 1 + 8 + 8 + 1) + 2 * (1 + 8)
     cells = [f"results/evaluation/policies/door/lite/{name}/rollouts.csv" for name in ("twin", "cousins_8")]

@@ -37,11 +37,11 @@ def test_seed_and_code_of_a_picture_can_be_told_from_the_picture_and_from_the_pa
 
 
 def test_the_best_hyper_parameter_set_is_chosen_by_its_trial_and_only_it_is_tested(run: Path) -> None:
-    trials, policies = (run / "results/evaluation" / name / "door/micro/twin" for name in ("trials", "policies"))
-    chosen = read_json(ChosenRuns, trials / "chosen.json")
+    selection, policies = (run / "results/evaluation" / name / "door/micro/twin" for name in ("selection", "policies"))
+    chosen = read_json(ChosenRuns, selection / "chosen.json")
     assert [score.run for score in chosen.scores] == ["micro", "micro_small"] and len(chosen.runs) == 1
     assert sorted(path.name for path in policies.iterdir()) == [*chosen.runs, "rollouts.csv"]
-    tried = pd.read_csv(trials / chosen.runs[0] / "seed_0/rollouts.csv")
+    tried = pd.read_csv(selection / chosen.runs[0] / "seed_0/rollouts.csv")
     rows = pd.read_csv(policies / "rollouts.csv")
     assert tried["checkpoint"].nunique() == 2 and set(rows["checkpoint"]) < set(tried["checkpoint"])
     assert not set(tried["initial_state"]) & set(rows["initial_state"])
@@ -65,10 +65,10 @@ def test_another_seed_of_training_keeps_everything_before_it(run: Path, tmp_path
         "all",
         "train",
         "trainings",
-        "trial",
+        "selection_rollout",
         "choose",
         "rollout",  # of the policy that has nothing to choose
-        "gather",
+        "merge",
         "table3",
         "report_page",
     }  # what is chosen is not known

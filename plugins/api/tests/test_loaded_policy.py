@@ -7,8 +7,8 @@ import pytest
 import torch
 
 from plugins.api.loaded import LoadedPolicy, load_policy
-from stages.contracts.training_run import NetworkConfig, TrainingRun
-from stages.policies import make_actor
+from stages.contracts.policy_config import PolicyConfig
+from stages.policies.base import make_rollout_policy
 from stages.policies.checkpoint import load_network
 from tests.refusals import refused
 from tests.unit.trained_policy import trained
@@ -16,7 +16,7 @@ from tests.unit.trained_policy import trained
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    return trained(tmp_path / "policy", TrainingRun(network=NetworkConfig(points=40), rnn_horizon=3))
+    return trained(tmp_path / "policy", PolicyConfig(points=40, horizon=3))
 
 
 def observation(seed: int, *shape: int) -> dict[str, torch.Tensor]:
@@ -31,11 +31,11 @@ def acted(policy: LoadedPolicy, *shape: int) -> np.ndarray:
 
 
 def test_it_acts_as_in_the_tests_and_remembers_until_reset(folder: Path) -> None:
-    policy, actor = load_policy(folder), make_actor(load_network(folder, "best"), 1, "sharpened")
+    policy, acting = load_policy(folder), make_rollout_policy(load_network(folder, "best"), 1, "sharpened")
     assert (policy.env_id, policy.task_options.points) == ("ACDC-OpenDoor-v1", 512)
-    actor.reset(0, 5)
+    acting.start_episode(0, 5)
     seen = [observation(step) for step in range(4)]
-    known = [actor.act([0], [one["point_cloud"].numpy()], [one["proprio"].numpy()])[0] for one in seen]
+    known = [acting.get_action([0], [one["point_cloud"].numpy()], [one["proprio"].numpy()])[0] for one in seen]
     policy.reset(seed=5)
     assert np.array_equal(acted(policy), known)
     again = policy.act(seen[0])

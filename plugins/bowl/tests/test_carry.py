@@ -10,20 +10,20 @@ from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse
 from stages.planning.clearance import Surroundings
 from stages.planning.rollout import Stretch
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
 
 OPTIONS = TaskConfig(scale_variants=1)
 
 
 @pytest.fixture(scope="module")
-def door(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
+def door(tmp_path_factory: pytest.TempPathFactory) -> EnvWrapper:
     folder = tmp_path_factory.mktemp("assets") / "door"
     cabinet(folder)
-    return TaskEnv("door", folder, "door_0_joint", None, OPTIONS, render=False)
+    return EnvWrapper("door", folder, "door_0_joint", None, OPTIONS, render=False)
 
 
-def test_a_hand_can_be_held_where_the_arm_reaches_and_nothing_is(door: TaskEnv) -> None:
+def test_a_hand_can_be_held_where_the_arm_reaches_and_nothing_is(door: EnvWrapper) -> None:
     door.place(0)
     where, around = door.env.base_from_asset(), Surroundings(door.env.target)
     here, far, inside = door.hand(), door.hand(), door.hand()

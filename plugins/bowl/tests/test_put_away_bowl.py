@@ -18,7 +18,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.geometry.frames import apply, rigid, yaw_matrix
 from stages.planning.path import ANGLE_WEIGHT
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 
@@ -126,13 +126,13 @@ def test_placements_are_upright_inside_the_walls_and_turn_and_fall_least_first()
 
 
 @pytest.fixture(scope="module")
-def task(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
+def task(tmp_path_factory: pytest.TempPathFactory) -> EnvWrapper:
     folder = tmp_path_factory.mktemp("assets") / "drawer"
     cabinet(folder, layout=[["drawer", "open", "open"]])
-    return TaskEnv("put_away_bowl", folder, "drawer_0_joint", None, OPTIONS, render=False)
+    return EnvWrapper("put_away_bowl", folder, "drawer_0_joint", None, OPTIONS, render=False)
 
 
-def put(task: TaskEnv, opened: float, at: np.ndarray) -> None:
+def put(task: EnvWrapper, opened: float, at: np.ndarray) -> None:
     """Stand the bowl at a place (3,) of the drawer, asset frame with the drawer shut, and open the drawer so far."""
     env = task.env
     target = env.target
@@ -142,7 +142,9 @@ def put(task: TaskEnv, opened: float, at: np.ndarray) -> None:
     env.bowl.set_pose(env.bowl.pose.create_from_pq(torch.as_tensor(apply(world, at), dtype=torch.float32)[None]))
 
 
-def test_success_is_the_bowl_in_the_drawer_and_the_drawer_shut(task: TaskEnv, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_success_is_the_bowl_in_the_drawer_and_the_drawer_shut(
+    task: EnvWrapper, monkeypatch: pytest.MonkeyPatch
+) -> None:
     task.place(1)
     env = task.env
     floor = env.floors[0]
@@ -166,17 +168,17 @@ def test_success_is_the_bowl_in_the_drawer_and_the_drawer_shut(task: TaskEnv, mo
 
 def test_the_bowl_fits_into_the_drawer(tmp_path: Path) -> None:
     cabinet(tmp_path / "low", layout=[["drawer"] * 6])
-    low = TaskEnv("put_away_bowl", tmp_path / "low", "drawer_2_joint", None, OPTIONS, render=False)
+    low = EnvWrapper("put_away_bowl", tmp_path / "low", "drawer_2_joint", None, OPTIONS, render=False)
     low.place(0)
     floor = low.env.floors[0]
     assert low.env.bowl_meshes[0].extents[2] < measure_headroom(floor, low.env.target.fixed)
     low.close()
     cabinet(tmp_path / "door")
     with refused("E-TASK-JOINT"):
-        TaskEnv("put_away_bowl", tmp_path / "door", "door_0_joint", None, OPTIONS, render=False)
+        EnvWrapper("put_away_bowl", tmp_path / "door", "door_0_joint", None, OPTIONS, render=False)
 
 
-def test_films_show_bowl_and_stand(task: TaskEnv) -> None:
+def test_films_show_bowl_and_stand(task: EnvWrapper) -> None:
     task.place(2)
     moment = task.moment()
     recording = task.recording([moment])
@@ -194,7 +196,7 @@ def test_the_bowl_is_in_view() -> None:
     assert wide.camera_fov == 1.4
 
 
-def test_the_bowl_is_put_away(task: TaskEnv) -> None:
+def test_the_bowl_is_put_away(task: EnvWrapper) -> None:
     recorder = Recorder(task, DemonstrationsConfig(noise=0.0, recovery=0.0))
     outcomes = [recorder.attempt(seed) for seed in range(3)]
     assert sum(outcome.success for _, outcome in outcomes) >= 2, [outcome.cause for _, outcome in outcomes]

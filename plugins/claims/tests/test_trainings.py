@@ -10,9 +10,9 @@ from plugins.claims.trainings import collect, failed, failed_note, trainings_tab
 from plugins.report import report
 from plugins.studies import results
 from stages.contracts.files import write_json
+from stages.contracts.policy_config import PolicyConfig
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainedPolicy, TrainingStore
-from stages.contracts.training_run import TrainingRun
 from stages.tables import policies
 from stages.tables.markup import markdown
 from tests.unit.tables_results import declared, rollout, rollouts, write_rows, write_run
@@ -38,7 +38,7 @@ def trained(
     write_json(
         path,
         TrainedPolicy(
-            task=target, task_options=TaskConfig(), run=TrainingRun(), seed=seed, data_digest="d", parameters=9,
+            task=target, task_options=TaskConfig(), config=PolicyConfig(), seed=seed, data_digest="d", parameters=9,
             stores=[TrainingStore(file="f", asset="a", episodes=8, frames=99)], training_episodes=7,
             validation_episodes=loss is not None, best_step=2400, best_loss=loss, **known,
         ),

@@ -1,44 +1,25 @@
 """Policy `diffusion`: the next actions, denoised in a few steps from noise (Chi et al., Diffusion Policy, RSS 2023).
 
-One observation, seen by the paper's PointNet, conditions the actions of the `rnn_horizon` steps from there on. In
-closed loop the first `executed` of them are done, then the policy looks again. The network estimates clean actions from
+One observation, seen by the paper's PointNet, conditions the actions of the `horizon` steps from there on. In closed
+loop the first `n_action_steps` of them are done, then the policy looks again. The network estimates clean actions from
 noisy ones.
 """
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Self
 
 import numpy as np
 import torch
-from pydantic import Field, ValidationError, model_validator
 from torch import Tensor, nn
 
+from plugins.diffusion.policies.diffusion_options import Options
 from stages.contracts.episode_store import ACTION
-from stages.contracts.errors import InputError
-from stages.contracts.files import first_error
-from stages.contracts.section import Section
-from stages.contracts.training_run import TrainingRun
-from stages.policies import Choice, Float
-from stages.policies.seeing import SeeingPolicy
+from stages.contracts.policy_config import PolicyConfig
+from stages.plugins import parse_kwargs
+from stages.policies.base import ActionMode, Float
+from stages.policies.point_cloud import PointCloudPolicy
 
-TEMPERATURE: dict[Choice, float] = {"sample": 1.0, "sharpened": 0.5, "most_likely": 0.0}  # of the noise begun with
-
-
-class Options(Section):
-    """`own: {diffusion: ...}` of a training run."""
-
-    levels: int = Field(100, ge=2, description="noise levels in training")
-    steps: int = Field(10, ge=1, description="of them, evenly spaced, denoised in closed loop (DDIM)")
-    executed: int = Field(4, ge=1, description="actions done between two looks")
-    width: int = Field(256, ge=8, description="of the layers that denoise")
-    layers: int = Field(3, ge=1, description="how many they are")
-
-    @model_validator(mode="after")
-    def _steps_differ(self) -> Self:
-        if self.steps > self.levels:
-            raise ValueError(f"steps is {self.steps}, more than levels, {self.levels}")
-        return self
+TEMPERATURE: dict[ActionMode, float] = {"sample": 1.0, "sharpened": 0.5, "most_likely": 0.0}  # of the noise begun with
 
 
 def signal_levels(levels: int) -> Tensor:
@@ -47,20 +28,17 @@ def signal_levels(levels: int) -> Tensor:
     return (turn.cos().square() / turn[0].cos().square()).clamp(1e-4, 1.0)
 
 
-class Policy(SeeingPolicy):
+class Policy(PointCloudPolicy):
     """PointNet and proprioception -> denoiser of a sequence of actions."""
 
+    options: Options
     updates: Tensor
     signal: Tensor
 
-    def __init__(self, run: TrainingRun) -> None:
-        super().__init__(run)
-        try:
-            self.options = options = Options.model_validate(run.own.get("diffusion", {}))
-        except ValidationError as error:
-            fix = f"the keys are {', '.join(Options.model_fields)}"
-            raise InputError("own.diffusion", f"{first_error(error)}.", fix, code="E-DIFFUSION-OPTION") from None
-        chunk, width = run.rnn_horizon * ACTION, options.width
+    def __init__(self, config: PolicyConfig) -> None:
+        options = parse_kwargs(Options, config.kwargs)
+        super().__init__(config, options)
+        chunk, width = config.horizon * ACTION, options.width
         self.enter = nn.Linear(chunk + self.features + 2, width)
         self.blocks = nn.ModuleList(
             nn.Sequential(nn.LayerNorm(width), nn.Linear(width, width), nn.GELU(), nn.Linear(width, width))
@@ -68,7 +46,7 @@ class Policy(SeeingPolicy):
         )
         self.leave = nn.Linear(width, chunk)
         self.register_buffer("updates", torch.zeros((), dtype=torch.int64))
-        self.register_buffer("signal", signal_levels(options.levels), persistent=False)
+        self.register_buffer("signal", signal_levels(options.num_train_timesteps), persistent=False)
 
     def clean(self, noisy: Tensor, level: Tensor, seen: Tensor) -> Tensor:
         """Estimate (B, T, 7) of the actions behind noisy ones at levels (B,), given observations (B, F)."""
@@ -87,7 +65,9 @@ class Policy(SeeingPolicy):
         random = torch.Generator().manual_seed(int(self.updates) if training else 0)
         self.updates += training
         seen = self.flatten_observations(self.encode(clouds[:, :1], proprio[:, :1]))
-        level = torch.randint(1, self.options.levels + 1, (len(actions),), generator=random).to(actions.device)
+        level = torch.randint(1, self.options.num_train_timesteps + 1, (len(actions),), generator=random).to(
+            actions.device
+        )
         noise = torch.randn(actions.shape, generator=random).to(actions.device)
         signal = self.signal[level][:, None, None]
         denoised = self.clean(signal.sqrt() * actions + (1 - signal).sqrt() * noise, level, seen)
@@ -103,8 +83,8 @@ class Policy(SeeingPolicy):
 
     def sample(self, noise: Tensor, seen: Tensor) -> Tensor:
         """Actions (B, T, 7) in [-1, 1], denoised from noise (B, T, 7) by DDIM (Song et al. 2021), without new noise."""
-        actions, count = noise, self.options.steps
-        levels = torch.linspace(self.options.levels, 0, count + 1).round().long().tolist()
+        actions, count = noise, self.options.num_inference_steps
+        levels = torch.linspace(self.options.num_train_timesteps, 0, count + 1).round().long().tolist()
         for level, lower in pairwise(levels):
             now, then = self.signal[level], self.signal[lower]
             clean = self.clean(actions, torch.full((len(noise),), level, device=noise.device), seen).clamp(-1, 1)
@@ -112,44 +92,42 @@ class Policy(SeeingPolicy):
             actions = then.sqrt() * clean + (1 - then).sqrt() * left
         return actions
 
-    def actor(self, slots: int, choose: Choice) -> "Actor":
-        """One that looks again after `executed` actions."""
-        return Actor(self, slots, TEMPERATURE[choose])
+    def make_rollout_policy(self, num_envs: int, mode: ActionMode) -> "Rollout":
+        """One that looks again after `n_action_steps` actions."""
+        return Rollout(self, num_envs, TEMPERATURE[mode])
 
 
-class Actor:
-    """Acts for `slots` environments, each with its own plan and its own random numbers."""
+class Rollout:
+    """The policy in closed loop: each environment has its own plan and its own random numbers."""
 
-    def __init__(self, policy: Policy, slots: int, temperature: float) -> None:
+    def __init__(self, policy: Policy, num_envs: int, temperature: float) -> None:
         self.policy, self.temperature = policy, temperature
-        self.plans: list[list[Float]] = [[] for _ in range(slots)]
-        self.random = [np.random.default_rng(0) for _ in range(slots)]
+        self.plans: list[list[Float]] = [[] for _ in range(num_envs)]
+        self.random = [np.random.default_rng(0) for _ in range(num_envs)]
 
-    def reset(self, slot: int, seed: int) -> None:
-        """Start an episode; `seed` decides every random choice of it."""
-        self.plans[slot] = []
-        self.random[slot] = np.random.default_rng((seed, 7))
+    def start_episode(self, env_id: int, seed: int) -> None:
+        """As of `RolloutPolicy`."""
+        self.plans[env_id] = []
+        self.random[env_id] = np.random.default_rng((seed, 7))
 
-    def act(self, slots: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
-        """Actions (n, 7) in [-1, 1] of the environments in `slots`, from clouds (P, 4) and proprioception (9,)."""
-        looking = [(i, slot) for i, slot in enumerate(slots) if not self.plans[slot]]
+    def get_action(self, env_ids: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
+        """As of `RolloutPolicy`."""
+        looking = [place for place, i in enumerate(env_ids) if not self.plans[i]]
         if looking:
-            found = self.plan_actions(
-                [s for _, s in looking], [clouds[i] for i, _ in looking], [proprio[i] for i, _ in looking]
-            )
-            for (_, slot), plan in zip(looking, found, strict=True):
-                self.plans[slot] = list(plan[: self.policy.options.executed])
-        return np.stack([self.plans[slot].pop(0) for slot in slots])
+            ids = [env_ids[place] for place in looking]
+            plans = self.plan_actions(ids, [clouds[place] for place in looking], [proprio[place] for place in looking])
+            for i, plan in zip(ids, plans, strict=True):
+                self.plans[i] = list(plan[: self.policy.options.n_action_steps])
+        return np.stack([self.plans[i].pop(0) for i in env_ids])
 
     @torch.inference_mode()
-    def plan_actions(self, slots: list[int], clouds: list[Float], proprio: list[Float]) -> Float:
+    def plan_actions(self, env_ids: list[int], clouds: list[Float], proprio: list[Float]) -> Float:
         """The next actions (n, T, 7) of some environments."""
         policy = self.policy
-        kept = [policy.thin_cloud(cloud, self.random[slot]) for slot, cloud in zip(slots, clouds, strict=True)]
+        kept = [policy.thin_cloud(cloud, self.random[i]) for i, cloud in zip(env_ids, clouds, strict=True)]
         seen = policy.flatten_observations(policy.encode_observations(kept, proprio)[:, None])
-        shape = (policy.run.rnn_horizon, ACTION)
-        noise = np.stack([self.random[slot].standard_normal(shape, np.float32) for slot in slots])
-        plans: Float = (
-            policy.sample(torch.from_numpy(noise * np.float32(self.temperature)).to(seen.device), seen).cpu().numpy()
-        )
+        shape = (policy.config.horizon, ACTION)
+        noise = np.stack([self.random[i].standard_normal(shape, np.float32) for i in env_ids])
+        start = torch.from_numpy(noise * np.float32(self.temperature)).to(seen.device)
+        plans: Float = policy.sample(start, seen).cpu().numpy()
         return plans

@@ -9,11 +9,12 @@ import pytest
 import torch
 
 from plugins.diffusion.policies.diffusion import Policy, signal_levels
-from stages.contracts.training_run import NetworkConfig, TrainingRun
+from stages.contracts.policy_config import PolicyConfig
 from stages.plugins import find
-from stages.policies import Choice, TrainablePolicy
+from stages.policies.base import ActionMode, TrainablePolicy
 from stages.policies.checkpoint import load_network
-from stages.training.dataset import gather, list_windows, read_demonstrations
+from stages.training.batches import list_windows, make_batch
+from stages.training.dataset import read_demonstrations
 from stages.training.state import TrainingState
 from stages.training.train import run as train
 from tests.refusals import refused
@@ -22,9 +23,9 @@ from tests.toy_reach import ToyReach, write_store
 NAME = "plugins.diffusion.policies.diffusion"
 SMALL = {
     "policy": NAME,
-    "network": {"points": 48, "pointnet_width": 32},
-    "own": {"diffusion": {"width": 64, "layers": 2}},
-    "rnn_horizon": 6,
+    "points": 48,
+    "kwargs": {"pointnet_width": 32, "width": 64, "layers": 2},
+    "horizon": 6,
 }
 
 
@@ -44,7 +45,7 @@ def test_it_is_found_by_its_name_where_the_package_is_named() -> None:
 
 
 def test_loss_and_error_of_the_sampled_actions_fall(tmp_path: Path, store: Path) -> None:
-    folder = trained(tmp_path / "p", store, steps=60, warmup=0, batch_size=8, log_every=15, translation=0.0)
+    folder = trained(tmp_path / "p", store, steps=60, warmup=0, batch_size=8, log_freq=15, translation=0.0)
     lines = [json.loads(line) for line in (folder / "metrics.jsonl").read_text().splitlines()]
     assert lines[-1]["loss"] < 0.5 * lines[0]["loss"]
     before, after = (error_of(policy, store) for policy in (policy_of(store), load_network(folder, "last")))
@@ -55,13 +56,13 @@ def error_of(policy: TrainablePolicy, store: Path) -> float:
     """RMS error of the actions that a policy samples, on what it was trained on."""
     data = read_demonstrations((store,), 8)
     frames, real = list_windows(data, range(8), 6, 6)
-    batch = gather(data, frames, real, 48, torch.Generator().manual_seed(0))
+    batch = make_batch(data, frames, real, 48, torch.Generator().manual_seed(0))
     with torch.no_grad():
         return float(policy.loss(batch.clouds, batch.proprio, batch.actions, batch.weights)[1])
 
 
 def test_a_resumed_run_equals_a_whole_one(tmp_path: Path, store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    options = {"steps": 4, "log_every": 2}
+    options = {"steps": 4, "log_freq": 2}
     monkeypatch.setattr(TrainingState, "is_due", lambda state, every: True)
     whole, broken = trained(tmp_path / "whole", store, **options), tmp_path / "broken"
     save = TrainingState.save
@@ -80,20 +81,20 @@ def test_a_resumed_run_equals_a_whole_one(tmp_path: Path, store: Path, monkeypat
     assert np.array_equal(actions(one, seed=3), actions(two, seed=3))
 
 
-def actions(policy: TrainablePolicy, seed: int, steps: int = 6, choose: Choice = "sample") -> np.ndarray:
+def actions(policy: TrainablePolicy, seed: int, steps: int = 6, mode: ActionMode = "sample") -> np.ndarray:
     """(steps, 7) actions in a toy episode."""
-    actor, toy, done = policy.actor(2, choose), ToyReach(1), []
-    actor.reset(1, seed)
+    acting, toy, done = policy.make_rollout_policy(2, mode), ToyReach(1), []
+    acting.start_episode(1, seed)
     for _ in range(steps):
         cloud, proprio = toy.observe()
-        done.append(actor.act([1], [cloud], [proprio])[0])
+        done.append(acting.get_action([1], [cloud], [proprio])[0])
         toy.step(done[-1])
     return np.stack(done)
 
 
 def policy_of(store: Path, **options: object) -> Policy:
     torch.manual_seed(0)
-    policy = Policy(TrainingRun.model_validate(SMALL | options))
+    policy = Policy(PolicyConfig.model_validate(SMALL | options))
     data = read_demonstrations((store,), 8)
     policy.fit(data.clouds, data.proprio, data.actions, torch.arange(len(data.clouds)))
     return policy.eval()
@@ -104,13 +105,13 @@ def test_sampling_goes_by_the_seed_alone(store: Path) -> None:
     assert np.array_equal(actions(policy, 5), actions(policy, 5))
     assert not np.allclose(actions(policy, 5), actions(policy, 6))
     assert np.abs(actions(policy, 5)).max() <= 1.0
-    whole = policy_of(store, network={"points": 96, "pointnet_width": 32})  # no point is left out by chance
+    whole = policy_of(store, points=96)  # no point is left out by chance
     one, two = (actions(whole, seed, 1, "most_likely") for seed in (5, 6))
     assert np.array_equal(one, two)
 
 
 def test_it_looks_again_when_its_plan_is_done(store: Path) -> None:
-    policy = policy_of(store, own={"diffusion": {"executed": 2, "width": 64}})
+    policy = policy_of(store, kwargs={"n_action_steps": 2, "width": 64})
     looks: list[int] = []
     sample = policy.sample
 
@@ -141,7 +142,7 @@ def test_it_sees_marked_handles(store: Path) -> None:
 
 
 def test_what_it_does_not_know_is_refused() -> None:
-    with refused("E-DIFFUSION-OPTION"):
-        Policy(TrainingRun(network=NetworkConfig(), own={"diffusion": {"stpes": 3}}))
-    with refused("E-DIFFUSION-OPTION"):  # two steps at one level would divide by zero
-        Policy(TrainingRun(network=NetworkConfig(), own={"diffusion": {"steps": 10, "levels": 5}}))
+    with refused("E-PLUGIN-OPTION", "did you mean 'num_inference_steps'?"):
+        Policy(PolicyConfig(kwargs={"num_inference_stpes": 3}))
+    with refused("E-PLUGIN-OPTION"):  # two steps at one level would divide by zero
+        Policy(PolicyConfig(kwargs={"num_inference_steps": 10, "num_train_timesteps": 5}))

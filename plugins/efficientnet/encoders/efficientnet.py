@@ -6,23 +6,21 @@ from typing import Any, Literal
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from pydantic import ValidationError
 from torch import Tensor
 from torch.nn import functional
 
 from plugins.efficientnet.network import COLUMNS, SIZE, load, to_input
 from stages.config.matching import EncoderOptions
-from stages.contracts import InputError
-from stages.contracts.files import first_error
 from stages.contracts.section import NotNegative, Section
 from stages.matching.crop import View, cut, foreground, masked_square, patch_positions
 from stages.matching.encoders import Patches
+from stages.plugins import parse_kwargs
 
 GRID = SIZE // 16  # patches per side, at every stride
 
 
 class Options(Section):
-    """`matching: {own: {efficientnet: ...}}`.
+    """`matching: {kwargs: {efficientnet: ...}}`.
 
     Attributes:
         stride: 16 pixels of the crop per feature; 32 adds the features of the last blocks.
@@ -37,11 +35,7 @@ class Encoder:
     """Unit features of every patch; the crop's aspect ratio is not kept, as in the official code."""
 
     def __init__(self, options: EncoderOptions) -> None:
-        try:
-            self.options = Options.model_validate(options.own.get("efficientnet", {}))
-        except ValidationError as error:
-            what, fix = f"{first_error(error)}.", "stride: 16 or 32; position: 0 or more"
-            raise InputError("matching.own.efficientnet", what, fix, code="E-EFFICIENTNET-OPTION") from None
+        self.options = parse_kwargs(Options, options.kwargs.get("efficientnet", {}), "matching.kwargs.efficientnet")
         self.network = load(self.options.stride)
         self.columns = COLUMNS[16] + (COLUMNS[32] if self.options.stride == 32 else 0)
 

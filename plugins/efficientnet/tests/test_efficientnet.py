@@ -124,7 +124,7 @@ def test_the_classifier_says_what_the_published_code_says() -> None:
 
 
 def test_a_stride_of_32_adds_the_last_blocks(encoder: Encoder) -> None:
-    changed = OPTIONS.model_copy(update={"own": {"efficientnet": {"stride": 32}}})
+    changed = OPTIONS.model_copy(update={"kwargs": {"efficientnet": {"stride": 32}}})
     whole = make_encoder(changed)
     features = whole.encode([view_of_box(0.4)])[0].features
     np.testing.assert_allclose(np.linalg.norm(features, axis=1), 1, atol=1e-5)
@@ -143,10 +143,10 @@ def test_weights_that_are_not_installed_or_others_are_refused(monkeypatch: pytes
         network.load()
 
 
-@pytest.mark.parametrize("own", [{"strid": 16}, {"stride": 8}, {"position": -1.0}])
-def test_options_that_cannot_be_are_refused(own: dict[str, float]) -> None:
-    with refused("E-EFFICIENTNET-OPTION"):
-        make_encoder(OPTIONS.model_copy(update={"own": {"efficientnet": own}}))
+@pytest.mark.parametrize("kwargs", [{"strid": 16}, {"stride": 8}, {"position": -1.0}])
+def test_options_that_cannot_be_are_refused(kwargs: dict[str, float]) -> None:
+    with refused("E-PLUGIN-OPTION"):
+        make_encoder(OPTIONS.model_copy(update={"kwargs": {"efficientnet": kwargs}}))
 
 
 def test_the_config_finds_it_by_its_name() -> None:

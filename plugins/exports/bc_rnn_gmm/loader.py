@@ -23,7 +23,7 @@ class PortablePolicy:
     @torch.inference_mode()
     def __call__(self, cloud: torch.Tensor, proprio: torch.Tensor) -> torch.Tensor:  # (P, 4), (9,) -> action (7,)
         if (flags := self.about["flags"]) > 2:
-            cloud = self.handle_points.mark_handle_points(cloud[None])[0][0]
+            cloud = self.handle_points.segment_handles(cloud[None])[0][0]
         order = torch.randperm(len(cloud))
         if self.about["keep_flagged"]:
             order = order[(cloud[order, 3] != -1).int().argsort(stable=True)]

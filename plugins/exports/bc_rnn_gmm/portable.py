@@ -6,18 +6,18 @@ import torch
 from torch import Tensor, nn
 
 from stages.contracts.episode_store import ACTION
-from stages.policies import Choice
-from stages.policies.bc_rnn_gmm.mixture import POWERS
-from stages.policies.bc_rnn_gmm.network import BcRnnGmm
+from stages.policies.base import ActionMode
+from stages.policies.bc_rnn_gmm import Policy
+from stages.policies.mixture import POWERS
 
 
-def portable(policy: BcRnnGmm, choose: Choice) -> tuple[dict[str, Tensor], dict[str, Any]]:
+def portable(policy: Policy, mode: ActionMode) -> tuple[dict[str, Tensor], dict[str, Any]]:
     """Weights by name, and the sizes and conventions that the loader reads.
 
     The loader draws a mode by its weight and takes its mean: standard deviations are left out, and the power to which
     weights are raised is folded into the last layer, as a factor of their logits.
     """
-    network, points = policy.network, policy.pointnet
+    options, points = policy.options, policy.pointnet
     head = [stage[0] for stage in policy.mlp.children() if isinstance(stage, nn.Sequential)] + [policy.head]
     weights = {f"lstm.{name}": tensor for name, tensor in policy.lstm.state_dict().items()}
     weights |= {name: getattr(policy, name) for name in ("proprio_mean", "proprio_std")}
@@ -30,21 +30,21 @@ def portable(policy: BcRnnGmm, choose: Choice) -> tuple[dict[str, Tensor], dict[
         for i, layer in enumerate(layers, first):
             assert isinstance(layer, nn.Linear)
             weights |= {f"{name}.{i}.weight": layer.weight, f"{name}.{i}.bias": layer.bias}
-    kept = network.gmm_modes * (1 + ACTION)
+    kept = options.gmm_modes * (1 + ACTION)
     for kind in ("weight", "bias"):
         last = weights[f"head.{len(head) - 1}.{kind}"][:kept].detach().clone()
-        last[: network.gmm_modes] *= POWERS[choose]
+        last[: options.gmm_modes] *= POWERS[mode]
         weights[f"head.{len(head) - 1}.{kind}"] = last
     return {name: tensor.detach().clone() for name, tensor in weights.items()}, {
-        "points": network.points,
+        "points": policy.config.points,
         "flags": policy.flags,
-        "keep_flagged": policy.run.handle,
-        "middle": policy.run.handle,
-        "gripper_frame": float(network.cloud_frame == "gripper"),
-        "point_layers": network.pointnet_layers,
+        "keep_flagged": policy.config.handle,
+        "middle": policy.config.handle,
+        "gripper_frame": float(options.cloud_frame == "gripper"),
+        "point_layers": options.pointnet_layers,
         "features": policy.lstm.input_size,
-        "memory": network.rnn_hidden,
-        "horizon": policy.run.rnn_horizon,
+        "memory": options.rnn_hidden,
+        "horizon": policy.config.horizon,
         "head_layers": len(head),
-        "modes": network.gmm_modes,
+        "modes": options.gmm_modes,
     }

@@ -19,7 +19,7 @@ from stages.contracts.episode_store import read_episodes
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from tests.unit.test_demonstrations import experiment
 
 ROOT = Path(__file__).parents[3]
@@ -168,7 +168,7 @@ def done_again(tmp_path_factory: pytest.TempPathFactory) -> Path:
     world = TaskConfig(points=64)
     episodes = []
     for name, size in (("cab", (0.42, 0.45, 0.7)), ("narrow", (0.35, 0.4, 0.65))):
-        task = TaskEnv("door", folder / "models" / name, "door_0_joint", size, world, render=False)
+        task = EnvWrapper("door", folder / "models" / name, "door_0_joint", size, world, render=False)
         recorder = Recorder(task, DemonstrationsConfig(noise=0.004, recovery=1.0))
         found = (recorder.attempt(seed) for seed in range(20))
         episodes += islice((episode for episode, outcome in found if outcome.success), 2)

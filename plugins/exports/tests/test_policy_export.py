@@ -11,11 +11,11 @@ import torch
 
 from plugins.exports.bc_rnn_gmm.loader import PortablePolicy
 from plugins.exports.policy import run
-from plugins.handle.handle_points import mark_handle_points
+from stages.contracts.policy_config import PolicyConfig
 from stages.contracts.task_options import TaskConfig
-from stages.contracts.training_run import NetworkConfig, TrainingRun
-from stages.policies import make_actor
+from stages.policies.base import make_rollout_policy
 from stages.policies.checkpoint import load_network, save_weights
+from stages.policies.handle_points import segment_handles
 from tests.refusals import refused
 from tests.unit.trained_policy import trained
 
@@ -32,13 +32,14 @@ policies = [PortablePolicy(out) for out in exported]
 print([[policy(*now).tolist() for now in zip(seen["clouds"], seen["proprio"])] for policy in policies])
 """
 RUNS = (
-    TrainingRun(network=NetworkConfig(points=40), rnn_horizon=3),
-    TrainingRun(
-        network=NetworkConfig(points=40, cloud_frame="robot", pointnet_layers=3, mlp=[32, 16], gmm_modes=3),
-        rnn_horizon=3,
+    PolicyConfig(points=40, horizon=3),
+    PolicyConfig(
+        points=40,
+        kwargs={"cloud_frame": "robot", "pointnet_layers": 3, "mlp": [32, 16], "gmm_modes": 3},
+        horizon=3,
     ),
-    TrainingRun(network=NetworkConfig(points=40, mlp=[]), rnn_horizon=3),
-    TrainingRun(network=NetworkConfig(points=40), rnn_horizon=3, handle=True),
+    PolicyConfig(points=40, kwargs={"mlp": []}, horizon=3),
+    PolicyConfig(points=40, horizon=3, handle=True),
 )
 
 
@@ -48,16 +49,16 @@ def test_the_loader_acts_as_our_actor(tmp_path: Path) -> None:
     clouds[..., 3] = clouds[..., 3] > 0
     clouds[:, :30, 0] = 0.5  # a front; some of the rest stand before it
     clouds[:, 30:, 0] = np.linspace(0.46, 0.5, 10)
-    assert (mark_handle_points(torch.tensor(clouds))[0][..., 3] == -1).any()
+    assert (segment_handles(torch.tensor(clouds))[0][..., 3] == -1).any()
     save_weights(tmp_path / "seen.safetensors", {"clouds": torch.tensor(clouds), "proprio": torch.tensor(proprio)})
     exported, ours = [], []
     for number, setting in enumerate(RUNS):
         folder = trained(tmp_path / f"policy_{number}", setting)
         exported.append(tmp_path / f"out_{number}")
         run(policy=folder, out=exported[-1], action="most_likely")
-        actor = make_actor(load_network(folder, "best"), 1, "most_likely")
-        actor.reset(0, 0)
-        ours.append([actor.act([0], [cloud], [own])[0] for cloud, own in zip(clouds, proprio, strict=True)])
+        acting = make_rollout_policy(load_network(folder, "best"), 1, "most_likely")
+        acting.start_episode(0, 0)
+        ours.append([acting.get_action([0], [cloud], [own])[0] for cloud, own in zip(clouds, proprio, strict=True)])
     words = [sys.executable, "-I", "-c", STRANGER, *map(str, [tmp_path, *exported])]
     done = subprocess.run(words, capture_output=True, text=True, cwd="/", check=False)
     assert done.returncode == 0, done.stderr
@@ -66,8 +67,7 @@ def test_the_loader_acts_as_our_actor(tmp_path: Path) -> None:
 
 
 def test_modes_are_drawn_by_the_square_of_their_weight_unless_told_otherwise(tmp_path: Path) -> None:
-    network = NetworkConfig(points=40, gmm_modes=2)
-    folder = trained(tmp_path / "policy", TrainingRun(network=network))
+    folder = trained(tmp_path / "policy", PolicyConfig(points=40, kwargs={"gmm_modes": 2}))
     cloud, proprio = torch.rand(40, 4).round(decimals=1), torch.zeros(9)
     with torch.no_grad():
         mixture = load_network(folder, "best")(cloud[None, None], proprio[None, None])  # type: ignore[operator]
@@ -83,7 +83,7 @@ def test_modes_are_drawn_by_the_square_of_their_weight_unless_told_otherwise(tmp
 
 
 def test_the_loader_is_short_and_names_what_it_reads(tmp_path: Path) -> None:
-    run(policy=trained(tmp_path / "policy", TrainingRun()), out=tmp_path / "out")
+    run(policy=trained(tmp_path / "policy", PolicyConfig()), out=tmp_path / "out")
     loader = (tmp_path / "out" / "loader.py").read_text()
     assert len(loader.splitlines()) <= 45 and "stages" not in loader
     assert "stages" not in (tmp_path / "out" / "handle_points.py").read_text()
@@ -92,15 +92,15 @@ def test_the_loader_is_short_and_names_what_it_reads(tmp_path: Path) -> None:
 
 
 def test_a_policy_without_eyes_is_refused(tmp_path: Path) -> None:
-    folder = trained(tmp_path / "policy", TrainingRun(network=NetworkConfig(cloud=False)))
+    folder = trained(tmp_path / "policy", PolicyConfig(kwargs={"cloud": False}))
     with refused("E-POLICY-PORTABLE"):
         run(policy=folder, out=tmp_path / "out")
 
 
 def test_a_policy_without_a_portable_form_is_refused(tmp_path: Path) -> None:
-    folder = trained(tmp_path / "policy", TrainingRun())
+    folder = trained(tmp_path / "policy", PolicyConfig())
     config = json.loads((folder / "config.json").read_text())
-    config["run"]["policy"] = "tests.toy_reach"
+    config["config"]["policy"] = "tests.toy_reach"
     (folder / "config.json").write_text(json.dumps(config))
     with refused("E-POLICY-PORTABLE"):
         run(policy=folder, out=tmp_path / "out")

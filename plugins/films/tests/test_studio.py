@@ -9,7 +9,7 @@ import pytest
 from plugins.films.framing import FIELD_OF_VIEW, MARGIN, frame_all
 from plugins.films.studio import HAND_SHARE, Shot, Studio, directions, pick_evenly
 from stages.contracts.task_options import TaskConfig
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
 
 
@@ -34,7 +34,7 @@ def test_moments_are_spread_evenly_with_both_ends() -> None:
 
 def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cabinet(tmp_path / "cabinet")
-    task = TaskEnv("door", tmp_path / "cabinet", "door_0_joint", None, TaskConfig())
+    task = EnvWrapper("door", tmp_path / "cabinet", "door_0_joint", None, TaskConfig())
     task.place(3)
     closed, studio = task.moment(), Studio()
     opened = replace(closed, asset_joints={**closed.asset_joints, "door_0_joint": 1.0})

@@ -19,7 +19,7 @@ from stages.planning.clearance import Surroundings
 from stages.simulation.robot import REST
 from stages.skills import FAR
 from stages.skills.open import OpenSkill
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from stages.tasks.base_placement import MOTION, NEARBY, can_follow, reachable_base
 from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state, sample_scale
 
@@ -58,11 +58,11 @@ def cupboard(folder: Path, width: float) -> Path:
     return folder / "library/cupboard_c"
 
 
-def world(folder: Path, name: str) -> TaskEnv:
-    return TaskEnv("door", folder, name, None, OPTIONS, render=False, vary_scale=False)
+def world(folder: Path, name: str) -> EnvWrapper:
+    return EnvWrapper("door", folder, name, None, OPTIONS, render=False, vary_scale=False)
 
 
-def usual(env: TaskEnv, seed: int) -> np.ndarray:
+def usual(env: EnvWrapper, seed: int) -> np.ndarray:
     """Where the robot stands by the seed alone."""
     target, setup = env.env.target, sample_initial_state(seed, OPTIONS)
     handle = np.add(target.reference, nominal_root(env.env.asset, np.ones(3)))

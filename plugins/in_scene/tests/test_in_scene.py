@@ -18,7 +18,7 @@ from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.library_folder import write_part
 from stages.contracts.objects import Wall
 from stages.contracts.task_options import TaskConfig
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from tests.packages import needs
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
@@ -142,7 +142,7 @@ def test_what_a_task_brings_along_does_not_stand_in_furniture(library: Path, tmp
     write_json(tmp_path / "scene_1.json", scene(1, stool, target="chest"))
     room = read_room(tmp_path / "scene_1.json", "cabinet_1", library, tmp_path)
     world = TaskConfig.model_validate(TASK)
-    task = TaskEnv(
+    task = EnvWrapper(
         "put_away_bowl", room.target.folder, "drawer_0_joint", None, world, render=False, vary_scale=False, room=room
     )
     task.place(0)
@@ -153,7 +153,7 @@ def test_what_a_task_brings_along_does_not_stand_in_furniture(library: Path, tmp
 
 def demo_task(room: GeneratedRoom, options: dict[str, object]):  # type: ignore[no-untyped-def]
     """The door task in a room, placed, without a camera."""
-    task = TaskEnv(
+    task = EnvWrapper(
         "door", room.target.folder, "door_0_joint", None, TaskConfig.model_validate(options), render=False,
         vary_scale=False, room=room,
     )  # fmt: skip

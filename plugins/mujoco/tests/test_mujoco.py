@@ -19,7 +19,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import apply, inverse
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from stages.tasks.initial_state import sample_scale
 from stages.tasks.observation import sensor_noise
 from tests.refusals import refused
@@ -43,8 +43,8 @@ def door(folder: Path) -> Iterator[MujocoTaskEnv]:
     task.close()
 
 
-def test_the_start_looks_as_in_maniskill_but_for_the_noise_of_depth(door: TaskEnv, folder: Path) -> None:
-    other = TaskEnv("door", folder, "door_0_joint", None, TaskConfig(), vary_scale=False)
+def test_the_start_looks_as_in_maniskill_but_for_the_noise_of_depth(door: EnvWrapper, folder: Path) -> None:
+    other = EnvWrapper("door", folder, "door_0_joint", None, TaskConfig(), vary_scale=False)
     ours, theirs = door.reset(SEED), other.reset(SEED)
     np.testing.assert_allclose(ours["proprio"], theirs["proprio"], atol=1e-4)
     clouds = [seen["point_cloud"][seen["point_cloud"][:, 3] == 0, :3] for seen in (ours, theirs)]
@@ -54,7 +54,7 @@ def test_the_start_looks_as_in_maniskill_but_for_the_noise_of_depth(door: TaskEn
     other.close()
 
 
-def test_the_hand_goes_where_an_action_says_and_stays_there(door: TaskEnv) -> None:
+def test_the_hand_goes_where_an_action_says_and_stays_there(door: EnvWrapper) -> None:
     door.place(SEED)
     before = door.hand()
     door.act(STILL)
@@ -66,7 +66,7 @@ def test_the_hand_goes_where_an_action_says_and_stays_there(door: TaskEnv) -> No
     np.testing.assert_allclose(moved, [0, 0.03, 0], atol=0.006)
 
 
-def test_the_same_seed_gives_the_same_episode(door: TaskEnv) -> None:
+def test_the_same_seed_gives_the_same_episode(door: EnvWrapper) -> None:
     ends = []
     for _ in range(2):
         door.reset(SEED)
@@ -94,7 +94,7 @@ def test_the_scripted_skill_opens_it(tmp_path: Path, task: str) -> None:
     env.close()
 
 
-def test_nothing_opens_untouched(door: TaskEnv) -> None:
+def test_nothing_opens_untouched(door: EnvWrapper) -> None:
     door.place(SEED)
     for _ in range(5):
         door.act(STILL)

@@ -3,11 +3,11 @@
 from plugins.mujoco.environment import MujocoTaskEnv
 from stages import plugins
 from stages.config.model import load
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 
 
 def test_a_simulator_is_named_by_its_environments() -> None:
-    assert plugins.load("simulators", "maniskill") is TaskEnv
+    assert plugins.load("simulators", "maniskill") is EnvWrapper
     assert plugins.load("simulators", "mujoco") is MujocoTaskEnv
 
 

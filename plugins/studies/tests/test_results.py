@@ -21,11 +21,11 @@ seed: 7
 experiment:
   rooms: [room_1]
   targets: {door: {room: room_1, object: cabinet_1}}
-  policies: {lite: {runs: [lite, lite_slow]}}
+  policies: {lite: {configs: [lite, lite_slow]}}
   training_sets: [twin, cousins_4, cousins_8]
-  best_runs: 1
+  best_configs: 1
   seeds: [0, 3]
-training: {runs: {lite_slow: {learning_rate: 0.001}}}
+training: {configs: {lite_slow: {learning_rate: 0.001}}}
 evaluation: {test_assets: [twin, cousin_2, trained], rollouts: 10}
 """
 
@@ -57,7 +57,7 @@ def study(tmp_path: Path) -> Path:
         RunScore(run=run, checkpoint="best", successes=k, episodes=15) for run, k in (("lite", 9), ("lite_slow", 7))
     ]
     chosen = ChosenRuns(target="door", policy="lite", training_set="twin", runs=["lite"], scores=scores)
-    folder = root / "results/evaluation/trials/door/lite/twin"
+    folder = root / "results/evaluation/selection/door/lite/twin"
     folder.mkdir(parents=True)
     write_json(folder / "chosen.json", chosen)
     return root

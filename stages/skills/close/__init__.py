@@ -2,7 +2,7 @@
 
 from stages.simulation.target import Target
 from stages.skills.articulate import ArticulateSkill
-from stages.tasks.base_placement import AJAR
+from stages.tasks.base_placement import CLOSED
 
 
 class CloseSkill(ArticulateSkill):
@@ -12,10 +12,10 @@ class CloseSkill(ArticulateSkill):
         return (target.lower,)
 
     def has_moved_enough(self, goal: float) -> bool:
-        return self.task.opened <= AJAR / 2
+        return self.task.opened <= CLOSED / 2
 
     def is_done(self) -> bool:
-        return self.task.opened <= AJAR
+        return self.task.opened <= CLOSED
 
 
 Skill = CloseSkill

@@ -31,7 +31,7 @@ from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset
 from stages.simulation.poses import batch_poses
 from stages.simulation.recording import Prop
-from stages.tasks.base_placement import AJAR
+from stages.tasks.base_placement import CLOSED
 from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
 from stages.tasks.environment import OpenTaskEnv
 from stages.tasks.initial_state import nominal_root
@@ -165,7 +165,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
 
     def check_success(self) -> torch.Tensor:
         """(N,) in, shut, and let go of."""
-        there = self.is_inside() & (self.measure_opening() <= AJAR)
+        there = self.is_inside() & (self.measure_opening() <= CLOSED)
         return there & ~self.agent.is_grasping(self.bowl) if bool(there.any()) else there
 
     def evaluate(self) -> dict[str, torch.Tensor]:

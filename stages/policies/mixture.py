@@ -8,9 +8,9 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from stages.policies import Choice
+from stages.policies.base import ActionMode
 
-POWERS: dict[Choice, float] = {"sample": 1.0, "sharpened": 2.0, "most_likely": 1e4}  # of the weights of the modes
+POWERS: dict[ActionMode, float] = {"sample": 1.0, "sharpened": 2.0, "most_likely": 1e4}  # of the weights of the modes
 
 
 @dataclass(frozen=True)

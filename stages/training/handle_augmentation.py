@@ -6,38 +6,15 @@ when they come near, and spreads them wider than a bar: here handles disappear n
 docs/policies.md has what each brings. Clouds carry the flags of `handle_points`; metres, robot base frame.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
 
-from plugins.handle.handle_points import mark_handle_points
-from stages.training.dataset import Batch
+from stages.training.batches import Batch
 
-FRONT_TURNED, FRONT_PULLED = 0.07, 0.015  # radians, metres in two frames in a row: a front that moves; chosen
 HIDING = 0.05  # metres between hand and handle, below which the fingers may hide it; chosen
 HOLDING = (0.002, 0.02)  # metres of a finger joint with something between the fingers; chosen
-
-
-def mark_episodes(clouds: Tensor, lengths: Sequence[int]) -> tuple[Tensor, Tensor]:
-    """Marked clouds (F, P, 4) of episodes end to end, and their fronts (F, 3): the first frame's, 0 once it moves."""
-    marked, planes = mark_handle_points(clouds)
-    fronts = torch.zeros_like(planes)
-    first = 0
-    for length in lengths:
-        part = slice(first, first + length)
-        fronts[part] = planes[first] * find_still(planes[part])[:, None]
-        first += length
-    return marked, fronts
-
-
-def find_still(planes: Tensor) -> Tensor:
-    """Which frames (T,) of an episode come before its front has turned or been pulled; planes (T, 3)."""
-    cosine = planes[:, :2] @ planes[0, :2]
-    moved = (cosine < torch.cos(torch.tensor(FRONT_TURNED))) | ((planes[:, 2] - planes[0, 2]).abs() > FRONT_PULLED)
-    twice = moved & torch.cat([moved[1:], moved[-1:]])
-    return twice.cumsum(0) == 0
 
 
 @dataclass(frozen=True)

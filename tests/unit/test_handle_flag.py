@@ -7,60 +7,47 @@ import pytest
 import torch
 from torch import Tensor
 
-from plugins.handle.handle_points import find_handle_middles, mark_handle_points, offsets_to_handle
-from plugins.handle.sequences import (
+from stages.contracts.policy_config import PolicyConfig
+from stages.contracts.task_options import TaskConfig
+from stages.contracts.trained import TrainingStore
+from stages.policies.base import make_policy, make_rollout_policy
+from stages.policies.handle_points import find_handle_middles, offsets_to_handle, segment_handles
+from stages.training.batches import Batch, make_batch
+from stages.training.dataset import DemonstrationSet, steps_until_release
+from stages.training.fronts import find_still, segment_episodes
+from stages.training.handle_augmentation import (
     Variation,
-    find_still,
     hide_handles,
-    mark_episodes,
     move_fronts,
     vary_handles,
     widen_grips,
 )
-from stages.contracts.task_options import TaskConfig
-from stages.contracts.trained import TrainingStore
-from stages.contracts.training_run import NetworkConfig, TrainingRun
-from stages.policies import make_actor, make_policy
-from stages.training.dataset import Batch, DemonstrationSet, gather, steps_until_release
+from tests.unit.clouds import cabinet
 
 FRONTS = Variation(front_probability=1.0, scale=(1.0, 1.0))
-
-
-def cabinet(angle: float = 0.0, distance: float = 0.7, out: float = 0.04, knob: bool = False) -> Tensor:
-    """A cloud (1, P, 4): a front of 40 x 50 cm, turned about z, with a bar or knob before it, and two fingers."""
-    y, z = torch.meshgrid(torch.linspace(-0.2, 0.2, 17), torch.linspace(0.2, 0.7, 20), indexing="ij")
-    front = torch.stack([torch.zeros_like(y), y, z], dim=-1).reshape(-1, 3)
-    length = 0.02 if knob else 0.12
-    bar = torch.stack([torch.full((12,), -out), torch.linspace(0.13, 0.15, 12), torch.linspace(0, length, 12) + 0.4], 1)
-    points = torch.cat([front, bar])
-    turn = torch.tensor([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]).float()
-    points = points @ turn.T + torch.tensor([distance, 0, 0])
-    fingers = torch.tensor([[0.3, -0.02, 0.4], [0.3, 0.02, 0.4]])
-    flags = torch.cat([torch.zeros(len(points)), torch.ones(2)])
-    return torch.cat([torch.cat([points, fingers]), flags[:, None]], dim=1)[None]
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, -0.7])
 @pytest.mark.parametrize("knob", [False, True])
 def test_the_handle_is_marked_and_nothing_else(angle: float, knob: bool) -> None:
     cloud = cabinet(angle, knob=knob)
-    marked, planes = mark_handle_points(cloud)
+    marked, planes = segment_handles(cloud)
     assert (marked[0, :, 3] == -1).nonzero().squeeze(1).tolist() == list(range(340, 352))
     assert torch.equal(marked[..., :3], cloud[..., :3]) and (marked[0, -2:, 3] == 1).all()
     assert planes[0].tolist() == pytest.approx([-np.cos(angle), -np.sin(angle), -0.7 * np.cos(angle)], abs=1e-3)
 
 
 def test_what_hardly_stands_out_or_is_thick_is_not_marked() -> None:
-    assert (mark_handle_points(cabinet(out=0.005))[0][..., 3] != -1).all()
+    assert (segment_handles(cabinet(out=0.005))[0][..., 3] != -1).all()
     thick = cabinet()
     thick[0, 340:352, :3] = 0.2 * torch.rand((12, 3), generator=torch.Generator().manual_seed(0)) + 0.3
-    assert (mark_handle_points(thick)[0][..., 3] != -1).all()
+    assert (segment_handles(thick)[0][..., 3] != -1).all()
 
 
 def test_a_cloud_without_points_has_no_front() -> None:
     empty = torch.zeros((2, 64, 4))
     empty[1, :, 3] = 1
-    marked, planes = mark_handle_points(empty)
+    marked, planes = segment_handles(empty)
     assert torch.equal(marked, empty) and (planes[1] == 0).all()
 
 
@@ -76,7 +63,7 @@ def test_a_front_moves_when_two_frames_say_so() -> None:
 
 def sequences(count: int = 6, steps: int = 3) -> Batch:
     """Sequences of one marked cloud."""
-    marked, fronts = mark_episodes(cabinet(0.3).repeat(steps, 1, 1), [steps])
+    marked, fronts = segment_episodes(cabinet(0.3).repeat(steps, 1, 1), [steps])
     clouds, planes = (part[None].repeat(count, *[1] * part.dim()) for part in (marked, fronts))
     shape = (count, steps)
     return Batch(clouds, torch.rand((*shape, 9)), torch.rand((*shape, 7)), torch.ones(shape), planes)
@@ -173,37 +160,37 @@ def test_marked_points_are_never_thinned_away() -> None:
     data = DemonstrationSet(
         clouds, torch.zeros((1, 9)), torch.zeros((1, 7)), [1], [0],
         [TrainingStore(file="a", asset="a", episodes=1, frames=1)], "door", TaskConfig(), "",
-    ).mark_handles()  # fmt: skip
+    ).segment_handles()  # fmt: skip
     index, real = np.zeros((5, 1), np.int64), np.ones((5, 1), bool)
     counts = {
-        keep: (gather(data, index, real, 40, torch.Generator().manual_seed(0), keep).clouds[..., 3] == -1).sum(-1)
+        keep: (make_batch(data, index, real, 40, torch.Generator().manual_seed(0), keep).clouds[..., 3] == -1).sum(-1)
         for keep in (False, True)
     }
     assert (counts[True] == 12).all() and (counts[False] < 12).all()
 
 
 def test_an_actor_sees_marked_clouds_and_a_policy_of_the_paper_does_not() -> None:
-    small = NetworkConfig(points=400, pointnet_width=8, rnn_hidden=8, mlp=[8])
+    small = {"pointnet_width": 8, "rnn_hidden": 8, "mlp": [8]}
     cloud, proprio = cabinet()[0].numpy(), np.zeros(9, np.float32)
     moved = cloud.copy()
     moved[340:352, 0] += 0.039  # the bar laid on the front: nothing protrudes
     for handle, flags in ((False, 2), (True, 3)):
         torch.manual_seed(0)
-        policy = make_policy(TrainingRun(network=small, handle=handle)).eval()
+        policy = make_policy(PolicyConfig(points=400, kwargs=small, handle=handle)).eval()
         assert policy.pointnet.flag.num_embeddings == flags
         seen: list[Tensor] = []
         empty = torch.zeros((1, 17 + 7 * handle))
         policy.encode = lambda clouds, proprio, seen=seen, empty=empty: (seen.append(clouds), empty)[1]  # type: ignore[method-assign]
-        actor = make_actor(policy, 1, "most_likely")
-        actor.reset(0, 0)
-        actor.act([0], [cloud], [proprio])
-        actor.act([0], [moved], [proprio])
+        acting = make_rollout_policy(policy, 1, "most_likely")
+        acting.start_episode(0, 0)
+        acting.get_action([0], [cloud], [proprio])
+        acting.get_action([0], [moved], [proprio])
         marks = [(part[..., 3] == -1).sum().item() for part in seen]
         assert marks == ([12, 0] if flags == 3 else [0, 0])
 
 
 def test_the_way_to_the_handle_is_told_where_one_is_seen() -> None:
-    marked, _ = mark_handle_points(cabinet().repeat(4, 1, 1))
+    marked, _ = segment_handles(cabinet().repeat(4, 1, 1))
     marked[0, ..., 3] = marked[0, ..., 3].clamp_min(0)  # nothing is seen yet
     marked[2, 341:352, 3] = 0  # one point is left of it,
     marked[3, ..., 3] = marked[3, ..., 3].clamp_min(0)  # then none: it is where most of it was seen
@@ -216,7 +203,7 @@ def test_the_way_to_the_handle_is_told_where_one_is_seen() -> None:
 
 def test_a_policy_without_eyes_acts_by_proprioception_alone() -> None:
     torch.manual_seed(0)
-    policy = make_policy(TrainingRun(network=NetworkConfig(points=40, cloud=False, rnn_hidden=8, mlp=[8])))
+    policy = make_policy(PolicyConfig(points=40, kwargs={"cloud": False, "rnn_hidden": 8, "mlp": [8]}))
     clouds, proprio = torch.rand((2, 3, 40, 4)).round(), torch.rand((2, 3, 9))
     assert torch.equal(policy(clouds, proprio).means, policy(0 * clouds, proprio).means)  # type: ignore[operator]
     assert not torch.equal(policy(clouds, proprio).means, policy(clouds, 2 * proprio).means)  # type: ignore[operator]
@@ -229,10 +216,10 @@ def test_of_two_sights_of_as_much_of_the_handle_the_later_counts() -> None:
 
 
 def test_an_actor_that_sees_few_points_sees_all_of_the_handle() -> None:
-    cloud = mark_handle_points(cabinet())[0][0].numpy()
+    cloud = segment_handles(cabinet())[0][0].numpy()
     counts = {}
     for handle in (False, True):
-        policy = make_policy(TrainingRun(network=NetworkConfig(points=40, rnn_hidden=8, mlp=[8]), handle=handle))
+        policy = make_policy(PolicyConfig(points=40, kwargs={"rnn_hidden": 8, "mlp": [8]}, handle=handle))
         kept = policy.thin_cloud(cloud, np.random.default_rng(0))  # type: ignore[operator]
         counts[handle] = (len(kept), int((kept[:, 3] == -1).sum()))
     assert counts[True] == (40, 12) and counts[False][0] == 40 and counts[False][1] < 12

@@ -1,15 +1,15 @@
 """Finds the points of a handle in a cloud, without labels: those that lie before the plane of the front.
 
-Not in the paper: a policy whose cloud marks the handle goes by it, others go by the borders of the front
+Not in the paper: a policy whose cloud flags the handle goes by it, others go by the borders of the front
 (docs/policies.md). Torch alone is imported: an exported policy carries this file.
 
-Clouds (B, P, 4) are x, y, z in metres in the robot base frame and a flag: 0 scene, 1 finger, -1 handle (marked here).
+Clouds (B, P, 4) are x, y, z in metres in the robot base frame and a flag: 0 scene, 1 finger, -1 handle (flagged here).
 """
 
 import torch
 from torch import Tensor
 
-# Chosen; what they mark is counted in docs/results/policies.md.
+# Chosen; what they find is counted in docs/results/policies.md.
 ANCHORS = 16  # points, spread over the cloud, whose pairs are the hypotheses of the front's plane
 ON_PLANE = 0.006  # metres: a point this near to the plane lies in it
 BEFORE_PLANE = 0.008  # metres: a point this far before the plane is of the handle
@@ -18,18 +18,18 @@ CHUNK = 128  # clouds at once, for memory
 UNIT = 0.1  # metres that count as 1 in `offsets_to_handle`
 
 
-def mark_handle_points(clouds: Tensor) -> tuple[Tensor, Tensor]:
+def segment_handles(clouds: Tensor) -> tuple[Tensor, Tensor]:
     """The clouds with flag -1 on the handle's points, and the front's upright planes.
 
     A plane (B, 3) is its unit normal (x, y), which points to the robot, and offset: n_x x + n_y y = offset. Zeros: a
     cloud without a front. Of the upright planes through two of `ANCHORS` points the one with most points within
     `ON_PLANE` is refined by least squares. The points before it must be thin one way, or it is not that of the front.
     """
-    parts = [_mark(part) for part in clouds.split(CHUNK)]
+    parts = [_segment(part) for part in clouds.split(CHUNK)]
     return torch.cat([cloud for cloud, _ in parts]), torch.cat([plane for _, plane in parts])
 
 
-def _mark(clouds: Tensor) -> tuple[Tensor, Tensor]:
+def _segment(clouds: Tensor) -> tuple[Tensor, Tensor]:
     xyz, scene = clouds[..., :3].float(), clouds[..., 3] == 0
     planes = find_front_planes(xyz[..., :2], scene)
     handle = scene & (_measure_before(xyz[..., :2], planes) > BEFORE_PLANE) & planes.any(-1, keepdim=True)
@@ -44,7 +44,7 @@ def _mark(clouds: Tensor) -> tuple[Tensor, Tensor]:
 
 
 def find_front_planes(xy: Tensor, scene: Tensor) -> Tensor:
-    """Planes (B, 3) as of `mark_handle_points`: lines from above through points (B, P, 2) where `scene` holds."""
+    """Planes (B, 3) as of `segment_handles`: lines from above through points (B, P, 2) where `scene` holds."""
     order = scene.int().argsort(dim=1, descending=True, stable=True)
     count = scene.sum(1)
     steps = torch.linspace(0, 1, ANCHORS, device=xy.device)
@@ -78,7 +78,7 @@ def _measure_before(xy: Tensor, planes: Tensor) -> Tensor:
 
 
 def find_handle_middles(clouds: Tensor) -> Tensor:
-    """Middle (x, y, z) of the box of the marked points, and how many they are; clouds (..., P, 4) give (..., 4)."""
+    """Middle (x, y, z) of the box of the flagged points, and how many they are; clouds (..., P, 4) give (..., 4)."""
     xyz, marked = clouds[..., :3], clouds[..., 3:] == -1
     low, high = (torch.where(marked, xyz, sign * torch.inf) for sign in (1, -1))
     middle = torch.where(marked.any(-2), (low.amin(-2) + high.amax(-2)) / 2, 0.0)

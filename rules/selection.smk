@@ -1,14 +1,14 @@
-# Trials of policies on the twin, which choose checkpoints and hyper-parameter sets (verbs of `evaluation`; paper B.3, B.4).
-# If a policy has more runs than `experiment.best_runs`, each is trained with the first seed and tried on the twin;
+# Rollouts on the twin that select checkpoints and policy configs (verbs of `evaluation`; paper B.3, B.4).
+# If a policy has more configs than `experiment.best_configs`, each is trained with the first seed and rolled out on the twin;
 # when `choose` has named the best, Snakemake knows which policies to train with all seeds and to roll out on all test assets.
 # Reads:  policies and the assets of targets.
-# Writes: results/evaluation/trials/<target>/<policy>/<training set>/{<run>/seed_<n>/rollouts.csv,chosen.json}.
+# Writes: results/evaluation/selection/<target>/<policy>/<training set>/{<run>/seed_<n>/rollouts.csv,chosen.json}.
 
 
 container: CONFIG.containers.learning
 
 
-rule trial:
+rule selection_rollout:
     """Roll the checkpoints of one policy out on the twin, from states that no test uses."""
     input:
         library="results/assets/library/library.json",
@@ -19,17 +19,17 @@ rule trial:
         config="results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/config.json",
         assets=f"results/experiment/{POLICY_VARIANT}/{{target}}/assets.json",
     output:
-        rollouts="results/evaluation/trials/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
+        rollouts="results/evaluation/selection/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
     log:
-        "logs/evaluation/trial_{target}_{policy}_{training_set}_{run}_{seed}.log",
+        "logs/evaluation/selection_{target}_{policy}_{training_set}_{run}_{seed}.log",
     benchmark:
-        "benchmarks/evaluation/trial_{target}_{policy}_{training_set}_{run}_{seed}.tsv"
+        "benchmarks/evaluation/selection_{target}_{policy}_{training_set}_{run}_{seed}.tsv"
     container:
         CONFIG.containers.simulation
     resources:
-        **needs(4000, lambda wildcards: 15 + trial_episodes(wildcards) / 10, gpu=True),
+        **needs(4000, lambda wildcards: 15 + selection_episodes(wildcards) / 10, gpu=True),
     params:
-        **verb("evaluation", "trial", uses=rollout_modules, rollouts="rollouts"),
+        **verb("evaluation", "selection-rollout", uses=rollout_modules, rollouts="rollouts"),
         seed=CONFIG.seed,
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
@@ -41,16 +41,16 @@ rule trial:
 
 
 checkpoint choose:
-    """Choose the hyper-parameter sets of one training set by their trials."""
+    """Choose the configs of one training set by their selection rollouts."""
     input:
-        trials=expand(
-            "results/evaluation/trials/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
-            run=lambda wildcards: EXPERIMENT.plan(wildcards.policy).runs,
+        rollouts=expand(
+            "results/evaluation/selection/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv",
+            run=lambda wildcards: EXPERIMENT.plan(wildcards.policy).configs,
             seed=lambda wildcards: EXPERIMENT.plan(wildcards.policy).seeds[0],
             allow_missing=True,
         ),
     output:
-        chosen="results/evaluation/trials/{target}/{policy}/{training_set}/chosen.json",
+        chosen="results/evaluation/selection/{target}/{policy}/{training_set}/chosen.json",
     log:
         "logs/evaluation/choose_{target}_{policy}_{training_set}.log",
     localrule: True
@@ -58,7 +58,7 @@ checkpoint choose:
         **needs(1000, 10),
     params:
         **verb("evaluation", "choose", chosen="chosen"),
-        best=EXPERIMENT.best_runs,
+        best=EXPERIMENT.best_configs,
     shell:
-        "({params.command} --trials {input.trials:q} --count {params.best} --out {output.chosen:q} && "
+        "({params.command} --rollouts {input.rollouts:q} --count {params.best} --out {output.chosen:q} && "
         "{params.check}) 2>&1 | tee {log:q}"

@@ -21,9 +21,9 @@ from stages.contracts.task_options import TaskConfig
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.states import Start
 from stages.plugins import shorten_name
-from stages.policies import TrainablePolicy, make_actor
+from stages.policies.base import TrainablePolicy, make_rollout_policy
 from stages.policies.checkpoint import load_network
-from stages.tasks.api import TaskEnv
+from stages.tasks.api import EnvWrapper
 from stages.tasks.observation import Sensing
 
 
@@ -41,11 +41,11 @@ class Acting(NamedTuple):
     checkpoint: str
 
 
-def park_object(options: TaskConfig, settings: SceneOptions) -> TaskConfig:
-    """The options of the task with the robot parked as the test says."""
-    if settings.parking is None:
+def move_robot(options: TaskConfig, settings: SceneOptions) -> TaskConfig:
+    """The options of the task with the robot standing as the test says."""
+    if settings.robot_init_noise is None:
         return options
-    metres, degrees = settings.parking
+    metres, degrees = settings.robot_init_noise
     return options.model_copy(update={"base_xy": metres, "base_yaw": float(np.deg2rad(degrees))})
 
 
@@ -55,7 +55,7 @@ def make_sensing(settings: SensingOptions) -> Sensing:
     return Sensing(settings.depth_noise, (metres, float(np.deg2rad(degrees))))
 
 
-class Arena:
+class VectorEnv:
     """Environments that turn from asset to asset: an exchange costs half of a new environment. To be used by `with`.
 
     Args:
@@ -71,9 +71,9 @@ class Arena:
         sensing: Sensing | None = None,
     ) -> None:
         self.plan, self.library = read_json(TaskAssets, assets), library
-        self.options, self.settings, self.sensing = park_object(options, settings), settings, sensing
+        self.options, self.settings, self.sensing = move_robot(options, settings), settings, sensing
         self.folders = AssetFolders(library)
-        self._tasks: list[TaskEnv] = []
+        self._tasks: list[EnvWrapper] = []
         self._sized = tempfile.TemporaryDirectory(prefix="acdc-sized-")
 
     def __enter__(self) -> Self:
@@ -84,15 +84,15 @@ class Arena:
             task.close()
         self._sized.cleanup()
 
-    def tasks(self, count: int, asset: TaskAsset) -> list[TaskEnv]:
+    def tasks(self, count: int, asset: TaskAsset) -> list[EnvWrapper]:
         """So many environments; new ones are made with the asset."""
         self._tasks += [self.task(asset) for _ in range(count - len(self._tasks))]
         return self._tasks[:count]
 
-    def task(self, asset: TaskAsset) -> TaskEnv:
+    def task(self, asset: TaskAsset) -> EnvWrapper:
         """A new environment with the asset."""
         asset = self.size_asset(asset)
-        environments: type[TaskEnv] = plugins.load("simulators", self.settings.simulator)
+        environments: type[EnvWrapper] = plugins.load("simulators", self.settings.simulator)
         return environments(
             self.plan.task,
             self.folder(asset),
@@ -148,8 +148,8 @@ class Arena:
         ]
 
 
-class PolicyArena(Arena):
-    """A policy's arena: the task has the options of its demonstrations; the settings say how assets are shown.
+class PolicyVectorEnv(VectorEnv):
+    """A policy's environments: the task has the options of its demonstrations; the settings say how assets are shown.
 
     Raises:
         InputError: the policy was trained on another task.
@@ -174,4 +174,4 @@ class PolicyArena(Arena):
         starts = [(self.size_asset(asset), seed) for asset, seed in starts]
         folders = {asset.asset: self.folder(asset) for asset, _ in starts}
         tasks = self.tasks(min(self.acting.envs, len(starts)), starts[0][0])
-        return roll_out(tasks, folders, make_actor(network, len(tasks), self.acting.action), starts, record)
+        return roll_out(tasks, folders, make_rollout_policy(network, len(tasks), self.acting.action), starts, record)

@@ -1,1 +1,0 @@
-"""What marks points of clouds."""

@@ -1,0 +1,88 @@
+"""What a policy is to training and to evaluation."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Literal, Protocol
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from stages.contracts.policy_config import PolicyConfig
+from stages.plugins import load
+from stages.policies.handle_points import segment_handles
+
+Float = NDArray[np.float32]
+ActionMode = Literal["sample", "sharpened", "most_likely"]
+
+
+class RolloutPolicy(Protocol):
+    """A policy in closed loop on several environments, each with its own memory."""
+
+    def start_episode(self, env_id: int, seed: int) -> None:
+        """Forget the last episode of an environment; `seed` decides every random choice of the next."""
+        ...
+
+    def get_action(self, env_ids: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
+        """Actions (n, 7) in [-1, 1] of these environments, from clouds (P, 4) and proprioception (9,)."""
+        ...
+
+
+class TrainablePolicy(nn.Module, ABC):
+    """What an implementation's `Policy` is: made from a policy config, with its normaliser as buffers.
+
+    Clouds (..., P, 4) are x, y, z and a flag: 1 finger, 0 scene and, with `config.handle`, -1 the handle, segmented
+    before a policy sees the clouds, in training and in closed loop. Proprioception (..., 9) is end-effector position,
+    quaternion wxyz and fingers, actions (..., 7) are in [-1, 1]; metres, robot base frame.
+    """
+
+    def __init__(self, config: PolicyConfig) -> None:
+        super().__init__()
+        self.config = config
+
+    def fit(self, clouds: Tensor, proprio: Tensor, actions: Tensor, frames: Tensor) -> None:
+        """Fit normaliser and start before training; `frames` are the rows of the three that are to be trained on.
+
+        What is kept goes into buffers that `__init__` registered at their size. A policy without parameters is fitted
+        alone: `steps: 1`.
+        """
+
+    @abstractmethod
+    def loss(self, clouds: Tensor, proprio: Tensor, actions: Tensor, weights: Tensor) -> tuple[Tensor, Tensor]:
+        """Loss of sequences (B, T, ...), and the RMS error of the actions; steps with weight 0 do not count.
+
+        `self.training` is false when validation episodes are looked at.
+        """
+
+    @abstractmethod
+    def make_rollout_policy(self, num_envs: int, mode: ActionMode) -> RolloutPolicy:
+        """The policy in closed loop, with as many memories as there are environments."""
+
+
+def make_policy(config: PolicyConfig) -> TrainablePolicy:
+    """The policy that a config names, not yet trained."""
+    policy: TrainablePolicy = load("policies", config.policy)(config)
+    return policy
+
+
+class HandleSegmenter:
+    """A policy in closed loop whose clouds have the handle flagged before it sees them."""
+
+    def __init__(self, policy: RolloutPolicy) -> None:
+        self.policy = policy
+
+    def start_episode(self, env_id: int, seed: int) -> None:
+        """As of `RolloutPolicy`."""
+        self.policy.start_episode(env_id, seed)
+
+    def get_action(self, env_ids: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
+        """As of `RolloutPolicy`."""
+        flagged, _ = segment_handles(torch.from_numpy(np.stack(clouds)))
+        return self.policy.get_action(env_ids, list(flagged.numpy()), proprio)
+
+
+def make_rollout_policy(policy: TrainablePolicy, num_envs: int, mode: ActionMode) -> RolloutPolicy:
+    """The policy acting on so many environments; its clouds are what they were in training."""
+    acting = policy.make_rollout_policy(num_envs, mode)
+    return HandleSegmenter(acting) if policy.config.handle else acting
