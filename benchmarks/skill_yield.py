@@ -34,7 +34,7 @@ def seeds(asset: str, count: int) -> list[int]:
 def joints(folder: Path, task: str, every: bool) -> list[str]:
     """The joint that the task chooses; or every one with a handle."""
     if every:
-        return [joint.name for joint in read_asset(folder).joints if joint.role == task and joint.handle]
+        return [joint.name for joint in read_asset(folder).joints if joint.part_type == task and joint.handle]
     chosen = load("tasks", task).target_joint(folder, flaps=True)
     return [] if chosen is None else [chosen.joint]
 

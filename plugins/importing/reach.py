@@ -49,7 +49,7 @@ def list_unreachable(folder: Path) -> list[str]:
             for name in _find_followed(folder, asset, set(left), state, scale, options):
                 del left[name]
     return [
-        f"{joint.role} '{name}' is not opened: in none of {len(starts)} starts can the arm follow it"
+        f"{joint.part_type} '{name}' is not opened: in none of {len(starts)} starts can the arm follow it"
         for name, joint in left.items()
     ]
 

@@ -3,7 +3,8 @@
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
-from stages.contracts.library import HandleKind, HingeSide
+from stages.contracts.library import HandleKind
+from stages.contracts.parts import HingeSide
 from stages.contracts.types import Count, Extent, Finite, Fraction, Id, NonNegative, Seed, Size, Text, check_unique
 
 

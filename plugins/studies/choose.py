@@ -67,7 +67,7 @@ def run(
     pool = read_pool(kind, library, like, box, read_away(distances, like) if rule == "nearest" else None)
     families = len({asset.family for asset in pool})
     if not 0 < count <= families:
-        what = f"has {families} families with a {kind.role} to open, {count} models are asked for."
+        what = f"has {families} families with a {kind.part_type} to open, {count} models are asked for."
         raise InputError(library, what, "set --count or make a larger library", code="E-CHOOSE-COUNT")
     chosen = by_rule(rule, pool, count, seed)
     choice = choice_of(pool, chosen, task=task, rule=rule, seed=seed, like=like, box=box)
@@ -101,7 +101,7 @@ def read_pool(
             raise InputError(library, f"has no asset {like!r}.", suggest_nearest(like, folders), code="E-LIBRARY-ASSET")
         front, box = kind.target_joint(folders[like]), box or folders.asset(like).size
         if front is None:
-            what = f"has {like!r}, which has no {kind.role} with a handle."
+            what = f"has {like!r}, which has no {kind.part_type} with a handle."
             raise InputError(library, what, "choose another asset", code="E-TASK-JOINT")
     models = usable_assets(kind, folders, front, away or dict.fromkeys(folders, 0.0), box)
     sides = Counter(model.hinge for model in models.values())

@@ -4,9 +4,10 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from stages.contracts.parts import PARTS
 from stages.contracts.training_sets import is_randomised, is_set, read_set, strip_randomised
 
-TASKS = {"door": "Door opening", "drawer": "Drawer opening", "put_away_bowl": "Putting away bowl"}
+TASKS = {name: part.done for name, part in PARTS.items()} | {"put_away_bowl": "Putting away bowl"}
 SPLITS = ("test", "validation")  # test assets that are sets of unseen assets
 SKILL = "skill"  # training set of the scripted skill's rows
 NAMES = {"all": "all assets", "trained": "training assets"}

@@ -187,7 +187,7 @@ def test_fronts_open_outwards_and_leave_gaps() -> None:
         boxes = [bounds_of([part.mesh for part in moving.parts]) for moving in model.moving]
         for k, moving in enumerate(model.moving):
             pull = boxes[k].mean(axis=0)
-            if moving.role == "door":
+            if moving.part_type == "door":
                 turn = trimesh.transformations.rotation_matrix(moving.upper / 2, moving.axis, moving.origin)
                 opened = trimesh.transform_points([pull], turn)[0]
             else:
@@ -203,7 +203,7 @@ def test_handles_are_on_the_free_side_and_keep_their_size() -> None:
         for size in (None, (0.7, 1.6, 1.4)):
             model = generate(recipe, size)
             for moving in model.moving:
-                if moving.handle in (None, "edge") or moving.role != "door":
+                if moving.handle in (None, "edge") or moving.part_type != "door":
                     continue
                 foremost = max(moving.parts, key=lambda part: part.mesh.bounds[1][0])
                 box = bounds_of([part.mesh for part in moving.parts])
