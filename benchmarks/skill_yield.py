@@ -34,7 +34,11 @@ def seeds(asset: str, count: int) -> list[int]:
 def joints(folder: Path, task: str, every: bool) -> list[str]:
     """The joint that the task chooses; or every one with a handle."""
     if every:
-        return [joint.name for joint in read_asset(folder).joints if joint.part_type == task and joint.handle]
+        return [
+            joint.name
+            for joint in read_asset(folder).joints
+            if joint.part_type == load("tasks", task).part_type and joint.handle
+        ]
     chosen = load("tasks", task).target_joint(folder, flaps=True)
     return [] if chosen is None else [chosen.joint]
 
@@ -123,7 +127,7 @@ def main() -> None:
         if file.tell() == 0:
             writer.writeheader()
         for asset in models:
-            if not models.asset(asset).articulated or given.only not in asset:
+            if not models.asset(asset).joints or given.only not in asset:
                 continue
             folder = models[asset]
             for joint in joints(folder, given.task, given.every):

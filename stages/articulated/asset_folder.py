@@ -19,7 +19,7 @@ from stages.articulated.urdf_writer import write_urdf
 from stages.contracts.errors import InputError
 from stages.contracts.files import as_json, ask_before_writing, make_partial_path, read_json
 from stages.contracts.library import Asset, Placement, Recipe, Symmetry, Vector
-from stages.contracts.parts import FRONTS
+from stages.contracts.parts import PARTS
 from stages.contracts.system import name_file_in_errors
 
 
@@ -40,7 +40,7 @@ def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
     """Write the asset folder `out` of a model (z up, front towards +x); an old one is replaced."""
     low, high = measure_closed_box(robot).round(6) + 0.0
     joints = contract_joints(robot)
-    doors, drawers = (count_parts(joints, front) for front in FRONTS)
+    doors, drawers, buttons = (count_parts(joints, part) for part in PARTS)
     with atomic_folder(out) as folder:
         write_urdf(robot, folder)
         asset = Asset(
@@ -52,6 +52,7 @@ def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
             joints=joints,
             doors=doors,
             drawers=drawers,
+            buttons=buttons,
             symmetry=about.symmetry,
             placement=about.placement,
             recipe=about.recipe,

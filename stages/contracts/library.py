@@ -7,7 +7,7 @@ from pydantic import ConfigDict, Field, model_validator
 from stages.contracts.category import Category
 from stages.contracts.files import Contract, Document
 from stages.contracts.fronts import Panel
-from stages.contracts.parts import FRONTS, FrontType, HingeSide, PartType
+from stages.contracts.parts import FRONTS, PARTS, FrontType, HingeSide, PartType
 from stages.contracts.types import (
     LARGEST,
     Angle,
@@ -31,6 +31,7 @@ Symmetry = Literal["none", "half_turn", "third_turn", "quarter_turn", "full"]
 Placement = Literal["floor", "object", "wall"]
 HandleKind = Literal["bar", "arch", "knob", "edge", "face"]
 Limit = Annotated[Finite, Field(ge=-100, le=100)]  # radians or metres
+Buttons = Annotated[Panels, Field(exclude_if=lambda count: count == 0, description="left out where there are none")]
 
 
 class FrontPanel(Contract):
@@ -109,6 +110,7 @@ class Asset(Document):
     joints: list[Joint] = []
     doors: Panels = 0
     drawers: Panels = 0
+    buttons: Buttons = 0
     symmetry: Symmetry = Field(
         "none", description="rotational symmetry about z: orientation is scored modulo that turn; full has none"
     )
@@ -124,10 +126,10 @@ class Asset(Document):
             extents = " x ".join(f"{extent:g}" for extent in self.size)
             raise ValueError(f"box_min, box_max: a box of {extents} m (0 to {LARGEST:g} m each)")
         check_unique("joints", [joint.name for joint in self.joints])
-        for front, stated in zip(FRONTS, (self.doors, self.drawers), strict=True):
-            count = sum(joint.part_type == front for joint in self.joints)
+        for part, stated in zip(PARTS, (self.doors, self.drawers, self.buttons), strict=True):
+            count = sum(joint.part_type == part for joint in self.joints)
             if stated != count:
-                raise ValueError(f"{front}s: says {stated}, but {count} joints have the role {front}")
+                raise ValueError(f"{part}s: says {stated}, but {count} joints have the role {part}")
         return self
 
     @property
@@ -183,6 +185,7 @@ class LibraryEntry(Contract):
     archive: RelativePath = Field(description="zip archive that holds the folder <id>/, relative to the index")
     doors: Panels
     drawers: Panels
+    buttons: Buttons = 0
     panels: list[Panel] = Field([], description="where they lie on its front; empty: not known")
     size: tuple[Extent, Extent, Extent] | None = Field(None, description="its closed box; null: not known")
     placement: Placement | None = Field(None, description="where it belongs; null: not known")

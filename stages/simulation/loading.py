@@ -150,7 +150,8 @@ def load_asset(
         return builder.build()
     articulation = builder.build()
     articulation.set_name(name)
-    set_joint_dynamics(articulation, parsed.asset)
+    names = [joint.name for joint in articulation.get_active_joints()]
+    set_joint_dynamics(articulation, parsed.asset, names)
     return close_joints(articulation)
 
 
@@ -161,12 +162,15 @@ def close_joints(articulation: PhysxArticulation) -> PhysxArticulation:
     return articulation
 
 
-def set_joint_dynamics(articulation: PhysxArticulation, asset: Asset) -> None:
-    """Give every joint the friction and damping of our URDFs, which SAPIEN's loader ignores, and its part's spring."""
+def set_joint_dynamics(articulation: PhysxArticulation, asset: Asset, names: Sequence[str]) -> None:
+    """Give every joint the friction and damping of our URDFs, which SAPIEN's loader ignores, and its part's spring.
+
+    `names`: of its active joints in the URDF; ManiSkill calls them otherwise.
+    """
     springs = {joint.name: PARTS[joint.part_type].spring for joint in asset.joints}
-    for joint in articulation.get_active_joints():
+    for joint, name in zip(articulation.get_active_joints(), names, strict=True):
         joint.set_friction(FRICTION)
-        joint.set_drive_properties(stiffness=springs.get(joint.name, 0.0), damping=DAMPING)
+        joint.set_drive_properties(stiffness=springs.get(name, 0.0), damping=DAMPING)
         if joint.stiffness:
             joint.set_drive_target(float(joint.limits[0][0]))
 

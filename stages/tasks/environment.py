@@ -150,11 +150,12 @@ class OpenTaskEnv(FilmedEnv):
             builder.set_scene_idxs(range(self.num_envs) if alike else [index])
             bodies.append(builder.build(name="target_object" if alike else f"target_object_{index}"))
         self.object: Articulation = bodies[0] if alike else Articulation.merge(bodies, name="target_object")
+        names = [joint.name for joint in bodies[0].active_joints]
         for body, seed in zip(self.object._objs, self._episode_seed, strict=True):
-            set_joint_dynamics(body, self.asset)
+            set_joint_dynamics(body, self.asset, names)
             if self.randomise:
                 randomise(body, sample_factors(int(seed), self.randomise))
-        index = [joint.name for joint in bodies[0].active_joints].index(self.joint_name)
+        index = names.index(self.joint_name)
         if self.gpu_sim_enabled:  # what is on the GPU cannot be measured before the first step: measure a twin of it
             world = physics_scene()
             shown = [load_asset(world, self.asset_folder, sapien.Pose(), True, "", scale) for scale in scales]

@@ -8,7 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from stages.contracts.files import as_json
-from stages.contracts.library import Asset, Joint
+from stages.contracts.library import Asset, Joint, LibraryEntry
 from stages.contracts.parts import FRONTS, PARTS, PartType
 
 STAGES = Path(__file__).resolve().parents[2] / "stages"
@@ -37,11 +37,19 @@ def test_the_table_has_a_row_for_every_part_type() -> None:
 
 def test_a_button_is_no_front() -> None:
     about = {"id": "box_0", "category": "box", "box_min": (0, 0, 0), "box_max": (1, 1, 1), "mass": 1, "licence": "",
-             "provenance": "", "checksum": "", "joints": [button()]}  # fmt: skip
+             "provenance": "", "checksum": "", "joints": [button()], "buttons": 1}  # fmt: skip
     asset = Asset.model_validate(about)
     assert not asset.articulated and asset.panels == []
-    with pytest.raises(ValidationError, match="drawers: says 1, but 0 joints"):
-        Asset.model_validate(about | {"drawers": 1})
+    for wrong, why in (({"drawers": 1}, "drawers: says 1, but 0 joints"), ({"buttons": 0}, "buttons: says 0, but 1")):
+        with pytest.raises(ValidationError, match=why):
+            Asset.model_validate(about | wrong)
+
+
+def test_files_name_buttons_where_there_are_some_alone() -> None:
+    about = {"id": "a", "category": "box", "archive": "a.zip", "doors": 0, "drawers": 0, "checksum": ""}
+    for count, said in ((0, False), (2, True)):
+        entry = LibraryEntry.model_validate(about | {"buttons": count})
+        assert ('"buttons"' in as_json(entry)) is said and LibraryEntry.model_validate_json(as_json(entry)) == entry
 
 
 def test_files_say_role() -> None:

@@ -9,7 +9,7 @@ import trimesh
 import yaml
 
 from plugins.furniture.cabinet import Cabinet
-from plugins.furniture.catalogue import CATEGORIES, sample
+from plugins.furniture.catalogue import ALL, CATEGORIES, sample
 from plugins.furniture.facts import categories_text, counts_text, describe_category
 from plugins.furniture.finishes import finish_of
 from plugins.furniture.folder import build, generate
@@ -38,7 +38,7 @@ def recipes(categories: list[str]) -> list[tuple[str, Recipe]]:
     return [(f"{c}_{k}", sample(c, k, 0)) for c in categories for k in range(COUNTS[c])]
 
 
-@pytest.mark.parametrize("category", sorted(CATEGORIES))
+@pytest.mark.parametrize("category", sorted(ALL))
 def test_closed_box_is_exact_at_any_size(category: str) -> None:
     recipe = sample(category, 1, 7)
     for size in SIZES:
