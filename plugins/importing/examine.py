@@ -221,7 +221,7 @@ def write_model(robot: RobotModel, place: Path) -> None:
 
 
 def describe_joint(joint: Joint) -> str:
-    """A door or drawer in one line."""
+    """A door, drawer or button in one line."""
     reach = f"{np.rad2deg(joint.upper - joint.lower):.0f} degrees"
     if joint.type == "prismatic":
         reach = f"{100 * (joint.upper - joint.lower):.0f} cm"

@@ -40,7 +40,7 @@ def list_unreachable(folder: Path) -> list[str]:
     The starts are the undisturbed one, at the asset's own size, and the first episodes', at their scales.
     """
     asset, options = read_asset(folder), TaskConfig()
-    left = {joint.name: joint for joint in asset.joints if joint.handle is not None}
+    left = {joint.name: joint for joint in asset.joints if joint.handle not in (None, "face")}
     starts = [(find_middle_state(), np.ones(3))]
     for seed in range(STARTS):
         starts.append((sample_initial_state(seed, options), sample_scale(seed, options, options.scale_range)))

@@ -26,7 +26,7 @@ def with_solid_handles(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     """
     frames, links, lines = link_frames(robot), dict(robot.links), []
     for joint in robot.joints:
-        if joint.type == "fixed" or joint.part_type is None:
+        if joint.type == "fixed" or joint.part_type is None or joint.handle == "face":
             continue
         names = list_moved_links(joint, robot.joints)
         looks = merge_visuals(robot, names, frames)
