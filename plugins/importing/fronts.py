@@ -11,9 +11,10 @@ from plugins.importing.hinges import ALONG, LEAST_OUT, LEAST_TURN, THIN, list_ca
 from stages.articulated.attributes import list_moved_links, merge_visuals
 from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box, visual_bounds
 from stages.articulated.model import JointModel, Matrix, RobotModel
+from stages.contracts.parts import PARTS
 from stages.geometry.frames import rigid, yaw_matrix
 
-SHORTEST = 0.05  # metres that a drawer moves at least, and extents of the smallest front
+SHORTEST = PARTS["drawer"].motion[0]  # metres; and extents of the smallest front
 ASKEW = np.deg2rad(10)  # by which a front may face another way than along an axis
 BEHIND = 0.3  # of its parent's extent along a slide: what is as far behind the front of that when closed is no drawer
 

@@ -18,20 +18,18 @@ class Part(NamedTuple):
     """A kind of moving part.
 
     joint: its type. sides: at which a task opens it; slide: it has no hinge. motion: the least and the most that one
-    moves, radians or metres. done: what tasks about it do, for people. spring: with which it returns to its lower
-    limit, N/m; 0: it stays where it is left.
+    moves, radians or metres. spring: with which it returns to its lower limit, N/m; 0: it stays where it is left.
     """
 
     joint: Literal["revolute", "prismatic"]
     sides: tuple[HingeSide, ...]
     motion: tuple[float, float]
-    done: str
     spring: float = 0.0
 
 
 PARTS: dict[PartType, Part] = {
-    "door": Part("revolute", ("left", "right"), (np.deg2rad(20), np.inf), "Door opening"),
-    "drawer": Part("prismatic", ("slide",), (0.05, np.inf), "Drawer opening"),
+    "door": Part("revolute", ("left", "right"), (np.deg2rad(20), np.inf)),
+    "drawer": Part("prismatic", ("slide",), (0.05, np.inf)),
     # 2 to 4 N where it is pushed all the way, as push buttons of machines have it; chosen
-    "button": Part("prismatic", ("slide",), (0.001, 0.05), "Button pushing", spring=200.0),
+    "button": Part("prismatic", ("slide",), (0.001, 0.05), spring=200.0),
 }
