@@ -6,7 +6,7 @@ package has a sub-package per kind: `my_package/encoders/mine.py`. Nothing is im
 
 import importlib
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec

@@ -19,8 +19,9 @@ from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.categories import find_usual_size
 from stages.contracts.doubt import Doubt
 from stages.contracts.generated import RIGHT_LEAST, RIGHT_SHARE, PlacedObject, measure_sureness
-from stages.contracts.library import Asset, HingeSide
+from stages.contracts.library import Asset
 from stages.contracts.library_folder import AssetFolders
+from stages.contracts.parts import HingeSide
 from stages.evaluation.scoring import box_in_world, world_from_floor
 from stages.geometry.boxes import UprightBox, axis_aligned_iou, corners, oriented_iou
 from stages.geometry.frames import angle_difference, wrap_angle

@@ -13,10 +13,11 @@ from plugins.furniture.recipe import Generator, Sampled
 from stages.contracts.library import Recipe, model_name
 
 _FOUND = [value for module in categories.modules() for value in vars(module).values()]
-CATEGORIES: dict[str, Category] = {
+ALL: dict[str, Category] = {
     record.name: record
     for record in sorted((value for value in _FOUND if isinstance(value, Category)), key=lambda record: record.name)
 }
+CATEGORIES = {name: record for name, record in ALL.items() if record.count}  # of the default library
 GENERATORS: dict[str, type[Generator]] = {
     re.sub(r"(?<=[a-z])(?=[A-Z])", "_", value.__name__).lower(): value
     for value in _FOUND
@@ -28,7 +29,7 @@ def sample(category: str, index: int, seed: int, variations: bool = True) -> Rec
     """The recipe of the `index`-th model of a category; it does not depend on how many others there are.
 
     Args:
-        category: one of `CATEGORIES`.
+        category: one of `ALL`.
         index: number of the model.
         seed: of the library.
         variations: whether models after the category's founders are variations of them; else each is a founder.
@@ -42,7 +43,7 @@ def sample(category: str, index: int, seed: int, variations: bool = True) -> Rec
 
 def _sample_indexed(category: str, index: int, seed: int, variations: bool = True) -> tuple[Sampled, int | None]:
     """A model of a category, and the number of its founder; None: it is one."""
-    record, rng = CATEGORIES[category], _generator(category, index, seed)
+    record, rng = ALL[category], _generator(category, index, seed)
     founder = index % record.founders
     if index < record.founders or not variations:
         return record.sample(rng, index), None
@@ -61,7 +62,7 @@ def _sample_indexed(category: str, index: int, seed: int, variations: bool = Tru
 @cache
 def has_fronts(category: str) -> tuple[bool, bool]:
     """Whether founders of a category have doors (or flaps), and whether they have drawers."""
-    record = CATEGORIES.get(category)
+    record = ALL.get(category)
     counts = [_fronts(category, k, 0) for k in range(record.founders)] if record else []
     return any(doors for doors, _ in counts), any(drawers for _, drawers in counts)
 
@@ -69,7 +70,7 @@ def has_fronts(category: str) -> tuple[bool, bool]:
 @cache
 def leaves(category: str) -> tuple[int, int]:
     """How many doors on upright hinges, and how many flaps, the founders of a category have."""
-    founders = range(CATEGORIES[category].founders if category in CATEGORIES else 0)
+    founders = range(ALL[category].founders if category in ALL else 0)
     recipes = [_sample_indexed(category, index, 0)[0].recipe for index in founders]
     flaps = sum(line.count("flap") for recipe in recipes for line in getattr(recipe, "layout", []))
     return sum(recipe.fronts[0] for recipe in recipes) - flaps, flaps

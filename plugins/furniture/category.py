@@ -18,7 +18,7 @@ class Category:
         name: lower-case words joined by underscores.
         sample: the size and recipe of its `index`-th model, by a random generator.
         founders: models that are sampled freely, and that rooms are furnished with; later ones are their variations.
-        count: models in the default library.
+        count: models in the default library; 0: it is made where `assets.counts` asks for it alone.
         names: what else it is called: file names and labels that say so mean it.
         like: words for similar things: a label that says so is nearest to it.
         kin: kinds of things that it is one of: a label of no category is nearest to its kin.

@@ -2,7 +2,7 @@
 
 import json
 
-from plugins.furniture.catalogue import CATEGORIES, has_fronts, leaves, sample
+from plugins.furniture.catalogue import ALL, CATEGORIES, has_fronts, leaves, sample
 from plugins.furniture.category import Category
 from plugins.furniture.real_sizes import REAL_SIZES
 from stages.config import categories as counts
@@ -40,14 +40,14 @@ def _split(words: str) -> list[str]:
 
 
 def categories_text() -> str:
-    """The file of `stages.contracts.categories`: a row per category."""
+    """The file of `stages.contracts.categories`: a row per category of the default library."""
     rows = [describe_category(record).model_dump_json(exclude_defaults=True) for record in CATEGORIES.values()]
     return "[\n" + ",\n".join(rows) + "\n]\n"
 
 
 def counts_text() -> str:
     """The file of `stages.config.categories`: models in the default library, and what they open."""
-    lines = [f'"{name}": {json.dumps([record.count, *has_fronts(name)])}' for name, record in CATEGORIES.items()]
+    lines = [f'"{name}": {json.dumps([record.count, *has_fronts(name)])}' for name, record in ALL.items()]
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 

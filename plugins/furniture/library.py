@@ -3,7 +3,7 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from plugins.furniture.catalogue import CATEGORIES, sample
+from plugins.furniture.catalogue import ALL, sample
 from plugins.furniture.folder import build
 from stages.cli import progress
 from stages.config.assets import LibraryOptions
@@ -24,12 +24,12 @@ def run(*, out: Path, shard: int = 0, shards: int = 1, options: str = "{}", seed
         seed: of the models.
     """
     config = read_options(LibraryOptions, options)
-    unknown = sorted(set(config.counts) - set(CATEGORIES))
+    unknown = sorted(set(config.counts) - set(ALL))
     if unknown:
         raise InputError(
             "assets.counts",
             f"no category '{unknown[0]}'.",
-            f"one of {', '.join(CATEGORIES)}",
+            f"one of {', '.join(ALL)}",
             code="E-CATEGORY-UNKNOWN",
         )
     wanted = [(category, k) for category, count in sorted(config.counts.items()) for k in range(count)]

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from trimesh import Trimesh
 from plugins.furniture.finishes import RGB, Finish, Surface, finish_of
 from plugins.furniture.shapes import bounds_of
 from stages.contracts.library import HandleKind, Placement, Symmetry
+from stages.contracts.parts import PARTS, PartType
 from stages.geometry.frames import ROUNDING
 from stages.geometry.solids import DENSITY as WOOD
 
@@ -47,7 +47,7 @@ class Moving:
     """Parts on a joint of the base, drawn closed, in the asset frame. `axis` points so that opening is positive."""
 
     name: str
-    role: Literal["door", "drawer"]
+    part_type: PartType
     parts: list[Part]
     origin: tuple[float, float, float]
     axis: tuple[float, float, float]
@@ -116,7 +116,7 @@ def fit_model(model: Model, size: Size) -> Model:
         return model
 
     def stretch_joint(moving: Moving) -> Moving:
-        stretch = float(np.abs(np.array(moving.axis)) @ scale) if moving.role == "drawer" else 1.0
+        stretch = float(np.abs(np.array(moving.axis)) @ scale) if PARTS[moving.part_type].joint == "prismatic" else 1.0
         return replace(moving, upper=moving.upper * stretch)
 
     return _map_points(model, lambda points: points * scale + shift, stretch_joint)

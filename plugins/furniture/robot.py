@@ -8,6 +8,7 @@ from plugins.furniture.textures import texture_of
 from stages.articulated.mesh_writer import is_box
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel, Visual
 from stages.contracts.images import GOLDEN
+from stages.contracts.parts import PARTS
 from stages.geometry.frames import rigid
 from stages.geometry.solids import MINIMUM_INERTIA
 
@@ -45,14 +46,14 @@ def _joint(moving: Moving) -> JointModel:
     """The joint of a moving part; a handle that sticks out is part of the moving link."""
     return JointModel(
         name=f"{moving.name}_joint",
-        type="revolute" if moving.role == "door" else "prismatic",
+        type=PARTS[moving.part_type].joint,
         parent=BASE,
         child=moving.name,
         origin=rigid(np.eye(3), moving.origin),
         axis=np.array(moving.axis),
         lower=0.0,
         upper=moving.upper,
-        role=moving.role,
+        part_type=moving.part_type,
         handle_link=moving.name if moving.handle else None,
         handle=moving.handle,
     )

@@ -221,9 +221,10 @@ def write_model(robot: RobotModel, place: Path) -> None:
 
 
 def describe_joint(joint: Joint) -> str:
-    """A door or drawer in one line."""
+    """A door, drawer or button in one line."""
     reach = f"{np.rad2deg(joint.upper - joint.lower):.0f} degrees"
     if joint.type == "prismatic":
         reach = f"{100 * (joint.upper - joint.lower):.0f} cm"
-    hinge = f", hinge {joint.panel.hinge}" if joint.panel is not None and joint.role == "door" else ""
-    return f"{joint.role} '{joint.name}': {reach}{hinge}, {f'handle: {joint.handle}' if joint.handle else 'no handle'}"
+    hinge = f", hinge {joint.panel.hinge}" if joint.panel is not None and joint.type == "revolute" else ""
+    handle = f"handle: {joint.handle}" if joint.handle else "no handle"
+    return f"{joint.part_type} '{joint.name}': {reach}{hinge}, {handle}"

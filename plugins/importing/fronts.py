@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from plugins.importing.buttons import explain_unpushable
 from plugins.importing.hinges import (
     ALONG,
     LEAST_OUT,
@@ -18,9 +19,10 @@ from plugins.importing.hinges import (
 from stages.articulated.attributes import list_moved_links, merge_visuals
 from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
 from stages.articulated.model import JointModel, Matrix, RobotModel
+from stages.contracts.parts import PARTS
 from stages.geometry.frames import rigid, yaw_matrix
 
-SHORTEST = 0.05  # metres that a drawer moves at least, and extents of the smallest front
+SHORTEST = PARTS["drawer"].motion[0]  # metres; and extents of the smallest front
 ASKEW = np.deg2rad(10)  # by which a front may face another way than along an axis
 BEHIND = 0.3  # of its parent's extent along a slide: what is as far behind the front of that when closed is no drawer
 
@@ -71,7 +73,8 @@ def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
 def _fronts(robot: RobotModel) -> dict[str, Front | str]:
     """For each moving joint its door or drawer, whichever way the model faces, or the reason why it is none."""
     frames = link_frames(robot)
-    return {joint.name: _front(robot, joint, frames) for joint in robot.joints if joint.type != "fixed"}
+    moving = (joint for joint in robot.joints if joint.type != "fixed" and joint.part_type != "button")
+    return {joint.name: _front(robot, joint, frames) for joint in moving}
 
 
 def _shorten_slides(robot: RobotModel) -> RobotModel:
@@ -151,19 +154,27 @@ def _measure_skew(robot: RobotModel, links: Iterable[str], frames: dict[str, Mat
 
 
 def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
-    """The model (z up, front towards +x) with all joints but doors and drawers fixed; and the reasons, in lines.
+    """The model (z up, front towards +x) with all joints but doors, drawers and buttons fixed; the reasons, in lines.
 
     A drawer slides forwards by 5 cm at least, out of what it is in, a door swings forwards by 20 degrees at least, on
     a hinge that lies across the front; either moves a front of some size. Helper links, a chair's seat, sliding doors,
-    wheels, knobs and buttons are neither. A drawer slides no farther than all is deep.
+    wheels and knobs are neither, and what is said to be a button is no drawer. A drawer slides no farther than all is
+    deep.
     """
     joints: list[JointModel] = []
     fixed: dict[str, list[str]] = {}
     lines: list[str] = []
     short = _shorten_slides(robot)
     fronts = _fronts(short)
+    frames = link_frames(robot)
     for before, joint in zip(robot.joints, short.joints, strict=True):
         front = fronts.get(joint.name)
+        if before.part_type == "button":
+            front = explain_unpushable(robot, before, frames)
+            if not front:
+                joints.append(before)
+                lines.append(f"button '{joint.name}': sprung, and pushed, not pulled")
+                continue
         if isinstance(front, Front) and front.outward[0] != 1.0:
             front = "opens to another side than the front"
         if isinstance(front, str):

@@ -7,10 +7,11 @@ import numpy as np
 
 from stages.articulated.forward_kinematics import link_frames, measure_closed_box
 from stages.articulated.model import JointModel, Matrix, RobotModel
+from stages.contracts.parts import PARTS
 from stages.geometry.frames import apply
 
 ALONG = 0.9  # cosine: a slide goes along a direction, a panel's hinge across it
-LEAST_TURN = np.deg2rad(20)  # by which a door turns at least
+LEAST_TURN = PARTS["door"].motion[0]  # radians
 THIN = 0.6  # thickness of a door, at most, as a share of its width
 LEAST_OUT = 0.3  # of a slide's way: what leaves its parent's box by less is a sliding door, no drawer
 SMALL = 0.05  # of a thing's largest extent: what is smaller, or slides by less, says nothing of it

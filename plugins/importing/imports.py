@@ -27,7 +27,7 @@ from stages.articulated.attributes import explain_ungraspable
 from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
 from stages.articulated.mesh_reader import thicken_piece
 from stages.articulated.model import Matrix, RobotModel
-from stages.articulated.roles import with_roles
+from stages.articulated.part_types import assign_part_types
 from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_tree import FLAT
 from stages.assets.snapshots import Look
@@ -169,7 +169,7 @@ def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
     path, notes = file.path, file.notes
     robot, turned = turn_upright(file.importer.read(path, file.folder), file)
     robot, fixed = doors_and_drawers(robot)
-    robot = with_roles(robot)
+    robot = assign_part_types(robot)
     check_believable(robot, path)
     robot, weighed = repair_inertias(robot)
     if notes.mass is not None:
@@ -191,7 +191,7 @@ def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
         raise InputError(path, f"makes no asset: {error.errors()[0]['msg']}.", code="E-MODEL-IMPORT") from None
     bare = {joint.name for joint in asset.joints if joint.handle is None}
     held = [
-        f"{joint.role} '{joint.name}' cannot be grasped: {explain_ungraspable(robot, joint, link_frames(robot))}"
+        f"{joint.part_type} '{joint.name}' cannot be grasped: {explain_ungraspable(robot, joint, link_frames(robot))}"
         for joint in robot.joints
         if joint.name in bare
     ]

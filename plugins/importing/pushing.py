@@ -65,7 +65,7 @@ def stuck_joints(folder: Path) -> list[str]:
                 break
         share = (farthest - low) / (high - low)
         if share <= OPEN and farthest - before < CREEPS * (high - low):
-            lines.append(f"{known[joint.name].role} '{joint.name}' sticks at {100 * share:.0f} % of its range")
+            lines.append(f"{known[joint.name].part_type} '{joint.name}' sticks at {100 * share:.0f} % of its range")
     return lines
 
 

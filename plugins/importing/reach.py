@@ -40,7 +40,7 @@ def list_unreachable(folder: Path) -> list[str]:
     The starts are the undisturbed one, at the asset's own size, and the first episodes', at their scales.
     """
     asset, options = read_asset(folder), TaskConfig()
-    left = {joint.name: joint for joint in asset.joints if joint.handle is not None}
+    left = {joint.name: joint for joint in asset.joints if joint.handle not in (None, "face")}
     starts = [(find_middle_state(), np.ones(3))]
     for seed in range(STARTS):
         starts.append((sample_initial_state(seed, options), sample_scale(seed, options, options.scale_range)))
@@ -49,7 +49,7 @@ def list_unreachable(folder: Path) -> list[str]:
             for name in _find_followed(folder, asset, set(left), state, scale, options):
                 del left[name]
     return [
-        f"{joint.role} '{name}' is not opened: in none of {len(starts)} starts can the arm follow it"
+        f"{joint.part_type} '{name}' is not opened: in none of {len(starts)} starts can the arm follow it"
         for name, joint in left.items()
     ]
 

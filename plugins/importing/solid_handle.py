@@ -26,7 +26,7 @@ def with_solid_handles(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     """
     frames, links, lines = link_frames(robot), dict(robot.links), []
     for joint in robot.joints:
-        if joint.type == "fixed" or joint.role is None:
+        if joint.type == "fixed" or joint.part_type is None or joint.handle == "face":
             continue
         names = list_moved_links(joint, robot.joints)
         looks = merge_visuals(robot, names, frames)
@@ -38,7 +38,7 @@ def with_solid_handles(robot: RobotModel) -> tuple[RobotModel, list[str]]:
             continue
         for name in names:
             links[name] = replace(links[name], collisions=cut([visual.mesh for visual in links[name].visuals]))
-        lines.append(f"{joint.role} '{joint.name}': what collides hid its handle: cut anew from what is seen")
+        lines.append(f"{joint.part_type} '{joint.name}': what collides hid its handle: cut anew from what is seen")
     return replace(robot, links=links), lines
 
 

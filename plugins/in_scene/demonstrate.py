@@ -112,7 +112,7 @@ def demonstrate_in_scene(
     known: Task = load("tasks", setting.task)
     asset, target = room.target.asset.id, known.target_joint(room.target.folder, flaps=True)
     if target is None:
-        reason = f"{object} is {asset}, which has no {known.role} that the robot can open"
+        reason = f"{object} is {asset}, which has no {known.part_type} that the robot can open"
         return SceneDemonstration(**about, asset=asset, status="failed", reason=reason), None
     about |= {"asset": asset, "joint": target.joint}
     task = EnvWrapper(setting.task, room.target.folder, target.joint, None, setting.world, vary_scale=False, room=room)

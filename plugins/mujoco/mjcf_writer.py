@@ -15,6 +15,7 @@ from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel
 from stages.articulated.surfaces import ColouredMesh, surfaces, write_obj
 from stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION
+from stages.contracts.parts import PARTS
 from stages.contracts.system import sync
 from stages.geometry.frames import quaternion_from_matrix
 
@@ -83,10 +84,12 @@ class ModelWriter:
             return
         if joint.follows is not None:
             ET.SubElement(self.pairs, "joint", joint1=f"{model}/{joint.name}", joint2=f"{model}/{joint.follows}")
-        hinge = joint.type == "revolute"
+        hinge, stiffness = joint.type == "revolute", PARTS[joint.part_type].spring if joint.part_type else 0.0
+        spring = {"stiffness": text([stiffness]), "springref": text([joint.lower])} if stiffness else {}
         ET.SubElement(
             element,
             "joint",
+            spring,
             name=f"{model}/{joint.name}",
             type="hinge" if hinge else "slide",
             axis=text(joint.axis),

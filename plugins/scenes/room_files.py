@@ -13,6 +13,7 @@ from stages.config.categories import CATEGORIES, Known
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error, read_text
 from stages.contracts.objects import object_ids
+from stages.contracts.parts import FRONTS
 from stages.contracts.yaml_files import fault_of, line_of
 from stages.plugins import data_file, list_available
 
@@ -89,8 +90,8 @@ def list_objects(file: Path) -> dict[str, Mapping[str, bool]]:
     except InputError:
         return {}
     known = ((item.model, CATEGORIES.get(item.category, Known(0, False, False))) for item in items)
-    panels = (
-        {"door": kind.doors and model.doors[1] > 0, "drawer": kind.drawers and model.drawers[1] > 0}
+    panels: Iterable[Mapping[str, bool]] = (
+        {front: getattr(kind, f"{front}s") and getattr(model, f"{front}s")[1] > 0 for front in FRONTS}
         for model, kind in known
     )
     return dict(zip(object_ids(item.label for item in items), panels, strict=True))

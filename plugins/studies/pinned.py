@@ -44,6 +44,6 @@ def difference(item: TaskAsset, asset: Asset | None, kind: Task) -> str:
     if asset.checksum != item.digest:
         return f"has another {item.asset} (digest {asset.checksum[:12]}) than the one (digest {item.digest[:12]})"
     joint = next((joint for joint in asset.joints if joint.name == item.joint), None)
-    if joint is None or joint.role != kind.role:
-        return f"has {item.asset}, but its joint '{item.joint}' is no {kind.role} for the task, as"
+    if joint is None or joint.part_type != kind.part_type:
+        return f"has {item.asset}, but its joint '{item.joint}' is no {kind.part_type} for the task, as"
     return ""

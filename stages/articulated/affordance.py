@@ -1,15 +1,14 @@
-"""Which joint of an asset a task opens: doors and drawers with a handle that a gripper can hold (paper A.4)."""
+"""Which joint of an asset a task opens: one of a part type, with a handle that a gripper can hold (paper A.4)."""
 
 import math
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from stages.articulated.asset_folder import read_asset
-from stages.contracts.library import Asset, FrontPanel, HandleKind, HingeSide, Joint
+from stages.contracts.library import Asset, FrontPanel, HandleKind, Joint
+from stages.contracts.parts import PARTS, HingeSide, PartType
 
-Task = Literal["door", "drawer"]
 LARGE = 0.5  # a panel with at least this share of the largest panel's area is as good a target
-SIDES: dict[Task, tuple[HingeSide, ...]] = {"door": ("left", "right"), "drawer": ("slide",)}
 FLAPS: tuple[HingeSide, ...] = ("bottom",)
 
 
@@ -38,7 +37,9 @@ class Affordance(NamedTuple):
         return abs(self.height - other.height) + sum(map(abs, extents))
 
 
-def target_joint(folder: Path, task: Task, like: Affordance | None = None, flaps: bool = False) -> Affordance | None:
+def target_joint(
+    folder: Path, part: PartType, like: Affordance | None = None, flaps: bool = False
+) -> Affordance | None:
     """The joint of the asset in `folder` that the task opens; None if no joint will do.
 
     A door has an upright hinge (a flap that falls open is another motion: it counts with `flaps`, on an asset with no
@@ -48,9 +49,9 @@ def target_joint(folder: Path, task: Task, like: Affordance | None = None, flaps
     largest, then the one nearest to mid-height, then the first by name.
     """
     asset = read_asset(folder)
-    able = _list_affordances(asset, task, SIDES[task])
-    if not able and flaps and task == "door":
-        able = _list_affordances(asset, task, FLAPS)
+    able = _list_affordances(asset, part, PARTS[part].sides)
+    if not able and flaps:
+        able = _list_affordances(asset, part, FLAPS)
     if not able:
         return None
     if like is not None:
@@ -68,11 +69,11 @@ def target_joint(folder: Path, task: Task, like: Affordance | None = None, flaps
     return min((one for one in able if one.area >= LARGE * largest), key=order)
 
 
-def _list_affordances(asset: Asset, task: Task, sides: tuple[HingeSide, ...]) -> list[Affordance]:
+def _list_affordances(asset: Asset, part: PartType, sides: tuple[HingeSide, ...]) -> list[Affordance]:
     return [
         _affordance(asset, joint, joint.panel)
         for joint in asset.joints
-        if joint.role == task and joint.handle and joint.panel and joint.panel.hinge in sides
+        if joint.part_type == part and joint.handle and joint.panel and joint.panel.hinge in sides
     ]
 
 

@@ -12,13 +12,14 @@ import numpy as np
 
 from stages.articulated.forward_kinematics import measure_closed_box
 from stages.articulated.model import RobotModel
-from stages.articulated.roles import contract_joints, count_roles, with_roles_of
+from stages.articulated.part_types import contract_joints, copy_part_types, count_parts
 from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
 from stages.contracts.errors import InputError
 from stages.contracts.files import as_json, ask_before_writing, make_partial_path, read_json
 from stages.contracts.library import Asset, Placement, Recipe, Symmetry, Vector
+from stages.contracts.parts import PARTS
 from stages.contracts.system import name_file_in_errors
 
 
@@ -39,6 +40,7 @@ def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
     """Write the asset folder `out` of a model (z up, front towards +x); an old one is replaced."""
     low, high = measure_closed_box(robot).round(6) + 0.0
     joints = contract_joints(robot)
+    doors, drawers, buttons = (count_parts(joints, part) for part in PARTS)
     with atomic_folder(out) as folder:
         write_urdf(robot, folder)
         asset = Asset(
@@ -48,8 +50,9 @@ def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
             box_max=tuple(high.tolist()),
             mass=round(robot.mass, 4),
             joints=joints,
-            doors=count_roles(joints, "door"),
-            drawers=count_roles(joints, "drawer"),
+            doors=doors,
+            drawers=drawers,
+            buttons=buttons,
             symmetry=about.symmetry,
             placement=about.placement,
             recipe=about.recipe,
@@ -62,7 +65,7 @@ def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
 
 
 def read_model(folder: Path) -> RobotModel:
-    """The model of an asset folder, with the roles that its `asset.json` gives to its joints."""
+    """The model of an asset folder, with the part types that its `asset.json` gives to its joints."""
     asset = read_asset(folder)
     urdf = urdf_of(folder, asset)
     robot = read_urdf(urdf, folder)
@@ -70,7 +73,7 @@ def read_model(folder: Path) -> RobotModel:
         raise InputError(
             urdf, robot.remarks[0], "make the library again: snakemake --cores 2 library", code="E-ASSET-STALE"
         )
-    robot = with_roles_of(robot, asset.joints)
+    robot = copy_part_types(robot, asset.joints)
     return replace(robot, touching=read_srdf(urdf.with_suffix(".srdf")))
 
 

@@ -8,7 +8,8 @@ import trimesh
 from stages.articulated.forward_kinematics import visual_bounds
 from stages.articulated.handle import BEHIND, GRID, PROTRUSION, WIDEST, Handle, exact_width, find_handle, front_hits
 from stages.articulated.model import JointModel, Matrix, RobotModel, Visual
-from stages.contracts.library import FrontPanel, HandleKind, HingeSide
+from stages.contracts.library import FrontPanel, HandleKind
+from stages.contracts.parts import HingeSide
 
 ROOM = 0.5  # metres before a handle that a hand and its forearm need
 AT_EDGE = 0.06  # metres from a side of the panel within which a profile counts as its edge

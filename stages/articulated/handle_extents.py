@@ -9,6 +9,7 @@ from stages.articulated.attributes import list_moved_links
 from stages.articulated.forward_kinematics import frames_of
 from stages.articulated.model import Matrix
 from stages.articulated.urdf_reader import UrdfReader
+from stages.articulated.urdf_tree import FLAT
 from stages.contracts.library import Asset
 from stages.geometry.frames import apply
 
@@ -19,7 +20,7 @@ def handle_extents(folder: Path, asset: Asset, joint: str) -> Matrix:
     """Lowest and highest corner (2, 3) of the handle on what a joint moves; asset frame, closed, metres.
 
     The handle is what lies in the front half of all that stands out of the panel. The panel is as deep as the surfaces
-    that, counted from the foremost, cover `COVERED` of the front.
+    that, counted from the foremost, cover `COVERED` of the front. Where nothing stands out it is the face: a button's.
 
     Args:
         folder: of the asset.
@@ -43,5 +44,6 @@ def handle_extents(folder: Path, asset: Asset, joint: str) -> Matrix:
     order = np.argsort(-depths, kind="stable")
     covered = np.cumsum(facing[order]) / np.prod((high - low)[1:])
     panel = depths[order][min(np.searchsorted(covered, COVERED), len(order) - 1)]
-    handle = points[points[:, 0] > (panel + high[0]) / 2]
+    middle = (panel + high[0]) / 2 if high[0] - panel > FLAT else high[0] - FLAT
+    handle = points[points[:, 0] > middle]
     return np.array([handle.min(axis=0), handle.max(axis=0)])

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from trimesh import Trimesh
 
 from stages.contracts.library import HandleKind
+from stages.contracts.parts import PartType
 from stages.geometry.frames import apply, rigid
 
 Matrix = NDArray[np.float64]
 RGBA = tuple[float, float, float, float]  # linear, 0 to 1
 JointType = Literal["fixed", "revolute", "prismatic"]
-Role = Literal["door", "drawer"]
 
 
 class Texture(NamedTuple):
@@ -81,7 +81,7 @@ class Link:
 class JointModel:
     """A joint. `origin` is parent_from_child, 4x4, at position 0; `axis` a unit vector in the child frame.
 
-    An asset is closed with every joint at `lower`. A moving joint may have a role, and its door or drawer a handle:
+    An asset is closed with every joint at `lower`. A moving joint may have a part type, and its part a handle:
     `handle_link` carries it, `handle` is its kind, where they are known. `follows`: a joint of the same parent and type
     that it always stands alike, as the second leaf of a pair of doors does.
     """
@@ -94,7 +94,7 @@ class JointModel:
     axis: Matrix = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
     lower: float = 0.0
     upper: float = 0.0
-    role: Role | None = None
+    part_type: PartType | None = None
     handle_link: str | None = None
     handle: HandleKind | None = None
     follows: str | None = None

@@ -215,8 +215,11 @@ class UrdfTree:
             lower, upper = np.deg2rad([lower, upper]).tolist()
         if upper - lower < FLAT:
             raise InputError(self.path, f"{where}: has no range ({lower:g} to {upper:g}).", code="E-URDF-JOINT")
-        revolute = kind == "revolute"
-        return replace(fixed, type="revolute" if revolute else "prismatic", axis=axis, lower=lower, upper=upper)
+        moving = replace(
+            fixed, type="revolute" if kind == "revolute" else "prismatic", lower=lower, upper=upper, axis=axis
+        )
+        sprung = self.numbers(element.find("dynamics"), "stiffness", "0", 1, where)[0] > 0  # as our writer says it
+        return replace(moving, part_type="button") if sprung and kind == "prismatic" else moving
 
     def _end(self, element: ET.Element, tag: str, where: str) -> str:
         """The parent or child link of a joint."""

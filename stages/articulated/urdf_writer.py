@@ -25,6 +25,7 @@ from stages.articulated.mesh_writer import (
     write_texture,
 )
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel, transform_mesh
+from stages.contracts.parts import PARTS
 from stages.geometry.frames import ROUNDING, rigid
 
 DAMPING, FRICTION = 2.0, 0.1  # N m s or N s / m, and SAPIEN's friction coefficient
@@ -141,7 +142,10 @@ def _add_joint(root: ET.Element, joint: JointModel, moving: set[str]) -> None:
     ET.SubElement(element, "limit", limits | {"effort": "100", "velocity": "10"})
     if joint.follows in moving:
         ET.SubElement(element, "mimic", joint=joint.follows, multiplier="1", offset="0")
-    ET.SubElement(element, "dynamics", damping=numbers([DAMPING]), friction=numbers([FRICTION]))
+    dynamics = {"damping": numbers([DAMPING]), "friction": numbers([FRICTION])}
+    if joint.part_type and (spring := PARTS[joint.part_type].spring):
+        dynamics["stiffness"] = numbers([spring])  # no URDF of the standard has it: readers that do not know it skip it
+    ET.SubElement(element, "dynamics", dynamics)
 
 
 def _roll_pitch_yaw(transform: Matrix) -> Matrix:

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from stages.config.categories import CATEGORIES
 from stages.contracts.section import Count, Section
 
-COUNTS = {name: known.models for name, known in CATEGORIES.items()}
+COUNTS = {name: known.models for name, known in CATEGORIES.items() if known.models}
 
 
 class LibraryOptions(Section):

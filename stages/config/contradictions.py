@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stages.config import experiment_contradictions as experiment
-from stages.config.assets import COUNTS
+from stages.config.categories import CATEGORIES
 from stages.config.evaluation import USUAL
 from stages.config.inputs import NAME
 from stages.config.mistakes import Mistake
@@ -133,9 +133,9 @@ def _corrections(config: "Config") -> Iterator[Mistake]:
 def _library(config: "Config") -> Iterator[Mistake]:
     """Categories that exist, folders that exist, a library that is not empty."""
     for category in config.assets.counts:
-        if category not in COUNTS:
+        if category not in CATEGORIES:
             yield Mistake(
-                "assets.counts", f"no category '{category}'", f"one of {', '.join(COUNTS)}", "E-CONFIG-UNKNOWN"
+                "assets.counts", f"no category '{category}'", f"one of {', '.join(CATEGORIES)}", "E-CONFIG-UNKNOWN"
             )
     for folder in config.assets.folders:
         if not Path(folder).is_dir():

@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Field, model_validator
 
 from stages.config.mistakes import Mistake
 from stages.contracts.objects import object_ids
+from stages.contracts.parts import FRONTS
 from stages.contracts.section import Section
 
 NAME = re.compile(r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*")  # becomes part of paths
@@ -76,7 +77,7 @@ def list_objects(folder: Path) -> dict[str, Mapping[str, bool]]:
     """
     try:
         items = json.loads((folder / "annotations.json").read_text(encoding="utf-8"))["objects"]
-        panels = [{"door": item.get("doors", 0) > 0, "drawer": item.get("drawers", 0) > 0} for item in items]
+        panels: list[Mapping[str, bool]] = [{front: item.get(f"{front}s", 0) > 0 for front in FRONTS} for item in items]
         return dict(zip(object_ids(str(item["label"]) for item in items), panels, strict=True))
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return {}

@@ -1,18 +1,18 @@
 """Where doors and drawers lie on the front of a thing."""
 
 from collections.abc import Sequence
-from typing import Literal
 
 from pydantic import model_validator
 
 from stages.contracts.files import Contract
+from stages.contracts.parts import FRONTS, FrontType
 from stages.contracts.types import Fraction
 
 
 class Panel(Contract):
     """A door or drawer as a box on the front: shares of its width, from the left of whoever faces it, and height."""
 
-    kind: Literal["door", "drawer"]
+    kind: FrontType
     left: Fraction
     right: Fraction
     bottom: Fraction
@@ -27,7 +27,7 @@ class Panel(Contract):
 
 def count_fronts(panels: Sequence[Panel]) -> dict[str, int]:
     """How many doors and drawers there are."""
-    return {f"{kind}s": sum(panel.kind == kind for panel in panels) for kind in ("door", "drawer")}
+    return {f"{kind}s": sum(panel.kind == kind for panel in panels) for kind in FRONTS}
 
 
 def check_counts(name: str, panels: Sequence[Panel], doors: int | None, drawers: int | None) -> None:

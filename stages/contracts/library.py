@@ -2,11 +2,12 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from stages.contracts.category import Category
 from stages.contracts.files import Contract, Document
 from stages.contracts.fronts import Panel
+from stages.contracts.parts import FRONTS, PARTS, FrontType, HingeSide, PartType
 from stages.contracts.types import (
     LARGEST,
     Angle,
@@ -28,9 +29,9 @@ from stages.contracts.types import (
 
 Symmetry = Literal["none", "half_turn", "third_turn", "quarter_turn", "full"]
 Placement = Literal["floor", "object", "wall"]
-HandleKind = Literal["bar", "arch", "knob", "edge"]
-HingeSide = Literal["left", "right", "bottom", "top", "slide"]
+HandleKind = Literal["bar", "arch", "knob", "edge", "face"]
 Limit = Annotated[Finite, Field(ge=-100, le=100)]  # radians or metres
+Buttons = Annotated[Panels, Field(exclude_if=lambda count: count == 0, description="left out where there are none")]
 
 
 class FrontPanel(Contract):
@@ -41,7 +42,7 @@ class FrontPanel(Contract):
     height: Finite = Field(description="of its centre above the asset's bottom")
     size: tuple[Extent, Extent] = Field(description="width and height")
 
-    def measure_on_front(self, kind: Literal["door", "drawer"], box: Vector) -> Panel | None:
+    def measure_on_front(self, kind: FrontType, box: Vector) -> Panel | None:
         """As shares of the front of a box (x, y, z); None: nothing of it is seen there, or nobody knows where it is."""
         if self.across is None:
             return None
@@ -59,16 +60,20 @@ class FrontPanel(Contract):
 class Joint(Contract):
     """One joint of an articulated asset. Angles in radians, lengths in metres."""
 
+    model_config = ConfigDict(serialize_by_alias=True, validate_by_name=True)  # files say `role`
+
     name: Text
     type: Literal["revolute", "prismatic"]
-    role: Literal["door", "drawer"]
+    part_type: PartType = Field(alias="role")
     parent: Text
     link: Text = Field(description="child link that the joint moves")
     axis: UnitVector = Field(description="unit axis in the joint frame, as in the URDF")
     lower: Limit
     upper: Limit
     handle_link: str | None = Field(None, description="link that carries the handle; null: no protruding handle")
-    handle: HandleKind | None = Field(None, description="what a gripper can hold; edge: a profile at the free edge")
+    handle: HandleKind | None = Field(
+        None, description="what a gripper can hold; edge: a profile at the free edge; face: it is pushed"
+    )
     panel: FrontPanel | None = Field(None, description="null: it moves nothing that is seen")
 
     @model_validator(mode="after")
@@ -105,6 +110,7 @@ class Asset(Document):
     joints: list[Joint] = []
     doors: Panels = 0
     drawers: Panels = 0
+    buttons: Buttons = 0
     symmetry: Symmetry = Field(
         "none", description="rotational symmetry about z: orientation is scored modulo that turn; full has none"
     )
@@ -120,10 +126,10 @@ class Asset(Document):
             extents = " x ".join(f"{extent:g}" for extent in self.size)
             raise ValueError(f"box_min, box_max: a box of {extents} m (0 to {LARGEST:g} m each)")
         check_unique("joints", [joint.name for joint in self.joints])
-        for field, role in (("doors", "door"), ("drawers", "drawer")):
-            count = sum(joint.role == role for joint in self.joints)
-            if getattr(self, field) != count:
-                raise ValueError(f"{field}: says {getattr(self, field)}, but {count} joints have the role {role}")
+        for part, stated in zip(PARTS, (self.doors, self.drawers, self.buttons), strict=True):
+            count = sum(joint.part_type == part for joint in self.joints)
+            if stated != count:
+                raise ValueError(f"{part}s: says {stated}, but {count} joints have the role {part}")
         return self
 
     @property
@@ -139,8 +145,13 @@ class Asset(Document):
     @property
     def panels(self) -> list[Panel]:
         """Where the doors and drawers lie on its front, as far as they are seen there."""
-        found = ((joint.role, joint.panel) for joint in self.joints if joint.panel is not None)
-        return [panel for role, front in found if (panel := front.measure_on_front(role, self.size)) is not None]
+        found = (
+            joint.panel.measure_on_front(front, self.size)
+            for joint in self.joints
+            for front in FRONTS
+            if joint.panel is not None and joint.part_type == front
+        )
+        return [panel for panel in found if panel is not None]
 
     def change_finish(self, finish: Finish) -> "Asset":
         """The same by a recipe with these parameters; what has no recipe stays."""
@@ -174,6 +185,7 @@ class LibraryEntry(Contract):
     archive: RelativePath = Field(description="zip archive that holds the folder <id>/, relative to the index")
     doors: Panels
     drawers: Panels
+    buttons: Buttons = 0
     panels: list[Panel] = Field([], description="where they lie on its front; empty: not known")
     size: tuple[Extent, Extent, Extent] | None = Field(None, description="its closed box; null: not known")
     placement: Placement | None = Field(None, description="where it belongs; null: not known")

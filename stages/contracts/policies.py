@@ -7,7 +7,8 @@ from pydantic import Field, model_validator
 
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, Document
-from stages.contracts.library import HandleKind, HingeSide
+from stages.contracts.library import HandleKind
+from stages.contracts.parts import HingeSide
 from stages.contracts.training_sets import DRAWN, drawn_role, strip_randomised
 from stages.contracts.types import Count, Extent, Finite, Id, NonNegative, Rank, Seed, Size, Text, check_unique
 

@@ -14,6 +14,7 @@ from stages.articulated.asset_folder import read_asset, read_model
 from stages.articulated.forward_kinematics import link_frames
 from stages.contracts import Asset
 from stages.contracts.library import Vector
+from stages.contracts.parts import PARTS
 
 CHAMFER_POINTS = 4000  # on each surface; chosen for time
 DENSE = 60_000  # on each surface, for its volume; chosen
@@ -83,4 +84,5 @@ def _affordances(true: Asset, chosen: Asset) -> tuple[bool | None, bool | None, 
 
 
 def _hinges(asset: Asset) -> Counter[str | None]:
-    return Counter(joint.panel.hinge if joint.panel else None for joint in asset.joints if joint.role == "door")
+    turning = (joint for joint in asset.joints if PARTS[joint.part_type].joint == "revolute")
+    return Counter(joint.panel.hinge if joint.panel else None for joint in turning)

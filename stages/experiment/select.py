@@ -76,8 +76,8 @@ def run(
     twin = true or best
     if item is None or size is None or twin is None or not can_open(twin):
         would_do = [e.id for e in matched.objects if any(can_open(cousin.asset) for cousin in e.cousins[:1])]
-        what = f"object '{object}' {_explain_refusal(item, kind.role, size, true)}."
-        fix = f"objects that would do for a {kind.role}: {', '.join(would_do) or 'none'}"
+        what = f"object '{object}' {_explain_refusal(item, kind.part_type, size, true)}."
+        fix = f"objects that would do for a {kind.part_type}: {', '.join(would_do) or 'none'}"
         raise InputError(cousins, what, fix, code="E-EXPERIMENT-OBJECT")
     print(f"twin: {twin}, {f'the true model; matching chose {best}' if true else 'by matching'}", file=sys.stderr)
     if twin not in alike.distances:
@@ -86,7 +86,7 @@ def run(
     roles = name_roles(usable, twin, best, item, count, held_out)
     if f"cousin_{count}" not in roles:
         found = sum(role.startswith("cousin_") for role in roles)
-        what = f"'{object}' has {found} cousins with a {kind.role} that has a handle, {count} are asked for."
+        what = f"'{object}' has {found} cousins with a {kind.part_type} that has a handle, {count} are asked for."
         fix = "lower experiment.cousins, raise matching.k_cat, or make a larger library"
         raise InputError(library, what, fix, code="E-EXPERIMENT-COUSINS")
     plan = TaskAssets(
@@ -110,11 +110,11 @@ def read_distances(path: Path, matched: Cousins, object: str) -> Distances:
     return alike
 
 
-def _explain_refusal(item: ObjectCousins | None, role: str, size: Vector | None, true: str | None) -> str:
+def _explain_refusal(item: ObjectCousins | None, part: str, size: Vector | None, true: str | None) -> str:
     if item is None:
         return "is not in the scene"
     if item.status == "failed":
         return f"failed ({item.reason})"
     if size is None and (item.cousins or true):
         return "was not placed in the scene"
-    return f"is truly {true}, which has no {role} to open" if true else f"has no cousin with a {role} to open"
+    return f"is truly {true}, which has no {part} to open" if true else f"has no cousin with a {part} to open"

@@ -3,12 +3,13 @@
 from stages.contracts import Library
 from stages.contracts.cousins import Cousin, ObjectCousins
 from stages.contracts.objects import SceneObject
+from stages.contracts.parts import FRONTS
 from stages.matching.candidates import count_gap
 
 
 def describe_counts(doors: int, drawers: int) -> str:
     """In words, e.g. `2 doors and no drawer`."""
-    parts = ((doors, "door"), (drawers, "drawer"))
+    parts = zip((doors, drawers), FRONTS, strict=True)
     return " and ".join(f"{number or 'no'} {noun}{'s' * (number > 1)}" for number, noun in parts)
 
 

@@ -43,8 +43,9 @@ def run(
     settings = read_options(ComparisonOptions, options)
     encoder = make_encoder(settings)
     store = FeatureStore(features, settings_digest(settings, encoder))
-    assets = [entry.id for entry in read_json(Library, library).assets if entry.doors + entry.drawers]
-    store.check_holds(assets, "models that open")
+    entries = read_json(Library, library).assets
+    assets = [entry.id for entry in entries if entry.doors + entry.drawers + entry.buttons]
+    store.check_holds(assets, "models that a task is about")
     matched = read_json(Cousins, cousins)
     item = next((entry for entry in matched.objects if entry.id == object), None)
     weights = column_weights(encoder, depth=True)

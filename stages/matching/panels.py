@@ -9,6 +9,7 @@ from scipy.optimize import linear_sum_assignment
 from stages.contracts.fronts import Panel
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
+from stages.contracts.parts import FRONTS
 from stages.matching.candidates import count_gap
 
 SHIFT = 0.1  # share of a front by which all of its panels may lie off their stated places: boxes of things err
@@ -34,7 +35,7 @@ def _gap(
 ) -> float:
     """The sum with the boxes (N, 2, 2) and (M, 2, 2) of both."""
     gap = 0.0
-    for kind in ("door", "drawer"):
+    for kind in FRONTS:
         mine, others = [panel.kind == kind for panel in stated], [panel.kind == kind for panel in own]
         gaps = 1 - measure_overlaps(ours[mine], theirs[others])
         gap += float(gaps[linear_sum_assignment(gaps)].sum()) + abs(sum(mine) - sum(others))

@@ -18,6 +18,7 @@ from stages.articulated.asset_folder import read_asset, stretch_asset
 from stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
+from stages.contracts.parts import PARTS
 from stages.geometry.frames import yaw_matrix, yaw_quaternion
 from stages.simulation.rendering import has_renderer
 from stages.simulation.stretching import stretch_builder
@@ -137,7 +138,8 @@ def load_asset(
     Returns:
         An articulation if the URDF has joints, else an entity (kinematic if fixed).
     """
-    builder = ParsedAsset(scene.create_urdf_loader(), folder, fixed).builder(scale)
+    parsed = ParsedAsset(scene.create_urdf_loader(), folder, fixed)
+    builder = parsed.builder(scale)
     builder.initial_pose = pose
     if not has_renderer(scene):
         for link in getattr(builder, "link_builders", [builder]):
@@ -148,7 +150,8 @@ def load_asset(
         return builder.build()
     articulation = builder.build()
     articulation.set_name(name)
-    set_joint_friction(articulation)
+    names = [joint.name for joint in articulation.get_active_joints()]
+    set_joint_dynamics(articulation, parsed.asset, names)
     return close_joints(articulation)
 
 
@@ -159,11 +162,17 @@ def close_joints(articulation: PhysxArticulation) -> PhysxArticulation:
     return articulation
 
 
-def set_joint_friction(articulation: PhysxArticulation) -> None:
-    """Give every joint the friction and damping of our URDFs, which SAPIEN's loader ignores."""
-    for joint in articulation.get_active_joints():
+def set_joint_dynamics(articulation: PhysxArticulation, asset: Asset, names: Sequence[str]) -> None:
+    """Give every joint the friction and damping of our URDFs, which SAPIEN's loader ignores, and its part's spring.
+
+    `names`: of its active joints in the URDF; ManiSkill calls them otherwise.
+    """
+    springs = {joint.name: PARTS[joint.part_type].spring for joint in asset.joints}
+    for joint, name in zip(articulation.get_active_joints(), names, strict=True):
         joint.set_friction(FRICTION)
-        joint.set_drive_properties(stiffness=0.0, damping=DAMPING)
+        joint.set_drive_properties(stiffness=springs.get(name, 0.0), damping=DAMPING)
+        if joint.stiffness:
+            joint.set_drive_target(float(joint.limits[0][0]))
 
 
 def move(body: PhysxArticulation | sapien.Entity, pose: sapien.Pose) -> None:

@@ -4,9 +4,10 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from stages.contracts.parts import FRONTS
 from stages.contracts.training_sets import is_randomised, is_set, read_set, strip_randomised
 
-TASKS = {"door": "Door opening", "drawer": "Drawer opening", "put_away_bowl": "Putting away bowl"}
+TASKS = {front: f"{front} opening".capitalize() for front in FRONTS} | {"put_away_bowl": "Putting away bowl"}
 SPLITS = ("test", "validation")  # test assets that are sets of unseen assets
 SKILL = "skill"  # training set of the scripted skill's rows
 NAMES = {"all": "all assets", "trained": "training assets"}
@@ -47,7 +48,7 @@ def title(name: str) -> str:
 
 def task_title(task: str) -> str:
     """A task for people."""
-    return TASKS.get(task, title(task))
+    return TASKS.get(task, title(task).capitalize())
 
 
 def target_title(target: str, task: str) -> str:

@@ -93,11 +93,11 @@ class EnvWrapper:
 
     def turn_to(self, assets: Path, joint: str, size: Size | None) -> None:
         """Use another asset and joint from the next episode on; see `EnvWrapper`."""
-        asset, role = read_json(Asset, assets / "asset.json"), self.task.role
-        names = [candidate.name for candidate in asset.joints if candidate.role == role]
+        asset, part = read_json(Asset, assets / "asset.json"), self.task.part_type
+        names = [candidate.name for candidate in asset.joints if candidate.part_type == part]
         if joint not in names:
-            fix = f"its {role} joints: {names or 'none'}"
-            raise InputError(assets, f"has no {role} joint {joint!r}.", fix, code="E-TASK-JOINT")
+            fix = f"its {part} joints: {names or 'none'}"
+            raise InputError(assets, f"has no {part} joint {joint!r}.", fix, code="E-TASK-JOINT")
         self.assets, self.asset, self.joint, self.size = assets, asset.id, joint, size or asset.size
 
     @property
@@ -121,6 +121,7 @@ class EnvWrapper:
             environment = getattr(importlib.import_module(module), name)
             _freeze_imports()
             self._env = environment(
+                task=self.task,
                 asset_folder=folder,
                 joint=self.joint,
                 options=self.options,

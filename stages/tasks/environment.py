@@ -18,7 +18,7 @@ from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 from stages.geometry.frames import apply, inverse
 from stages.planning.clearance import Surroundings
 from stages.simulation.kinematics import Array
-from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, set_joint_friction
+from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, set_joint_dynamics
 from stages.simulation.poses import batch_poses
 from stages.simulation.rendering import render_backend
 from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
@@ -39,11 +39,12 @@ class OpenTaskEnv(FilmedEnv):
     """Open one joint of one asset with a fixed-base Panda.
 
     The robot stands in front of the handle, at a height relative to it. There is no floor: nothing falls.
-    A task's own class names its `task` and overrides what differs: `cameras`, `seen_ids` (what the cloud shows),
+    A task's own class, if it has one, overrides what differs: `cameras`, `seen_ids` (what the cloud shows),
     `check_success`, `_load_scene` (more objects), `_initialize_episode` (where they are, how far joints are open; the
     seed is in `_episode_seed`), `evaluate` (beside success, the official code's).
 
     Args:
+        task: what the skill is to do there, which says what is opened.
         asset_folder: folder with asset.json. It and `joint_name` may be set anew; the next episode shows the change.
         joint: name of the joint to open; None: the one that suits the task best.
         options: the `task` section, or some of its keys.
@@ -56,7 +57,6 @@ class OpenTaskEnv(FilmedEnv):
 
     SUPPORTED_ROBOTS = ["acdc_panda"]
     SUPPORTED_REWARD_MODES = ("sparse", "none")
-    task: ClassVar[Task]
     simulation_frequency: ClassVar[int] = SIMULATION_FREQUENCY  # a task may have a multiple of it
     robot_shift: ClassVar[tuple[float, float, float]] = (0.0, 0.0, 0.0)  # metres: out from the front, y, up
     agent: AcdcPanda
@@ -64,6 +64,7 @@ class OpenTaskEnv(FilmedEnv):
     def __init__(
         self,
         *args: Any,
+        task: Task,
         asset_folder: str | Path,
         joint: str | None = None,
         options: TaskConfig | dict[str, Any] | None = None,
@@ -75,7 +76,7 @@ class OpenTaskEnv(FilmedEnv):
         obs_mode: str = "pointcloud",
         **kwargs: Any,
     ) -> None:
-        self.options = TaskConfig.model_validate(options or {})
+        self.task, self.options = task, TaskConfig.model_validate(options or {})
         self.asset_folder, self.room = Path(asset_folder), room
         self.randomise = RandomiseOptions.model_validate(randomise) if randomise else None
         drawn_from = self.randomise.extents if self.randomise else self.options.scale_range
@@ -144,11 +145,12 @@ class OpenTaskEnv(FilmedEnv):
             builder.set_scene_idxs(range(self.num_envs) if alike else [index])
             bodies.append(builder.build(name="target_object" if alike else f"target_object_{index}"))
         self.object: Articulation = bodies[0] if alike else Articulation.merge(bodies, name="target_object")
+        names = [joint.name for joint in bodies[0].active_joints]
         for body, seed in zip(self.object._objs, self._episode_seed, strict=True):
-            set_joint_friction(body)
+            set_joint_dynamics(body, self.asset, names)
             if self.randomise:
                 randomise(body, sample_factors(int(seed), self.randomise))
-        index = [joint.name for joint in bodies[0].active_joints].index(self.joint_name)
+        index = names.index(self.joint_name)
         if self.gpu_sim_enabled:  # what is on the GPU cannot be measured before the first step: measure a twin of it
             world = physics_scene()
             shown = [load_asset(world, self.asset_folder, sapien.Pose(), True, "", scale) for scale in scales]

@@ -33,4 +33,4 @@ def randomise(body: PhysxArticulation, factors: Factors) -> None:
             shape.physical_material = PhysxMaterial(*friction, was.restitution)
     for joint in body.active_joints:
         joint.set_friction(joint.friction * factors.joint_friction)
-        joint.set_drive_properties(stiffness=0.0, damping=joint.damping * factors.joint_friction)
+        joint.set_drive_properties(stiffness=joint.stiffness, damping=joint.damping * factors.joint_friction)

@@ -3,26 +3,26 @@
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 from stages.articulated.affordance import Affordance, target_joint
 from stages.contracts.errors import InputError
+from stages.contracts.parts import PartType
 
 
 @dataclass(frozen=True)
 class Task:
-    """A task. Its environment (cameras, horizon, success) and its skills are named here and imported when used.
+    """A task. Its environment (cameras, success) and its skills are named here and imported when used.
 
-    gym_id: name for `gym.make`. environment: "module:Class", a subclass of `stages.tasks.environment.OpenTaskEnv`.
-    skills: modules of the chain of skills that demonstrate it, in order. role: of the joint that it opens.
-    horizon: steps after which an episode is over, unless `task.max_steps` says otherwise.
+    gym_id: name for `gym.make`. skills: modules of the chain of skills that demonstrate it, in order. part_type: of the
+    joint that it opens. horizon: steps after which an episode is over, unless `task.max_steps` says otherwise.
+    environment: "module:Class", a subclass of the usual one.
     """
 
     gym_id: str
-    environment: str
     skills: tuple[str, ...]
-    role: Literal["door", "drawer"]
+    part_type: PartType
     horizon: int = 100
+    environment: str = "stages.tasks.environment:OpenTaskEnv"
 
     def target_joint(self, folder: Path, like: Affordance | None = None, flaps: bool = False) -> Affordance | None:
         """The joint of the asset in `folder` that the task is about, None if none will do.
@@ -31,7 +31,7 @@ class Task:
             like: that of the twin.
             flaps: whether of an asset with no other door a flap will do.
         """
-        return target_joint(folder, self.role, like, flaps)
+        return target_joint(folder, self.part_type, like, flaps)
 
     def suitable_joint(self, folder: Path) -> str:
         """The name of that joint.
@@ -41,7 +41,9 @@ class Task:
         """
         panel = self.target_joint(folder)
         if panel is None:
-            raise InputError(folder, f"has no {self.role} with a handle.", "choose another asset", code="E-TASK-JOINT")
+            raise InputError(
+                folder, f"has no {self.part_type} with a handle.", "choose another asset", code="E-TASK-JOINT"
+            )
         return panel.joint
 
 
@@ -51,5 +53,7 @@ def register(task: Task) -> Task:
         import gymnasium
 
         if task.gym_id not in gymnasium.registry:
-            gymnasium.register(task.gym_id, entry_point=task.environment, disable_env_checker=True)
+            gymnasium.register(
+                task.gym_id, entry_point=task.environment, disable_env_checker=True, kwargs={"task": task}
+            )
     return task

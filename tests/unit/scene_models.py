@@ -5,7 +5,7 @@ from functools import cache
 from plugins.furniture.catalogue import sample
 from plugins.furniture.folder import generate
 from plugins.furniture.robot import robot_of
-from stages.articulated.roles import contract_joints
+from stages.articulated.part_types import contract_joints
 from stages.config.assets import AssetsConfig
 from stages.contracts import Asset
 
@@ -28,8 +28,8 @@ def default_models(seed: int) -> dict[str, Asset]:
                 box_max=(x, y, z),
                 mass=1.0,
                 joints=joints,
-                doors=sum(joint.role == "door" for joint in joints),
-                drawers=sum(joint.role == "drawer" for joint in joints),
+                doors=sum(joint.part_type == "door" for joint in joints),
+                drawers=sum(joint.part_type == "drawer" for joint in joints),
                 licence="",
                 provenance="",
                 checksum="",

@@ -25,7 +25,7 @@ from stages.articulated.handle import find_handle
 from stages.articulated.handle_extents import handle_extents
 from stages.articulated.mesh_reader import texture_of
 from stages.articulated.model import Link, RobotModel, Visual
-from stages.articulated.roles import contract_joints, with_roles
+from stages.articulated.part_types import assign_part_types, contract_joints
 from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_tree import UrdfTree
@@ -114,7 +114,7 @@ def test_a_mass_told_by_hand_scales_mass_and_inertia_of_every_link(tmp_path: Pat
 
 
 def test_fronts_are_measured_with_what_is_fixed_to_them(tmp_path: Path) -> None:
-    robot = with_roles(read_urdf(write_cabinet(tmp_path), tmp_path))
+    robot = assign_part_types(read_urdf(write_cabinet(tmp_path), tmp_path))
     asset = write_asset(robot, tmp_path / "cab", ABOUT)
     door, drawer = asset.joints
     assert door.panel is not None and drawer.panel is not None
@@ -139,7 +139,7 @@ def test_handles_are_told_from_their_shape(style: Style, cell: str, tmp_path: Pa
     """What the generator says of its handles is what a measurement says of the same shapes without a description."""
     told = cabinet(tmp_path / "cab", layout=[[cell]], handle=style, protrusion=STYLES[style].protrusion)
     robot = read_urdf(tmp_path / "cab" / "model.urdf", tmp_path / "cab")
-    (measured,) = contract_joints(with_roles(robot))
+    (measured,) = contract_joints(assign_part_types(robot))
     assert (measured.handle, measured.panel) == (told.joints[0].handle, told.joints[0].panel)
     assert told.joints[0].handle == STYLES[style].kind
 
@@ -153,7 +153,9 @@ def test_hinge_sides_are_those_seen_from_the_front(hinge: int, side: str, tmp_pa
 
 
 def test_an_assets_urdf_lies_in_its_folder(tmp_path: Path) -> None:
-    write_asset(with_roles(read_urdf(write_cabinet(tmp_path / "mine"), tmp_path / "mine")), tmp_path / "cab", ABOUT)
+    write_asset(
+        assign_part_types(read_urdf(write_cabinet(tmp_path / "mine"), tmp_path / "mine")), tmp_path / "cab", ABOUT
+    )
     about = json.loads((tmp_path / "cab" / "asset.json").read_text()) | {
         "urdf": "../mine/bottom_cabinet/Oak 1/cab.urdf"
     }
@@ -172,12 +174,12 @@ def test_a_folder_that_fails_while_it_is_written_leaves_the_old_one(tmp_path: Pa
 
 
 def test_roles_and_handles_survive_stretching(tmp_path: Path) -> None:
-    asset = write_asset(with_roles(read_urdf(write_cabinet(tmp_path), tmp_path)), tmp_path / "cab", ABOUT)
+    asset = write_asset(assign_part_types(read_urdf(write_cabinet(tmp_path), tmp_path)), tmp_path / "cab", ABOUT)
     told = json.loads((tmp_path / "cab" / "asset.json").read_text())
     told["joints"][1] |= {"handle_link": "tray", "handle": "edge"}
     (tmp_path / "cab" / "asset.json").write_text(json.dumps(told))
     wide = stretch_asset(tmp_path / "cab", read_asset(tmp_path / "cab"), (0.45, 1.2, 0.925), tmp_path / "wide")
-    assert [(joint.name, joint.role, joint.handle_link, joint.handle) for joint in wide.joints] == [
+    assert [(joint.name, joint.part_type, joint.handle_link, joint.handle) for joint in wide.joints] == [
         ("hinge", "door", "door_knob", "knob"),
         ("slide", "drawer", "tray", "edge"),
     ]
@@ -275,8 +277,8 @@ def test_joints_in_any_order(tmp_path: Path) -> None:
     ],
 )
 def test_what_turns_without_end_follows_or_hardly_moves_is_fixed(tmp_path: Path, old: str, new: str) -> None:
-    robot = with_roles(read(tmp_path, CABINET.replace(old, new)))
-    assert [(joint.name, joint.type, joint.role) for joint in robot.joints] == [
+    robot = assign_part_types(read(tmp_path, CABINET.replace(old, new)))
+    assert [(joint.name, joint.type, joint.part_type) for joint in robot.joints] == [
         ("hinge", "revolute", "door"),
         ("knob", "fixed", None),
         ("slide", "fixed", None),

@@ -18,7 +18,8 @@ from stages.simulation.loading import load_asset
 from stages.simulation.rendering import make_scene
 from stages.simulation.shaders import make_skyless_pack
 from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
-from stages.tasks.door.environment import OpenDoorEnv
+from stages.tasks.door import TASK
+from stages.tasks.environment import OpenTaskEnv
 from tests.unit.demo_assets import cabinet
 
 OPTIONS = TaskConfig(points=256, camera_size=64)
@@ -32,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-class ThreeEyes(OpenDoorEnv):
+class ThreeEyes(OpenTaskEnv):
     """Doors seen from both shoulders and from the wrist."""
 
     def cameras(self) -> Sequence[Camera]:
@@ -63,7 +64,7 @@ def test_our_shaders_see_what_sapiens_see(folder: Path) -> None:
 
 
 def test_every_camera_adds_points_of_the_target_where_it_is(folder: Path) -> None:
-    env = ThreeEyes(asset_folder=folder, joint="door_1_joint", options=OPTIONS, reward_mode="none")
+    env = ThreeEyes(task=TASK, asset_folder=folder, joint="door_1_joint", options=OPTIONS, reward_mode="none")
     env.reset(seed=4)
     env.scene.update_render(update_sensors=True, update_human_render_cameras=False)
     pictures, joints = env.rig.capture(env._sensors), env.agent.robot.get_qpos()[0].numpy().astype(float)

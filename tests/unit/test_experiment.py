@@ -58,7 +58,7 @@ def write_asset(world: World, name: str, doors: list[Door], tall: float = 0.4, r
         Joint(
             name=f"j{number}",
             type="revolute" if role == "door" else "prismatic",
-            role=role,
+            part_type=role,
             parent="base",
             link=f"l{number}",
             axis=(0, 0, 1),

@@ -30,7 +30,7 @@ def front(folder: Path, *parts: str, ahead: str = "") -> RobotModel:
     )
     (folder / "c.urdf").write_text(text)
     robot = read_urdf(folder / "c.urdf", folder)
-    return replace(robot, joints=[replace(one, role="door", handle_link="door") for one in robot.joints])
+    return replace(robot, joints=[replace(one, part_type="door", handle_link="door") for one in robot.joints])
 
 
 def told(robot: RobotModel) -> tuple[str | None, str | None]:

@@ -11,7 +11,7 @@ from plugins.furniture.folder import generate
 from plugins.furniture.library import make
 from plugins.furniture.robot import robot_of
 from plugins.furniture.shapes import bounds_of
-from stages.articulated.roles import contract_joints
+from stages.articulated.part_types import contract_joints
 from stages.contracts.categories import category_in
 from stages.simulation.loading import load_asset, physics_scene, root_pose
 from tests.unit.physics import add_ground, position_of
@@ -26,7 +26,7 @@ ROOM = (
 def test_a_washing_machine_has_a_round_door_that_opens_away_from_its_body(index: int) -> None:
     model = generate(sample("washing_machine", index, 0))
     (joint,) = contract_joints(robot_of(model, "washing_machine"))
-    assert joint.role == "door" and joint.handle == "arch" and joint.panel is not None
+    assert joint.part_type == "door" and joint.handle == "arch" and joint.panel is not None
     assert joint.panel.hinge in ("left", "right") and 0.3 < joint.panel.size[1] < 0.45
     (door,) = model.moving
     body = max(part.mesh.bounds[1][0] for part in model.base if part.collisions is None)

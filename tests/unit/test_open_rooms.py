@@ -289,7 +289,8 @@ def opening(hinge: str, handle: str | None) -> Joint:
     """A joint of a cousin."""
     drawer = hinge == "slide"
     return Joint(
-        name=f"joint_{hinge}_{handle}", type="prismatic" if drawer else "revolute", role="drawer" if drawer else "door",
+        name=f"joint_{hinge}_{handle}", type="prismatic" if drawer else "revolute",
+        part_type="drawer" if drawer else "door",
         parent="body", link="front", axis=(0, 0, 1), lower=0, upper=1, handle_link=None, handle=handle,
         panel=FrontPanel(hinge=hinge, height=0.5, size=(0.4, 0.4)),
     )  # fmt: skip

@@ -68,7 +68,7 @@ def test_every_joint_can_be_pushed_open_alone(models: Path) -> None:
     body = load_asset(scene, models / asset.id, sapien.Pose(), True, "cabinet")
     for index, joint in enumerate(asset.joints):
         force = np.zeros(len(asset.joints))
-        force[index] = 15.0 if joint.role == "door" else 30.0
+        force[index] = 15.0 if joint.part_type == "door" else 30.0
         body.set_qpos(np.zeros(len(asset.joints)))
         for _ in range(400):
             body.set_qf(force)

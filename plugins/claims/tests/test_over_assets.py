@@ -117,8 +117,8 @@ def test_figure_4_has_a_point_per_asset_and_thirds_of_the_assets(rows: pd.DataFr
 def test_names_of_rows_and_sets() -> None:
     targets = [("door", "door"), ("door_room_1", "door"), ("fridge_handle", "door"), ("bowl", "put_away_bowl")]
     assert [target_title(*names) for names in [*targets, ("touch", "touch"), ("my_touch", "touch")]] == [
-        "Door opening", "Door opening, room 1", "Door opening, fridge handle", "Putting away bowl", "touch",
-        "touch, my touch",
+        "Door opening", "Door opening, room 1", "Door opening, fridge handle", "Putting away bowl", "Touch",
+        "Touch, my touch",
     ]  # fmt: skip
     assert row_title({"target": "door_1", "task": "door", "policy": "lite"}) == "Door opening, 1, lite"
     sets = ["skill", "all", "random_8", "cover_8", "cousins_8_randomised", "cousins_8", "twin_randomised", "twin"]

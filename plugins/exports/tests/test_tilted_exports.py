@@ -47,8 +47,8 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
     ]
     axis = np.array([0.6, 0.0, 0.8])
     joints = [
-        JointModel("hinge", "revolute", "base", "door", ORIGIN, axis, LOWER, UPPER, role="door"),
-        JointModel("runner", "prismatic", "base", "drawer", SLIDE, axis, 0.05, 0.3, role="drawer"),
+        JointModel("hinge", "revolute", "base", "door", ORIGIN, axis, LOWER, UPPER, part_type="door"),
+        JointModel("runner", "prismatic", "base", "drawer", SLIDE, axis, 0.05, 0.3, part_type="drawer"),
     ]
     model = RobotModel("tilted", {each.name: each for each in links}, joints)
     write_asset(model, folder, Description("tilted", "cabinet", "CC0-1.0", "test"))

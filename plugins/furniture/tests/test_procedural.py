@@ -9,7 +9,7 @@ import trimesh
 import yaml
 
 from plugins.furniture.cabinet import Cabinet
-from plugins.furniture.catalogue import CATEGORIES, sample
+from plugins.furniture.catalogue import ALL, CATEGORIES, sample
 from plugins.furniture.facts import categories_text, counts_text, describe_category
 from plugins.furniture.finishes import finish_of
 from plugins.furniture.folder import build, generate
@@ -38,7 +38,7 @@ def recipes(categories: list[str]) -> list[tuple[str, Recipe]]:
     return [(f"{c}_{k}", sample(c, k, 0)) for c in categories for k in range(COUNTS[c])]
 
 
-@pytest.mark.parametrize("category", sorted(CATEGORIES))
+@pytest.mark.parametrize("category", sorted(ALL))
 def test_closed_box_is_exact_at_any_size(category: str) -> None:
     recipe = sample(category, 1, 7)
     for size in SIZES:
@@ -187,7 +187,7 @@ def test_fronts_open_outwards_and_leave_gaps() -> None:
         boxes = [bounds_of([part.mesh for part in moving.parts]) for moving in model.moving]
         for k, moving in enumerate(model.moving):
             pull = boxes[k].mean(axis=0)
-            if moving.role == "door":
+            if moving.part_type == "door":
                 turn = trimesh.transformations.rotation_matrix(moving.upper / 2, moving.axis, moving.origin)
                 opened = trimesh.transform_points([pull], turn)[0]
             else:
@@ -203,7 +203,7 @@ def test_handles_are_on_the_free_side_and_keep_their_size() -> None:
         for size in (None, (0.7, 1.6, 1.4)):
             model = generate(recipe, size)
             for moving in model.moving:
-                if moving.handle in (None, "edge") or moving.role != "door":
+                if moving.handle in (None, "edge") or moving.part_type != "door":
                     continue
                 foremost = max(moving.parts, key=lambda part: part.mesh.bounds[1][0])
                 box = bounds_of([part.mesh for part in moving.parts])

@@ -12,6 +12,7 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
+from plugins.importing.buttons import mark_buttons
 from plugins.importing.importers import Importer
 from plugins.importing.mjcf_file import compile_model
 from stages.articulated.mesh_reader import convex_pieces
@@ -42,7 +43,8 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
     links, joints = reader.tree()
     if not any(link.visuals for link in links.values()):
         raise InputError(path, "shows nothing: no body has geometry.", code="E-MODEL-UNSEEN")
-    return RobotModel(path.stem, links, joints, remarks=tuple(reader.remarks()))
+    sprung = [model.joint(number).name or f"joint_{number}" for number in np.flatnonzero(model.jnt_stiffness)]
+    return mark_buttons(RobotModel(path.stem, links, joints, remarks=tuple(reader.remarks())), sprung)
 
 
 USUAL_RGBA = (0.5, 0.5, 0.5, 1.0)  # of a geom that says nothing: MuJoCo paints it as its material is

@@ -14,7 +14,7 @@ from plugins.mujoco.mjcf_writer import document
 from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.model import RobotModel
-from stages.articulated.roles import with_roles
+from stages.articulated.part_types import assign_part_types
 from stages.articulated.urdf_reader import read_urdf
 from stages.simulation.loading import load_asset, physics_scene
 
@@ -96,7 +96,7 @@ def test_what_cannot_move_is_fixed_and_named(tmp_path: Path, old: str, new: str,
 
 
 def test_both_leaves_open_in_both_simulators(tmp_path: Path) -> None:
-    robot = with_roles(read(tmp_path / "theirs", PAIR))
+    robot = assign_part_types(read(tmp_path / "theirs", PAIR))
     asset = write_asset(robot, tmp_path / "pair", Description("pair", "wall_cabinet", "none", "test"))
     assert asset.doors == 2
     scene = physics_scene()

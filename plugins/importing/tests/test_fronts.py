@@ -18,8 +18,8 @@ from plugins.importing.tests.own_models import import_folder
 from stages.articulated.asset_folder import read_model
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.handle import find_handle
+from stages.articulated.part_types import assign_part_types, contract_joints
 from stages.articulated.resizing import resize_asset
-from stages.articulated.roles import contract_joints, with_roles
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.categories import category_in
 from stages.simulation.loading import load_asset, physics_scene
@@ -112,7 +112,7 @@ def test_a_handle_that_is_seen_is_solid(tmp_path: Path, own: bool) -> None:
     door = mesh + (box("0.02 0.5 0.4", "0 0.25 0").replace("visual", "collision") if own else "")
     before = box("0.02 0.5 0.4", "0 0.25 0") + box("0.03 0.02 0.2", "0.03 0.4 0")
     (tmp_path / "c.urdf").write_text(cabinet().replace(before, door))
-    robot = with_roles(doors_and_drawers(read_urdf(tmp_path / "c.urdf", tmp_path))[0])
+    robot = assign_part_types(doors_and_drawers(read_urdf(tmp_path / "c.urdf", tmp_path))[0])
     solid, lines = with_solid_handles(robot)
     assert lines == ["door 'hinge': what collides hid its handle: cut anew from what is seen"]
     handle = find_handle(trimesh.util.concatenate(solid.links["door"].collisions))
@@ -125,7 +125,7 @@ def test_a_handle_that_is_seen_is_solid(tmp_path: Path, own: bool) -> None:
 def test_what_a_gripper_cannot_close_on_is_no_handle(tmp_path: Path, width: float, kind: str | None) -> None:
     text = cabinet().replace("0.03 0.02 0.2", f"0.03 {width} 0.2").replace("0.03 0.4 0", "0.03 0.3 0")
     (tmp_path / "c.urdf").write_text(text)
-    robot = with_roles(doors_and_drawers(read_urdf(tmp_path / "c.urdf", tmp_path))[0])
+    robot = assign_part_types(doors_and_drawers(read_urdf(tmp_path / "c.urdf", tmp_path))[0])
     assert next(joint.handle for joint in contract_joints(robot) if joint.name == "hinge") == kind
 
 
@@ -225,7 +225,7 @@ def test_a_heavy_door_is_pushed_at_its_free_edge(tmp_path: Path) -> None:
     hinge = joint("hinge", "revolute", "door", "0 0 -1", 1.5, "0.3 -0.35 0.5")
     (place / "a.urdf").write_text(f'<robot name="c">{links}{hinge}</robot>')
     (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
-    assert [joint.role for joint in asset.joints] == ["door"] and asset.mass > 7
+    assert [joint.part_type for joint in asset.joints] == ["door"] and asset.mass > 7
     assert stuck_joints(tmp_path / "models" / asset.id) == []
 
 
@@ -325,5 +325,5 @@ def test_a_cabinet_that_stands_askew_in_its_file_is_turned(tmp_path: Path, turn:
     (tmp_path / "bottom_cabinet").mkdir()
     (tmp_path / "bottom_cabinet/c.urdf").write_text(cabinet(turn))
     (asset,) = import_folder(tmp_path, tmp_path / "library")
-    assert {joint.role for joint in asset.joints} == {"door", "drawer"}
+    assert {joint.part_type for joint in asset.joints} == {"door", "drawer"}
     assert asset.size == pytest.approx((0.445, 0.5, 0.86), abs=0.06)

@@ -71,7 +71,7 @@ def usual(env: EnvWrapper, seed: int) -> np.ndarray:
 
 def test_where_the_arm_follows_the_door_the_robot_stands_where_it_always_does(tmp_path: Path) -> None:
     asset = make("bottom_cabinet", 0, 0, tmp_path)
-    name = next(one.name for one in asset.joints if one.role == "door")
+    name = next(one.name for one in asset.joints if one.part_type == "door")
     env = world(tmp_path / asset.id, name)
     for seed in range(3):
         env.reset(seed)

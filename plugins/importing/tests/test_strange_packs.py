@@ -18,7 +18,7 @@ from plugins.importing.naming import strip_name
 from plugins.importing.portrait import Portraits
 from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.mesh_writer import write_glb
-from stages.articulated.roles import contract_joints, with_roles
+from stages.articulated.part_types import assign_part_types, contract_joints
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.categories import category_in
 from tests.refusals import refused
@@ -237,7 +237,7 @@ def test_a_drawer_behind_a_door_has_no_handle_to_hold(tmp_path: Path) -> None:
 
     def handle(more: str) -> str | None:
         robot = read_urdf(urdf(tmp_path / "a.urdf", body + inside + more), tmp_path)
-        (found,) = (one for one in contract_joints(with_roles(robot)) if one.name == "slide")
+        (found,) = (one for one in contract_joints(assign_part_types(robot)) if one.name == "slide")
         return found.handle
 
     door = f'<link name="door">{box("0.02 0.5 0.6", "0 0.25 0")}</link>'

@@ -8,7 +8,7 @@ FILE = Path(__file__).with_name("categories.json")
 
 
 class Known(NamedTuple):
-    """Models of a category in the default library; whether the first of them have doors, and drawers."""
+    """Models of a category in the default library, perhaps none; whether the first of them have doors, and drawers."""
 
     models: int
     doors: bool

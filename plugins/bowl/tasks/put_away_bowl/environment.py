@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from plugins.bowl.movable import Movable
 from plugins.bowl.region import Region
-from plugins.bowl.tasks.put_away_bowl import TASK
 from plugins.bowl.tasks.put_away_bowl.bowl import (
     AROUND,
     default_bowl,
@@ -59,7 +58,6 @@ class PutAwayBowlEnv(OpenTaskEnv):
             drawer to hold it.
     """
 
-    task = TASK
     simulation_frequency = 200  # at 100 the fingers sink 2 mm into what they hold, and a thin wall slips out
     robot_shift = (0.07, 0.0, 0.12)  # room for the hand before the handle of the opened drawer, and above the drawer
 

@@ -1,53 +1,57 @@
-"""Roles of joints: doors and drawers, with their handles."""
+"""Part types of joints: doors, drawers and buttons, with their handles."""
 
 from collections.abc import Iterable
 from dataclasses import replace
 
 from stages.articulated.attributes import front_panel, measure_handle
 from stages.articulated.forward_kinematics import link_frames, measure_closed_box
-from stages.articulated.model import JointModel, RobotModel, Role
+from stages.articulated.model import JointModel, RobotModel
 from stages.contracts.library import Joint
+from stages.contracts.parts import FRONTS, PARTS, PartType
 
 HANDLE_NAMES = ("handle", "knob", "nob", "pull", "grip")
 
 
-def with_roles(robot: RobotModel) -> RobotModel:
-    """The model with roles by type of joint: hinges are doors, slides are drawers.
+def assign_part_types(robot: RobotModel) -> RobotModel:
+    """The model with the part type of every moving joint: as its reader says, else the front with such a joint.
 
-    A fixed child whose name says so is the handle; else it is looked for on the moving link itself.
+    A fixed child whose name says so is the handle; else it is looked for on the moving link itself. A button is pushed
+    at its face.
     """
     fixed = {joint.child: joint.parent for joint in robot.joints if joint.type == "fixed"}
 
-    def with_role(joint: JointModel) -> JointModel:
+    def assign(joint: JointModel) -> JointModel:
         if joint.type == "fixed":
             return joint
+        if joint.part_type == "button":
+            return replace(joint, handle_link=joint.child, handle="face")
         attached = (child for child, parent in fixed.items() if parent == joint.child)
         named = (child for child in attached if any(word in child.lower() for word in HANDLE_NAMES))
-        role: Role = "door" if joint.type == "revolute" else "drawer"
-        return replace(joint, role=role, handle_link=next(named, joint.child))
+        part = next(front for front in FRONTS if PARTS[front].joint == joint.type)
+        return replace(joint, part_type=part, handle_link=next(named, joint.child))
 
-    return replace(robot, joints=[with_role(joint) for joint in robot.joints])
+    return replace(robot, joints=[assign(joint) for joint in robot.joints])
 
 
-def with_roles_of(robot: RobotModel, described: Iterable[Joint]) -> RobotModel:
-    """A model with the roles and handles that its `asset.json` gives to its joints, by name."""
+def copy_part_types(robot: RobotModel, described: Iterable[Joint]) -> RobotModel:
+    """A model with the part types and handles that its `asset.json` gives to its joints, by name."""
     known = {joint.name: joint for joint in described}
 
-    def with_role(joint: JointModel) -> JointModel:
+    def copy(joint: JointModel) -> JointModel:
         stated = known.get(joint.name)
         if stated is None:
             return joint
-        return replace(joint, role=stated.role, handle_link=stated.handle_link, handle=stated.handle)
+        return replace(joint, part_type=stated.part_type, handle_link=stated.handle_link, handle=stated.handle)
 
-    return replace(robot, joints=[with_role(joint) for joint in robot.joints])
+    return replace(robot, joints=[copy(joint) for joint in robot.joints])
 
 
 def contract_joints(robot: RobotModel) -> list[Joint]:
-    """The joints with a role as the contract names them, with what can be measured of their fronts and handles."""
+    """The joints with a part type as the contract names them, with what can be measured of fronts and handles."""
     frames, low = link_frames(robot), measure_closed_box(robot)[0]
     joints = []
     for joint in robot.joints:
-        if joint.type == "fixed" or joint.role is None:
+        if joint.type == "fixed" or joint.part_type is None:
             continue
         handle = joint.handle
         if handle is None and joint.handle_link is not None:  # stated, without its kind
@@ -56,7 +60,7 @@ def contract_joints(robot: RobotModel) -> list[Joint]:
             Joint(
                 name=joint.name,
                 type=joint.type,
-                role=joint.role,
+                part_type=joint.part_type,
                 parent=joint.parent,
                 link=joint.child,
                 axis=tuple(joint.axis.round(9).tolist()),
@@ -70,6 +74,6 @@ def contract_joints(robot: RobotModel) -> list[Joint]:
     return joints
 
 
-def count_roles(joints: Iterable[Joint], role: Role) -> int:
-    """How many of the joints have a role."""
-    return sum(joint.role == role for joint in joints)
+def count_parts(joints: Iterable[Joint], part: PartType) -> int:
+    """How many of the joints have a part type."""
+    return sum(joint.part_type == part for joint in joints)

@@ -1,0 +1,5 @@
+"""What the core must know of this package."""
+
+from stages.config.packages import Package
+
+PACKAGE = Package()

@@ -1,0 +1,35 @@
+"""The kinds of moving parts that all else knows: of what joint, how far they move, how they open.
+
+A part type is what GAPartNet (Geng et al., CVPR 2023) calls a hinge door, a slider drawer, a slider button. Every part
+is closed at the lower limit of its joint and opens towards the upper one. What moves otherwise stays fixed.
+"""
+
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+
+FrontType = Literal["door", "drawer"]  # what an object's counts and its front name (paper A.7): `doors`, `drawers`
+PartType = Literal["door", "drawer", "button"]
+HingeSide = Literal["left", "right", "bottom", "top", "slide"]
+FRONTS: tuple[FrontType, ...] = get_args(FrontType)
+
+
+class Part(NamedTuple):
+    """A kind of moving part.
+
+    joint: its type. sides: at which a task opens it; slide: it has no hinge. motion: the least and the most that one
+    moves, radians or metres. spring: with which it returns to its lower limit, N/m; 0: it stays where it is left.
+    """
+
+    joint: Literal["revolute", "prismatic"]
+    sides: tuple[HingeSide, ...]
+    motion: tuple[float, float]
+    spring: float = 0.0
+
+
+PARTS: dict[PartType, Part] = {
+    "door": Part("revolute", ("left", "right"), (np.deg2rad(20), np.inf)),
+    "drawer": Part("prismatic", ("slide",), (0.05, np.inf)),
+    # 2 to 4 N where it is pushed all the way, as push buttons of machines have it; chosen
+    "button": Part("prismatic", ("slide",), (0.001, 0.05), spring=200.0),
+}
