@@ -20,8 +20,7 @@ from plugins.report.page import charts
 from plugins.report.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
 from plugins.report.page.charts import line_chart
 from plugins.report.page.files import RunFiles
-from plugins.report.page.films import read_films
-from plugins.report.page.policies import losses
+from plugins.report.page.policies import collect_films, losses
 from plugins.report.snapshots import Snapshots
 from stages.config.model import Config
 from stages.contracts.archives import pack
@@ -256,7 +255,7 @@ def test_a_film_outside_its_folder_is_refused(tmp_path: Path) -> None:
     (folder / "films.json").write_text(text.replace("twin_1.webp", "../twin_1.webp"))
     pack(folder, tmp_path / "films.zip")
     with refused("E-CONTRACT-BROKEN", "films.1.file"):
-        read_films(tmp_path / "films.zip", "Rollout", Album(100, 80))
+        collect_films(tmp_path / "films.zip", "Rollout", Album(100, 80))
 
 
 @pytest.mark.parametrize(
@@ -302,8 +301,8 @@ def test_benchmarks_by_stage(made: Path) -> None:
 
 
 def test_losses_and_charts() -> None:
-    step, series = losses([{"step": 10, "loss": 2.0, "lr": 1}, {"step": 20, "loss": 1.0, "valid_loss": 3}])
-    assert step == "step" and series == {"loss": [(10.0, 2.0), (20.0, 1.0)], "valid_loss": [(20.0, 3.0)]}
+    series = losses([{"step": 10, "loss": 2.0, "lr": 1}, {"step": 20, "loss": 1.0, "valid_loss": 3}])
+    assert series == {"loss": [(10.0, 2.0), (20.0, 1.0)], "valid_loss": [(20.0, 3.0)]}
     chart = line_chart({"<a>": [(0, 1), (1, float("nan")), (2, 0)]}, "step", "a & b")
     svg = base64.b64decode(chart.split("base64,")[1].split('"')[0]).decode()
     assert "&lt;a&gt;" in svg and 'alt="a &amp; b"' in chart and "nan" not in svg.lower()
