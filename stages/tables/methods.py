@@ -56,11 +56,6 @@ def kinds_of(options: PolicyTables) -> dict[str, str]:
     return {name: name if kind == name else f"{kind} ({sets[name]})" for name, kind in options.kinds.items()}
 
 
-def kind(policy: str, known: Kinds) -> str:
-    """What a policy is, in words; its name where that is not known."""
-    return known.get(policy, policy)
-
-
 def join_published(published: pd.DataFrame, ours: pd.DataFrame, options: PolicyTables) -> pd.DataFrame:
     """Rows of the paper with `target` and `policy`: those of ours that they stand beside.
 

@@ -13,7 +13,7 @@ from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.tables import table3
 from stages.tables.markup import Table, markdown
-from stages.tables.methods import join_published, kind
+from stages.tables.methods import join_published
 from stages.tables.order import row_title, set_key, target_title, title
 from stages.tables.policy_figures import figure4
 from stages.tables.rows import published_policies
@@ -131,7 +131,6 @@ def test_names_of_rows_and_sets() -> None:
         "random 3", "cover 3 of draw 2", "random 1 of draw 2, randomised", "cousin 2, randomised", "twin",
         "all assets, randomised",
     ]  # fmt: skip
-    assert [kind(name, KINDS) for name in ("lite_handle", "mine")] == ["handle flagged", "mine"]
 
 
 def chosen() -> TaskAssets:

@@ -9,7 +9,7 @@ from markupsafe import Markup
 from plugins.claims.claims import OPEN
 from plugins.claims.tables import count_lacking_runs, evidence, title_of
 from plugins.report.page.charts import success_chart
-from stages.tables.methods import Kinds, kind
+from stages.tables.methods import Kinds
 from stages.tables.order import SKILL, set_key, target_title, title
 from stages.tables.rows import records
 from stages.tables.text import percent
@@ -80,7 +80,7 @@ def compare_over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None,
         split = policies["test_asset"].iloc[0]
         policies = policies[policies["test_asset"] == split]
         skill = mine[(mine["training_set"] == SKILL) & (mine["test_asset"] == split)]["mean"]
-        names = {policy: kind(policy, kinds) for policy in policies["policy"].unique()}
+        names = {policy: kinds.get(policy, policy) for policy in policies["policy"].unique()}
         name = target_title(str(target), policies["task"].iloc[0])
         about = f"success over {title_of(policies['assets'].iloc[0], split)} of families that no policy was trained on"
         label = f"{name}: {about}, by kind of policy and training set; the numbers are in the table of assets"
@@ -96,7 +96,7 @@ def compare_over_roles(cells: pd.DataFrame | None, claims: pd.DataFrame | None, 
     judged = None if claims is None else claims.query("over == 'roles'")
     for (target, policy), mine in cells.groupby(["target", "policy"], sort=False) if cells is not None else ():
         of_target = target_title(str(target), mine["task"].iloc[0])
-        name = f"{of_target}, {kind(str(policy), kinds)}"
+        name = f"{of_target}, {kinds.get(str(policy), policy)}"
         label = f"{name}: success by test asset and training set, with intervals; the numbers are in Table 3"
         roles = {name: title(name) for name in sorted(mine["test_asset"].unique(), key=set_key)}
         about, chart = "success of the policies by test asset", success_chart(mine, label, roles, "test_asset")
