@@ -42,9 +42,8 @@ class Snapshots:
             with h5py.File(path) as file:
                 rgb, depth = file["rgb"][index, view], file["depth"][index, view]
         except (OSError, KeyError, ValueError) as error:
-            raise InputError(
-                path, f"is not a readable snapshot shard ({error}).", "make it again", code="E-FILE-UNREADABLE"
-            ) from None
+            what = f"is not a readable snapshot shard ({error})."
+            raise InputError(path, what, "make it again", code="E-FILE-UNREADABLE") from None
         return cut_out(rgb, depth > 0)
 
 
