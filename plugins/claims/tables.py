@@ -24,11 +24,7 @@ SENTENCES = {
     "randomised": "On unseen assets, {ours} do better than {theirs}",
     "all": "On unseen assets, {ours} do better than {theirs}",
 }
-MINUS = {
-    "twin": "minus the twin's",
-    "randomised": "minus the randomised twin's",
-    "network": "minus {own}",
-}
+MINUS = {"twin": "minus the twin's", "randomised": "minus the randomised twin's", "network": "minus {own}"}
 Line = dict[str, dict[str, Any]]  # training set -> row of a frame
 
 
@@ -77,15 +73,11 @@ def _group(table: pd.DataFrame, sets: list[str], kinds: Kinds) -> list[list[str]
     return rows
 
 
-def _policy_sets(table: pd.DataFrame) -> list[str]:
-    return sorted({*table["training_set"]} - {SKILL}, key=set_key)
-
-
 def assets_table(
     table: pd.DataFrame, options: TablesConfig, kinds: Kinds | None = None, notes: Sequence[str] = ()
 ) -> Table:
     """Success over unseen assets; `table` as `assets.build` gives, `kinds` as `kinds_of`, `notes` as `policy_notes`."""
-    sets = _policy_sets(table) or [BASELINE]
+    sets = sorted({*table["training_set"]} - {SKILL}, key=set_key) or [BASELINE]
     groups = [group for _, group in table.groupby(["target", "test_asset"], sort=False)]
     return Table(
         name="assets",
@@ -99,8 +91,7 @@ def assets_table(
 
 def by_handle_table(table: pd.DataFrame, options: TablesConfig) -> Table:
     """The same by kind and length of the handle; `table` as `assets.by_handle` gives."""
-    skill = table["training_set"] == SKILL
-    sets = [*_policy_sets(table), *([SKILL] if skill.any() else [])]
+    skill, sets = table["training_set"] == SKILL, sorted({*table["training_set"]}, key=set_key)
     policy_of = table.drop_duplicates("target").set_index("target")["policy"]
     table = table.assign(policy=table["policy"].mask(skill, table["target"].map(policy_of)))  # beside a policy
     rows = []

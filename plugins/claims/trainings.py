@@ -40,17 +40,12 @@ def collect(configs: Sequence[Path]) -> pd.DataFrame:
     for path in configs:
         config, (target, policy, name, run) = read_json(TrainedPolicy, path, AGAIN), path.absolute().parts[-6:-2]
         outcome = LATE if config.late else LEARNED if config.learned else STUCK
-        about = {
-            "target": target,
-            "task": shorten_name(config.task),
-            "policy": policy,
-            "run": run,
-            "training_set": name,
-        }
-        losses = {"validation_loss": config.best_loss, "validation_error": config.best_error}
-        losses |= {"seed": config.seed, "best_step": config.best_step}
-        constant = {"constant_error": config.constant_error, "plateau": config.plateau}
-        rows.append(about | losses | constant | {"outcome": None if config.best_loss is None else outcome})
+        rows.append(
+            {"target": target, "task": shorten_name(config.task), "policy": policy, "run": run, "training_set": name}
+            | {"validation_loss": config.best_loss, "validation_error": config.best_error, "seed": config.seed}
+            | {"best_step": config.best_step, "constant_error": config.constant_error, "plateau": config.plateau}
+            | {"outcome": None if config.best_loss is None else outcome}
+        )
     table = in_order(pd.DataFrame(rows, columns=COLUMNS), [*ALIKE, "training_set", "seed"])
     table = table.astype({"validation_loss": float, "plateau": "Int64", "others": "Int64"})
     for index, row in table.dropna(subset="validation_loss").iterrows():

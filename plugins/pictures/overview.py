@@ -18,19 +18,19 @@ LINE, PADDING = 3, 5  # pixels
 
 
 def _tint_masks(
-    rgb: NDArray[np.uint8], masks: NDArray[np.uint16], colours: dict[int, Colour], scale: float
+    rgb: NDArray[np.uint8], masks: NDArray[np.uint16], colors: dict[int, Colour], scale: float
 ) -> NDArray[Any]:
     size, finest = (WIDTH, round(scale * rgb.shape[0])), cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
     image = cv2.resize(rgb, size, interpolation=finest)
-    for value, colour in colours.items():
+    for value, color in colors.items():
         mask = cv2.resize((masks == value).astype(np.uint8), size)
-        image[mask > 0] = (0.75 * image[mask > 0] + 0.25 * np.array(colour)).astype(np.uint8)
+        image[mask > 0] = (0.75 * image[mask > 0] + 0.25 * np.array(color)).astype(np.uint8)
         outline, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        cv2.drawContours(image, outline, -1, colour, LINE, cv2.LINE_AA)
+        cv2.drawContours(image, outline, -1, color, LINE, cv2.LINE_AA)
     return image
 
 
-def _wireframe(canvas: ImageDraw.ImageDraw, item: SceneObject, objects: Objects, colour: Colour, scale: float) -> None:
+def _wireframe(canvas: ImageDraw.ImageDraw, item: SceneObject, objects: Objects, color: Colour, scale: float) -> None:
     if item.box is None:
         return
     box = UprightBox(item.box.center, item.box.size, item.box.yaw)
@@ -39,7 +39,7 @@ def _wireframe(canvas: ImageDraw.ImageDraw, item: SceneObject, objects: Objects,
     ring = [(k, (k + 1) % 4) for k in range(4)]  # of its lower face; the upper one is 4 corners on
     for a, b in [*ring, *((a + 4, b + 4) for a, b in ring), *((a, a + 4) for a, _ in ring)]:
         if np.isfinite(pixels[[a, b]]).all():
-            canvas.line([*map(tuple, pixels[[a, b]])], fill=colour, width=LINE)
+            canvas.line([*map(tuple, pixels[[a, b]])], fill=color, width=LINE)
 
 
 def _caption(item: SceneObject) -> str:
@@ -60,8 +60,8 @@ class _Captions:
         self.font = ImageFont.load_default(26)
         self.taken: list[tuple[float, float, float, float]] = []
 
-    def write(self, text: str, at: tuple[float, float], colour: Colour) -> None:
-        """Write `text` centred above the point, or at the nearest free place above or below."""
+    def write(self, text: str, at: tuple[float, float], color: Colour) -> None:
+        """Write `text` centered above the point, or at the nearest free place above or below."""
         x0, y0, x1, y1 = self.canvas.textbbox((0, 0), text, font=self.font)
         width, height = x1 - x0 + 2 * PADDING, y1 - y0 + 2 * PADDING
         across, down = self.canvas.im.size
@@ -75,24 +75,24 @@ class _Captions:
         ]
         top = min(free, key=lambda one: (one > wanted, abs(one - wanted)), default=wanted)
         self.taken.append((left, top, left + width, top + height))
-        self.canvas.rectangle(self.taken[-1], fill=(20, 20, 20), outline=colour)
+        self.canvas.rectangle(self.taken[-1], fill=(20, 20, 20), outline=color)
         self.canvas.text((left + PADDING - x0, top + PADDING - y0), text, fill=(255, 255, 255), font=self.font)
 
 
 def draw_overview(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: Objects) -> Image.Image:
     """The picture, `WIDTH` pixels wide; objects that failed are listed at its lower edge with their reason."""
     good = [item for item in objects.objects if item.status == "ok"]
-    colours = {item.mask: colour_of(k) for k, item in enumerate(good)}
+    colors = {item.mask: colour_of(k) for k, item in enumerate(good)}
     scale = WIDTH / rgb.shape[1]
-    image = Image.fromarray(_tint_masks(rgb, masks, colours, scale))
+    image = Image.fromarray(_tint_masks(rgb, masks, colors, scale))
     canvas = ImageDraw.Draw(image)
     for item in good:
-        _wireframe(canvas, item, objects, colours[item.mask], scale)
+        _wireframe(canvas, item, objects, colors[item.mask], scale)
     captions = _Captions(canvas)
     for item in sorted(good, key=lambda item: -item.mask):
         if item.pixels is not None:
             x0, y0, x1, _ = item.pixels
-            captions.write(_caption(item), ((x0 + x1) * scale / 2, y0 * scale), colours[item.mask])
+            captions.write(_caption(item), ((x0 + x1) * scale / 2, y0 * scale), colors[item.mask])
     failed = [f"{item.id}: {item.reason}" for item in objects.objects if item.status == "failed"]
     for line in failed:  # one above the other
         captions.write(line, (image.width / 2, image.height - 8), (255, 80, 80))

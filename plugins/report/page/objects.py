@@ -125,7 +125,7 @@ def fade_background(rgb: Pixels, mask: NDArray[np.bool_]) -> Pixels:
 def cloud_picture(
     cloud: NDArray[np.float32], item: SceneObject, evidence: Evidence, axes: tuple[int, int]
 ) -> Image.Image:
-    """The cloud in the picture's colours and its box, as the camera sees them.
+    """The cloud in the picture's colors and its box, as the camera sees them.
 
     Args:
         axes: those drawn to the right and upwards, of the box as the camera sees it: 0 away from it, 1 left, 2 up.

@@ -1,4 +1,4 @@
-"""The report page in headless Chromium: nothing overflows, toggles work by keyboard, colours keep their contrast."""
+"""The report page in headless Chromium: nothing overflows, toggles work by keyboard, colors keep their contrast."""
 
 import shutil
 from collections.abc import Iterator
@@ -37,14 +37,14 @@ BROKEN = """
 CONTRAST = """
 () => {
   const canvas = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
-  const rgb = (colour) => { canvas.clearRect(0, 0, 1, 1); canvas.fillStyle = colour; canvas.fillRect(0, 0, 1, 1);
+  const rgb = (color) => { canvas.clearRect(0, 0, 1, 1); canvas.fillStyle = color; canvas.fillRect(0, 0, 1, 1);
                             return [...canvas.getImageData(0, 0, 1, 1).data]; };
   const linear = (value) => value <= 10.31475 ? value / 3294.6 : ((value / 255 + 0.055) / 1.055) ** 2.4;
   const light = ([r, g, b]) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
   const behind = (element) => {
     for (let node = element; node; node = node.parentElement) {
-      const colour = rgb(getComputedStyle(node).backgroundColor);
-      if (colour[3] === 255) return colour;
+      const color = rgb(getComputedStyle(node).backgroundColor);
+      if (color[3] === 255) return color;
     }
     return rgb('white');
   };
@@ -112,7 +112,7 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture
 def opened(browser: Any, address: str, request: pytest.FixtureRequest) -> Iterator[tuple[Any, list[str]]]:
-    """The page at the width and colour scheme of the test, and what it complains of."""
+    """The page at the width and color scheme of the test, and what it complains of."""
     width, scheme, motion = getattr(request, "param", (1440, "light", "no-preference"))
     context = browser.new_context(
         viewport={"width": width, "height": 900}, color_scheme=scheme, reduced_motion=motion, offline=True
@@ -212,7 +212,7 @@ def test_an_open_story_stretches_no_neighbour(opened: tuple[Any, list[str]]) -> 
     assert all(abs(now - then) < 60 for place, (now, then) in enumerate(zip(after, before, strict=True)) if place != 1)
 
 
-def test_colours_films_and_large_pictures_by_keyboard(opened: tuple[Any, list[str]]) -> None:
+def test_colors_films_and_large_pictures_by_keyboard(opened: tuple[Any, list[str]]) -> None:
     page, complaints = opened
     paper = "() => getComputedStyle(document.body).backgroundColor"
     light = page.evaluate(paper)
@@ -241,14 +241,14 @@ DRAWN = """
   const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', {willReadFrequently: true});
   copy.drawImage(canvas, 0, 0);
   const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
-  const colours = new Set();
+  const colors = new Set();
   let sum = 0;
   for (let i = 0; i < data.length; i += 28) {
-    const colour = data[i] + 256 * data[i + 1] + 65536 * data[i + 2];
-    colours.add(colour);
-    sum = (sum * 31 + colour) % 1000003;
+    const color = data[i] + 256 * data[i + 1] + 65536 * data[i + 2];
+    colors.add(color);
+    sum = (sum * 31 + color) % 1000003;
   }
-  return {colours: colours.size, sum};
+  return {colors: colors.size, sum};
 }
 """
 
@@ -262,7 +262,7 @@ def test_a_scene_turns_by_drag_and_keys_and_its_door_opens(opened: tuple[Any, li
     table, canvas = page.locator("#turntable"), page.locator("#turntable canvas")
     page.wait_for_function("() => document.activeElement.matches('#turntable canvas')")
     first = page.evaluate(DRAWN)
-    assert first["colours"] > 12  # floor, wall, cabinet, shadow and their edges
+    assert first["colors"] > 12  # floor, wall, cabinet, shadow and their edges
     whole, below = table.bounding_box(), table.locator(".below").bounding_box()
     assert whole["width"] <= page.viewport_size["width"] and below["height"] > 20
     assert below["y"] + below["height"] <= whole["y"] + whole["height"] + 1  # nothing is cut off
