@@ -1,7 +1,7 @@
 # The assets of the policy experiment: who is twin, cousin, test asset (paper B.3, B.4).
 # Reads:  the cousins and distances of the object that is opened, its generated scene, the library, the room's truth;
 #         or a committed file of the assets (experiment.targets.<target>.assets), and the library alone.
-# Writes: results/experiment/<variant>/<target>/assets.json, and for people assets.png, splits.png.
+# Writes: results/experiment/<variant>/<target>/assets.json.
 
 
 container: CONFIG.containers.learning
@@ -52,12 +52,7 @@ rule select:
 
 
 rule experiment:
-    """The assets of all targets, and their pictures."""
+    """The assets of all targets."""
     input:
         expand("results/experiment/{variant}/{target}/assets.json", variant=POLICY_VARIANT, target=TARGETS),
-        expand(
-            "results/experiment/{variant}/{target}/assets.png",
-            variant=POLICY_VARIANT,
-            target=TARGETS if DRAWN_ROOMS else [],
-        ),
     localrule: True

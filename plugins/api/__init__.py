@@ -7,14 +7,21 @@ differs from config.yaml, e.g. {"assets": {"counts": {"fridge": 12}}}.
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plugins.api.loaded import load_policy
 from plugins.films.writing import write_film
+from stages.assets import join, snapshots
+from stages.config.inputs import scene_of_folder
+from stages.config.model import Config, load, with_defaults
+from stages.config.packages import list_drawers, shards_of, verb
+from stages.config.reads import options_of
+from stages.config.sizes import fill_counts
+from stages.contracts.corrections import CORRECTIONS, corrections_of
 from stages.contracts.library_folder import AssetFolders
-
-if TYPE_CHECKING:
-    from stages.config.model import Config
+from stages.extraction import extract
+from stages.generation import generate
+from stages.matching import features, match
 
 __all__ = ["load_policy", "make_library", "make_room", "make_scenes", "models_of", "write_film"]
 
@@ -27,10 +34,6 @@ def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Pa
     Returns:
         library.json.
     """
-    from stages.assets import join, snapshots
-    from stages.config.packages import shards_of, verb
-    from stages.config.sizes import fill_counts
-
     folder, settings = Path(out), _settings(config)
     counts, theirs = settings.assets.counts, shards_of(settings)
     settings = fill_counts(settings, sum(counts.values()) + sum(len(shard.models) for shard in theirs.values()))
@@ -64,8 +67,6 @@ def make_room(name: str, library: str | Path, out: str | Path, config: Mapping[s
     Returns:
         the input folder: rgb.png, camera.json, depth.npz, masks.png, annotations.json.
     """
-    from stages.config.packages import verb
-
     settings, folder = _settings(config), Path(out) / name
     ours = [part for part in _parts(Path(library)) if not part.stem.startswith("shard_own")]
     parts = tuple(ours) or (Path(library),)
@@ -89,16 +90,9 @@ def make_scenes(
     Returns:
         scene_1.json, scene_2.json, ...
     """
-    from stages.config.packages import list_drawers, verb
-    from stages.config.sizes import fill_counts
-    from stages.contracts.corrections import CORRECTIONS, corrections_of
-    from stages.extraction import extract
-    from stages.generation import generate
-    from stages.matching import match
-
     source, index, folder = Path(picture), Path(library), Path(out)
     settings = fill_counts(_settings(config), len(AssetFolders(index)))
-    scene, variant = _name_scene(source), settings.experiment.policy_variant
+    scene, variant = scene_of_folder(source), settings.experiment.policy_variant
     image, objects, cousins = source / "rgb.png", folder / "objects.json", folder / "cousins.json"
     files = tuple(path for path in [source / CORRECTIONS] if path.is_file())
     corrections = {stage: files if corrections_of(files, stage) else () for stage in ("extraction", "generation")}
@@ -107,11 +101,11 @@ def make_scenes(
         own=tuple(path for path in [source / "config.yaml"] if path.is_file()),
         corrections=corrections["extraction"], seed=settings.seed,
     )  # fmt: skip
-    pictures = settings.matching_of(variant).compares_pictures
-    snapshots = _snapshots(index) if pictures else ()
+    parts = _parts(index) if settings.matching_of(variant).compares_pictures else []
+    shards = tuple(index.parent / "snapshots" / f"{part.stem}.h5" for part in parts)
     match.run(
-        objects=objects, image=image, library=index, out=cousins, snapshots=snapshots,
-        features=tuple(_features(settings, variant, path) for path in snapshots),
+        objects=objects, image=image, library=index, out=cousins, snapshots=shards,
+        features=tuple(_features(settings, variant, path) for path in shards),
         options=_options(settings, "matching", "match", variant=variant),
     )  # fmt: skip
     generate.run(
@@ -131,9 +125,7 @@ def models_of(library: str | Path) -> AssetFolders:
     return AssetFolders(Path(library))
 
 
-def _settings(config: Mapping[str, Any] | None) -> "Config":
-    from stages.config.model import load, with_defaults
-
+def _settings(config: Mapping[str, Any] | None) -> Config:
     given = with_defaults(dict(config or {}))
     own = "experiment" in (config or {})
     if not own:  # the usual rooms and targets would want models that a library need not have
@@ -141,17 +133,9 @@ def _settings(config: Mapping[str, Any] | None) -> "Config":
     return load(given, rooms_named=own)
 
 
-def _options(settings: "Config", stage: str, verb: str, **wildcards: str) -> str:
+def _options(settings: Config, stage: str, verb: str, **wildcards: str) -> str:
     """The --options that the workflow passes to a verb."""
-    from stages.config.reads import options_of
-
     return json.dumps(options_of(settings, stage, verb, wildcards), sort_keys=True)
-
-
-def _name_scene(picture: Path) -> str:
-    from stages.config.inputs import scene_of_folder
-
-    return scene_of_folder(picture)
 
 
 def _parts(library: Path) -> list[Path]:
@@ -159,14 +143,8 @@ def _parts(library: Path) -> list[Path]:
     return sorted(library.parent.glob("shard_*.json"), key=lambda path: (len(path.stem), path.stem))
 
 
-def _snapshots(library: Path) -> tuple[Path, ...]:
-    return tuple(library.parent / "snapshots" / f"{part.stem}.h5" for part in _parts(library))
-
-
-def _features(settings: "Config", variant: str, snapshots: Path) -> Path:
+def _features(settings: Config, variant: str, snapshots: Path) -> Path:
     """The features of a shard, made if they are not there yet."""
-    from stages.matching import features
-
     store = settings.matching_of(variant).store()
     path = snapshots.parents[1] / "features" / store / f"{snapshots.stem}.npy"
     if not path.exists():

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from plugins.claims.assets import find_judged_set, of_splits
 from stages.config.tables import TablesConfig
 from stages.tables.cells import ROW, rates
-from stages.tables.drawing import colour, draw_rates, mark_not_run, marker, rate_axis
+from stages.tables.drawing import color, draw_rates, mark_not_run, marker, rate_axis
 from stages.tables.order import SKILL, row_title, set_key
 from stages.tables.rows import records
 from stages.tables.text import distance_from_twin
@@ -66,7 +66,7 @@ def _draw(panel: Axes, axis: str, points: pd.DataFrame, thirds: pd.DataFrame) ->
         shift = step * (index - (len(sets) - 1) / 2)
         mine = points[points["training_set"] == name]
         panel.scatter(
-            mine[axis] + shift, 100 * mine["mean"], s=13, alpha=0.35, linewidths=0.6, color=colour(name),
+            mine[axis] + shift, 100 * mine["mean"], s=13, alpha=0.35, linewidths=0.6, color=color(name),
             marker=marker(name),
         )  # fmt: skip
         line = thirds[thirds["training_set"] == name].sort_values("place")

@@ -17,10 +17,7 @@ from stages.tables.table3 import BASELINE, RANDOMISED
 
 FIRST = ""  # stands for the first policy of a target
 ENDS = ["difference", "low", "high"]
-BASELINES = {
-    "twin": BASELINE,
-    "randomised": RANDOMISED,
-}  # training sets that the same policy's others are compared with
+BASELINES = {"twin": BASELINE, "randomised": RANDOMISED}  # training sets that the same policy's others are held against
 FROM = {name: {old: f"{name}_{old}" for old in ENDS} for name in (*BASELINES, "network")}
 COLUMNS = [*CELL, *RATE, *(column for columns in FROM.values() for column in columns.values())]
 LENGTHS = [0, 0.05, 0.1, 0.2, np.inf]  # of handles, metres
@@ -55,19 +52,13 @@ def build(rollouts: pd.DataFrame, options: TablesConfig, first: Mapping[str, str
     """
     found = of_splits(rollouts)
     policies = found[found["training_set"] != SKILL]
-    others = policies.assign(
-        policy=policies["policy"].where(policies["policy"] != policies["target"].map(first), FIRST)
-    )
-    table = rates(found, CELL, options)
-    found_gains = {
-        "network": tabulate_gains(others, ["target", "test_asset", "training_set"], "policy", FIRST, options)
-    }
-    for name, baseline in BASELINES.items():
-        found_gains[name] = tabulate_gains(
-            policies, ["target", "policy", "test_asset"], "training_set", baseline, options
-        )
-    for name, gained in found_gains.items():
-        table = table.merge(gained[[*CELL, *ENDS]].rename(columns=FROM[name]), "left", CELL, suffixes=("", "_"))
+    is_first = policies["policy"] == policies["target"].map(first)
+    others, table = policies.assign(policy=policies["policy"].mask(is_first, FIRST)), rates(found, CELL, options)
+    within = ["target", "policy", "test_asset"]
+    gains = {name: tabulate_gains(policies, within, "training_set", old, options) for name, old in BASELINES.items()}
+    gains["network"] = tabulate_gains(others, ["target", "test_asset", "training_set"], "policy", FIRST, options)
+    for name, gained in gains.items():
+        table = table.merge(gained[[*CELL, *ENDS]].rename(columns=FROM[name]), "left", CELL)
     return table[COLUMNS]
 
 

@@ -181,12 +181,8 @@ def answer(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfi
             ours, theirs = pairs.get(claim.baseline, ({}, {}))
             if not {main, claim.minus or main} <= set(ours):
                 continue
-            row = dict(zip(ROW, (target, task, policy), strict=True)) | {
-                "claim": name,
-                "training_set": most,
-                "baseline": claim.baseline,
-            }
-            row["over"] = BASELINE if main == BASELINE else find_judged_set(mine)
+            row = {"target": target, "task": task, "policy": policy, "claim": name, "training_set": most}
+            row |= {"baseline": claim.baseline, "over": BASELINE if main == BASELINE else find_judged_set(mine)}
             row["assets"] = ours[main].columns.get_level_values("asset").nunique()
             row |= compare(name, ours, theirs, options)
             known = [paper.get((str(target), str(policy), side)) for side in (most, claim.baseline)]

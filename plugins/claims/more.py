@@ -43,10 +43,7 @@ def asset_tables(more: MoreResults, options: PolicyTables, kinds: Kinds, notes: 
     """The tables over sets of unseen assets; none if there are no such rows."""
     if more.assets.empty:
         return []
-    return [
-        tables.assets_table(more.assets, options, kinds, notes),
-        tables.by_handle_table(more.by_handle, options),
-    ]
+    return [tables.assets_table(more.assets, options, kinds, notes), tables.by_handle_table(more.by_handle, options)]
 
 
 def target_tables(rollouts: pd.DataFrame, options: PolicyTables, kinds: Kinds) -> list[Table]:
@@ -80,11 +77,8 @@ def make_panels(rollouts: pd.DataFrame, options: PolicyTables) -> Panels | None:
 
 def add_tables(found: PolicyResults, rows: pd.DataFrame, trainings: Sequence[Path], options: PolicyTables) -> More:
     """What the verb `policies` of tables writes, too; `rows`: the rollouts before targets are pooled."""
-    more, kinds, failed = (
-        collect(found, options),
-        kinds_of(options),
-        failed_note(read_trainings(next(iter(trainings), None))),
-    )
+    more, kinds = collect(found, options), kinds_of(options)
+    failed = failed_note(read_trainings(next(iter(trainings), None)))
     unseen = asset_tables(more, options, kinds, [*policy_notes(options), *failed])
     unseen = unseen or [tables.assets_table(more.assets, options)]
     return More(
@@ -94,10 +88,7 @@ def add_tables(found: PolicyResults, rows: pd.DataFrame, trainings: Sequence[Pat
             "table3_claims": more.claims,
             "table3_stability": more.stability,
         },
-        tables={
-            "assets": [*unseen, *target_tables(rows, options, kinds)],
-            "table3": claim_tables(more, options),
-        },
+        tables={"assets": [*unseen, *target_tables(rows, options, kinds)], "table3": claim_tables(more, options)},
         notes=failed,
         panels=make_panels(found.rollouts, options),
     )

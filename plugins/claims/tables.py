@@ -7,14 +7,15 @@ import pandas as pd
 
 from plugins.claims.claims import COLLAPSED, MIN_RUNS, MIN_SPREAD_RUNS, NOT_WORSE
 from stages.config.tables import TablesConfig
-from stages.tables.markup import Table
-from stages.tables.methods import Kinds, kind
+from stages.tables.markup import Table, read_notes
+from stages.tables.methods import Kinds
 from stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title
 from stages.tables.rows import records
 from stages.tables.scene_tables import format_confidence
 from stages.tables.table3 import BASELINE, RANDOMISED
 from stages.tables.text import NOT_RUN, NOTHING, cell, count, interval, number, percent, points
 
+PACKAGE = "plugins.claims"  # has their notes
 SENTENCES = {
     "equal": "On the twin itself, {ours} do as well as {theirs}",
     "unseen": "On unseen assets, {ours} do better than {theirs}",
@@ -23,11 +24,7 @@ SENTENCES = {
     "randomised": "On unseen assets, {ours} do better than {theirs}",
     "all": "On unseen assets, {ours} do better than {theirs}",
 }
-MINUS = {
-    "twin": "minus the twin's",
-    "randomised": "minus the randomised twin's",
-    "network": "minus {own}",
-}
+MINUS = {"twin": "minus the twin's", "randomised": "minus the randomised twin's", "network": "minus {own}"}
 Line = dict[str, dict[str, Any]]  # training set -> row of a frame
 
 
@@ -63,11 +60,11 @@ def _group(table: pd.DataFrame, sets: list[str], kinds: Kinds) -> list[list[str]
     about += f", {CLOUDS['object']}" * (first["cloud"] == "object")
     group = cell(f"{target_title(first['target'], first['task'])}, {title(first['test_asset'])}", about)
     policies = [
-        (kind(name, kinds), line) for (name,), line in _lines(table[table["training_set"] != SKILL], ["policy"])
+        (kinds.get(name, name), line) for (name,), line in _lines(table[table["training_set"] != SKILL], ["policy"])
     ]
     rows = [_side_by_side([group, name], line, sets, _rate) for name, line in policies]
     for versus, what in MINUS.items():
-        minus = what.format(own=kind(first["policy"], kinds))
+        minus = what.format(own=kinds.get(first["policy"], first["policy"]))
         gains = [_side_by_side([group, f"{name}, {minus}"], line, sets, _gain(versus)) for name, line in policies]
         rows += [row for row in gains if any(row[2:])]
     for row in records(table[table["training_set"] == SKILL]):
@@ -76,15 +73,11 @@ def _group(table: pd.DataFrame, sets: list[str], kinds: Kinds) -> list[list[str]
     return rows
 
 
-def _policy_sets(table: pd.DataFrame) -> list[str]:
-    return sorted({*table["training_set"]} - {SKILL}, key=set_key)
-
-
 def assets_table(
     table: pd.DataFrame, options: TablesConfig, kinds: Kinds | None = None, notes: Sequence[str] = ()
 ) -> Table:
     """Success over unseen assets; `table` as `assets.build` gives, `kinds` as `kinds_of`, `notes` as `policy_notes`."""
-    sets = _policy_sets(table) or [BASELINE]
+    sets = sorted({*table["training_set"]} - {SKILL}, key=set_key) or [BASELINE]
     groups = [group for _, group in table.groupby(["target", "test_asset"], sort=False)]
     return Table(
         name="assets",
@@ -92,27 +85,13 @@ def assets_table(
         columns=["Assets", "Policies", *(title(name) for name in sets)],
         rows=[row for group in groups for row in _group(group, sets, kinds or {})],
         headers=2,
-        notes=[
-            f"Mean over assets ± sample standard deviation over runs, [{format_confidence(options)} interval]. No "
-            "policy was trained on an asset of these families. Intervals: bootstrap over families of assets, their "
-            f"initial states and runs, crossed ({options.bootstrap_samples} resamples, seed {options.seed}), never "
-            "narrower than a score interval with assets as units (Wilson's for rates; Newcombe's, 1998, method 10, "
-            "for paired differences). With one run an interval is about these policies only, not about training "
-            "again.",
-            "Minus the twin's: what training on more than the twin adds to the same kind of policy. Minus the "
-            "randomised twin's: what other assets add to varying the size, friction and mass of one. Minus another "
-            "kind: what the kind of policy adds on the same demonstrations. An interval that contains zero does not "
-            "tell the two apart. The scripted skill, which made the demonstrations and knows the true handle, starts "
-            "from the same states.",
-            *notes,
-        ],
+        notes=[*read_notes("assets", PACKAGE, confidence=format_confidence(options), options=options), *notes],
     )
 
 
 def by_handle_table(table: pd.DataFrame, options: TablesConfig) -> Table:
     """The same by kind and length of the handle; `table` as `assets.by_handle` gives."""
-    skill = table["training_set"] == SKILL
-    sets = [*_policy_sets(table), *([SKILL] if skill.any() else [])]
+    skill, sets = table["training_set"] == SKILL, sorted({*table["training_set"]}, key=set_key)
     policy_of = table.drop_duplicates("target").set_index("target")["policy"]
     table = table.assign(policy=table["policy"].mask(skill, table["target"].map(policy_of)))  # beside a policy
     rows = []
@@ -193,19 +172,15 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         columns=["Policy", "Claim", "Verdict", "Difference", "Judged over", "Runs"],
         rows=rows,
         headers=2,
-        notes=[
-            f"A claim holds if the {100 * options.confidence:g} % interval of the difference lies on its side, and "
-            "does not hold if it lies on the other side; if it contains zero, it cannot be said. To do as well "
-            f"is to be at most {100 * NOT_WORSE:g} points worse. A claim needs {MIN_RUNS} runs a side, one about "
-            f"differences from run to run {MIN_SPREAD_RUNS}; with one run a side the interval is about these policies "
-            "only, not about training again. Runs are training seeds of one policy (of each of the "
-            "hyper-parameter sets that trials chose).",
-            "Unseen assets: the set of unseen assets where policies were rolled out on one, else the three held-out "
-            "roles of Table 3, which are too few for most claims. Intervals: bootstrap over assets, their initial "
-            f"states and runs, crossed ({options.bootstrap_samples} resamples, seed {options.seed}); of means never "
-            "narrower than Newcombe's score interval with assets as units (on the twin alone: initial states). "
-            "Deviations are sample ones over runs, pooled over the twin and unseen assets.",
-        ],
+        notes=read_notes(
+            "claims",
+            PACKAGE,
+            confidence=format_confidence(options),
+            options=options,
+            not_worse=NOT_WORSE,
+            min_runs=MIN_RUNS,
+            min_spread_runs=MIN_SPREAD_RUNS,
+        ),
     )
 
 
@@ -226,9 +201,5 @@ def stability_table(table: pd.DataFrame) -> Table:
         columns=["Policy", "Training set", "Collapsed runs", "Spread over runs"],
         rows=rows,
         headers=2,
-        notes=[
-            "A run is collapsed if on the assets it was trained on (the paper's: on the twin) it succeeds less often "
-            f"than {100 * COLLAPSED:g} % of what the best run of its policy does there. Spread: sample standard "
-            "deviation over runs, pooled over the test assets."
-        ],
+        notes=read_notes("stability", PACKAGE, collapsed=COLLAPSED),
     )

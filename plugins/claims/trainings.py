@@ -12,7 +12,7 @@ from stages.contracts import read_json, trained
 from stages.contracts.trained import TrainedPolicy
 from stages.plugins import shorten_name
 from stages.tables.cells import in_order
-from stages.tables.markup import Table
+from stages.tables.markup import Table, read_notes
 from stages.tables.order import row_title, title
 from stages.tables.rows import read_table, records
 from stages.tables.text import NOTHING, cell, count, number
@@ -40,17 +40,12 @@ def collect(configs: Sequence[Path]) -> pd.DataFrame:
     for path in configs:
         config, (target, policy, name, run) = read_json(TrainedPolicy, path, AGAIN), path.absolute().parts[-6:-2]
         outcome = LATE if config.late else LEARNED if config.learned else STUCK
-        about = {
-            "target": target,
-            "task": shorten_name(config.task),
-            "policy": policy,
-            "run": run,
-            "training_set": name,
-        }
-        losses = {"validation_loss": config.best_loss, "validation_error": config.best_error}
-        losses |= {"seed": config.seed, "best_step": config.best_step}
-        constant = {"constant_error": config.constant_error, "plateau": config.plateau}
-        rows.append(about | losses | constant | {"outcome": None if config.best_loss is None else outcome})
+        rows.append(
+            {"target": target, "task": shorten_name(config.task), "policy": policy, "run": run, "training_set": name}
+            | {"validation_loss": config.best_loss, "validation_error": config.best_error, "seed": config.seed}
+            | {"best_step": config.best_step, "constant_error": config.constant_error, "plateau": config.plateau}
+            | {"outcome": None if config.best_loss is None else outcome}
+        )
     table = in_order(pd.DataFrame(rows, columns=COLUMNS), [*ALIKE, "training_set", "seed"])
     table = table.astype({"validation_loss": float, "plateau": "Int64", "others": "Int64"})
     for index, row in table.dropna(subset="validation_loss").iterrows():
@@ -138,16 +133,9 @@ def trainings_table(table: pd.DataFrame) -> Table:
             for (*_, run, name), group in groups
         ],
         headers=3,
-        notes=[
-            "Medians over seeds, of the weights that are rolled out. Error: root mean square of what actions are off "
-            "by, on demonstrations that training did not see; constant action: the same if the mean action of the "
-            "training episodes is taken whatever is seen. A training did not learn if its error is no smaller; it "
-            f"learned late if that was so for more than {100 * trained.LATE:g} % of its steps. It "
-            f"stayed behind if its loss lies above the median of the other seeds that learned by more than "
-            f"{100 * PART:g} % and {FAR:g} robust standard deviations; with fewer than {MIN_SPREAD_RUNS} such seeds, "
-            "also above that of all trainings of its row and hyper-parameters. Failed trainings count in all other "
-            "tables."
-        ],
+        notes=read_notes(
+            "trainings", "plugins.claims", late=trained.LATE, part=PART, far=f"{FAR:g}", min_spread_runs=MIN_SPREAD_RUNS
+        ),
     )
 
 

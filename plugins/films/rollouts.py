@@ -46,12 +46,8 @@ class RolloutFilms:
 
 def pick_episodes(episodes: Sequence[RolloutEpisode]) -> list[RolloutEpisode]:
     """The first recorded success and the first recorded failure, as far as there are any."""
-    recorded = [episode for episode in episodes if episode.recording]
-    return [
-        next(episode for episode in recorded if episode.success == outcome)
-        for outcome in (True, False)
-        if any(episode.success == outcome for episode in recorded)
-    ]
+    first = {episode.success: episode for episode in reversed(episodes) if episode.recording}
+    return [first[outcome] for outcome in (True, False) if outcome in first]
 
 
 def add_caption(film: Film, pictures: Sequence[Image]) -> Image:

@@ -90,11 +90,8 @@ class Shot:
         self._put(first)
         feet = [_bounds(self.asset.links), _bounds(studio.robot.links[:1])]
         low = min(bounds[0, 2] for bounds in feet)
-        self.about = (
-            _in_room(self.scene, recording.room, feet[1])
-            if recording.room
-            else _add_surroundings(self.scene, feet, low)
-        )
+        room = recording.room
+        self.about = _in_room(self.scene, room, feet[1]) if room else _add_surroundings(self.scene, feet, low)
         seen = [] if recording.room else [corners(np.array([[*box[0, :2], low], box[1]])) for box in feet]
         for moment in moments:
             self._put(moment)
@@ -151,11 +148,9 @@ class Shot:
     def _put(self, moment: Moment) -> None:
         for prop, place in zip(self.props, moment.props, strict=True):
             move(prop, sapien.Pose(place))
-        robot = self.studio.robot
         for body, pose, joints in (
-            (self.asset, moment.asset, moment.asset_joints),
-            (robot, moment.robot, moment.robot_joints),
-        ):
+            (self.asset, moment.asset, moment.asset_joints), (self.studio.robot, moment.robot, moment.robot_joints),
+        ):  # fmt: skip
             body.set_root_pose(sapien.Pose(pose))
             body.set_qpos(np.array([joints[joint.name] for joint in body.active_joints], np.float32))
 

@@ -2,10 +2,9 @@
 
 import sys
 from collections import Counter
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,14 +30,16 @@ from stages.tasks.task import Task
 SCENE_TRIES = 10  # attempts in one scene; chosen for time
 
 
-@dataclass(frozen=True)
-class Setting:
-    """Task, options and seed, the same in all scenes."""
+class Setting(NamedTuple):
+    """What is the same in all scenes; `cache`: folder for models at their sizes, `stores`: for episodes."""
 
+    object: str
     task: str
+    library: Path
     options: DemonstrationsConfig
     world: TaskConfig
     seed: int
+    cache: Path
     stores: Path
 
 
@@ -79,14 +80,13 @@ def run(
         raise InputError("--object", what, f"those there are: {', '.join(known)}", code="E-SCENE-OBJECT")
     found, films, strips = [], [], []
     with TemporaryDirectory(prefix="acdc-room-") as cache, TemporaryDirectory(prefix="acdc-stores-") as stores:
-        setting = Setting(task, settings, world, seed, Path(stores))
+        setting = Setting(object, task, library, settings, world, seed, Path(cache), Path(stores))
         studio = Studio(ROOM_LIGHT)
         for path, generated in read.items():
             try:
-                one, taken = demonstrate_in_scene(path, generated, object, library, Path(cache), setting)
+                one, taken = demonstrate_in_scene(path, generated, setting)
             except InputError as error:  # a model that this task cannot use
-                about = {"scene": generated.scene, "variant": generated.variant, "rank": generated.rank}
-                one, taken = SceneDemonstration(**about, asset="", status="failed", reason=str(error)[:900]), None
+                one, taken = _failed(generated, str(error)[:900]), None
             found.append(one)
             if one.film and taken:
                 pictures = studio.film(taken.recording, FRAMES * 2)
@@ -99,22 +99,25 @@ def run(
     write_json(out / "in_scene.json", SceneDemonstrations(task=task, object=object, demonstrations=found))
 
 
+def _failed(generated: GeneratedScene, reason: str, **about: Any) -> SceneDemonstration:
+    known = {"scene": generated.scene, "variant": generated.variant, "rank": generated.rank, "asset": ""}
+    return SceneDemonstration(status="failed", reason=reason, **(known | about))
+
+
 def demonstrate_in_scene(
-    path: Path, generated: GeneratedScene, object: str, library: Path, cache: Path, setting: Setting
+    path: Path, generated: GeneratedScene, setting: Setting
 ) -> tuple[SceneDemonstration, FilmedAttempt | None]:
     """A demonstration in one scene, with what is to be filmed."""
-    about: dict[str, Any] = {"scene": generated.scene, "variant": generated.variant, "rank": generated.rank}
-    placed = {item.id: item for item in generated.objects}
+    object, placed = setting.object, {item.id: item for item in generated.objects}
     if object not in placed or placed[object].status == "failed":
         reason = f"{object}: {placed[object].reason}" if object in placed else f"the scene has no {object}"
-        return SceneDemonstration(**about, asset="", status="failed", reason=reason), None
-    room = read_room(path, object, library, cache)
+        return _failed(generated, reason), None
+    room = read_room(path, object, setting.library, setting.cache)
     known: Task = load("tasks", setting.task)
     asset, target = room.target.asset.id, known.target_joint(room.target.folder, flaps=True)
     if target is None:
         reason = f"{object} is {asset}, which has no {known.part_type} that the robot can open"
-        return SceneDemonstration(**about, asset=asset, status="failed", reason=reason), None
-    about |= {"asset": asset, "joint": target.joint}
+        return _failed(generated, reason, asset=asset), None
     task = EnvWrapper(setting.task, room.target.folder, target.joint, None, setting.world, vary_scale=False, room=room)
     recorder, reasons, attempts = Recorder(task, setting.options, film=True), Counter[str](), 0
     seeds = attempt_seeds(setting.seed, f"rank_{generated.rank}", len(list_base_shifts()))
@@ -134,7 +137,10 @@ def demonstrate_in_scene(
                 opened=round(task.opened, 4), file=f"rank_{generated.rank}.webp",
             )  # fmt: skip
             task.close()
-            done = SceneDemonstration(**about, status="ok", attempts=attempts, shift=room.shift, film=film)
+            done = SceneDemonstration(
+                scene=generated.scene, variant=generated.variant, rank=generated.rank, asset=asset, joint=target.joint,
+                status="ok", attempts=attempts, shift=room.shift, film=film,
+            )  # fmt: skip
             return done, recorder.filmed[0]
         against = ", ".join(sorted(find_touched(task, room)))
         reasons[f"{outcome.cause}{f' against {against}' if against else ''}"] += 1
@@ -143,4 +149,4 @@ def demonstrate_in_scene(
     task.close()
     tried = "; ".join(f"{reason} ({count}x)" for reason, count in reasons.most_common())
     reason = f"the robot cannot open {target.joint} of {object} ({asset}): {tried}"
-    return SceneDemonstration(**about, status="failed", reason=reason, attempts=attempts), None
+    return _failed(generated, reason, asset=asset, joint=target.joint, attempts=attempts), None

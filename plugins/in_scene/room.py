@@ -45,7 +45,7 @@ class GeneratedRoom:
     """A generated scene; `target` is the object that a task is about, `others` is what else stands in it.
 
     shift: of the robot from its usual place before the target, x and y in the target's frame, metres.
-    look: colours and bounds of floor and walls; None: usual ones.
+    look: colors and bounds of floor and walls; None: usual ones.
     """
 
     scene: GeneratedScene

@@ -1,1 +1,1 @@
-"""Pictures for people of what the stages wrote: models, objects, cousins, scenes, roles of assets."""
+"""Pictures for people of what the stages wrote: models, objects, cousins, scenes."""

@@ -10,6 +10,5 @@ if __name__ == "__main__":
             "objects": "the picture with what was found in it",
             "cousins": "each object beside its cousins",
             "scenes": "the scenes as pictures and as GLB",
-            "roles": "the assets of a target with their roles and attributes",
         },
     )

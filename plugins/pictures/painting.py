@@ -13,7 +13,7 @@ from stages.simulation.rendering import make_scene
 
 
 def make_usual_look() -> Look:
-    """The look of a room whose picture nobody looked at: the usual light and colours."""
+    """The look of a room whose picture nobody looked at: the usual light and colors."""
     x, y, z = (np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)).round(6).tolist()
     return Look(light=(x, y, z), light_from="default", shadow_correlation=0.0, surfaces=[])
 

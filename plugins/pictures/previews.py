@@ -16,7 +16,7 @@ def draw_preview(scene: sapien.Scene, generated: GeneratedScene, width: int) -> 
     factor = SMOOTHING * width / generated.width
     height = round(generated.height * width / generated.width)
     intrinsics = np.array(generated.intrinsics) * [[factor], [factor], [1.0]]
-    intrinsics[:2, 2] += (factor - 1) / 2  # pixel centres are at integers
+    intrinsics[:2, 2] += (factor - 1) / 2  # pixel centers are at integers
     picture = RenderCamera(scene, intrinsics, SMOOTHING * width, SMOOTHING * height).render(generated.floor_from_camera)
     return np.asarray(Image.fromarray(picture.rgb).resize((width, height), Image.Resampling.BOX))
 

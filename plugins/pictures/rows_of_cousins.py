@@ -70,7 +70,7 @@ def crop_picture(view: View) -> Picture:
 
 
 def _fit(picture: Picture) -> Picture:
-    """A picture scaled to fit into a (TILE, TILE) square, centred on white."""
+    """A picture scaled to fit into a (TILE, TILE) square, centered on white."""
     scale = TILE / max(picture.shape[:2])
     width, height = (max(1, round(side * scale)) for side in picture.shape[1::-1])
     small = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR)

@@ -1,7 +1,7 @@
 # Pictures for people of what the stages wrote.
 # Reads:  snapshots, the files of extraction, matching and generation, the assets of targets.
 # Writes: results/assets/snapshots/shard_<i>.png, results/extraction/<scene>/overview.png,
-#         results/matching/<variant>/<scene>/cousins.png, results/experiment/<variant>/<target>/{assets,splits}.png,
+#         results/matching/<variant>/<scene>/cousins.png,
 #         results/generation/<variant>/<scene>/{scene_<rank>.{png,glb},look.json,thumbnail.webp,view.glb,comparison.png}.
 
 
@@ -113,26 +113,3 @@ rule draw_scenes:
     shell:
         "{params.command} --scenes {input.scenes:q} --objects {input.objects:q} --image {input.image:q} "
         "--library {input.library:q} --look {params.look} --out {params.out:q} 2>&1 | tee {log:q}"
-
-
-rule draw_roles:
-    """Draw the assets of a target with their roles and what a gripper meets there."""
-    input:
-        assets=f"results/experiment/{POLICY_VARIANT}/{{target}}/assets.json",
-        snapshots=expand("results/assets/snapshots/shard_{shard}.h5", shard=SHARDS),
-        indices=expand("results/assets/snapshots/shard_{shard}.json", shard=SHARDS),
-    output:
-        picture="results/experiment/{variant}/{target}/assets.png",
-        splits="results/experiment/{variant}/{target}/splits.png",
-    log:
-        "logs/experiment/draw_{variant}_{target}.log",
-    localrule: True
-    container:
-        CONFIG.containers.learning
-    resources:
-        **needs(1000, 10),
-    params:
-        **verb("pictures", "roles"),
-    shell:
-        "{params.command} --assets {input.assets:q} --snapshots {input.snapshots:q} --out {output.picture:q} "
-        "--splits {output.splits:q} 2>&1 | tee {log:q}"

@@ -43,7 +43,7 @@ def run(
             comparison.png, thumbnail.webp (input and first scene), look.json. The text chunks of every .png hold what
             its scenes were made of (seed and digests), and the digest of the code that drew them.
         width: of the pictures, pixels.
-        look: the module of a package that estimates light and colours from the picture; none: the usual ones.
+        look: the module of a package that estimates light and colors from the picture; none: the usual ones.
     """
     folders = AssetFolders(library)
     extracted, rgb = read_json(Objects, objects), read_rgb(image)

@@ -4,6 +4,7 @@ import base64
 import io
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from PIL import Image
 
@@ -13,8 +14,7 @@ from stages.contracts.images import read_narrow
 THUMBNAIL = 150  # pixels: small pictures of objects and assets
 
 
-@dataclass(frozen=True)
-class Picture:
+class Picture(NamedTuple):
     """A picture inside the page."""
 
     source: str
@@ -23,8 +23,7 @@ class Picture:
     alt: str
 
 
-@dataclass(frozen=True)
-class Animation:
+class Animation(NamedTuple):
     """A film, and the still picture shown where nothing should move."""
 
     film: Picture
@@ -42,13 +41,9 @@ class Album:
     width: int
     quality: int
 
-    def add(self, path: Path, alt: str) -> Picture:
-        """The picture of a file."""
-        return self.put(read_narrow(path, self.width), alt)
-
-    def maybe(self, path: Path | None, alt: str) -> Picture | None:
-        """The picture, if the run has the file."""
-        return self.add(path, alt) if path else None
+    def add(self, path: Path | None, alt: str) -> Picture | None:
+        """The picture of a file, if the run has it."""
+        return self.put(read_narrow(path, self.width), alt) if path else None
 
     def put(self, picture: Image.Image, alt: str) -> Picture:
         """A picture that is small enough."""
@@ -76,5 +71,5 @@ class Album:
                 last = film.convert("RGB")
         except (OSError, SyntaxError, ValueError) as error:
             what = f"is not a readable film ({error.__class__.__name__})."
-            raise InputError(path, what, "make it again", code="E-FILM-UNREADABLE") from None
-        return Animation(_embed_picture(path.read_bytes(), last.size, alt), self.put(last, f"{alt}: the last frame"))
+            raise InputError(path, what, "make it again", "E-FILM-UNREADABLE") from None
+        return Animation(_embed_picture(path.read_bytes(), last.size, alt), self.put(last, alt))

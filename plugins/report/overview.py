@@ -3,9 +3,8 @@
 from pathlib import Path
 
 from plugins.report.page.overview import Layout, count_failures, row
-from plugins.report.report import link_there_and_back, script
+from plugins.report.report import link_there_and_back, render
 from stages.contracts.files import write_text
-from stages.tables.markup import environment
 from stages.tables.order import sort_key
 from stages.tables.text import NOT_RUN
 
@@ -31,23 +30,20 @@ def run(
         results: folder of the stages' results, in the fixed layout.
         logs: folder of the logs; a scene that stopped shows the last line of its log.
     """
-    layout = Layout(results, logs, variant)
     links = {path.stem: link_there_and_back(path, out) for path in pages}
-    rows = [row(scene, layout, links.get(scene, "")) for scene in sorted(scenes, key=sort_key)]
-    page = environment("plugins.report").get_template("page/overview.html.jinja")
-    waiting = sum(one.stopped is not None and one.stopped.reason == NOT_RUN for one in rows)
-    stopped = sum(one.stopped is not None for one in rows) - waiting
-    text = page.render(
+    rows = [row(scene, Layout(results, logs, variant), links.get(scene, "")) for scene in sorted(scenes, key=sort_key)]
+    reasons = [one.stopped.reason for one in rows if one.stopped]
+    counts = {"waiting": reasons.count(NOT_RUN), "stopped": len(reasons) - reasons.count(NOT_RUN)}
+    counts["made"] = len(rows) - len(reasons)
+    text = render(
+        "overview.html.jinja",
+        ("sort.js", "back.js"),
         rows=rows,
         variant=variant,
-        stopped=stopped,
-        waiting=waiting,
         common=count_failures(rows),
         furnished=any((results / "scenes" / scene / "input").is_dir() for scene in scenes),
-        script=script("sort.js", "back.js"),
+        **counts,
     )
     write_text(out, text)
     out.with_suffix(".failed.html").unlink(missing_ok=True)
-    print(
-        f"{out}: {len(rows) - stopped - waiting} of {len(rows)} scenes were made, {stopped} stopped, {waiting} not run"
-    )
+    print("{}: {made} of {} scenes were made, {stopped} stopped, {waiting} not run".format(out, len(rows), **counts))

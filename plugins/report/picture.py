@@ -5,13 +5,13 @@ from pathlib import Path
 from plugins.report.album import Album
 from plugins.report.page import rooms, single
 from plugins.report.page.files import RunFiles
-from plugins.report.page.root import read_root
-from plugins.report.report import link_to, script
+from plugins.report.page.root import list_left_out
+from plugins.report.report import link_to, render
 from stages.config.tables import TablesConfig
 from stages.contracts import InputError
-from stages.contracts.files import read_options, write_text
-from stages.tables.markup import environment
-from stages.tables.text import number
+from stages.contracts.files import read_json, read_options, write_text
+from stages.contracts.scenes import Camera
+from stages.contracts.things import read_things
 
 
 def run(
@@ -41,23 +41,23 @@ def run(
     if len(found) != 1:
         raise InputError("--files", f"are of {len(found)} pictures.", "name the files of one", code="E-FILES-PICTURES")
     (room,) = found
-    page = environment("plugins.report").get_template("page/scene.html.jinja")
-    text = page.render(
+    path, objects = declared.find_first(f"extraction/{room.name}/objects.json"), room.found.objects
+    things = read_things(image.parent)
+    text = render(
+        "scene.html.jinja",
+        ("page.js", "viewer.js", "back.js"),
         room=room,
-        root=read_root(
-            declared.find_first(f"extraction/{room.name}/objects.json"),
-            image.parent,
-            room.reconstructions[0] if room.reconstructions else None,
-        ),
-        found=single.input_facts(declared, room.name, camera, album),
+        things=things,
+        left_out=list_left_out(things, image.parent) if path else [],
+        camera=single.measure_camera(objects) if objects else None,
+        note=read_json(Camera, camera).note,
+        depth=single.draw_depth(path, objects, album) if path and objects else None,
         doubts=[
-            (single.split_doubts(single.doubts(room, one)), single.list_further_doubts(one), single.notes(one))
+            (single.list_doubts(room, one), single.list_further_doubts(one), one.matches if one else [])
             for one in (*room.reconstructions,) or (None,)
         ],
         links=single.links(declared, room.name, out),
         first=room.reconstructions[0] if room.reconstructions else None,
-        script=script("page.js", "viewer.js", "back.js"),
         viewer=link_to(viewer, out),
-        number=number,
     )
     write_text(out, text)

@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,23 +15,28 @@ from plugins.claims import assets, claims
 from plugins.claims import tables as claim_tables
 from plugins.claims.trainings import failed, failed_note, read_trainings, trainings_table
 from plugins.report.album import Album
-from plugins.report.page import library, policies, result, rooms
+from plugins.report.doubts import describe_mounting, mountings_agree
+from plugins.report.page import policies, result, rooms
 from plugins.report.page.benchmarks import by_stage, longest_table, read_jobs, times_table
 from plugins.report.page.charts import embed_svg
 from plugins.report.page.files import RunFiles
+from plugins.report.page.objects import measure_extents
 from plugins.report.roles import role_title
 from plugins.robustness import rows as robustness
 from plugins.robustness.table import robustness_table
 from stages.config.tables import PolicyTables
-from stages.contracts.files import read_options, read_text, write_text
+from stages.contracts.files import read_json, read_options, read_text, write_text
+from stages.contracts.generated import measure_sureness
+from stages.contracts.library import Library
 from stages.tables import policy_tables, scene_tables, table2
 from stages.tables.cells import CELL, RATE
 from stages.tables.markup import Table, environment
 from stages.tables.methods import join_published, kinds_of
+from stages.tables.order import title as title_of
 from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_policies, read_table
 from stages.tables.scenes import parse_comparisons
-from stages.tables.text import number
+from stages.tables.text import count, number, percent
 
 TIMES_PAGE, CONFIG_PAGE = "times.html", "config.yaml"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
@@ -44,17 +50,16 @@ COLUMNS = {
     "assets": assets.COLUMNS,
     "assets_by_handle": assets.BY_HANDLE,
 }
-FIGURES = {
-    "figure4": "Figure 4: success on unseen assets against their distance from the twin and the length of their "
-    "handles (faint: one asset; bold: thirds of the assets, with intervals over assets); below, on the roles of Table "
-    "3, and the paper's, with standard deviations.",
-    "figure9": "Figure 9: success on the test assets for every training set; the paper's values are dashed.",
-}
+# What templates call to write things out.
+WORDS = {"number": number, "count": count, "percent": percent, "role_title": role_title, "title_of": title_of}
+WORDS |= {"describe_mounting": describe_mounting, "mountings_agree": mountings_agree}
+WORDS |= {"measure_extents": measure_extents, "measure_sureness": measure_sureness, "embed_svg": embed_svg}
 
 
-def script(*names: str) -> Markup:
-    """Scripts of the page, to be written into it."""
-    return Markup("\n".join(read_text(Path(__file__).with_name("page") / name) for name in names))
+def render(template: str, scripts: tuple[str, ...] = (), **values: Any) -> str:
+    """A page of the package, its scripts written into it."""
+    script = Markup("\n".join(read_text(Path(__file__).with_name("page") / name) for name in scripts))
+    return environment("plugins.report").get_template(f"page/{template}").render(script=script, **WORDS, **values)
 
 
 def link_to(viewer: Path | None, page: Path) -> str:
@@ -79,9 +84,10 @@ def _frames(files: RunFiles) -> dict[str, pd.DataFrame]:
     return {name: table for name, table in found.items() if len(table)}
 
 
-def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: PolicyTables) -> str:
-    album, frames = Album(options.picture_width, options.picture_quality), _frames(files)
-    kinds, trainings = kinds_of(options), read_trainings(files.find_first("tables/trainings.csv"))
+def _tables(files: RunFiles, published: Path, options: PolicyTables) -> dict[str, Any]:
+    """The tables of the run as the page has them, and the results on its first screen."""
+    frames, kinds = _frames(files), kinds_of(options)
+    trainings = read_trainings(files.find_first("tables/trainings.csv"))
     notes = [*policy_notes(options), *failed_note(trainings)]
     trained = [trainings_table(trainings)] if len(trainings) else []
 
@@ -93,47 +99,41 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
     by_role = result.compare_over_roles(cells, judged, kinds)
     first = [*over_assets, *(each for each in by_role if each.target not in {one.target for one in over_assets})]
     paper = None if cells is None else join_published(published_policies(published), cells, options)
-    models, targets = library.collect(files, album), policies.collect(files, album, options.confidence)
-    shown = rooms.collect(files, album)
-    opened = [room for target in targets for room in shown if room.name == target.scene]
-    drawings = {name: (files.find_first(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
-    return (
-        environment("plugins.report")
-        .get_template("page/page.html.jinja")
-        .render(
-            **facts,
-            first=next(iter([*opened, *shown]), None),
-            results=first,
-            came_out=result.describe_outcome(shown, models.models if models else 0, first, len(trainings)),
-            roles=[each for each in by_role if each not in first],
-            rooms=shown,
-            library=models,
-            targets=targets,
-            of_policies=[
-                *(trained if failed(trainings) else []),
-                *table(claim_tables.assets_table, "assets", options, kinds, notes),
-                *table(claim_tables.claims_table, "table3_claims", options),
-            ],
-            folded=[
-                *table(claim_tables.by_handle_table, "assets_by_handle", options),
-                *([] if failed(trainings) else trained),
-            ],
-            tables=[
-                *table(scene_tables.scenes_table, "table2", options),
-                *table(robustness_table, "table2_robustness"),
-                *table(policy_tables.policies_table, "table3_cells", paper, options, kinds, notes),
-                *table(claim_tables.stability_table, "table3_stability"),
-            ],
-            figures={
-                name: (embed_svg(path.read_bytes(), alt) if path else None, alt)
-                for name, (path, alt) in drawings.items()
-            },
-            script=script("page.js", "viewer.js"),
-            times_page=TIMES_PAGE,
-            number=number,
-            role_title=role_title,
-        )
-    )
+    return {
+        "results": first,
+        "roles": [each for each in by_role if each not in first],
+        "trained": len(trainings),
+        "of_policies": [
+            *(trained if failed(trainings) else []),
+            *table(claim_tables.assets_table, "assets", options, kinds, notes),
+            *table(claim_tables.claims_table, "table3_claims", options),
+        ],
+        "folded": [
+            *table(claim_tables.by_handle_table, "assets_by_handle", options),
+            *([] if failed(trainings) else trained),
+        ],
+        "tables": [
+            *table(scene_tables.scenes_table, "table2", options),
+            *table(robustness_table, "table2_robustness"),
+            *table(policy_tables.policies_table, "table3_cells", paper, options, kinds, notes),
+            *table(claim_tables.stability_table, "table3_stability"),
+        ],
+    }
+
+
+def _pictures(files: RunFiles, options: PolicyTables) -> dict[str, Any]:
+    """Rooms, targets, the library and figures."""
+    album = Album(options.picture_width, options.picture_quality)
+    path, sheets = files.find_first("assets/library/library.json"), files.find_all("assets/snapshots/shard_*.png")
+    library = sorted(read_json(Library, path).assets, key=lambda asset: asset.category) if path else []
+    return {
+        "rooms": rooms.collect(files, album),
+        "targets": policies.collect(files, album, options.confidence),
+        "library": library,
+        "categories": Counter(asset.category.replace("_", " ") for asset in library).most_common(),
+        "sheets": [album.add(sheet, f"Contact sheet of the library, {n}") for n, sheet in enumerate(sheets, start=1)],
+        "figures": {path.stem: path.read_bytes() for path in files.find_all("figures/figure*.svg")},
+    }
 
 
 def run(
@@ -171,20 +171,22 @@ def run(
     """
     settings = read_options(PolicyTables, options)
     declared = RunFiles(files, {room: path for (room, _), path in parse_comparisons(images, "--images").items()})
-    facts: dict[str, Any] = {"title": title, "config_page": CONFIG_PAGE if config else "", "seed": seed, "more": more}
-    facts |= {"viewer": link_to(viewer, out)}
-    facts |= {
-        "pages": {path.stem: link_there_and_back(path, out) for path in declared.find_all("report/scenes/*.html")}
-    }
-    page = _page(declared, published, facts, settings)
+    page = render(
+        "page.html.jinja",
+        ("page.js", "viewer.js"),
+        title=title,
+        config_page=CONFIG_PAGE if config else "",
+        times_page=TIMES_PAGE,
+        seed=seed,
+        more=more,
+        viewer=link_to(viewer, out),
+        pages={path.stem: link_there_and_back(path, out) for path in declared.find_all("report/scenes/*.html")},
+        **_pictures(declared, settings),
+        **_tables(declared, published, settings),
+    )
     jobs = read_jobs(benchmarks, benchmarks_root)
     tables = [times_table(by_stage(jobs, STAGES)), longest_table(jobs)] if len(jobs) else []
-    times = (
-        environment("plugins.report")
-        .get_template("page/times.html.jinja")
-        .render(page=out.name, more=more, tables=tables)
-    )
-    write_text(out.with_name(TIMES_PAGE), times)
+    write_text(out.with_name(TIMES_PAGE), render("times.html.jinja", page=out.name, more=more, tables=tables))
     if config:
         write_text(out.with_name(CONFIG_PAGE), yaml.safe_dump(json.loads(config), sort_keys=False, allow_unicode=True))
     write_text(out, page)

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 from stages.contracts.policies import TaskAsset, TaskAssets
 from stages.contracts.training_sets import DRAW, DRAWN, RANDOMISED, SetName, is_set, read_set, strip_randomised
-from stages.tables.markup import Table
+from stages.tables.markup import Table, read_notes
 from stages.tables.order import title
 from stages.tables.text import cell, number
 
@@ -64,12 +64,7 @@ def roles_table(chosen: TaskAssets, demonstrated: Iterable[str], name: str, capt
         caption=caption,
         columns=["Role", "Model", "Family", "Distance", "Handle", "Panel", "Demonstrated", "Handle known"],
         rows=rows,
-        notes=[
-            "Family: the model that the asset is a variation of, or the asset itself. Distance: to the twin, under the "
-            "encoder of the run. Handle: its kind, the side of the hinge seen from the front, its length, its height "
-            "on the front (0 %: lower edge). Panel: height of its centre above the bottom of the asset, width x height."
-            " Handle known: a demonstrated asset has the same kind of handle and the hinge on the same side."
-        ],
+        notes=read_notes("roles", "plugins.report"),
     )
 
 
@@ -90,8 +85,4 @@ def lists_table(chosen: TaskAssets, name: str, caption: str) -> list[Table]:
             families = len({asset.family for asset in assets})
             rows.append([heading, str(len(assets)), str(families), kinds, f"{lengths[0]:.0f}-{lengths[-1]:.0f} cm"])
     columns = ["Set", "Assets", "Families", "By kind of handle", "Length of handles"]
-    notes = [
-        "A family is in one set alone: trained on, held out, validation or test. Random and covering assets are drawn "
-        "several times from all assets; each counts once here."
-    ]
-    return [Table(name, caption, columns, rows, notes=notes)] if rows else []
+    return [Table(name, caption, columns, rows, notes=read_notes("lists", "plugins.report"))] if rows else []

@@ -3,15 +3,15 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.contracts.errors import InputError
+from stages.contracts.arrays import explain_unreadable
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.library import SnapshotShard
+from stages.contracts.snapshot_file import AGAIN, open_snapshots
 from stages.geometry.cameras import MARGIN
 from stages.geometry.frames import angle_difference
 from stages.geometry.viewing import view_angle
@@ -21,10 +21,10 @@ class Snapshots:
     """Some shards of snapshots (.h5); each picture is read when it is asked for."""
 
     def __init__(self, shards: Iterable[Path]) -> None:
-        self._places: dict[str, tuple[Path, int, SnapshotShard]] = {}
-        for path in shards:
-            shard = read_json(SnapshotShard, path.with_suffix(".json"))
-            self._places |= {asset: (path, index, shard) for index, asset in enumerate(shard.assets)}
+        sidecars = {path: read_json(SnapshotShard, path.with_suffix(".json")) for path in shards}
+        self._places = {
+            asset: (path, index) for path, one in sidecars.items() for index, asset in enumerate(one.assets)
+        }
 
     def picture(self, asset: str, yaw: float | None = None) -> Image.Image | None:
         """The asset at the yaw nearest to `yaw` (None: the representative view), cut out; None if it is unknown.
@@ -34,18 +34,11 @@ class Snapshots:
         """
         if asset not in self._places:
             return None
-        path, index, shard = self._places[asset]
-        view = len(shard.yaws)
-        if yaw is not None:
-            view = int(np.argmin([angle_difference(each, yaw) for each in shard.yaws]))
-        try:
-            with h5py.File(path) as file:
-                rgb, depth = file["rgb"][index, view], file["depth"][index, view]
-        except (OSError, KeyError, ValueError) as error:
-            raise InputError(
-                path, f"is not a readable snapshot shard ({error}).", "make it again", code="E-FILE-UNREADABLE"
-            ) from None
-        return cut_out(rgb, depth > 0)
+        path, index = self._places[asset]
+        shard, file = open_snapshots(path)
+        view = -1 if yaw is None else int(np.argmin([angle_difference(each, yaw) for each in shard.yaws]))
+        with file, explain_unreadable(path, "snapshot file", AGAIN):
+            return cut_out(file["rgb"][index, view], file["depth"][index, view] > 0)
 
 
 def cut_out(rgb: NDArray[np.uint8], seen: NDArray[np.bool_]) -> Image.Image:

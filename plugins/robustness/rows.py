@@ -6,8 +6,7 @@ from typing import Any
 import pandas as pd
 
 from stages.tables.rows import records
-from stages.tables.statistics import mean, std
-from stages.tables.table2 import COUNTS, judge
+from stages.tables.table2 import COUNTS, first_rank, judge
 from stages.tables.table2 import METRICS as SCENE_METRICS
 
 METRICS = [name for name in SCENE_METRICS if name != "l2_cm"]
@@ -22,16 +21,11 @@ AS_SHIPPED = "as shipped"
 
 def _measure_draw(scores: pd.DataFrame) -> dict[str, float]:
     """What one draw gives, over the objects of all rooms."""
-    cell: dict[str, float] = {name: float(scores[name].sum()) for name in COUNTS}
-    for name in ("l2_cm", *METRICS, *SHAPES, "shift_cm"):
-        cell[name] = mean(scores[name])
-    cell["worst_room_l2_cm"] = float(scores.groupby("scene")["l2_cm"].mean().max())
-    cell["fallen"] = float((scores["stable"] == False).sum())  # noqa: E712, None is neither
-    cell["largest_shift_cm"] = float(scores["shift_cm"].max())
-    cell["penetration_cm"] = float(scores["penetration_cm"].max())
-    for name in AFFORDANCES:
-        cell[name] = float((scores[name] == True).sum())  # noqa: E712
-    return cell
+    cell = {name: scores[name].mean() for name in ("l2_cm", *METRICS, *SHAPES, "shift_cm")}
+    cell |= {name: scores[name].eq(True).sum() for name in (*COUNTS, *AFFORDANCES)}
+    cell["worst_room_l2_cm"] = scores.groupby("scene")["l2_cm"].mean().max()
+    cell["fallen"] = scores["stable"].eq(False).sum()  # None is neither
+    return cell | {"largest_shift_cm": scores["shift_cm"].max(), "penetration_cm": scores["penetration_cm"].max()}
 
 
 def build(scores: pd.DataFrame, asked: Sequence[tuple[str, str]] = ()) -> pd.DataFrame:
@@ -44,9 +38,7 @@ def build(scores: pd.DataFrame, asked: Sequence[tuple[str, str]] = ()) -> pd.Dat
     Every figure is the mean over draws (seeds) of what a draw gives over the objects of all its rooms; counts, too.
     The standard deviation, a sample one, is over draws; there is none of one draw.
     """
-    scores = scores[(scores["rank"] == 1) & (scores["true_asset"] != "")]
-    numbers = ["l2_cm", *METRICS, *SHAPES, "shift_cm", "penetration_cm"]
-    scores = scores.astype(dict.fromkeys(numbers, float))
+    scores = first_rank(scores)
     rows: list[dict[str, Any]] = []
     if (scores["protocol"] != "").any():
         for (protocol, variant), group in scores.groupby(["protocol", "variant"], sort=False):
@@ -55,7 +47,7 @@ def build(scores: pd.DataFrame, asked: Sequence[tuple[str, str]] = ()) -> pd.Dat
             row |= {"n_rooms": group["scene"].nunique(), "n_objects": len(group) // len(draws)}
             row["n_articulated"] = int(group["panels_correct"].notna().sum()) // len(draws)
             for name in MEASURES:
-                row |= {f"{name}_mean": mean(draws[name]), f"{name}_std": std(draws[name])}
+                row |= {f"{name}_mean": draws[name].mean(), f"{name}_std": draws[name].std()}
             rows.append(row)
     ran = {(row["protocol"], row["variant"]) for row in rows}
     pairs = [(protocol or AS_SHIPPED, variant) for protocol, variant in asked]

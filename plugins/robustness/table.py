@@ -7,7 +7,7 @@ import pandas as pd
 
 from plugins.robustness.rows import AFFORDANCES, build, order_rows
 from stages.contracts.policies import SceneScore
-from stages.tables.markup import Table
+from stages.tables.markup import Table, read_notes
 from stages.tables.order import title
 from stages.tables.rows import ONE_SCENE, read_rows
 from stages.tables.scene_tables import add_given, digits
@@ -42,13 +42,7 @@ def robustness_table(table: pd.DataFrame) -> Table:
         columns=columns,
         rows=rows,
         headers=3,
-        notes=[
-            "Mean ± sample standard deviation over draws; a draw is all rooms once, with one seed.",
-            "Chamfer: mean distance between the surfaces of the chosen and the true model in the same box, in percent "
-            "of its diagonal; shape IoU: of the volumes that they fill. Panels, handles, hinges: how many of the "
-            "objects with doors or drawers got as many of them, the same kinds of handles, the same hinge sides.",
-            *add_given(table),
-        ],
+        notes=[*read_notes("robustness", "plugins.robustness"), *add_given(table)],
     )
 
 

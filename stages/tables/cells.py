@@ -8,7 +8,6 @@ import pandas as pd
 from stages.config.tables import TablesConfig
 from stages.tables.intervals import difference_interval, pair_sides, rate_interval, rate_of, side_of
 from stages.tables.order import SKILL, set_key
-from stages.tables.statistics import std
 
 ROW = ["target", "task", "policy"]
 CELL = ["target", "policy", "test_asset", "training_set"]
@@ -46,7 +45,7 @@ def rates(rollouts: pd.DataFrame, by: Sequence[str], options: TablesConfig) -> p
             | {"feature_distance": float(group["feature_distance"].mean()), "places": side.shape[1], "runs": len(side)}
             | {"assets": group["asset"].nunique(), "families": group["family"].nunique(), "episodes": len(group)}
             | {"successes": int(group["success"].sum()), "official_successes": int(group["official_success"].sum())}
-            | {"mean": rate_of(side), "std": std(side.mean(axis=1)), "low": low, "high": high}
+            | {"mean": rate_of(side), "std": side.mean(axis=1).std(), "low": low, "high": high}
         )
     return in_order(pd.DataFrame(rows, columns=list(dict.fromkeys([*by, *RATE]))))
 

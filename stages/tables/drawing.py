@@ -1,4 +1,4 @@
-"""What the figures share: colours, a style, and files that are the same bytes every time."""
+"""What the figures share: colors, a style, and files that are the same bytes every time."""
 
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -18,8 +18,8 @@ from stages.contracts.training_sets import is_randomised, strip_randomised
 from stages.tables.order import title
 from stages.tables.text import NOT_RUN
 
-# Okabe and Ito's palette, and a brown darker than its orange: colour-blind readers can distinguish them
-COLOURS = {
+# Okabe and Ito's palette, and a brown darker than its orange: color-blind readers can distinguish them
+COLORS = {
     "twin": "#D55E00",
     "twin_randomised": "#E69F00",
     "cousins_2": "#56B4E9",
@@ -37,9 +37,9 @@ def style() -> AbstractContextManager[None]:
     return plt.style.context("stages.tables.figures")
 
 
-def colour(training_set: str) -> str:
+def color(training_set: str) -> str:
     """Colour of a training set, randomised or not; grey for others, as sets by chance."""
-    return COLOURS.get(training_set, COLOURS.get(strip_randomised(training_set), "#444444"))
+    return COLORS.get(training_set, COLORS.get(strip_randomised(training_set), "#444444"))
 
 
 def marker(training_set: str) -> str:
@@ -65,7 +65,7 @@ def draw_rates(axes: Axes, places: Any, rates: pd.DataFrame, training_set: str) 
     mean = rates["mean"].to_numpy()
     bars = 100 * np.clip([mean - rates["low"].to_numpy(), rates["high"].to_numpy() - mean], 0, None)
     axes.errorbar(
-        places, 100 * mean, yerr=bars, color=colour(training_set), marker=marker(training_set), markersize=5,
+        places, 100 * mean, yerr=bars, color=color(training_set), marker=marker(training_set), markersize=5,
         linewidth=1.8, elinewidth=1, capsize=2.5, label=f"trained on {title(training_set)}",
     )  # fmt: skip
 

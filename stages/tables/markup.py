@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import compress
+from typing import Any
 
 import jinja2
 import pandas as pd
@@ -61,6 +62,12 @@ def environment(package: str = "stages.tables") -> jinja2.Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
+
+
+def read_notes(name: str, package: str = "stages.tables", **values: Any) -> list[str]:
+    """The paragraphs that a macro of the package's notes.jinja gives, a line each."""
+    notes = environment(package).overlay(autoescape=False).get_template("notes.jinja").module
+    return [" ".join(part.split()) for part in getattr(notes, name)(**values).split("\n\n") if part.strip()]
 
 
 def html(tables: list[Table], title: str) -> str:

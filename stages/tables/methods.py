@@ -47,7 +47,7 @@ def check_methods(rollouts: pd.DataFrame, options: MethodTables) -> None:
         if runs.nunique() > (best or 1):
             what = f"hold the runs {' and '.join(sorted(set(runs)))} of {target}/{name}/{training_set}."
             raise InputError(
-                "--rollouts", what, "give those that trials chose, or make each a policy", code="E-RUNS-MIXED"
+                "--rollouts", what, "give those that were selected, or make each a policy", code="E-RUNS-MIXED"
             )
 
 
@@ -56,11 +56,6 @@ def kinds_of(options: PolicyTables) -> dict[str, str]:
     found = options.policies.items()
     sets = {name: f"best {about.best} of {', '.join(about.configs)}" if about.best else name for name, about in found}
     return {name: name if kind == name else f"{kind} ({sets[name]})" for name, kind in options.kinds.items()}
-
-
-def kind(policy: str, known: Kinds) -> str:
-    """What a policy is, in words; its name where that is not known."""
-    return known.get(policy, policy)
 
 
 def join_published(published: pd.DataFrame, ours: pd.DataFrame, options: PolicyTables) -> pd.DataFrame:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stages.tables.cells import ROW
-from stages.tables.drawing import GREY, colour, draw_rates, mark_not_run, rate_axis
+from stages.tables.drawing import GREY, color, draw_rates, mark_not_run, rate_axis
 from stages.tables.order import row_title, set_key, title
 from stages.tables.rows import records
 from stages.tables.table3 import TRAINED
@@ -60,7 +60,7 @@ def _legend(figure: Figure, columns: int) -> None:
 
 
 def figure4(cells: pd.DataFrame, published: pd.DataFrame, more: Panels | None = None, encoder: str = "") -> Figure:
-    """Success against what tells a test asset from the twin: a row per target and policy, a colour per set.
+    """Success against what tells a test asset from the twin: a row per target and policy, a color per set.
 
     From the left: those of `more`; on the roles of Table 3, with our intervals; the paper's figure, its bars the
     standard deviation over runs. `encoder` is ours, by whose features distances are.
@@ -125,7 +125,7 @@ def figure9(cells: pd.DataFrame, published: pd.DataFrame) -> Figure:
             panel.set_xticks(range(len(roles)), [title(role) for role in roles], size=6.5, rotation=30)
             panel.set_xlim(-0.4, len(roles) - 0.6)
             if number == 0:
-                panel.set_title(title(name), color=colour(name))
+                panel.set_title(title(name), color=color(name))
             _positions(panel, name, roles, of_row(cells, row, name), of_row(published, row, name))
         axes[number, 0].set_ylabel(f"{fill(row_title(row), 16)}\nsuccess (%)")
     _legend(figure, 6)

@@ -7,8 +7,8 @@ import pandas as pd
 
 from stages.config.tables import TablesConfig
 from stages.tables.cells import CELL
-from stages.tables.markup import Table
-from stages.tables.methods import Kinds, kind
+from stages.tables.markup import Table, read_notes
+from stages.tables.methods import Kinds
 from stages.tables.order import CLOUDS, set_key, target_title, title
 from stages.tables.rows import records
 from stages.tables.scene_tables import format_confidence
@@ -47,7 +47,7 @@ def policies_table(
         ran = {name: ours[target, policy, asset, name] for name in sets if (target, policy, asset, name) in ours}
         first = next(iter(ran.values()), None)
         task = next(row["task"] for key, row in (ours | theirs).items() if key[:2] == (target, policy))
-        about = [kind(policy, kinds or {}), CLOUDS[first["cloud"]]] if first else []
+        about = [(kinds or {}).get(policy, policy), CLOUDS[first["cloud"]]] if first else []
         line = [cell(target_title(target, task), "\n".join(about)), title(asset)]
         line.append(number(first["feature_distance"], 2) if first else "")
         for name in sets:
@@ -62,16 +62,5 @@ def policies_table(
         columns=["Task", "Test asset", "Distance", *(title(name) for name in sets)],
         rows=rows,
         headers=2,
-        notes=[
-            f"Mean ± sample standard deviation over runs, [{format_confidence(options)} interval], "
-            "successes/episodes. The interval is about this asset alone: bootstrap over initial states and runs, "
-            "never narrower than Wilson's over initial states. With one run it is about these policies only, not "
-            "about training again.",
-            "Paper: mean ± sample standard deviation over its six runs (bowl: five) of 100 rollouts each. Distance is "
-            "ours, under the encoder of this run; the paper's is under DINOv2, so rows correspond by role.",
-            "Official: the criterion of the authors' code, any joint of the object past 10 % of its range at any time. "
-            "Training assets: every policy on the assets that it was trained on. Clouds show the target link (the door "
-            "or drawer to open) or the whole object.",
-            *notes,
-        ],
+        notes=[*read_notes("table3", confidence=format_confidence(options)), *notes],
     )

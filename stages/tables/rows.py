@@ -67,7 +67,7 @@ def read_table(path: Path, columns: list[str], text: Sequence[str] = ()) -> pd.D
 
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:
     """The rows of a table as dictionaries."""
-    return [{str(name): value for name, value in row.items()} for row in table.to_dict("records")]
+    return table.to_dict("records")
 
 
 def published_scenes(folder: Path) -> pd.DataFrame:

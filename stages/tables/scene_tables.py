@@ -5,20 +5,12 @@ from typing import Any
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.markup import Table
+from stages.tables.markup import Table, read_notes
 from stages.tables.order import NO_IMAGE, VARIANTS, title
 from stages.tables.rows import records
 from stages.tables.table2 import COUNTS, METRICS
 from stages.tables.text import NOT_RUN, NOTHING, cell, number, spread
 
-GIVEN = (
-    "Every row is given the true label, the true counts of doors and drawers and the true mask of every object (the "
-    "paper estimates them), and true depth with simulated noise, from which boxes, mounting and walls are measured."
-)
-BASELINE = (
-    f"({NO_IMAGE}) is given only that and sees no picture. A judge gains from the picture what it scores above "
-    f"({NO_IMAGE}) in the same rooms: the category already follows from what is given."
-)
 # Decimals of a measure by its unit.
 DIGITS = {"cm": 1, "rad": 2, "iou": 2}
 
@@ -35,7 +27,7 @@ def format_confidence(options: TablesConfig) -> str:
 
 def add_given(table: pd.DataFrame) -> list[str]:
     """What every row knows before any picture is compared, and the row that judges are read against."""
-    return [GIVEN, BASELINE] if NO_IMAGE in set(table["variant"]) else [GIVEN]
+    return read_notes("given", baseline=NO_IMAGE if NO_IMAGE in set(table["variant"]) else "")
 
 
 def _scores(row: dict[str, Any]) -> list[str]:
@@ -62,7 +54,6 @@ def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
     for row in records(table):
         judge = row["judge"] if row["status"] == "run" else ""
         rows.append([title(row["scene"]), f"({row['variant']})", judge, number(row["scale_m"], 2), *_scores(row)])
-    variants = ", ".join(f"({name}) {means}" for name, means in VARIANTS.items())
     return Table(
         name="table2",
         caption="Table 2: scene reconstruction in the sim-to-sim setting, scenes of nearest cousins.",
@@ -70,15 +61,5 @@ def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
                  "Ori., paper's count", "Box IoU", "Oriented IoU"],
         rows=rows,
         headers=3,
-        notes=[
-            f"Mean ± sample standard deviation over the objects of a scene, [{format_confidence(options)} t "
-            "interval of the mean]. A missed or failed object counts as not correct and has no distance. "
-            "Orientation is modulo the smallest turn that maps an object onto itself; objects that any turn maps "
-            "onto themselves are left out. The paper's count leaves out every symmetric object. Totals pool all "
-            "objects of the scenes that were run; the paper's totals are over the same scenes, weighted by objects.",
-            "The paper's assets and renderer differ from ours: the same measures, a different library. The paper gives "
-            "one IoU per row; by its position it is taken to be that of axis-aligned boxes.",
-            f"The paper's variants: {variants}. Judge: who decided here.",
-            *add_given(table),
-        ],
+        notes=[*read_notes("table2", confidence=format_confidence(options), variants=VARIANTS), *add_given(table)],
     )  # fmt: skip

@@ -1,9 +1,9 @@
-"""Means, standard deviations and intervals of the tables. NaN: undefined, e.g. the deviation of one value."""
+"""Intervals of the tables. NaN: undefined, e.g. of one value."""
 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import pandas as pd
 from scipy.special import ndtri, stdtrit  # scipy.stats gives the same and takes a second to load
 
 NAN = float("nan")
@@ -16,34 +16,16 @@ class Interval(NamedTuple):
     high: float
 
 
-def drop_missing(values: ArrayLike) -> NDArray[np.float64]:
-    """The values that are there (None and NaN dropped), float64."""
-    array = np.asarray(values, dtype=np.float64).ravel()
-    return array[~np.isnan(array)]
-
-
-def mean(values: ArrayLike) -> float:
-    """Mean of the values that are there; NaN if there is none."""
-    array = drop_missing(values)
-    return float(array.mean()) if array.size else NAN
-
-
-def std(values: ArrayLike) -> float:
-    """Sample standard deviation (ddof = 1) of the values that are there; NaN below two values."""
-    array = drop_missing(values)
-    return float(array.std(ddof=1)) if array.size > 1 else NAN
-
-
-def t_interval(values: ArrayLike, confidence: float) -> Interval:
+def t_interval(values: pd.Series, confidence: float) -> Interval:
     """Student's t interval of the mean.
 
     A scene has 5 to 15 objects: at that size it covers better than a percentile bootstrap, and it needs no seed.
     """
-    array = drop_missing(values)
-    if array.size < 2:
+    known = values.dropna()
+    if len(known) < 2:
         return Interval(NAN, NAN)
-    half = stdtrit(array.size - 1, (1 + confidence) / 2) * array.std(ddof=1) / np.sqrt(array.size)
-    return Interval(float(array.mean() - half), float(array.mean() + half))
+    half = float(stdtrit(len(known) - 1, (1 + confidence) / 2) * known.sem())
+    return Interval(known.mean() - half, known.mean() + half)
 
 
 def wilson_of_rate(rate: float, trials: int, confidence: float) -> Interval:

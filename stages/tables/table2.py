@@ -8,9 +8,10 @@ import pandas as pd
 from stages.config.tables import TablesConfig
 from stages.tables.order import sort_key
 from stages.tables.rows import records
-from stages.tables.statistics import mean, std, t_interval
+from stages.tables.statistics import t_interval
 
 METRICS = ["l2_cm", "orientation_rad", "orientation_paper_rad", "iou", "oriented_iou"]
+MEASURES = [*METRICS, "chamfer", "shape_iou", "shift_cm", "penetration_cm"]
 COUNTS = ["category_correct", "model_correct"]
 MOMENTS = [f"{metric}_{moment}" for metric in METRICS for moment in ("mean", "std")]
 PUBLISHED_MOMENTS = [name for name in MOMENTS if not name.startswith("orientation_rad")]
@@ -24,24 +25,28 @@ TOTAL = "total"
 
 def _measure_scores(scores: pd.DataFrame, confidence: float) -> dict[str, Any]:
     """Counts, means and intervals over the true objects in `scores` (one row per object)."""
-    cell: dict[str, Any] = {
+    cell: dict[str, Any] = {"status": "run", "judge": judge(scores)}
+    cell |= {
         "n_scenes": scores["scene"].nunique(),
         "n_objects": len(scores),
-        "n_placed": int(scores["l2_cm"].notna().sum()),
-        "n_oriented": int(scores["orientation_rad"].notna().sum()),
-        "n_oriented_paper": int(scores["orientation_paper_rad"].notna().sum()),
-        "n_stable": int((scores["stable"] == True).sum()),  # noqa: E712, None is neither
-        "status": "run",
-        "judge": judge(scores),
+        "n_stable": scores["stable"].eq(True).sum(),
     }
+    for name, metric in zip(["n_placed", *ORIENTED], METRICS, strict=False):
+        cell[name] = scores[metric].count()
     for name in COUNTS:
-        cell[name] = int(scores[name].sum())
+        cell[name] = scores[name].sum()
     for metric in METRICS:
-        cell[f"{metric}_mean"], cell[f"{metric}_std"] = mean(scores[metric]), std(scores[metric])
+        cell[f"{metric}_mean"], cell[f"{metric}_std"] = scores[metric].mean(), scores[metric].std()
     for metric, highest in (("l2_cm", np.inf), ("iou", 1.0)):
-        ends = np.clip(t_interval(scores[metric], confidence), 0.0, highest)  # no distance is negative
-        cell[f"{metric}_low"], cell[f"{metric}_high"] = map(float, ends)
+        low, high = np.clip(t_interval(scores[metric], confidence), 0.0, highest)  # no distance is negative
+        cell |= {f"{metric}_low": low, f"{metric}_high": high}
     return cell
+
+
+def first_rank(scores: pd.DataFrame) -> pd.DataFrame:
+    """The rows of true objects in scenes of nearest cousins; measures are numbers, NaN where there is none."""
+    found = scores[(scores["rank"] == 1) & (scores["true_asset"] != "")]
+    return found.astype(dict.fromkeys(MEASURES, float))
 
 
 def judge(scores: pd.DataFrame) -> str:
@@ -52,7 +57,7 @@ def judge(scores: pd.DataFrame) -> str:
 
 def _count_deciders(deciders: "pd.Series[str]") -> str:
     known = deciders[deciders != ""]
-    counts = known.value_counts().sort_index(kind="stable").sort_values(ascending=False, kind="stable")
+    counts = known.sort_values().value_counts()  # as many: by name
     if len(counts) < 2:
         return "".join(counts.index)
     return ", ".join(f"{name} {count}/{len(known)}" for name, count in counts.items())
@@ -85,7 +90,8 @@ def build(scores: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) 
     deviations are sample ones. Cells of the configured grid without rows have the status `not run`. The total pools
     the objects of all scenes that were run; published totals are over the same scenes.
     """
-    scores = scores[(scores["rank"] == 1) & (scores["true_asset"] != "") & (scores["protocol"] == "")]
+    scores = first_rank(scores)
+    scores = scores[scores["protocol"] == ""]
     scales = scores.groupby("scene")["scale_m"].first()
     scenes = [*options.scenes, *sorted(set(scores["scene"]) - set(options.scenes), key=sort_key)]
     variants = [*options.variants, *sorted(set(scores["variant"]) - set(options.variants))]

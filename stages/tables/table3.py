@@ -5,8 +5,8 @@ from typing import Any
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.cells import CELL, GAIN, rates, tabulate_gains
-from stages.tables.order import SKILL, SPLITS, set_key
+from stages.tables.cells import CELL, GAIN, in_order, rates, tabulate_gains
+from stages.tables.order import SKILL, SPLITS
 from stages.tables.rows import records
 from stages.tables.statistics import wilson
 
@@ -17,18 +17,6 @@ COLUMNS = [
 ALL_COLUMNS = [*COLUMNS, "checkpoint", "asset", "status"]
 DIFFERENCE_COLUMNS = [*CELL, *GAIN]
 BASELINE, RANDOMISED, UNSEEN, TRAINED = "twin", "twin_randomised", "unseen", "trained"
-
-
-def _in_order(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Targets and policies as they come, the paper's alone at the end."""
-    targets, policies = (list(dict.fromkeys(row[name] for row in rows)) for name in ("target", "policy"))
-
-    def place(row: dict[str, Any]) -> tuple[Any, ...]:
-        order = set_key(row["test_asset"]), set_key(row["training_set"]), str(row.get("run", "")), row.get("seed", -1)
-        of = not row["policy"], targets.index(row["target"]), policies.index(row["policy"])
-        return (*of, *order, str(row.get("checkpoint", "")))
-
-    return sorted(rows, key=place)
 
 
 def of_roles(rollouts: pd.DataFrame) -> pd.DataFrame:
@@ -62,7 +50,8 @@ def build(rollouts: pd.DataFrame, asked: pd.DataFrame, options: TablesConfig) ->
         for cell in records(asked[[*CELL, "task"]])
         if tuple(cell[name] for name in CELL) not in ran
     ]
-    table = pd.DataFrame(_in_order(rows), columns=ALL_COLUMNS)
+    table = in_order(pd.DataFrame(rows, columns=ALL_COLUMNS), keys)
+    table = table.sort_values("policy", key=lambda policy: policy == "", kind="stable")  # the paper's alone at the end
     return table.astype(dict.fromkeys(["seed", "episodes", "successes", "official_successes"], "Int64"))
 
 

@@ -29,15 +29,15 @@ ROLES = {"twin": 0.0, "cousin_1": 3.1, "cousin_2": 4.0, "cousin_6": 7.5, "dissim
 
 
 def picture(path: Path, width: int = 240, height: int = 160, seed: int = 0) -> None:
-    """A picture of coloured boxes on a floor."""
+    """A picture of colored boxes on a floor."""
     rng = np.random.default_rng(seed)
     image = Image.new("RGB", (width, height), (214, 209, 200))
     draw = ImageDraw.Draw(image)
     draw.rectangle((0, height * 0.6, width, height), fill=(168, 150, 130))
     for _ in range(4):
         x, w, h = rng.integers(0, width - 40), rng.integers(20, width // 3), rng.integers(20, height // 2)
-        colour = tuple(int(c) for c in rng.integers(60, 200, 3))
-        draw.rectangle((x, height * 0.75 - h, x + w, height * 0.75), fill=colour, outline=(60, 60, 60))
+        color = tuple(int(c) for c in rng.integers(60, 200, 3))
+        draw.rectangle((x, height * 0.75 - h, x + w, height * 0.75), fill=color, outline=(60, 60, 60))
     path.parent.mkdir(parents=True, exist_ok=True)
     image.save(path)
 

@@ -1,21 +1,17 @@
 """`matching distances` and `experiment select`: which assets a policy experiment trains and tests on."""
 
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from stages.articulated.affordance import target_joint
 from stages.config.matching import MatchingConfig
-from stages.config.packages import verb
 from stages.contracts import Asset, GeneratedScene, InputError, Objects, TaskAssets, Truth, read_json, write_json
 from stages.contracts.archives import pack
 from stages.contracts.cousins import Distances
 from stages.contracts.generated import PlacedObject
-from stages.contracts.images import COLUMNS, LETTERS, TILE
 from stages.contracts.library import FrontPanel, Joint
 from stages.contracts.policies import TaskAsset
 from stages.contracts.scenes import TrueObject
@@ -26,7 +22,6 @@ from stages.matching.distances import measure_distances
 from stages.matching.distances import run as distances
 from stages.matching.encoders import column_weights, make_encoder, settings_digest
 from stages.matching.store import FeatureStore
-from tests.packages import needs
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset
 from tests.unit.matching_data import MODELS, World
@@ -185,25 +180,6 @@ def test_select_ranks_cousins_by_distance_to_the_twin(world: World, experiment: 
     assert twin.panel_height == pytest.approx(0.5 * 0.9) and twin.panel_size == pytest.approx((0.4, 0.36))
     assert twin.handle_length == pytest.approx(0.1 * 0.9) and twin.handle_height == pytest.approx(0.5 + 0.1 / 0.4)
     assert (twin.family, twin.digest) == ("cabinet_00", "digest of cabinet_00")
-
-
-@needs("pictures")
-def test_roles_are_drawn_with_what_a_gripper_meets(world: World, experiment: dict[str, Any], tmp_path: Path) -> None:
-    files = experiment | {"distances": alike(world, experiment, "cabinet_1")}
-    select(**files, object="cabinet_1", count=3, out=tmp_path / "task.json")
-    pictures = {"out": tmp_path / "task.png", "splits": tmp_path / "splits.png"}
-    plan = read_json(TaskAssets, tmp_path / "task.json")
-    other = plan.assets[0].model_copy(update={"role": "test", "asset": "shelf_00", "family": "shelf_00"})
-    write_json(tmp_path / "task.json", plan.model_copy(update={"test_assets": [other]}))
-    verb("pictures", "roles")(assets=tmp_path / "task.json", snapshots=tuple(world.snapshots), **pictures)
-    assert np.ptp(np.asarray(Image.open(tmp_path / "splits.png"))[:TILE, :TILE]) > 50, "the test asset is drawn"
-    sheet = np.asarray(Image.open(tmp_path / "task.png"))
-    assert sheet.shape == (TILE + 6 * LETTERS, COLUMNS * TILE, 3)
-    tiles = [sheet[:TILE, k * TILE : (k + 1) * TILE] for k in range(COLUMNS)]
-    assert [np.ptp(tile) > 50 for tile in tiles] == [True] * 5 + [False], "five assets and an empty place"
-    cousin = read_json(TaskAssets, tmp_path / "task.json").assets[1]
-    caption = import_module("plugins.pictures.roles").caption
-    assert caption(cousin).splitlines()[1:] == [cousin.asset, "bar 0.09 m, hinge left", "front at 0.45 m"]
 
 
 def test_all_assets_leave_out_what_is_held_out_and_dissimilar(

@@ -8,15 +8,7 @@ import pytest
 
 from plugins.furniture.catalogue import sample
 from plugins.furniture.folder import build
-from stages.contracts import (
-    Asset,
-    Cousins,
-    GeneratedScene,
-    Library,
-    Objects,
-    Truth,
-    write_json,
-)
+from stages.contracts import Asset, Cousins, GeneratedScene, Library, Objects, Truth, write_json
 from stages.contracts.__main__ import main as check_contract
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject, Plausibility
@@ -38,60 +30,33 @@ YAW = yaw_of_matrix(FLOOR_FROM_WORLD[:3, :3])
 
 
 def true(mask: int, asset: str, position: tuple, yaw: float = 0.0, symmetry: str = "none") -> TrueObject:
-    return TrueObject(
-        mask=mask,
-        asset=asset,
-        category=asset[:-2],
-        position=position,
-        yaw=yaw,
-        size=(0.5, 1.0, 0.8),
-        symmetry=symmetry,
-        support="floor",
-    )
+    about = {"asset": asset, "category": asset[:-2], "size": (0.5, 1.0, 0.8), "support": "floor"}
+    return TrueObject(mask=mask, position=position, yaw=yaw, symmetry=symmetry, **about)
 
 
 TRUTH = Truth(
-    scene="room_t",
-    scale=3.5,
-    world_from_camera=WORLD_FROM_CAMERA.tolist(),
+    scene="room_t", scale=3.5, world_from_camera=WORLD_FROM_CAMERA.tolist(),
     objects=[
-        true(1, "cabinet_0", (0.3, 0.0, 0.4)),
-        true(2, "chair_0", (2.0, 1.0, 0.4), yaw=0.5),
-        true(3, "bowl_0", (1.0, -1.0, 0.4), symmetry="full"),
-        true(4, "lamp_0", (1.0, 1.0, 0.4)),
+        true(1, "cabinet_0", (0.3, 0.0, 0.4)), true(2, "chair_0", (2.0, 1.0, 0.4), yaw=0.5),
+        true(3, "bowl_0", (1.0, -1.0, 0.4), symmetry="full"), true(4, "lamp_0", (1.0, 1.0, 0.4)),
         true(5, "vase_0", (0.0, 2.0, 0.4)),
     ],
-)
+)  # fmt: skip
 
 
 def placed(name: str, of: TrueObject, asset: str, shift: tuple = (0, 0, 0), turn: float = 0.0) -> PlacedObject:
     """The true object as it would be in the floor frame, shifted (world frame) and turned."""
     position = apply(FLOOR_FROM_WORLD, np.array(of.position) + shift)
-    return PlacedObject(
-        id=name,
-        label=name,
-        asset=asset,
-        category=asset[:-2],
-        position=tuple(position.tolist()),
-        yaw=of.yaw + YAW + turn,
-        size=of.size,
-    )
+    about = {"label": name, "asset": asset, "category": asset[:-2], "size": of.size}
+    return PlacedObject(id=name, position=tuple(position.tolist()), yaw=of.yaw + YAW + turn, **about)
 
 
 def scene_and_objects() -> tuple[GeneratedScene, Objects]:
     names = {1: "cabinet_1", 2: "chair_1", 3: "bowl_1", 4: "lamp_1"}
-    common = {
-        "scene": "room_t",
-        "width": 8,
-        "height": 6,
-        "intrinsics": [[8.0, 0.0, 3.5], [0.0, 8.0, 2.5], [0.0, 0.0, 1.0]],
-        "floor_from_camera": FLOOR_FROM_CAMERA.tolist(),
-        "walls": [],
-    }
+    common = {"scene": "room_t", "width": 8, "height": 6, "floor_from_camera": FLOOR_FROM_CAMERA.tolist(), "walls": []}
+    common["intrinsics"] = [[8.0, 0.0, 3.5], [0.0, 8.0, 2.5], [0.0, 0.0, 1.0]]
     about = {"box": Box(center=(0, 0, 0), size=(1, 1, 1), yaw=0), "mounting": Mounting(type=2)}
-    seen = Objects(
-        objects=[SceneObject(id=name, label=name, mask=mask, **about) for mask, name in names.items()], **common
-    )
+    items = [SceneObject(id=name, label=name, mask=mask, **about) for mask, name in names.items()]
     a, b, c = TRUTH.objects[:3]
     scene = GeneratedScene(
         variant="v",
@@ -107,7 +72,7 @@ def scene_and_objects() -> tuple[GeneratedScene, Objects]:
         ),
         **common,
     )
-    return scene, seen
+    return scene, Objects(objects=items, **common)
 
 
 def rows() -> dict:
@@ -117,26 +82,16 @@ def rows() -> dict:
 
 def test_a_twin_in_its_place_is_perfect() -> None:
     row = rows()["cabinet_1"]
-    assert row.category_correct
-    assert row.model_correct
-    assert row.l2_cm == pytest.approx(0, abs=1e-6)
-    assert row.orientation_rad == pytest.approx(0, abs=1e-9)
-    assert row.iou == pytest.approx(1)
-    assert row.oriented_iou == pytest.approx(1)
-    assert row.stable is True
-    assert row.scale_m == 3.5
+    assert row.category_correct and row.model_correct and row.stable is True and row.scale_m == 3.5
+    assert [row.l2_cm, row.orientation_rad, row.iou, row.oriented_iou] == pytest.approx([0, 0, 1, 1], abs=1e-6)
 
 
 def test_a_cousin_a_little_off() -> None:
     row = rows()["chair_1"]
-    assert row.category_correct
-    assert not row.model_correct
+    assert row.category_correct and not row.model_correct and row.stable is False
     assert row.l2_cm == pytest.approx(5.0)
     assert row.orientation_rad == row.orientation_paper_rad == pytest.approx(0.2)
-    assert row.iou is not None
-    assert row.oriented_iou is not None
-    assert 0.5 < row.oriented_iou < 0.9
-    assert row.stable is False
+    assert row.iou is not None and row.oriented_iou is not None and 0.5 < row.oriented_iou < 0.9
 
 
 def test_what_any_turn_maps_onto_itself_has_no_orientation() -> None:
@@ -163,13 +118,8 @@ def test_missed_and_failed_objects_count_as_wrong() -> None:
     assert table["mask_5"].status == "missed"
     for name in ("lamp_1", "mask_5"):
         row = table[name]
-        assert (row.category_correct, row.model_correct, row.l2_cm, row.iou, row.stable) == (
-            False,
-            False,
-            None,
-            None,
-            None,
-        )
+        assert not row.category_correct and not row.model_correct
+        assert row.l2_cm is row.iou is row.stable is None
     assert len(table) == len(TRUTH.objects)
 
 
@@ -204,9 +154,7 @@ def _write(folder: Path) -> dict:
 def test_the_table_holds_all_ranks_and_meets_its_contract(tmp_path: Path) -> None:
     run(**_write(tmp_path))
     table = pd.read_csv(tmp_path / "scores.csv")
-    assert len(table) == 10
-    assert set(table["rank"]) == {1, 2}
-    assert table.l2_cm.isna().sum() == 4
+    assert len(table) == 10 and set(table["rank"]) == {1, 2} and table.l2_cm.isna().sum() == 4
     assert check_contract(["scores", str(tmp_path / "scores.csv")]) == 0
 
 
@@ -214,9 +162,8 @@ def test_rows_say_who_decided(tmp_path: Path) -> None:
     files = _write(tmp_path)
     view = Orientation(yaw=0, distance=0)
     best = Cousin(rank=1, asset="a", category="c", distance=0, votes=None, orientation=view, orientations=[view])
-    judged = ObjectCousins(
-        id="chair_1", label="chair", decided_by="vlm toy", orientation_decided_by="distance", cousins=[best]
-    )
+    by = {"decided_by": "vlm toy", "orientation_decided_by": "distance"}
+    judged = ObjectCousins(id="chair_1", label="chair", cousins=[best], **by)
     write_json(tmp_path / "cousins.json", Cousins(scene="room_t", encoder="hog", objects=[judged]))
     run(**files, cousins=tmp_path / "cousins.json")
     table = pd.read_csv(tmp_path / "scores.csv", keep_default_na=False).set_index(["rank", "object"])

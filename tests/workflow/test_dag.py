@@ -102,7 +102,7 @@ def test_the_policies_of_a_target_share_its_assets_and_demonstrations(folder: Pa
     done = dry_run(folder, "all", "-p", "--configfile", "shared.yaml")
     jobs = planned(done.stdout)
     assert done.returncode == 0, done.stdout
-    assert jobs["select"] == jobs["skill"] == jobs["draw_roles"] == jobs["demonstrate_in_scene"] == 1
+    assert jobs["select"] == jobs["skill"] == jobs["demonstrate_in_scene"] == 1
     assert jobs["demonstrate"] == 1 + 2 + 2 * 2 + 1 and jobs["train"] == jobs["rollout"] == 1 + 2 * 3
     for seed, numbers in ((5, (1, 2)), (6, (17, 18))):  # each learns from a draw of its own
         ours = rf".*--out results/training/door/flag/random_2/lite/seed_{seed}"

@@ -40,7 +40,7 @@ def stages(stage: str, verb: str, command: str, *code: str) -> str:
         ),
         (
             "generation", "generate", "generate.py", ("all",),
-            {"all", "select", "draw_roles", "demonstrate_in_scene", *SCENES, *REPORT},
+            {"all", "select", "demonstrate_in_scene", *SCENES, *REPORT},
         ),
     ],
     ids=["extraction", "matching", "matching in shell", "generation"],

@@ -175,7 +175,7 @@ def test_the_papers_own_numbers_stand_beside_ours() -> None:
 
 def test_the_headline_gives_the_numbers_of_one_seed_and_says_what_they_are() -> None:
     one = answers({name: runs[:1] for name, runs in AS_PAPER.items()}).reset_index()
-    line, (said, again) = sentences(one, {"lite": "lite"})
+    line, (said, again) = sentences(one, "door", {"lite": "lite"})
     row = one[one["claim"] == "unseen"].iloc[0]
     ends = f"{percent(row['theirs'])} → {percent(row['ours'])}".replace(" ", "\N{NO-BREAK SPACE}")
     assert line.startswith("success at door opening on ")
@@ -184,9 +184,9 @@ def test_the_headline_gives_the_numbers_of_one_seed_and_says_what_they_are() -> 
         "with 8 cousins instead of the twin, for these policies."
     )
     assert "[" in said and "training again: set <code>experiment: {seeds: [0, 1]}" in again
-    _, (judged,) = sentences(answers(AS_PAPER).reset_index(), {"lite": "lite"})
+    _, (judged,) = sentences(answers(AS_PAPER).reset_index(), "door", {"lite": "lite"})
     assert judged.endswith("over 6 and 6 seeds of training: that cousins help holds.")
-    assert sentences(None, {}) == ("", []) == sentences(one, {"other": "lite"})
+    assert sentences(None, "door", {}) == ("", []) == sentences(one, "door", {"other": "lite"})
 
 
 def build(rows: list[Rollout]) -> pd.DataFrame:

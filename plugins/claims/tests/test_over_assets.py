@@ -13,7 +13,7 @@ from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.tables import table3
 from stages.tables.markup import Table, markdown
-from stages.tables.methods import join_published, kind
+from stages.tables.methods import join_published
 from stages.tables.order import row_title, set_key, target_title, title
 from stages.tables.policy_figures import figure4
 from stages.tables.rows import published_policies
@@ -91,9 +91,8 @@ def test_table3_holds_roles_of_policies_alone(rows: pd.DataFrame) -> None:
     assert set(table3.build(rows, published, OPTIONS)["training_set"]) == {
         "twin", "cousins_2", "cousins_4", "cousins_8", "all",
     }  # fmt: skip
-    assert (
-        assets.build(frame([rollout()]), OPTIONS, FIRST).empty and assets.by_handle(frame([rollout()]), OPTIONS).empty
-    )
+    roles = frame([rollout()])
+    assert assets.build(roles, OPTIONS, FIRST).empty and assets.by_handle(roles, OPTIONS).empty
 
 
 def test_figure_4_has_a_point_per_asset_and_thirds_of_the_assets(rows: pd.DataFrame) -> None:
@@ -131,20 +130,14 @@ def test_names_of_rows_and_sets() -> None:
         "random 3", "cover 3 of draw 2", "random 1 of draw 2, randomised", "cousin 2, randomised", "twin",
         "all assets, randomised",
     ]  # fmt: skip
-    assert [kind(name, KINDS) for name in ("lite_handle", "mine")] == ["handle flagged", "mine"]
 
 
 def chosen() -> TaskAssets:
     """A twin, a cousin, two assets drawn by chance and three to test on."""
 
     def asset(role: str, number: int, **changes: object) -> TaskAsset:
-        about = {
-            "asset": f"cabinet_{number}",
-            "family": "cabinet_00",
-            "category": "cabinet",
-            "joint": "door",
-            "size": (1, 1, 1),
-        }
+        about = {"asset": f"cabinet_{number}", "family": "cabinet_00", "category": "cabinet", "joint": "door"}
+        about |= {"size": (1, 1, 1)}
         return TaskAsset.model_validate(ABOUT | about | {"role": role, "distance": number} | changes)
 
     return TaskAssets(

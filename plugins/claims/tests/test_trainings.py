@@ -23,15 +23,9 @@ STUCK = "Door opening, lite, 4 cousins: seed 1 did not learn: validation loss -3
 
 
 def trained(
-    root: Path,
-    name: str,
-    seed: int,
-    loss: float | None,
-    error: float = 0.2,
-    target: str = "door",
-    run: str = "lite",
+    root: Path, name: str, seed: int, loss: float | None, error: float = 0.2, target: str = "door", run: str = "lite",
     plateau: int = 200,
-) -> Path:
+) -> Path:  # fmt: skip
     """A policy's config.json, whose constant action is off by 0.46."""
     path = root / "results" / "training" / target / run / name / run / f"seed_{seed}" / "config.json"
     known = {} if loss is None else {"best_error": error, "constant_error": 0.46, "plateau": plateau}
@@ -76,31 +70,27 @@ def test_a_loss_far_above_those_of_the_other_seeds_is_told(tmp_path: Path) -> No
     assert (row["training_set"], row["seed"], row["others"], row["others_loss"]) == ("cousins_8", 1, 3, -7.2)
 
 
-def test_a_set_that_is_harder_than_others_is_not_told(tmp_path: Path) -> None:
-    easy, hard = [-8.1, -8.0, -8.2, -8.1, -8.0], [-6.6, -6.7, -6.5]
-    assert outcomes(several(tmp_path, {"twin": easy, "twin_randomised": easy, "random_8": hard})) == []
+EASY, HARD = [-8.1, -8.0, -8.2, -8.1, -8.0], [-6.6, -6.7, -6.5]
+MEASURED = [-8.76, -8.62, -8.61, -8.20, -7.94, -7.31], [-7.09, -6.14, -7.63, -6.67, -6.92]
 
 
-def test_seeds_that_differ_much_are_not_told(tmp_path: Path) -> None:
-    assert outcomes(several(tmp_path, {"twin": [0.031, 0.052, 0.04, 0.036, 0.055]})) == []  # of a diffusion policy
-    assert outcomes(several(tmp_path, {"twin": [0.031, 0.033, 0.032, 0.032, 0.055]})) == ["stayed behind"]
-
-
-def test_what_validation_episodes_alone_make_of_a_loss_is_not_told(tmp_path: Path) -> None:
-    losses = {"twin": [-8.76, -8.62, -8.61, -8.20, -7.94, -7.31], "cousins_8": [-7.09, -6.14, -7.63, -6.67, -6.92]}
-    assert outcomes(several(tmp_path, losses)) == []  # measured: their training losses are alike
-
-
-def test_two_seeds_are_held_against_their_row_too(tmp_path: Path) -> None:
-    sets = {"twin": [-7.4, -7.2], "cousins_8": [-7.0, -4.9], "random_8": [-7.1, -6.9]}
-    assert outcomes(several(tmp_path / "half", sets)) == ["stayed behind"]
-    assert outcomes(several(tmp_path / "alone", {"cousins_8": sets["cousins_8"]})) == []  # which of the two is it?
-    assert outcomes(several(tmp_path / "better", {"twin": [-9.0, -8.0], "cousins_8": [-7.2, -7.1]})) == []
-
-
-def test_a_lone_seed_is_not_held_against_other_sets(tmp_path: Path) -> None:
-    table = collect(several(tmp_path, {"twin": [-8.0], "cousins_2": [-7.3], "cousins_8": [-7.2], "random_8": [-6.0]}))
-    assert failed(table) == [] and table["others"].tolist() == [3] * 4
+@pytest.mark.parametrize(
+    ("losses", "told"),
+    [
+        ({"twin": EASY, "twin_randomised": EASY, "random_8": HARD}, []),  # a set may be harder
+        ({"twin": [0.031, 0.052, 0.04, 0.036, 0.055]}, []),  # seeds of a diffusion policy differ much
+        ({"twin": [0.031, 0.033, 0.032, 0.032, 0.055]}, ["stayed behind"]),
+        (dict(zip(["twin", "cousins_8"], MEASURED, strict=True)), []),  # validation episodes: training losses are alike
+        ({"twin": [-7.4, -7.2], "cousins_8": [-7.0, -4.9], "random_8": [-7.1, -6.9]}, ["stayed behind"]),
+        ({"cousins_8": [-7.0, -4.9]}, []),  # which of the two is it?
+        ({"twin": [-9.0, -8.0], "cousins_8": [-7.2, -7.1]}, []),
+        ({"twin": [-8.0], "cousins_2": [-7.3], "cousins_8": [-7.2], "random_8": [-6.0]}, []),  # lone seeds
+    ],
+)
+def test_a_loss_is_held_against_other_seeds_and_few_against_their_row_too(
+    tmp_path: Path, losses: dict[str, list[float]], told: list[str]
+) -> None:
+    assert outcomes(several(tmp_path, losses)) == told
 
 
 def test_those_that_did_not_learn_are_no_measure_for_others(tmp_path: Path) -> None:
@@ -124,9 +114,7 @@ def test_without_validation_episodes_nothing_is_said(tmp_path: Path) -> None:
     assert failed(table) == [] and table["outcome"].isna().tolist() == [True] * 4 + [False] * 3
     assert "| Door opening, lite | lite | twin | –<br>4 trainings | – | – |  |" in markdown(trainings_table(table))
     some = collect([*paths, trained(tmp_path, "twin", 4, -3.5, error=0.6)])
-    assert "| -3.50<br>-3.50 to -3.50, 1 training | 0.60 | 0.46 | seed 4 did not learn" in markdown(
-        trainings_table(some)
-    )
+    assert "-3.50 to -3.50, 1 training | 0.60 | 0.46 | seed 4 did not learn" in markdown(trainings_table(some))
 
 
 def stuck(root: Path) -> tuple[Path, ...]:
@@ -146,11 +134,8 @@ def test_the_verb_names_them_and_table_3_and_the_page_do(tmp_path: Path, capsys:
         trainings=(tables / "trainings.csv",), published=PUBLISHED, options='{"bootstrap_samples": 100}',
     )  # fmt: skip
     names = [f"{name}.{suffix}" for name in ("assets", "table3", "trainings") for suffix in ("csv", "html", "tex")]
-    names += [
-        "assets_by_handle.csv",
-        *(f"table3_{what}.csv" for what in ("cells", "claims", "differences", "stability")),
-    ]
-    assert sorted(names) == sorted(path.name for path in tables.iterdir())
+    names += [f"table3_{what}.csv" for what in ("cells", "claims", "differences", "stability")]
+    assert sorted([*names, "assets_by_handle.csv"]) == sorted(path.name for path in tables.iterdir())
     assert f"these failed, and count like all others: {STUCK}." in (tables / "table3.html").read_text()
     counted = pd.read_csv(tables / "table3.csv").query("training_set == 'cousins_4' and seed == 1")
     assert len(counted) == 5
@@ -179,9 +164,3 @@ def test_the_page_of_a_study_names_them(tmp_path: Path) -> None:
     text = (tmp_path / "out/table3.md").read_text()
     assert f"count like all others: {STUCK}." in text
     assert "| Door opening, lite | lite | 4 cousins | -7.05<br>-7.10 to -3.50, 4 trainings |" in text
-
-
-def test_a_run_without_policies_has_an_empty_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    trainings.run(out=tmp_path)
-    assert capsys.readouterr().err == "claims: 0 trainings, none failed\n"
-    assert len(trainings.read_trainings(tmp_path / "trainings.csv")) == 0

@@ -82,15 +82,9 @@ def test_the_first_success_of_demonstrations_is_filmed(tmp_path: Path) -> None:
     inputs = experiment(tmp_path)
     for name in ("a", "b"):
         run(
-            **inputs,
-            role="twin",
-            episodes=2,
-            out=tmp_path / name / "episodes.h5",
-            films=("plugins.films.demonstrations",),
-            options='{"noise": 0.004}',
-            task_options=json.dumps(TASK),
-            seed=3,
-        )
+            **inputs, role="twin", episodes=2, out=tmp_path / name / "episodes.h5", seed=3, options='{"noise": 0.004}',
+            films=("plugins.films.demonstrations",), task_options=json.dumps(TASK),
+        )  # fmt: skip
     assert (tmp_path / "a" / "films.zip").read_bytes() == (tmp_path / "b" / "films.zip").read_bytes()
     (filmed,) = read_films(tmp_path / "a" / "films.zip")
     with Image.open(unpack(tmp_path / "a" / "films.zip", "") / filmed.file) as opened:

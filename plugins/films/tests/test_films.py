@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from plugins.films.contract import Film
 from plugins.films.writing import LAST, write_film
 from tests.refusals import refused
 
@@ -34,3 +35,8 @@ def test_other_endings_and_no_pictures_are_refused(tmp_path: Path) -> None:
     with refused("E-FILM", "gets no pictures"):
         write_film(tmp_path / "film.webp", [], 20)
     assert not [*tmp_path.iterdir()]
+
+
+def test_a_film_lies_beside_its_list() -> None:
+    with pytest.raises(ValueError, match="file"):
+        Film(role="twin", asset="a", seed=0, success=True, steps=1, opened=0.0, file="../a.webp")

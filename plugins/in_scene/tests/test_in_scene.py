@@ -25,7 +25,7 @@ from tests.unit.demo_assets import cabinet
 
 TASK = {"points": 128, "camera_size": 64, "cloud": "target_link"}
 YAW = 2.9  # of the cabinet: it faces the camera
-PLACE = (2.0, -0.3, 0.9)  # its box's centre: it hangs 0.55 m above the floor
+PLACE = (2.0, -0.3, 0.9)  # its box's center: it hangs 0.55 m above the floor
 
 
 def scene(rank: int, *others: PlacedObject, target: str = "cab") -> GeneratedScene:

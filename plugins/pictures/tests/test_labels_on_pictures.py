@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plugins.pictures.overview import WIDTH, draw_overview
+from plugins.pictures.objects import WIDTH, draw_overview
 from plugins.pictures.previews import draw_side_by_side
 from plugins.pictures.snapshots import TILE, contact_sheet
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject, Wall

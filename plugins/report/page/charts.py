@@ -10,12 +10,12 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
-from stages.tables.drawing import GREY, colour, marker, style
+from stages.tables.drawing import GREY, color, marker, style
 from stages.tables.order import SKILL, set_key, title
 
 Points = list[tuple[float, float]]
 
-SERIES = ("all", "cousins_8", "cousins_4", "twin")  # colours of lines that are not training sets
+SERIES = ("all", "cousins_8", "cousins_4", "twin")  # colors of lines that are not training sets
 
 
 def embed_svg(svg: bytes, alt: str) -> Markup:
@@ -45,7 +45,7 @@ def line_chart(series: dict[str, Points], x_label: str, alt: str) -> Markup:
         figure, axes = plt.subplots(figsize=(3.6, 2.3), layout="constrained")
         for (name, points), key in zip(lines.items(), SERIES * len(lines), strict=False):
             line = "o" if len(points) == 1 else "-"
-            axes.plot(*zip(*points, strict=True), line, color=colour(key), linewidth=1.6, label=name.replace("_", " "))
+            axes.plot(*zip(*points, strict=True), line, color=color(key), linewidth=1.6, label=name.replace("_", " "))
         axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
         axes.yaxis.set_major_locator(MaxNLocator(5))
         axes.set_xlabel(x_label)
@@ -54,7 +54,7 @@ def line_chart(series: dict[str, Points], x_label: str, alt: str) -> Markup:
 
 
 def success_chart(cells: pd.DataFrame, alt: str, rows: dict[str, str], by: str, skill: float | None = None) -> Markup:
-    """Success (`cells` as `cells.rates` gives) with intervals: lines of the column `by`, training sets as colours.
+    """Success (`cells` as `cells.rates` gives) with intervals: lines of the column `by`, training sets as colors.
 
     Counts stand at the right, so that the chart can be read without the table.
 
@@ -71,11 +71,11 @@ def success_chart(cells: pd.DataFrame, alt: str, rows: dict[str, str], by: str, 
             places = mine[by].map(names.index) + step * (index - (len(sets) - 1) / 2)
             bars = [100 * (mine["mean"] - mine["low"]).clip(0), 100 * (mine["high"] - mine["mean"]).clip(0)]
             axes.errorbar(
-                100 * mine["mean"], places, xerr=bars, fmt=marker(name), color=colour(name), markersize=5.5,
+                100 * mine["mean"], places, xerr=bars, fmt=marker(name), color=color(name), markersize=5.5,
                 elinewidth=2, capsize=0, clip_on=False, label=f"trained on {title(name)}",
             )  # fmt: skip
             for place, successes, episodes in zip(places, mine["successes"], mine["episodes"], strict=True):
-                axes.text(106, place, f"{successes}/{episodes}", va="center", size=7.5, color=colour(name))
+                axes.text(106, place, f"{successes}/{episodes}", va="center", size=7.5, color=color(name))
         if skill is not None:
             axes.axvline(100 * skill, color=GREY, linestyle="--", linewidth=1, clip_on=False, label=title(SKILL))
         axes.set_yticks(range(len(rows)), list(rows.values()))

@@ -2,63 +2,43 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from plugins.report.album import THUMBNAIL, Album, Picture
-from plugins.report.doubts import collect_doubts, collect_notes, describe_mounting, mountings_agree
+from plugins.report.doubts import collect_doubts, collect_notes
 from plugins.report.snapshots import Snapshots
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins
 from stages.contracts.doubt import Doubt
-from stages.contracts.generated import PlacedObject, measure_sureness
+from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Objects, SceneObject
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
-from stages.tables.text import NOTHING, count
+from stages.tables.text import NOTHING
 
 LISTED = 5  # cousins, models compared and categories of an object that are listed
-PLACES = {"floor": "on the floor", "wall": "on the wall", "unnamed": "where it was seen, above the floor"}
 Pixels = NDArray[np.uint8]
 
 
-@dataclass(frozen=True)
-class Relative:
-    """A cousin, and the number by which it was ranked (empty: there is none)."""
-
-    cousin: Cousin
-    number: str
-    picture: Picture | None
-
-
-@dataclass(frozen=True)
-class Rival:
-    """A model that the object was compared with; `rank` is that of the cousin it became, 0: none."""
-
-    model: Candidate
-    about: str
-    rank: int
-    picture: Picture | None
-
-
-@dataclass(frozen=True)
-class Match:
+class Match(NamedTuple):
     """One object of the picture and the cousins found for it.
 
-    measure: what put its cousins in order; empty: it has no numbers. pictures: mask and cloud, with captions; facts:
-    (what, how it is); rivals: the nearest models.
+    measure: what put its cousins in order; empty: it has no numbers. cousins: each with the number by which it was
+    ranked (empty: there is none). pictures: mask and cloud, with captions. rivals: the nearest models that it was
+    compared with.
     """
 
     entry: ObjectCousins
-    about: str
-    decided_by: str
+    item: SceneObject
+    placed: PlacedObject | None
     measure: str
     picture: Picture | None
-    cousins: list[Relative]
+    cousins: list[tuple[Cousin, str, Picture | None]]
     pictures: list[tuple[Picture, str]]
-    facts: list[tuple[str, str]]
-    rivals: list[Rival]
+    rivals: list[tuple[Candidate, Picture | None]]
     doubts: list[Doubt]
     notes: list[str]
 
@@ -78,25 +58,25 @@ class Evidence:
 
 def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Album, snapshots: Snapshots) -> Match:
     """An object that has cousins."""
-    placed, listed = evidence.placed.get(entry.id), entry.cousins[:LISTED]
-    views = evidence.views.get(entry.id, {})
+    placed, listed, views = evidence.placed.get(entry.id), entry.cousins[:LISTED], evidence.views.get(entry.id, {})
     measure, numbers = explain_order(entry.decided_by, listed)
     seen = Image.fromarray(crop_object(evidence.rgb, item)) if evidence.rgb is not None else None
 
-    def relative(cousin: Cousin, number: str) -> Relative:
-        view = snapshots.picture(cousin.asset, views.get(cousin.asset, cousin.orientation.yaw))
-        return Relative(cousin, number, album.thumbnail(view, f"{cousin.asset}, cousin of {entry.id}"))
+    def thumbnail(model: Cousin | Candidate, alt: str, yaw: float | None = None) -> Picture | None:
+        return album.thumbnail(snapshots.picture(model.asset, yaw), f"{model.asset}, {alt} {entry.id}")
 
     return Match(
         entry=entry,
-        about=", ".join(_describe_object(item)),
-        decided_by=" / ".join(dict.fromkeys(filter(None, (entry.decided_by, entry.orientation_decided_by)))),
+        item=item,
+        placed=placed,
         measure=measure,
         picture=album.thumbnail(seen, f"{entry.id} in the input"),
-        cousins=[relative(*each) for each in zip(listed, numbers, strict=True)],
+        cousins=[
+            (one, number, thumbnail(one, "cousin of", views.get(one.asset, one.orientation.yaw)))
+            for one, number in zip(listed, numbers, strict=True)
+        ],
         pictures=list(_pictures(item, evidence, album)),
-        facts=_facts(entry, item, placed),
-        rivals=[_rival(one, entry, album, snapshots) for one in entry.by_distance[:LISTED]],
+        rivals=[(one, thumbnail(one, "compared with")) for one in entry.by_distance[:LISTED]],
         doubts=collect_doubts(entry, item, placed, evidence.objects),
         notes=collect_notes(entry, item, placed),
     )
@@ -115,17 +95,6 @@ def explain_order(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str
     if decided_by == "distance":
         return "distance of features, less is better", [f"{cousin.distance:.2f}" for cousin in cousins]
     return "", [""] * len(cousins)
-
-
-def _describe_object(item: SceneObject) -> Iterator[str]:
-    """'stands free', '2 doors', '0.60 wide × 0.40 deep × 0.90 m high'."""
-    if item.mounting:
-        yield describe_mounting(item.mounting)
-    for number, noun in ((item.doors, "door"), (item.drawers, "drawer")):
-        if number:
-            yield count(number, noun)
-    if item.box:
-        yield _extents(item)
 
 
 def _pictures(item: SceneObject, evidence: Evidence, album: Album) -> Iterator[tuple[Picture, str]]:
@@ -156,7 +125,7 @@ def fade_background(rgb: Pixels, mask: NDArray[np.bool_]) -> Pixels:
 def cloud_picture(
     cloud: NDArray[np.float32], item: SceneObject, evidence: Evidence, axes: tuple[int, int]
 ) -> Image.Image:
-    """The cloud in the picture's colours and its box, as the camera sees them.
+    """The cloud in the picture's colors and its box, as the camera sees them.
 
     Args:
         axes: those drawn to the right and upwards, of the box as the camera sees it: 0 away from it, 1 left, 2 up.
@@ -171,14 +140,14 @@ def cloud_picture(
     pixels = (THUMBNAIL / 2 - scale * local).astype(int)  # left and up count from the right and lower edge
     inside = ((pixels >= 0) & (pixels < THUMBNAIL)).all(axis=1)
     canvas = np.full((THUMBNAIL, THUMBNAIL, 3), 255, dtype=np.uint8)
-    canvas[pixels[inside, 1], pixels[inside, 0]] = _colours(cloud, evidence)[inside]
+    canvas[pixels[inside, 1], pixels[inside, 0]] = _color_points(cloud, evidence)[inside]
     picture = Image.fromarray(canvas)
     low, high = (THUMBNAIL + sign * scale * size for sign in (-1, 1))
     ImageDraw.Draw(picture).rectangle([*(low / 2), *(high / 2)], outline="orangered")
     return picture
 
 
-def _colours(points: NDArray[np.float32], evidence: Evidence) -> Pixels:
+def _color_points(points: NDArray[np.float32], evidence: Evidence) -> Pixels:
     """Of the pixels that show the points; grey without a picture."""
     if evidence.rgb is None:
         return np.full((len(points), 3), 110, dtype=np.uint8)
@@ -188,67 +157,11 @@ def _colours(points: NDArray[np.float32], evidence: Evidence) -> Pixels:
     return evidence.rgb[rows.clip(0, objects.height - 1), columns.clip(0, objects.width - 1)]
 
 
-def _facts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) -> list[tuple[str, str]]:
-    facts = [("seen", f"label “{item.label}”, {item.points:,} points in its cloud")]
-    if item.box is not None:
-        facts.append(("box of the cloud", _extents(item)))
-    if item.mounting is not None:
-        facts.append(("mounting", _mounting(item)))
-    if item.support is not None:
-        facts.append(("stands", f"{PLACES.get(item.support, f'on {item.support}')}, set by a person"))
-    if entry.categories:
-        nearest = [f"{one.category.replace('_', ' ')} {one.distance:.2f}" for one in entry.categories[:LISTED]]
-        more = len(entry.categories) - len(nearest)
-        text = ", ".join(nearest) + (f" and {more} more" if more else "")
-        facts.append(("categories, by distance of the label", text))
-    if entry.decided_by:
-        facts.append(("model chosen by", entry.decided_by))
-    if entry.orientation_decided_by:
-        turn = f"turned by {np.degrees(entry.cousins[0].orientation.yaw):.0f}° in the camera's view"
-        by = entry.orientation_decided_by if item.front is None else "the input"
-        facts.append(("orientation chosen by", f"{by}, {turn}"))
-    if placed is not None and placed.status == "ok":
-        on = PLACES.get(placed.support, f"on {placed.support}")
-        turn = f"turned by {np.degrees(placed.yaw):.0f}°"
-        facts.append(("placed", f"{placed.asset.replace('_', ' ')} {on}, {_metres(placed.size)}, {turn}"))
-        if placed.size_spread is not None:
-            sure = 100 * measure_sureness(placed.size, placed.size_spread)
-            facts.append(("size", f"{sure:.0f} % sure to be right within 10 % or 3 cm"))
-        facts += [("then" if number else "how", what) for number, what in enumerate(placed.steps)]
-    return facts
-
-
-def _mounting(item: SceneObject) -> str:
-    """How it is held, and whether the input and geometry agree on it."""
-    assert item.mounting is not None
-    if item.measured_mounting is None:
-        return describe_mounting(item.mounting) + ", by geometry"
-    found = describe_mounting(item.measured_mounting)
-    agreed = "geometry agrees" if mountings_agree(item) else f"geometry finds: {found}"
-    whose = "a person" if "mounting" in item.told else "the input"
-    return f"{describe_mounting(item.mounting)}, set by {whose}; {agreed}"
-
-
-def _rival(one: Candidate, entry: ObjectCousins, album: Album, snapshots: Snapshots) -> Rival:
-    ranks = {cousin.asset: cousin.rank for cousin in entry.cousins}
-    about = [f"score {one.score:.2f}"] if one.score is not None and one.fits else []
-    about += [f"{name} {value:.2f}" for name, value in (one.terms or one.parts).items()]
-    about += [f"{one.votes} votes"] if one.votes is not None else []
-    picture = album.thumbnail(snapshots.picture(one.asset), f"{one.asset}, compared with {entry.id}")
-    return Rival(one, ", ".join(about), ranks.get(one.asset, 0), picture)
-
-
-def _extents(item: SceneObject) -> str:
-    """Of its box, as seen from its front, or from the camera where nobody says what it faces."""
+def measure_extents(item: SceneObject) -> tuple[float, float, float]:
+    """Depth, width and height of its box, from its front, or from the camera where nobody says what it faces."""
     assert item.box is not None
     x, y, _ = item.box.center
     towards = np.arctan2(-y, -x) if item.front is None else item.front
     across, along, height = item.box.size
     turned = round((towards - item.box.yaw) / (np.pi / 2)) % 2
-    return _metres((along, across, height) if turned else (across, along, height))
-
-
-def _metres(size: tuple[float, float, float]) -> str:
-    """Of depth, width and height."""
-    depth, width, height = size
-    return f"{width:.2f} wide × {depth:.2f} deep × {height:.2f} m high"
+    return (along, across, height) if turned else (across, along, height)

@@ -4,19 +4,19 @@ import base64
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from plugins.report.doubts import Group, group_doubts
 from plugins.report.page.findings import Findings
+from stages.contracts.generated import Plausibility
 from stages.tables.order import sort_key
 from stages.tables.text import NOT_RUN
 
 NUMBER = re.compile(r"\d+(\.\d+)?")
 
 
-@dataclass(frozen=True)
-class Failure:
+class Failure(NamedTuple):
     """An object that failed, or (`about` empty) a scene that stopped, in a stage, for a reason."""
 
     about: str
@@ -24,23 +24,25 @@ class Failure:
     reason: str
 
 
-@dataclass(frozen=True)
-class SceneRow:
-    """A scene.
-
-    page: link to its own; empty: none. picture: of input and rank 1, a data URI. stands: of `ranks` scenes; None: not
-    checked.
-    """
+class SceneRow(NamedTuple):
+    """A scene. page: link to its own; empty: none. picture: of input and rank 1, a data URI; empty: none."""
 
     name: str
     page: str
     picture: str
-    objects: int
-    placed: int
-    ranks: int
-    stands: int | None
+    found: Findings
     failures: list[Failure]
     doubts: list[Group]
+
+    @property
+    def placed(self) -> int:
+        """How many objects stand in the scene of rank 1."""
+        return sum(item.status == "ok" for item in self.found.placed.values())
+
+    @property
+    def checks(self) -> list[Plausibility]:
+        """What physics said, of the scenes where it ran."""
+        return [scene.plausibility for scene in self.found.scenes if scene.plausibility]
 
     @property
     def doubted(self) -> int:
@@ -53,8 +55,7 @@ class SceneRow:
         return next((failure for failure in self.failures if not failure.about), None)
 
 
-@dataclass(frozen=True)
-class Layout:
+class Layout(NamedTuple):
     """Where the run's files lie: `results` and `logs`, of one variant."""
 
     results: Path
@@ -63,19 +64,14 @@ class Layout:
 
     def steps(self, scene: str) -> Iterator[tuple[str, Path, list[Path]]]:
         """Stage, what it makes, and its logs, the last job's first, in the order of the stages."""
-        before = (f"extraction/{scene}", f"scenes/frame_{scene}", f"photo/{scene}", f"scenes/{scene}")
-        folder = self.results / "generation" / self.variant / scene
-        yield "extraction", self.results / f"extraction/{scene}/objects.json", [*map(self._log, before)]
-        yield (
-            "matching",
-            self.results / f"matching/{self.variant}/{scene}/cousins.json",
-            [self._log(f"matching/{self.variant}_{scene}")],
-        )
-        yield "generation", folder / "scene_1.json", [self._log(f"generation/{self.variant}_{scene}")]
-        yield "drawing", folder / "thumbnail.webp", [self._log(f"generation/draw_{self.variant}_{scene}")]
-
-    def _log(self, name: str) -> Path:
-        return self.logs / f"{name}.log"
+        variant, extraction = self.variant, ("extraction/{}", "scenes/frame_{}", "photo/{}", "scenes/{}")
+        for stage, made, logs in (
+            ("extraction", f"extraction/{scene}/objects.json", [name.format(scene) for name in extraction]),
+            ("matching", f"matching/{variant}/{scene}/cousins.json", [f"matching/{variant}_{scene}"]),
+            ("generation", f"generation/{variant}/{scene}/scene_1.json", [f"generation/{variant}_{scene}"]),
+            ("drawing", f"generation/{variant}/{scene}/thumbnail.webp", [f"generation/draw_{variant}_{scene}"]),
+        ):
+            yield stage, self.results / made, [self.logs / f"{name}.log" for name in logs]
 
 
 def row(scene: str, layout: Layout, page: str = "") -> SceneRow:
@@ -94,17 +90,9 @@ def row(scene: str, layout: Layout, page: str = "") -> SceneRow:
     in_order = sorted(scenes, key=lambda path: sort_key(path.name))
     found = Findings.read(done.get("extraction"), done.get("matching"), in_order)
     failures += [Failure(about, stage, reason) for about, (stage, reason) in found.failures().items()]
-    checks = [scene.plausibility for scene in found.scenes if scene.plausibility]
+    picture = base64.b64encode(done["drawing"].read_bytes()).decode("ascii") if "drawing" in done else ""
     return SceneRow(
-        name=scene,
-        page=page,
-        picture=_embed_picture(done.get("drawing")),
-        objects=len(found.seen),
-        placed=sum(item.status == "ok" for item in found.placed.values()),
-        ranks=len(found.scenes),
-        stands=sum(not check.wrong for check in checks) if checks else None,
-        failures=failures,
-        doubts=group_doubts(found.doubts()),
+        scene, page, picture and f"data:image/webp;base64,{picture}", found, failures, group_doubts(found.doubts())
     )
 
 
@@ -113,13 +101,8 @@ def _last_line(logs: list[Path]) -> str:
     log = next((path for path in logs if path.is_file()), None)
     if log is None:
         return NOT_RUN
-    lines = log.read_text(encoding="utf-8", errors="replace").split("\n")
-    last = next((line.strip() for line in reversed(lines) if line.strip()), f"{log} is empty: the job was killed")
-    return last.removeprefix("error: ")
-
-
-def _embed_picture(picture: Path | None) -> str:
-    return f"data:image/webp;base64,{base64.b64encode(picture.read_bytes()).decode('ascii')}" if picture else ""
+    lines = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+    return lines[-1].strip().removeprefix("error: ") if lines else f"{log} is empty: the job was killed"
 
 
 def count_failures(rows: Iterable[SceneRow]) -> list[tuple[str, int]]:

@@ -1,19 +1,19 @@
 """The page's section about the policy experiment: assets, demonstrations, training, rollouts."""
 
 from collections import Counter
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from markupsafe import Markup
 
-from plugins.in_scene.contract import SceneDemonstrations
-from plugins.report.album import Album, Picture
+from plugins.films.contract import Film, read_films
+from plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
+from plugins.report.album import Album, Animation, Picture
 from plugins.report.page.charts import Points, line_chart
 from plugins.report.page.files import RunFiles
-from plugins.report.page.films import FilmedAsset, read_films
 from plugins.report.roles import lists_table, role_title, roles_table, used_roles
 from plugins.report.snapshots import Snapshots
+from stages.contracts.archives import unpack
 from stages.contracts.files import read_json
 from stages.contracts.ledgers import read_attempts, read_metrics
 from stages.contracts.policies import TaskAssets
@@ -22,40 +22,56 @@ from stages.tables.order import set_key, sort_key, target_title, title
 from stages.tables.statistics import wilson
 from stages.tables.text import NOTHING, cell, percent, span
 
-STEPS = ("step", "steps", "update", "iteration", "epoch")
+Films = dict[str, list[tuple[Film, Animation]]]  # by role: the first film is shown, the others on demand
 
 
-@dataclass(frozen=True)
-class TargetPart:
+class TargetPart(NamedTuple):
     """The whole experiment on one target.
 
-    scene: holds the object that was matched. curves: policy -> chart of its training; rollouts: policy -> films of it.
-    in_scenes: films of demonstrations inside generated scenes; not_in_scenes: scene -> why there is none.
+    plan: its assets; pictures: of those in use. curves: policy -> chart of its training. rollouts: policy -> films of
+    it. scene_films: of demonstrations inside generated scenes; in_scenes: what became of each.
     """
 
     target: str
     title: str
-    scene: str
-    source: str
+    plan: TaskAssets | None
     pictures: list[Picture]
     assets: list[Table]
     demonstrations: Table | None
-    films: list[FilmedAsset]
+    films: Films
     curves: dict[str, Markup]
-    rollouts: dict[str, list[FilmedAsset]]
-    in_scenes: list[FilmedAsset]
-    not_in_scenes: dict[str, str]
+    rollouts: dict[str, Films]
+    scene_films: Films
+    in_scenes: list[SceneDemonstration]
+
+    @property
+    def scene(self) -> str:
+        """The scene of the object that was matched."""
+        return self.plan.scene if self.plan else ""
 
 
-def losses(rows: list[dict[str, Any]]) -> tuple[str, dict[str, Points]]:
-    """The step's name and every loss (a key with 'loss' or 'nll' in it) as points of a metrics file."""
-    step = next((name for name in STEPS if any(name in row for row in rows)), "line")
+def collect_films(archive: Path | None, whose: str, album: Album) -> Films:
+    """The films of a films.zip, by role, in their order.
+
+    Raises:
+        InputError: the list of films is broken, or a film is missing.
+    """
+    films: Films = {}
+    folder = unpack(archive, "make the films again") if archive else None
+    for film in read_films(folder / "films.json").films if folder else ():
+        moving = album.film(folder / film.file, f"{whose} on {title(film.role)}")
+        films.setdefault(film.role, []).append((film, moving))
+    return films
+
+
+def losses(rows: list[dict[str, Any]]) -> dict[str, Points]:
+    """Every loss (a key with 'loss' or 'nll' in it) as points (step, value) of a metrics file."""
     series: dict[str, Points] = {}
-    for index, row in enumerate(rows):
+    for row in rows:
         for key, value in row.items():
             if isinstance(value, int | float) and ("loss" in key or "nll" in key):
-                series.setdefault(key, []).append((float(row.get(step, index)), float(value)))
-    return step, series
+                series.setdefault(key, []).append((float(row["step"]), float(value)))
+    return series
 
 
 def _demonstrations(ledgers: list[Path], target: str, confidence: float) -> Table | None:
@@ -86,64 +102,50 @@ def _folder_key(path: Path) -> Any:
     return policy, set_key(training_set), run, sort_key(seed)
 
 
-def _curves(files: RunFiles, target: str) -> dict[str, Markup]:
-    found = {}
-    for path in sorted(files.find_all(f"training/{target}/*/*/*/*/metrics.jsonl"), key=_folder_key):
-        step, series = losses(read_metrics(path))
-        name = _policy_name(path.parent)
-        if chart := line_chart(series, step, f"Loss of the policy {name}"):
-            found[name] = chart
-    return found
-
-
-def _rollouts(files: RunFiles, target: str, album: Album) -> dict[str, list[FilmedAsset]]:
-    archives = sorted(files.find_all(f"evaluation/policies/{target}/*/*/*/*/films.zip"), key=_folder_key)
-    named = {_policy_name(path.parent): path for path in archives}
-    films = {name: read_films(path, f"Rollout of the policy {name},", album) for name, path in named.items()}
-    return {name: cells for name, cells in films.items() if cells}
-
-
-def _list_not_in_scenes(path: Path | None) -> dict[str, str]:
-    found = read_json(SceneDemonstrations, path).demonstrations if path else []
-    return {title(f"rank_{one.rank}"): one.reason for one in found if one.status == "failed"}
-
-
-def _pictures(assets: TaskAssets | None, used: set[str], album: Album, snapshots: Snapshots) -> list[Picture]:
-    """The assets of the roles that were not drawn or are used."""
-    kept = [(role, asset.asset) for role, asset in used_roles(assets, used).items()] if assets else []
-    thumbnails = [
-        album.thumbnail(snapshots.picture(asset), f"{role_title(role)}: {asset.replace('_', ' ')}")
-        for role, asset in kept
-    ]
-    return [picture for picture in thumbnails if picture]
+def _by_policy(files: RunFiles, pattern: str) -> dict[str, Path]:
+    """A policy's name -> the file in its folder."""
+    return {_policy_name(path.parent): path for path in sorted(files.find_all(pattern), key=_folder_key)}
 
 
 def _target(
     files: RunFiles, target: str, chosen: Path | None, album: Album, snapshots: Snapshots, confidence: float
 ) -> TargetPart:
-    assets = read_json(TaskAssets, chosen) if chosen else None
+    plan = read_json(TaskAssets, chosen) if chosen else None
     ledgers = sorted(
         files.find_all(f"demonstrations/{target}/*/attempts.jsonl"), key=lambda path: set_key(path.parent.name)
     )
     roles = {path.parent.name for path in ledgers}
-    tables = [roles_table(assets, roles, f"roles-{target}", "Assets by role.")] if assets else []
-    films = [
-        film for path in ledgers
-        for film in read_films(files.find_first(f"{target}/{path.parent.name}/films.zip"), "Demonstration", album)
-    ]  # fmt: skip
+    used = used_roles(plan, roles) if plan else {}
+    thumbnails = [
+        album.thumbnail(snapshots.picture(asset.asset), f"{role_title(role)}: {asset.asset.replace('_', ' ')}")
+        for role, asset in used.items()
+    ]
+
+    def films(path: str, whose: str) -> Films:
+        return collect_films(files.find_first(f"{path}/films.zip"), whose, album)
+
+    curves = {
+        name: line_chart(losses(read_metrics(path)), "step", f"Loss of the policy {name}")
+        for name, path in _by_policy(files, f"training/{target}/*/*/*/*/metrics.jsonl").items()
+    }
+    rollouts = {
+        name: collect_films(path, f"Rollout of the policy {name},", album)
+        for name, path in _by_policy(files, f"evaluation/policies/{target}/*/*/*/*/films.zip").items()
+    }
+    in_scene = files.find_first(f"demonstrations/{target}/in_scene/in_scene.json")
+    tables = [roles_table(plan, roles, f"roles-{target}", "Assets by role.")] if plan else []
     return TargetPart(
         target=target,
-        title=target_title(target, assets.task if assets else target),
-        scene=assets.scene if assets else "",
-        source=f"{title(assets.object)} of {title(assets.scene)}" if assets else "",
-        pictures=_pictures(assets, roles, album, snapshots),
-        assets=tables + (lists_table(assets, f"lists-{target}", "Sets of assets.") if assets else []),
+        title=target_title(target, plan.task if plan else target),
+        plan=plan,
+        pictures=[picture for picture in thumbnails if picture],
+        assets=tables + (lists_table(plan, f"lists-{target}", "Sets of assets.") if plan else []),
         demonstrations=_demonstrations(ledgers, target, confidence),
-        films=films,
-        curves=_curves(files, target),
-        rollouts=_rollouts(files, target, album),
-        in_scenes=read_films(files.find_first(f"{target}/in_scene/films.zip"), "Demonstration in the scene", album),
-        not_in_scenes=_list_not_in_scenes(files.find_first(f"demonstrations/{target}/in_scene/in_scene.json")),
+        films={role: found for path in ledgers for role, found in films(str(path.parent), "Demonstration").items()},
+        curves={name: chart for name, chart in curves.items() if chart},
+        rollouts={name: found for name, found in rollouts.items() if found},
+        scene_films=films(f"{target}/in_scene", "Demonstration in the scene"),
+        in_scenes=read_json(SceneDemonstrations, in_scene).demonstrations if in_scene else [],
     )
 
 

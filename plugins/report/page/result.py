@@ -1,9 +1,7 @@
 """The results of the policies: charts of success with intervals, and what cousins brought, in a sentence each."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from textwrap import fill
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 from markupsafe import Markup
@@ -11,15 +9,13 @@ from markupsafe import Markup
 from plugins.claims.claims import OPEN
 from plugins.claims.tables import count_lacking_runs, evidence, title_of
 from plugins.report.page.charts import success_chart
-from plugins.report.page.rooms import RoomPart
-from stages.tables.methods import Kinds, kind
+from stages.tables.methods import Kinds
 from stages.tables.order import SKILL, set_key, target_title, title
 from stages.tables.rows import records
-from stages.tables.text import count, percent
+from stages.tables.text import percent
 
 
-@dataclass(frozen=True)
-class Result:
+class Result(NamedTuple):
     """The result of a target, or of one policy on it: a chart, a headline and sentences on what cousins brought."""
 
     target: str
@@ -50,16 +46,14 @@ def _verdict(row: dict[str, Any], name: str) -> str:
     return f"{text}, {seeds}: {verdict}."
 
 
-def sentences(claims: pd.DataFrame | None, names: dict[str, str]) -> tuple[str, list[str]]:
-    """What cousins brought on unseen assets in a line, and in a sentence for each of `names`.
+def sentences(claims: pd.DataFrame | None, target: str, names: dict[str, str]) -> tuple[str, list[str]]:
+    """What cousins brought on unseen assets of a target in a line, and in a sentence for each of `names`.
 
     Args:
-        claims: those of a target.
         names: policy -> what it is called.
     """
-    if claims is None:
-        return "", []
-    rows = records(claims[(claims["claim"] == "unseen") & claims["policy"].isin(list(names))])
+    rows = records(claims.query("target == @target and claim == 'unseen'")) if claims is not None else []
+    rows = [row for row in rows if row["policy"] in names]
     if not rows:
         return "", []
     first = rows[0]
@@ -76,17 +70,6 @@ def sentences(claims: pd.DataFrame | None, names: dict[str, str]) -> tuple[str, 
     return f"{line}instead of the twin: {ends}", [*(one[0].upper() + one[1:] for one in verdicts), *again]
 
 
-def describe_outcome(rooms: Sequence[RoomPart], models: int, results: Sequence[Result], policies: int) -> str:
-    """What went in, what came out and what it is worth, in a sentence; empty without pictures."""
-    scenes = [scene for room in rooms for rebuilt in room.reconstructions for scene in rebuilt.scenes]
-    checked = [scene.stands for scene in scenes if scene.stands is not None]
-    text = f"{count(len(rooms), 'picture')} of {count(sum(room.objects for room in rooms), 'object')} went in; "
-    text += count(len(scenes), "scene") + " of digital cousins" + f" from {count(models, 'model')}" * bool(models)
-    text += f" ({sum(checked)} of {len(checked)} stand still in physics)" * bool(checked)
-    text += f" and {'a policy' if policies == 1 else f'{policies} policies'}" * bool(policies)
-    return "; ".join([f"{text} came out", *(each.gain for each in results if each.gain)]) * bool(rooms)
-
-
 def compare_over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: Kinds) -> list[Result]:
     """A result for every target with unseen assets, over its first set; `table` as `assets.build` gives."""
     found = []
@@ -97,31 +80,26 @@ def compare_over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None,
         split = policies["test_asset"].iloc[0]
         policies = policies[policies["test_asset"] == split]
         skill = mine[(mine["training_set"] == SKILL) & (mine["test_asset"] == split)]["mean"]
-        names = {policy: kind(policy, kinds) for policy in policies["policy"].unique()}
+        names = {policy: kinds.get(policy, policy) for policy in policies["policy"].unique()}
         name = target_title(str(target), policies["task"].iloc[0])
         about = f"success over {title_of(policies['assets'].iloc[0], split)} of families that no policy was trained on"
         label = f"{name}: {about}, by kind of policy and training set; the numbers are in the table of assets"
         rows = {policy: fill(text, 24) for policy, text in names.items()}
         chart = success_chart(policies, label, rows, "policy", float(skill.iloc[0]) if len(skill) else None)
-        found.append(Result(str(target), name, about, chart, *sentences(_of(claims, target), names)))
+        found.append(Result(str(target), name, about, chart, *sentences(claims, str(target), names)))
     return found
-
-
-def _of(claims: pd.DataFrame | None, target: object) -> pd.DataFrame | None:
-    """The claims of a target."""
-    return None if claims is None else claims[claims["target"] == target]
 
 
 def compare_over_roles(cells: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: Kinds) -> list[Result]:
     """A result for every target and policy with rollouts on the roles of Table 3."""
     found = []
-    judged = None if claims is None else claims[claims["over"] == "roles"]
+    judged = None if claims is None else claims.query("over == 'roles'")
     for (target, policy), mine in cells.groupby(["target", "policy"], sort=False) if cells is not None else ():
         of_target = target_title(str(target), mine["task"].iloc[0])
-        name = f"{of_target}, {kind(str(policy), kinds)}"
+        name = f"{of_target}, {kinds.get(str(policy), policy)}"
         label = f"{name}: success by test asset and training set, with intervals; the numbers are in Table 3"
         roles = {name: title(name) for name in sorted(mine["test_asset"].unique(), key=set_key)}
         about, chart = "success of the policies by test asset", success_chart(mine, label, roles, "test_asset")
-        texts = sentences(_of(judged, target), {str(policy): name})
+        texts = sentences(judged, str(target), {str(policy): name})
         found.append(Result(str(target), name, about, chart, *texts))
     return found

@@ -5,6 +5,7 @@ import gzip
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import pandas as pd
 
@@ -16,7 +17,6 @@ from plugins.report.snapshots import Snapshots, views_of
 from stages.contracts.cousins import Cousins
 from stages.contracts.doubt import Doubt
 from stages.contracts.extracted import read_clouds, read_object_masks
-from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.images import read_rgb
 from stages.contracts.objects import Objects
@@ -26,19 +26,12 @@ from stages.tables.order import sort_key, title
 from stages.tables.table2 import judge
 
 
-@dataclass(frozen=True)
-class RebuiltScene:
-    """The scene of one cousin rank; `stands` is None if physics was not checked; `wrong`: why it does not.
-    `doubts`: beyond those of rank 1;
-    `new`: objects with a model that no earlier rank has there."""
+class RebuiltScene(NamedTuple):
+    """The scene of one cousin rank, its picture, doubts beyond those of rank 1, and how many of its objects have a
+    model that no earlier rank has there."""
 
-    rank: int
+    scene: GeneratedScene
     picture: Picture | None
-    placed: int
-    moved: list[str]
-    physics: str
-    stands: bool | None
-    wrong: str
     doubts: list[tuple[str, Doubt]]
     new: int
 
@@ -47,27 +40,24 @@ class RebuiltScene:
 class Reconstruction:
     """A room under one variant.
 
-    judge: who decided on models and orientations. view: the scene of the first rank to turn, binary glTF, gzip in
-    base64; empty: none. correct: the command, up to an object's id, that opens the page to correct it; empty: none.
-    furnished: the room was furnished from the library, so that models of rank 1 may be those of the picture;
-    distinct: how many different models stand for an object over the scenes, by its id.
+    view: the scene of the first rank to turn, binary glTF, gzip in base64; empty: none. correct: the command, up to an
+    object's id, that opens the page to correct it; empty: none. furnished: the room was furnished from the library, so
+    that models of rank 1 may be those of the picture.
     """
 
     variant: str
-    encoder: str
-    judge: str
+    found: Findings
     scenes: list[RebuiltScene]
     matches: list[Match]
     view: str
     correct: str
     furnished: bool
-    distinct: dict[str, int]
 
     @property
     def fewer(self) -> dict[int, list[str]]:
         """Objects with fewer different models than there are scenes, by that number."""
         found: dict[int, list[str]] = {}
-        for name, models in sorted(self.distinct.items(), key=lambda item: item[1]):
+        for name, models in sorted(self.found.distinct.items(), key=lambda item: item[1]):
             if models < len(self.scenes):
                 found.setdefault(models, []).append(name.replace("_", " "))
         return found
@@ -75,63 +65,42 @@ class Reconstruction:
     @property
     def shown(self) -> int:
         """The rank that is shown first: one without twins, where there is one."""
-        ranks = [scene.rank for scene in self.scenes if scene.picture]
+        ranks = [one.scene.rank for one in self.scenes if one.picture]
         return ranks[1] if self.furnished and len(ranks) > 1 else ranks[0]
 
     @property
     def title(self) -> str:
         """Its name, with the encoder and the judge of this run."""
-        named = {"encoder": self.encoder, "judge": self.judge}
+        cousins = self.found.cousins
+        named = {"encoder": shorten_name(cousins.encoder), "judge": _judge(cousins)} if cousins else {}
         return " · ".join([f"Variant {self.variant}", *(f"{what} {name}" for what, name in named.items() if name)])
 
 
 @dataclass(frozen=True)
 class RoomPart:
-    """A room and all that was made of it; `failures`: object -> (stage, reason); `origins`: file -> its provenance;
-    `camera_doubt`: what is odd about the camera's height, None: nothing."""
+    """A room and all that was made of it; `found`: under the first variant; `failures`: object -> (stage, reason);
+    `origins`: file -> its provenance."""
 
     name: str
     title: str
     input: Picture | None
     overview: Picture | None
-    objects: int
+    found: Findings
     failures: dict[str, tuple[str, str]]
     reconstructions: list[Reconstruction]
     origins: dict[str, Provenance]
-    camera_doubt: Doubt | None
 
 
-def _scene(scene: GeneratedScene, found: Findings, picture: Picture | None) -> RebuiltScene:
-    check = scene.plausibility
-    physics = "not checked"
-    if check:
-        physics = (
-            f"after {check.seconds:g} s it {check.verdict}; "
-            f"moved {100 * check.mean_displacement:.1f} cm on average, {check.collisions} collisions, "
-            f"deepest penetration {1000 * check.max_penetration:.1f} mm"
-        )
-    placed = [item for item in scene.objects if item.status == "ok"]
-    moved = [f"{item.id} {100 * item.moved:.0f} cm" for item in placed if round(item.moved, 2)]
-    return RebuiltScene(
-        rank=scene.rank,
-        picture=picture,
-        placed=len(placed),
-        moved=moved,
-        physics=physics,
-        stands=not check.wrong if check else None,
-        wrong=check.wrong if check else "",
-        doubts=found.list_further_doubts(scene),
-        new=found.count_new_models(scene),
-    )
-
-
-def _evidence(files: RunFiles, room: str, found: Findings, image: Path | None) -> Evidence:
-    """What the run has of a room beside its objects."""
+def _match_objects(
+    files: RunFiles, room: str, found: Findings, image: Path | None, album: Album, snapshots: Snapshots
+) -> list[Match]:
+    """The objects that have cousins, with what else the run has of the room."""
     path, objects = files.find_first(f"extraction/{room}/objects.json"), found.objects
-    assert path is not None and objects is not None
+    if path is None or objects is None or found.cousins is None:
+        return []
     masks, clouds = (files.find_first(f"extraction/{room}/{name}") for name in ("masks.png", "clouds.npz"))
     rgb = read_rgb(image) if image else None
-    return Evidence(
+    evidence = Evidence(
         objects,
         rgb if rgb is not None and rgb.shape[:2] == (objects.height, objects.width) else None,
         read_object_masks(path, objects) if masks else None,
@@ -139,6 +108,7 @@ def _evidence(files: RunFiles, room: str, found: Findings, image: Path | None) -
         found.placed,
         {item.id: views_of(found.scenes, item.id) for item in objects.objects},
     )
+    return [match(entry, item, evidence, album, snapshots) for entry, item in found.matched]
 
 
 def _judge(found: Cousins) -> str:
@@ -147,64 +117,50 @@ def _judge(found: Cousins) -> str:
     return judge(pd.DataFrame(deciders, columns=["model_judge", "orientation_judge"]))
 
 
-def _correct(image: Path | None, scene: str, variant: str) -> str:
-    if image is None:
-        return ""
-    arguments = ["annotate", str(image.parent), "--scene", scene, "--variant", variant, "--choose"]
-    return f"python -m plugins.studio {shlex.join(arguments)} "
-
-
-def origins(files: RunFiles, name: str) -> dict[str, Provenance]:
-    """Provenance of objects, cousins and the scenes of rank 1, as far as the files hold it, by file."""
-    kinds: list[tuple[type[Objects | Cousins | GeneratedScene], str]] = [
-        (Objects, f"extraction/{name}/objects.json"),
-        (Cousins, f"matching/*/{name}/cousins.json"),
-        (GeneratedScene, f"generation/*/{name}/scene_1.json"),
-    ]
-    found = {path: read_json(kind, path).made for kind, pattern in kinds for path in files.find_all(pattern)}
-    return {"/".join(path.parts[-3:]): provenance for path, provenance in found.items() if provenance is not None}
-
-
-def _findings(files: RunFiles, name: str, variant: str) -> Findings:
-    return Findings.read(
-        files.find_first(f"extraction/{name}/objects.json"),
-        files.find_first(f"matching/{variant}/{name}/cousins.json"),
-        files.find_all(f"generation/{variant}/{name}/scene_*.json"),
-    )
-
-
-def _reconstruction(
+def _rebuild(
     files: RunFiles, name: str, variant: str, found: Findings, album: Album, snapshots: Snapshots
 ) -> Reconstruction:
-    cousins, folder, image = found.cousins, f"generation/{variant}/{name}", files.images.get(name)
-    matches = []
-    if cousins and found.objects:
-        evidence = _evidence(files, name, found, image)
-        matches = [match(entry, item, evidence, album, snapshots) for entry, item in found.matched]
+    folder, image = f"generation/{variant}/{name}", files.images.get(name)
     alt, view = f"Reconstruction of {title(name)} from cousins of rank", files.find_first(f"{folder}/view.glb")
+    pictures = [
+        album.add(files.find_first(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}") for scene in found.scenes
+    ]
+    correct = shlex.join(["annotate", str(image and image.parent), "--scene", name, "--variant", variant, "--choose"])
     return Reconstruction(
         variant=variant,
-        encoder=shorten_name(cousins.encoder) if cousins else "",
-        judge=_judge(cousins) if cousins else "",
+        found=found,
         scenes=[
-            _scene(
-                scene, found, album.maybe(files.find_first(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}")
-            )
-            for scene in found.scenes
+            RebuiltScene(scene, picture, found.list_further_doubts(scene), found.count_new_models(scene))
+            for scene, picture in zip(found.scenes, pictures, strict=True)
         ],
-        matches=matches,
+        matches=_match_objects(files, name, found, image, album, snapshots),
         view=base64.b64encode(gzip.compress(view.read_bytes(), 9, mtime=0)).decode("ascii") if view else "",
-        correct=_correct(image, name, variant),
+        correct=f"python -m plugins.studio {correct} " if image else "",
         furnished=image is not None and image.match(f"scenes/{name}/input/*"),
-        distinct=found.distinct,
     )
+
+
+def _list_origins(name: str, found: dict[str, Findings]) -> dict[str, Provenance]:
+    """Provenance of objects, cousins and the scenes of rank 1, as far as the files hold it, by file."""
+    documents: dict[str, Objects | Cousins | GeneratedScene | None] = {}
+    documents |= {f"extraction/{name}/objects.json": each.objects for each in found.values()}
+    documents |= {f"{variant}/{name}/cousins.json": each.cousins for variant, each in found.items()}
+    documents |= {f"{variant}/{name}/scene_1.json": one for variant, each in found.items() for one in each.scenes[:1]}
+    return {path: document.made for path, document in documents.items() if document and document.made}
 
 
 def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> RoomPart:
     label = title(name)
     patterns = (f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json")
     variants = sorted({variant for pattern in patterns for variant in files.names(pattern, 1)}, key=sort_key)
-    found = {variant: _findings(files, name, variant) for variant in variants or [""]}
+    found = {
+        variant: Findings.read(
+            files.find_first(f"extraction/{name}/objects.json"),
+            files.find_first(f"matching/{variant}/{name}/cousins.json"),
+            files.find_all(f"generation/{variant}/{name}/scene_*.json"),
+        )
+        for variant in variants or [""]
+    }
     failures: dict[str, tuple[str, str]] = {}
     for variant, each in found.items():
         for one, (stage, reason) in each.failures().items():
@@ -212,15 +168,12 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
     return RoomPart(
         name=name,
         title=label.capitalize(),
-        input=album.maybe(files.images.get(name), f"Input picture of {label}"),
-        overview=album.maybe(files.find_first(f"extraction/{name}/overview.png"), f"What extraction found in {label}"),
-        objects=len(next(iter(found.values())).seen),
+        input=album.add(files.images.get(name), f"Input picture of {label}"),
+        overview=album.add(files.find_first(f"extraction/{name}/overview.png"), f"What extraction found in {label}"),
+        found=next(iter(found.values())),
         failures=failures,
-        reconstructions=[
-            _reconstruction(files, name, variant, found[variant], album, snapshots) for variant in variants
-        ],
-        origins=origins(files, name),
-        camera_doubt=next(iter(found.values())).camera_doubt,
+        reconstructions=[_rebuild(files, name, variant, found[variant], album, snapshots) for variant in variants],
+        origins=_list_origins(name, found),
     )
 
 

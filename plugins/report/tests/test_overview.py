@@ -43,7 +43,7 @@ def test_a_scene_tells_what_failed_and_what_is_doubtful(layout: Layout) -> None:
     assert found.stopped is None and found.picture.startswith("data:image/webp;base64,")
     scene = read_json(GeneratedScene, layout.results / "generation/b/room_1/scene_1.json")
     assert found.placed == sum(item.status == "ok" for item in scene.objects) > 0
-    assert found.ranks == len(list(layout.results.glob("generation/b/room_1/scene_*.json")))
+    assert len(found.found.scenes) == len(list(layout.results.glob("generation/b/room_1/scene_*.json")))
     assert ("vase_1", "extraction") in {(failure.about, failure.stage) for failure in found.failures}
     assert all(failure.reason for failure in found.failures) and found.doubts
 
@@ -81,7 +81,7 @@ def test_what_later_stages_left_of_an_earlier_run_does_not_count(layout: Layout,
     log(layout, "matching/b_room_1", "error: features: too few\n")
     found = row("room_1", left)
     assert found.stopped and (found.stopped.stage, found.stopped.reason) == ("matching", "features: too few")
-    assert (found.ranks, found.placed, found.picture) == (0, 0, "") and found.objects > 0
+    assert (found.found.scenes, found.placed, found.picture) == ([], 0, "") and found.found.seen
 
 
 def test_reasons_that_differ_by_numbers_are_one(layout: Layout) -> None:

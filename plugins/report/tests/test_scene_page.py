@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from plugins.report import picture, report
-from plugins.report.page.single import colour_depth
+from plugins.report.page.single import color_depth
 from plugins.report.tests.test_report_browser import BROKEN, CONTRAST, WIDE, browser, cabinet_to_turn, unfold  # noqa: F401
 from plugins.report.tests.test_tables_report import Checker
 from stages.contracts import Camera, write_json
@@ -77,10 +77,8 @@ def test_it_is_about_one_picture(made: Path, tmp_path: Path) -> None:
 
 def test_unknown_depth_is_black() -> None:
     depth = np.array([[0.0, 1.0, 3.0, 9.0]], np.float32)
-    colours = colour_depth(depth, 1.0, 3.0)
-    assert (
-        not colours[0, 0].any() and (colours[0, 2] == colours[0, 3]).all() and colours[0, 3].sum() > colours[0, 1].sum()
-    )
+    colors = color_depth(depth, 1.0, 3.0)
+    assert not colors[0, 0].any() and (colors[0, 2] == colors[0, 3]).all() and colors[0, 3].sum() > colors[0, 1].sum()
 
 
 @pytest.mark.parametrize(("width", "scheme"), [(390, "light"), (1300, "dark")])

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from plugins.report.page.rooms import RebuiltScene
-from plugins.report.page.root import describe_ground
-from plugins.report.page.single import MOST, Listed, doubt_physics, split_doubts
+from plugins.report.page.single import doubt_physics
 from plugins.report.tests.test_report_browser import browser  # noqa: F401
 from plugins.report.tests.test_scene_page import page
 from stages.contracts import Camera, Objects, read_json, write_json
+from stages.contracts.generated import GeneratedScene, Plausibility
+from stages.contracts.objects import Mounting
 from stages.contracts.things import THINGS, Ground, Name, Thing, Things
 from tests.unit.tables_results import CAMERA, write_run
 
@@ -68,30 +69,33 @@ def test_without_what_networks_found_it_says_what_is_known(root: Path) -> None:
 
 
 def test_a_ground_that_a_person_put_elsewhere_is_not_the_one_that_geometry_found(root: Path) -> None:
-    objects = read_json(Objects, root / "results/extraction/room_1/objects.json")
     ground = Ground(camera_height=0.99, taken_from="table tops", share=0.3)
-    assert "it is not table tops (30.0 % of the picture), which is 0.99 m below" in describe_ground(objects, ground)
+    write_json(root / "results/scenes/room_1/input" / THINGS, Things(ground=ground, walls=1, things=[]))
+    page(root, "room_1", root / "page.html")
+    said = _section(root / "page.html")
+    assert "it is not table tops (30.0 % of the picture), which is 0.99 m below" in said
 
 
-def test_five_doubts_are_shown_the_others_folded() -> None:
-    listed = [Listed("Camera", "check it", [("camera", "is low", "")])]
-    listed.append(Listed("Place", "move it", [(f"chair {k}", "pushed", f"choose chair_{k}") for k in range(7)]))
-    first, rest = split_doubts(listed)
-    assert [one.about for one in first] == ["camera", *(f"chair {k}" for k in range(MOST - 1))]
-    assert first[1].mend == "move it" and first[1].command == "choose chair_0"
-    assert [[about for about, _, _ in group.entries] for group in rest] == [["chair 4", "chair 5", "chair 6"]]
-    assert split_doubts(listed[:1]) == (first[:1], [])
+def test_five_doubts_are_shown_the_others_folded_by_cause(root: Path) -> None:
+    path = root / "results/extraction/room_1/objects.json"
+    objects = read_json(Objects, path)
+    odd = {"points": 4, "measured_mounting": Mounting(type=1)}
+    items = [item.model_copy(update=odd if item.status == "ok" else {}) for item in objects.objects]
+    write_json(path, objects.model_copy(update={"objects": items}))
+    page(root, "room_1", root / "page.html")
+    shown, folded, *_ = re.split(r'<details class="story"><summary>\d+ more', _section(root / "page.html"))
+    assert shown.count('class="doubt"') == 5
+    assert folded.count("<b>Mounting</b>: ") == 1 and folded.count("finds another mounting") > 1
 
 
 def test_scenes_that_do_not_stay_are_said_once_with_which_thing_and_why() -> None:
     def scene(rank: int, wrong: str) -> RebuiltScene:
-        return RebuiltScene(rank, None, 3, [], "checked", not wrong, wrong, [], 0)
+        check = Plausibility.model_construct(fallen=[wrong] if wrong else [], how={}, collisions=0)
+        return RebuiltScene(GeneratedScene.model_construct(rank=rank, plausibility=check), None, [], 0)
 
-    found = doubt_physics([scene(1, "dropped: desk_1"), scene(2, ""), scene(3, "dropped: desk_1"), scene(4, "x")])
-    assert [(about, doubt.what) for about, doubt in found] == [
-        ("scenes of rank 1, 3", "dropped: desk_1"),
-        ("scene of rank 4", "x"),
-    ]
+    found = doubt_physics([scene(1, "desk_1"), scene(2, ""), scene(3, "desk_1"), scene(4, "x")])
+    said = [(about, doubt.what) for about, doubt in found]
+    assert said == [("scenes of rank 1, 3", "desk_1 has fallen"), ("scene of rank 4", "x has fallen")]
 
 
 def test_a_click_on_the_dashed_outline_opens_the_command_that_takes_it(root: Path, browser: Any) -> None:  # noqa: F811
