@@ -1,4 +1,4 @@
-"""Validate a config: every mistake is one line with its key and how to mend it."""
+"""Validate a config: what an overlay removes, and every mistake as one line with its key and how to mend it."""
 
 from collections.abc import Iterable, Iterator
 from copy import deepcopy
@@ -34,9 +34,28 @@ class Mistake(NamedTuple):
         return cls(key or error.where, error.what.rstrip("."), error.fix, error.code)
 
 
+def without_removed(value: Any, annotation: Any) -> Any:
+    """`value` without the entries of free-key mappings that are null: so an overlay removes what the default has."""
+    annotation = getattr(annotation, "__origin__", annotation) if hasattr(annotation, "__metadata__") else annotation
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel) and isinstance(value, dict):
+        fields = annotation.model_fields
+        return {
+            key: without_removed(item, fields[key].annotation) if key in fields else item for key, item in value.items()
+        }
+    if get_origin(annotation) is dict and get_args(annotation)[1] is not Any:
+        inner = get_args(annotation)[1]
+        items = value.items() if isinstance(value, dict) else ()
+        kept = {key: without_removed(item, inner) for key, item in items if item is not None}
+        return kept if isinstance(value, dict) or value is None else value
+    return value
+
+
 def validate_config(model: type[M], given: dict[str, Any]) -> tuple[M, list[Mistake]]:
     """The config and its mistakes; where there is one, the config has its default instead."""
-    given, mistakes = deepcopy(given), list[Mistake]()
+    mistakes = truths(given, model)
+    given = deepcopy(given)
+    for mistake in mistakes:
+        _drop(given, tuple(mistake.key.split(".")))
     while True:
         try:
             return model.model_validate(given), mistakes
@@ -44,6 +63,29 @@ def validate_config(model: type[M], given: dict[str, Any]) -> tuple[M, list[Mist
             mistakes += mistakes_of(model, error)
             for detail in error.errors():
                 _drop(given, detail["loc"])
+
+
+def truths(given: Any, annotation: Any, key: str = "") -> list[Mistake]:
+    """Where a number is true or false, which YAML makes of yes, no, on and off, and Python takes for 1 and 0."""
+    if isinstance(given, dict):
+        models = _models(annotation)
+        fields = models[0].model_fields if models and get_origin(annotation) is not dict else {}
+        inner = get_args(annotation)[1] if get_origin(annotation) is dict else None
+        items = [(name, item, fields[name].annotation if name in fields else inner) for name, item in given.items()]
+        return [each for name, item, kind in items for each in truths(item, kind, f"{key}.{name}".lstrip("."))]
+    if isinstance(given, list):
+        return [each for item in given for each in truths(item, annotation, key)][:1]
+    kinds = list(_kinds(annotation)) if isinstance(given, bool) else [bool]
+    wrong = (int in kinds or float in kinds) and bool not in kinds
+    what = f"is {given} (YAML's yes and no, too), not a number"
+    return [Mistake(key, what, code="E-CONFIG-VALUE")] if wrong else []
+
+
+def _kinds(annotation: Any) -> Iterator[Any]:
+    """All types inside an annotation."""
+    yield annotation
+    for argument in get_args(annotation):
+        yield from _kinds(argument)
 
 
 def mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str = "") -> list[Mistake]:

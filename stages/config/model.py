@@ -17,7 +17,7 @@ from stages.config.extraction import ExtractionConfig
 from stages.config.files import read_file
 from stages.config.generation import GenerationConfig
 from stages.config.matching import MatchingConfig, MatchingSection, matching_model
-from stages.config.mistakes import Mistake, mistakes_of, validate_config
+from stages.config.mistakes import Mistake, mistakes_of, truths, validate_config, without_removed
 from stages.config.names import resolve_names
 from stages.config.packages import Objects, Package, find_packages, packages_on, with_sections
 from stages.config.replaced import Replaced
@@ -166,7 +166,7 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
     for package in on.values():
         config, found = package.expand(config)
         unread += found
-    valid, mistakes = validate_config(model, config)
+    valid, mistakes = validate_config(model, without_removed(config, model))
     mistakes += unread
     wrong = [mistake.key for mistake in mistakes] + (["experiment.rooms"] if unread else [])
     valid = valid.model_copy(update={"plugins": _packages(valid.plugins, mistakes)})
@@ -214,7 +214,10 @@ def _overlays(config: Config) -> Iterator[Mistake]:
     for section, model, read in kinds:
         entries = getattr(config.experiment, section)
         for name, entry in list(entries.items()):
-            key = f"experiment.{section}.{name}" + ".options" * isinstance(entry, Target)
+            key, changes = f"experiment.{section}.{name}", entry
+            if isinstance(entry, Target):
+                key, changes = f"{key}.options", entry.options
+            yield from truths(changes, model, key)
             try:
                 read(name)
                 continue

@@ -5,7 +5,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from stages.config.mistakes import Mistake, mistakes_of
+from stages.config.mistakes import Mistake, mistakes_of, truths
 from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.section import Section
 from stages.plugins import find, find_options, list_available, qualify_module
@@ -93,6 +93,8 @@ def _check_kwargs(section: Section, packages: Sequence[str], key: str) -> tuple[
 
 
 def _check_options(model: type[Section], given: dict[str, Any], key: str) -> tuple[dict[str, Any], list[Mistake]]:
+    if mistakes := truths(given, model, key):
+        return {}, mistakes
     try:
         return model.model_validate(given).model_dump(mode="json"), []
     except ValidationError as error:

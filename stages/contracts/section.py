@@ -1,27 +1,14 @@
 """Base of every config section."""
 
-from collections.abc import Iterator
-from typing import Annotated, Any, Self, get_args, get_origin
+from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 
 class Section(BaseModel):
     """A section of config.yaml. Unknown keys, NaN and infinity are errors; values are frozen after validation."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-    @field_validator("*", mode="before")
-    @classmethod
-    def _as_written(cls, value: Any, info: ValidationInfo) -> Any:
-        """YAML's yes, no, on and off are no numbers; a null takes a free key out, which an overlay may ask for."""
-        annotation = cls.model_fields[str(info.field_name)].annotation
-        if isinstance(value, bool | list | dict):
-            kinds = set(_list_kinds(annotation))
-            truth = next((each for each in _list_leaves(value) if isinstance(each, bool)), None)
-            if truth is not None and kinds & {int, float} and bool not in kinds:
-                raise ValueError(f"is {truth} (YAML's yes and no, too), not a number")
-        return _without_nulls(value, annotation)
 
     def list_unread(self) -> set[str]:
         """Keys that nothing reads as the others stand: a change of them runs nothing again."""
@@ -30,30 +17,6 @@ class Section(BaseModel):
     def keep_deciding(self) -> Self:
         """What decides on results; where and how they are got is left at its default."""
         return self
-
-
-def _list_kinds(annotation: Any) -> Iterator[Any]:
-    """All types inside an annotation."""
-    yield annotation
-    for argument in get_args(annotation):
-        yield from _list_kinds(argument)
-
-
-def _list_leaves(value: Any) -> Iterator[Any]:
-    """The values inside mappings and lists."""
-    if isinstance(value, dict | list):
-        for item in value.values() if isinstance(value, dict) else value:
-            yield from _list_leaves(item)
-    else:
-        yield value
-
-
-def _without_nulls(value: Any, annotation: Any) -> Any:
-    """A mapping of free keys without those that are null; none at all for null."""
-    if get_origin(annotation) is not dict or get_args(annotation)[1] is Any or not isinstance(value, dict | None):
-        return value
-    inner = get_args(annotation)[1]
-    return {key: _without_nulls(item, inner) for key, item in (value or {}).items() if item is not None}
 
 
 KWARGS: Any = Field({}, description="Options of the implementation that is named above, by its class `Options`.")
