@@ -53,8 +53,13 @@ class Endpoint:
             raise InputError("vlm", "openai is not installed.", mend, code="E-LIBRARY-MISSING") from None
         hooks = {"request": [lambda _: self._allow()]}
         http = openai.DefaultHttpxClient(event_hooks=hooks, follow_redirects=False)  # no pictures for other hosts
-        where = {"base_url": self.options.url, "timeout": self.options.timeout}
-        return openai.OpenAI(api_key=lambda: self.key or "none", max_retries=RETRIES, http_client=http, **where)
+        return openai.OpenAI(
+            api_key=lambda: self.key or "none",
+            base_url=self.options.url,
+            timeout=self.options.timeout,
+            max_retries=RETRIES,
+            http_client=http,
+        )
 
     def post(self, body: dict[str, Any]) -> dict[str, Any]:
         """The reply to a request.

@@ -234,13 +234,14 @@ def _repeat(scene: Scene, placed: dict[str, Numbers]) -> Scene:
     Raises:
         ValueError: they become too many.
     """
-    shown = [scene.graph[node] for node in scene.graph.nodes_geometry]
-    if sum(len(placed.get(name, [0])) for _, name in shown) > MOST_SHAPES:
+    once = np.eye(4)[None]
+    shown = [(frame, str(name)) for frame, name in map(scene.graph.get, scene.graph.nodes_geometry)]
+    if sum(len(placed.get(name, once)) for _, name in shown) > MOST_SHAPES:
         raise ValueError(f"it shows more than {MOST_SHAPES} meshes")
     if not placed:
         return scene
     whole = Scene()
     for frame, name in shown:
-        for one in placed.get(name, [np.eye(4)]):
+        for one in placed.get(name, once):
             whole.add_geometry(scene.geometry[name], transform=frame @ one)
     return whole
