@@ -45,5 +45,5 @@ rule all:
         rules.extraction.input + rules.matching.input + rules.generation.input,
         rules.experiment.input + rules.demonstrations.input + rules.training.input + rules.evaluation.input,
         rules.tables.input,
-        EVERYTHING,
+        ADDED["all"],
     localrule: True

@@ -3,6 +3,7 @@ import json
 import os
 import shlex
 import sys
+from collections import defaultdict
 from functools import cache
 from hashlib import sha256
 from itertools import product
@@ -52,8 +53,6 @@ ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
 FURTHER_ROOMS = set([room for room in ROOMS if room in EXPERIMENT.inputs][8:])
 REPORT_ROOMS = [room for room in ROOMS if room not in FURTHER_ROOMS]
-# Those that are drawn for people, by the package `pictures`.
-DRAWN_ROOMS = ROOMS if CONFIG.packages.get("pictures") else []
 # Variants, and that of the policy experiment; rooms by protocols, each with its variants.
 VARIANTS = list(EXPERIMENT.variants)
 MATCHING = {variant: CONFIG.matching_of(variant) for variant in VARIANTS}
@@ -69,9 +68,8 @@ SHARDS = [*PROCEDURAL_SHARDS, *OWN_SHARDS]
 PICTURE = ROOMS[0] if len(ROOMS) == 1 and ROOMS[0] in EXPERIMENT.inputs else None
 PICTURE = None if replacement(CONFIG, "matching", "match") else PICTURE
 STORES = stores(CONFIG)
-# What policies open, also inside generated scenes; on which assets it is demonstrated; who opens it after what training.
+# What policies open; on which assets it is demonstrated; who opens it after what training.
 TARGETS = list(EXPERIMENT.targets)
-SCENE_TARGETS = TARGETS if EXPERIMENT.in_scene and CONFIG.packages.get("in_scene") else []
 TRAINED_TARGETS = [name for name in TARGETS if EXPERIMENT.sets_of(name)]
 DEMONSTRATED = [(name, role) for name in TARGETS for role in EXPERIMENT.list_trained_roles(name)]
 DEMONSTRATED = columns("target", "role", rows=DEMONSTRATED)
@@ -80,16 +78,15 @@ CELLS = columns("target", "policy", "training_set", rows=EXPERIMENT.cells)
 FILMS = {stage: list_drawers(CONFIG.packages, stage) for stage in ("demonstrations", "evaluation")}
 MORE_TABLES = list_drawers(CONFIG.packages, "tables")
 TRAININGS = ["results/tables/trainings.csv"] if MORE_TABLES else []
-# Rollouts of the scripted skill, by the package `scripted`.
-SKILLS = expand("results/evaluation/skill/{target}/rollouts.csv", target=TRAINED_TARGETS)
-SKILLS = SKILLS if CONFIG.packages.get("scripted") else []
-# The companion of Table 2, by the package `robustness`.
-ROBUSTNESS = [f"results/tables/table2_robustness.{form}" for form in ("csv", "html", "tex")]
-ROBUSTNESS = ROBUSTNESS if CONFIG.packages.get("robustness") else []
 # Files of assets that the user has committed, by target.
 PINNED = {name: target.assets for name, target in EXPERIMENT.targets.items() if target.assets}
-# What packages beside the core add to the target `all`.
-EVERYTHING = []
+# Files that packages beside the core add to a target, by its name: `ADDED["extraction"] += ...` in their rules.smk.
+ADDED = defaultdict(list)
+
+
+def added(target):
+    """Files that packages add, once all their rules are read."""
+    return lambda wildcards: ADDED[target]
 
 
 wildcard_constraints:

@@ -50,5 +50,5 @@ rule demonstrations:
     """Demonstrations of every asset that a training set uses, and those inside generated scenes."""
     input:
         expand("results/demonstrations/{target}/{role}/episodes.h5", zip, **DEMONSTRATED),
-        expand("results/demonstrations/{target}/in_scene/in_scene.json", target=SCENE_TARGETS),
+        added("demonstrations"),
     localrule: True

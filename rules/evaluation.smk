@@ -80,5 +80,5 @@ rule evaluation:
         expand("results/evaluation/scenes/{variant}/{room}/scores.csv", variant=VARIANTS, room=SCORED_ROOMS),
         policies("results/evaluation/policies/{target}/{policy}/{training_set}/{run}/seed_{seed}/rollouts.csv"),
         expand("results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv", zip, **CELLS),
-        SKILLS,
+        added("skills"),
     localrule: True

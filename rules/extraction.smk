@@ -48,5 +48,5 @@ rule extraction:
     """Objects of all scenes."""
     input:
         expand("results/extraction/{scene}/objects.json", scene=ROOMS),
-        expand("results/extraction/{scene}/overview.png", scene=DRAWN_ROOMS),
+        added("extraction"),
     localrule: True

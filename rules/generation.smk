@@ -47,5 +47,5 @@ rule generation:
     """Generated scenes of all rooms and variants."""
     input:
         expand("results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, variant=VARIANTS, scene=ROOMS),
-        expand("results/generation/{variant}/{scene}/comparison.png", variant=VARIANTS, scene=DRAWN_ROOMS),
+        added("generation"),
     localrule: True

@@ -146,5 +146,5 @@ rule matching:
     """Cousins of all scenes, in all variants."""
     input:
         expand("results/matching/{variant}/{scene}/cousins.json", variant=VARIANTS, scene=ROOMS),
-        expand("results/matching/{variant}/{scene}/cousins.png", variant=VARIANTS, scene=DRAWN_ROOMS),
+        added("matching"),
     localrule: True

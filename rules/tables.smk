@@ -10,11 +10,7 @@ rule table2:
     """Table 2 and Figure 6, the published values beside ours."""
     input:
         scores=expand("results/evaluation/scenes/{variant}/{room}/scores.csv", variant=VARIANTS, room=SCORED_ROOMS),
-        comparisons=expand(
-            "results/generation/{variant}/{scene}/comparison.png",
-            scene=REPORT_ROOMS if DRAWN_ROOMS else [],
-            variant=VARIANTS,
-        ),
+        comparisons=added("figure6"),
     output:
         csv="results/tables/table2.csv",
         html="results/tables/table2.html",
@@ -47,7 +43,7 @@ rule table3:
     """Table 3: every cell with its n, seeds and interval; Figures 4 and 9; what packages add: success over unseen assets, claims."""
     input:
         rollouts=expand("results/evaluation/policies/{target}/{policy}/{training_set}/rollouts.csv", zip, **CELLS),
-        skills=SKILLS,
+        skills=added("skills"),
         trainings=TRAININGS,
     output:
         csv="results/tables/table3.csv",
@@ -93,7 +89,7 @@ rule tables:
     input:
         TRAININGS,
         rules.table2.output,
-        ROBUSTNESS,
+        added("table2"),
         rules.table3.output,
     localrule: True
 

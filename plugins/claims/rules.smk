@@ -25,4 +25,4 @@ rule trainings:
         "{params.command} --policies {input.configs:q} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
-EVERYTHING += [rules.trainings.output]
+ADDED["all"] += [rules.trainings.output]

@@ -44,3 +44,8 @@ rule demonstrate_in_scene:
         "--library {input.library:q} --options {params.options:q} --task-options {params.task_options:q} "
         "--seed {params.seed} --out {params.out:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
+
+
+ADDED["demonstrations"] += expand(
+    rules.demonstrate_in_scene.output.in_scene, target=TARGETS if EXPERIMENT.in_scene else []
+)

@@ -113,3 +113,9 @@ rule draw_scenes:
     shell:
         "{params.command} --scenes {input.scenes:q} --objects {input.objects:q} --image {input.image:q} "
         "--library {input.library:q} --look {params.look} --out {params.out:q} 2>&1 | tee {log:q}"
+
+
+ADDED["extraction"] += expand("results/extraction/{scene}/overview.png", scene=ROOMS)
+ADDED["matching"] += expand("results/matching/{variant}/{scene}/cousins.png", variant=VARIANTS, scene=ROOMS)
+ADDED["generation"] += expand("results/generation/{variant}/{scene}/comparison.png", variant=VARIANTS, scene=ROOMS)
+ADDED["figure6"] += expand("results/generation/{variant}/{scene}/comparison.png", scene=REPORT_ROOMS, variant=VARIANTS)

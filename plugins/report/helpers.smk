@@ -38,6 +38,7 @@ def films_of(stage, name, found):
     return unless_replaced(stage, name, films=found).get("films", [])
 
 
+SCENE_TARGETS = TARGETS if EXPERIMENT.in_scene and CONFIG.packages.get("in_scene") else []
 DEMO_FILMS = films_of(
     "demonstrations",
     "collect",

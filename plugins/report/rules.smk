@@ -53,7 +53,8 @@ rule report_page:
         in_scene=expand("results/demonstrations/{target}/in_scene/in_scene.json", target=SCENE_TARGETS),
         attempts=expand("results/demonstrations/{target}/{role}/attempts.jsonl", zip, **DEMONSTRATED),
         metrics=policies("results/training/{target}/{policy}/{training_set}/{run}/seed_{seed}/metrics.jsonl", count=1),
-        tables=rules.tables.input,
+        tables=[*TRAININGS, *rules.table2.output, *rules.table3.output],
+        companion=added("table2"),
         pages=lambda wildcards: own_pages(REPORT_ROOMS),
     output:
         page="results/report/index.html",
@@ -149,4 +150,4 @@ onerror:
     tell_of_failures()
 
 
-EVERYTHING += [rules.report_page.output, *([rules.overview.input] if FURTHER_ROOMS else [])]
+ADDED["all"] += [rules.report_page.output, *([rules.overview.input] if FURTHER_ROOMS else [])]

@@ -47,3 +47,6 @@ rule table2_robustness:
         out=subpath(output.csv, parent=True),
     shell:
         "{params.command} --scores {input.scores:q} {input.robustness:q} --out {params.out:q} 2>&1 | tee {log:q}"
+
+
+ADDED["table2"] += rules.table2_robustness.output

@@ -69,4 +69,4 @@ rule scenes8:
     localrule: True
 
 
-EVERYTHING += [rules.scenes.input]
+ADDED["all"] += [rules.scenes.input]

@@ -31,3 +31,6 @@ rule skill:
         "--options {params.options:q} --skill-options {params.skill_options:q} "
         "--task-options {params.task_options:q} --seed {params.seed} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
+
+
+ADDED["skills"] += expand(rules.skill.output.rollouts, target=TRAINED_TARGETS)
