@@ -67,7 +67,7 @@ def read_table(path: Path, columns: list[str], text: Sequence[str] = ()) -> pd.D
 
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:
     """The rows of a table as dictionaries."""
-    return table.to_dict("records")
+    return table.to_dict("records")  # type: ignore[return-value]
 
 
 def published_scenes(folder: Path) -> pd.DataFrame:
