@@ -68,5 +68,4 @@ def by_handle(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     lengths = pd.cut(found["handle_length"], LENGTHS, labels=BINS, right=False).astype(str)
     binned = pd.concat([found.assign(by="kind"), found.assign(by="length", handle=lengths)])
     table = rates(binned, [*CELL, "by", "handle"], options)[BY_HANDLE]
-    order = table["handle"].map({name: number for number, name in enumerate([*KINDS, *BINS])})
-    return in_order(table.iloc[order.argsort(kind="stable")])
+    return in_order(table.sort_values("handle", key=lambda names: names.map([*KINDS, *BINS].index), kind="stable"))

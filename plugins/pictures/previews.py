@@ -23,8 +23,8 @@ def draw_preview(scene: sapien.Scene, generated: GeneratedScene, width: int) -> 
 
 def resize_to(rgb: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
     """A picture (H, W, 3), resized to a width."""
-    image = Image.fromarray(rgb)
-    return np.asarray(image.resize((width, round(image.height * width / image.width)), Image.Resampling.LANCZOS))
+    size = width, round(rgb.shape[0] * width / rgb.shape[1])
+    return np.asarray(Image.fromarray(rgb).resize(size, Image.Resampling.LANCZOS))
 
 
 def draw_side_by_side(pictures: list[tuple[str, NDArray[np.uint8]]]) -> Image.Image:

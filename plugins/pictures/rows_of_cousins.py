@@ -15,6 +15,7 @@ from stages.contracts.objects import SceneObject
 from stages.matching.crop import View, darken_rest
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
+from stages.tables.text import count
 
 LINE = 20  # pixels of a line of a caption
 Picture = NDArray[np.uint8]
@@ -46,7 +47,8 @@ def write_picture(
         view = scene.view(item)
         if view.mask.any():
             page.paste(Image.fromarray(crop_picture(view)), (margin, y))
-        draw.text((margin, y + TILE + 2), f"{entry.id}\n{_counts(item.doors, item.drawers)}", "black", font)
+        parts = [count(n, noun) for n, noun in ((item.doors, "door"), (item.drawers, "drawer")) if n]
+        draw.text((margin, y + TILE + 2), f"{entry.id}\n{', '.join(parts)}", "black", font)
         if entry.status == "failed":
             draw.text((margin + step_x, y + TILE // 2), f"failed: {entry.reason}", "black", font)
         for column, cousin in enumerate(entry.cousins, 1):
@@ -78,8 +80,3 @@ def _fit(picture: Picture) -> Picture:
     x, y = (TILE - width) // 2, (TILE - height) // 2
     tile[y : y + height, x : x + width] = small
     return tile
-
-
-def _counts(doors: int, drawers: int) -> str:
-    counts = {"door": doors, "drawer": drawers}
-    return ", ".join(f"{number} {name}{'s' if number > 1 else ''}" for name, number in counts.items() if number)

@@ -35,23 +35,20 @@ def policies_table(
         table: as `table3.cells` gives.
         published: the paper's, beside ours (`methods.join_published`).
     """
-    ours = {tuple(row[name] for name in CELL): row for row in records(table)}
-    theirs = {tuple(row[name] for name in CELL): row for row in records(published)}
-    keys = [*ours, *theirs]
-    sets = sorted({key[3] for key in keys}, key=set_key)
-    tested: dict[tuple[str, str], set[str]] = {}
-    for target, policy, asset, _ in keys:
-        tested.setdefault((target, policy), set()).add(asset)
+    ours, theirs = ({tuple(row[name] for name in CELL): row for row in records(one)} for one in (table, published))
+    every = theirs | ours
+    sets, order = sorted({key[3] for key in every}, key=set_key), [key[:2] for key in (*ours, *theirs)]
     rows = []
-    for target, policy, asset in ((*of, name) for of, names in tested.items() for name in sorted(names, key=set_key)):
-        ran = {name: ours[target, policy, asset, name] for name in sets if (target, policy, asset, name) in ours}
+    for of in sorted({key[:3] for key in every}, key=lambda of: (order.index(of[:2]), set_key(of[2]))):
+        target, policy, asset = of
+        ran = {name: ours[*of, name] for name in sets if (*of, name) in ours}
         first = next(iter(ran.values()), None)
-        task = next(row["task"] for key, row in (ours | theirs).items() if key[:2] == (target, policy))
+        task = next(row["task"] for key, row in every.items() if key[:2] == of[:2])
         about = [(kinds or {}).get(policy, policy), CLOUDS[first["cloud"]]] if first else []
         line = [cell(target_title(target, task), "\n".join(about)), title(asset)]
         line.append(number(first["feature_distance"], 2) if first else "")
         for name in sets:
-            paper = theirs.get((target, policy, asset, name))
+            paper = theirs.get((*of, name))
             missing = (NOT_RUN if paper or ran else "", "")
             value, remark = _role(ran[name]) if name in ran else missing
             line.append(cell(value, remark, percent(paper["mean"], paper["std"]) if paper else ""))

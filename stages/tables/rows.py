@@ -67,13 +67,12 @@ def read_table(path: Path, columns: list[str], text: Sequence[str] = ()) -> pd.D
 
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:
     """The rows of a table as dictionaries."""
-    return table.to_dict("records")
+    return table.to_dict("records")  # type: ignore[return-value]
 
 
 def published_scenes(folder: Path) -> pd.DataFrame:
     """Table 2 of the paper, indexed by (scene number, variant)."""
-    table = read_table(folder / "table2.csv", PUBLISHED_2, text=["variant"])
-    return table.set_index(["scene", "variant"])
+    return read_table(folder / "table2.csv", PUBLISHED_2, text=["variant"]).set_index(["scene", "variant"])
 
 
 def published_runs(folder: Path) -> pd.DataFrame:

@@ -29,11 +29,7 @@ def read_jobs(paths: Iterable[Path], root: Path) -> pd.DataFrame:
     for path in sorted(path for path in set(paths) if path.is_file()):
         inner = path.relative_to(root)
         try:
-            times = (
-                pd.read_csv(path, sep="\t")[["s", "cpu_time", "max_rss"]]
-                .replace(["-", "NA"], float("nan"))
-                .astype(float)
-            )
+            times = pd.read_csv(path, sep="\t", na_values=["-"])[["s", "cpu_time", "max_rss"]].astype(float)
         except (ValueError, KeyError) as error:
             what = f"is not a benchmark file of Snakemake ({error})."
             raise InputError(path, what, "delete it and run its rule again", code="E-BENCHMARK") from None
@@ -52,8 +48,9 @@ def by_stage(jobs: pd.DataFrame, stages: list[str]) -> pd.DataFrame:
 
 def times_table(stages: pd.DataFrame) -> Table:
     """Time and memory by stage; `stages` as `by_stage` gives."""
+    stages = stages.assign(memory=[f"{number(one, 0)} MiB" if one == one else "" for one in stages["memory"]])
     rows = [
-        [row["stage"], str(row["jobs"]), duration(row["seconds"]), duration(row["cpu_seconds"]), _size(row["memory"])]
+        [row["stage"], str(row["jobs"]), duration(row["seconds"]), duration(row["cpu_seconds"]), row["memory"]]
         for row in records(stages)
     ]
     notes = [
@@ -62,10 +59,6 @@ def times_table(stages: pd.DataFrame) -> Table:
     ]
     columns = ["Stage", "Jobs", "Job time", "CPU time", "Peak memory"]
     return Table("cost", "Time by stage.", columns, rows, notes=notes)
-
-
-def _size(memory: float) -> str:
-    return f"{number(memory, 0)} MiB" if memory == memory else ""
 
 
 def longest_table(jobs: pd.DataFrame) -> Table:

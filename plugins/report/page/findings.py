@@ -25,11 +25,8 @@ class Findings:
     @classmethod
     def read(cls, objects: Path | None, cousins: Path | None, scenes: Iterable[Path]) -> "Findings":
         """Read the files that exist."""
-        return cls(
-            read_json(Objects, objects) if objects else None,
-            read_json(Cousins, cousins) if cousins else None,
-            [read_json(GeneratedScene, path) for path in scenes],
-        )
+        found = read_json(Objects, objects) if objects else None, read_json(Cousins, cousins) if cousins else None
+        return cls(*found, [read_json(GeneratedScene, path) for path in scenes])
 
     @property
     def seen(self) -> dict[str, SceneObject]:

@@ -57,8 +57,10 @@ def collect_films(archive: Path | None, whose: str, album: Album) -> Films:
         InputError: the list of films is broken, or a film is missing.
     """
     films: Films = {}
-    folder = unpack(archive, "make the films again") if archive else None
-    for film in read_films(folder / "films.json").films if folder else ():
+    if archive is None:
+        return films
+    folder = unpack(archive, "make the films again")
+    for film in read_films(folder / "films.json").films:
         moving = album.film(folder / film.file, f"{whose} on {title(film.role)}")
         films.setdefault(film.role, []).append((film, moving))
     return films
