@@ -46,6 +46,7 @@ KINDS = {
     "rooms": PluginKind("scenes.rooms", ".yaml"),
     "tasks": PluginKind("tasks", "TASK"),
     "policies": PluginKind("policies", "Policy"),
+    "makers": PluginKind("articulated.makers", "Maker"),
     "mesh_files": PluginKind("articulated.mesh_files", "READER"),
     "importers": PluginKind("assets.importers", "IMPORTER"),
     "skills": PluginKind("skills", "Skill"),

@@ -1,5 +1,6 @@
 """A mesh file as an asset that does not move."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,15 @@ def read_mesh(path: Path, folder: Path) -> RobotModel:
     Raises:
         InputError: it cannot be read, or is flat.
     """
-    meshes, lost = load_meshes(path, folder)
+    return make_body(path, *load_meshes(path, folder))
+
+
+def make_body(path: Path, meshes: Sequence[trimesh.Trimesh], remarks: Sequence[str] = ()) -> RobotModel:
+    """The meshes of a file as one; `remarks`: what of them is lost, a line each.
+
+    Raises:
+        InputError: they are flat.
+    """
     points = np.concatenate([mesh.vertices for mesh in meshes])
     across = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][2]
     if np.ptp(points @ across) < FLAT * np.ptp(points, axis=0).max():
@@ -30,4 +39,4 @@ def read_mesh(path: Path, folder: Path) -> RobotModel:
     mass = board_mass(pieces, visuals)
     inertia = hull.moment_inertia * (mass / hull.volume) + MINIMUM_INERTIA * np.eye(3)
     base = Link("base", visuals, pieces, mass, hull.center_mass, inertia)
-    return RobotModel(path.stem, {"base": base}, remarks=tuple(lost))
+    return RobotModel(path.stem, {"base": base}, remarks=tuple(remarks))

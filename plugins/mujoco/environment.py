@@ -24,7 +24,8 @@ from plugins.mujoco.world import (
     ModelFiles,
     build,
 )
-from stages.articulated.asset_folder import stretch_asset
+from stages.articulated.asset_folder import write_asset
+from stages.articulated.resizing import resize_model
 from stages.contracts import Asset, InputError, read_json
 from stages.geometry.frames import inverse
 from stages.planning.clearance import Surroundings
@@ -176,7 +177,8 @@ class MujocoTaskEnv(EnvWrapper):
         if not out.exists():
             asset = read_json(Asset, folder / "asset.json")
             size = np.array(asset.size) * scale
-            stretch_asset(folder, asset, (float(size[0]), float(size[1]), float(size[2])), out)
+            robot, about = resize_model(folder, asset, size.tolist(), by_recipe=False)
+            write_asset(robot, out, about)
         return out
 
     def _look_up(self, folder: Path) -> None:

@@ -7,9 +7,9 @@ import numpy as np
 
 from plugins.render_and_compare.config import GeometryConfig
 from plugins.render_and_compare.fitting import Measured, lay_over, measure
+from plugins.render_and_compare.noisy_cloud import NoisyCloud
 from plugins.render_and_compare.observation import observe
 from plugins.render_and_compare.rendering import Rendering, render
-from plugins.render_and_compare.sight import Sight
 from plugins.render_and_compare.solid import Solid
 from plugins.render_and_compare.terms import Terms, compare, line_field
 from plugins.render_and_compare.yaws import aligned_yaws, is_front_known, touched_walls
@@ -52,7 +52,7 @@ class Fitter:
         self.box = UprightBox(item.box.center, item.box.size, item.box.yaw)
         self.seen = observe(view, np.array(scene.floor_from_camera, dtype=float), scene.depth_error, resolution)
         self.lines = line_field(self.seen.rgb)
-        self.sight = Sight(self.seen.cloud, self.seen.eye, scene.depth_error.predict)
+        self.sight = NoisyCloud(self.seen.cloud, self.seen.eye, scene.depth_error.predict)
         self.wall = next(((np.array(wall.normal), wall.offset) for wall in touched_walls(item, scene)), None)
         self._measured: dict[float, Measured] = {}
         self._fits: dict[tuple[str, float], Fit] = {}

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.render_and_compare.noisy_cloud import NoisyCloud
 from plugins.render_and_compare.observation import Observation
-from plugins.render_and_compare.sight import Sight
 from plugins.render_and_compare.solid import Solid
 from stages.geometry.boxes import UprightBox
 from stages.geometry.estimate import BIN, TRIM
@@ -36,7 +36,7 @@ class Measured(NamedTuple):
         return UprightBox(yaw_matrix(self.yaw) @ self.ends.mean(axis=0), size, self.yaw)
 
 
-def measure(sight: Sight, box: UprightBox, yaw: float, wall: tuple[Array, float] | None = None) -> Measured:
+def measure(sight: NoisyCloud, box: UprightBox, yaw: float, wall: tuple[Array, float] | None = None) -> Measured:
     """The extents of an object along axes turned by `yaw`, with the heights of its box.
 
     Args:

@@ -1,4 +1,4 @@
-"""Asset folders: write and stretch one, whole or not at all; the checksum that all of them carry."""
+"""Asset folders: write one, whole or not at all; the checksum that all of them carry."""
 
 import hashlib
 import shutil
@@ -8,17 +8,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from stages.articulated.forward_kinematics import measure_closed_box
 from stages.articulated.model import RobotModel
 from stages.articulated.part_types import contract_joints, copy_part_types, count_parts
-from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
 from stages.contracts.errors import InputError
 from stages.contracts.files import as_json, ask_before_writing, make_partial_path, read_json
-from stages.contracts.library import Asset, Placement, Recipe, Symmetry, Vector
+from stages.contracts.library import Asset, Placement, Recipe, Symmetry
 from stages.contracts.parts import PARTS
 from stages.contracts.system import name_file_in_errors
 
@@ -34,6 +31,11 @@ class Description:
     symmetry: Symmetry = "none"
     placement: Placement = "floor"
     recipe: Recipe | None = None
+
+    @classmethod
+    def of(cls, asset: Asset) -> "Description":
+        """That of an asset but for its recipe, which a size of its own ends."""
+        return cls(asset.id, asset.category, asset.licence, asset.provenance, asset.symmetry, asset.placement)
 
 
 def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
@@ -64,6 +66,12 @@ def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
     return asset
 
 
+def write_model(robot: RobotModel, out: Path) -> None:
+    """Write a URDF with its meshes alone, which simulators read: the folder `out`, whole or not at all."""
+    with atomic_folder(out) as folder:
+        write_urdf(robot, folder)
+
+
 def read_model(folder: Path) -> RobotModel:
     """The model of an asset folder, with the part types that its `asset.json` gives to its joints."""
     asset = read_asset(folder)
@@ -83,15 +91,6 @@ def read_srdf(path: Path) -> tuple[tuple[str, str], ...]:
         return ()
     pairs = ET.parse(path).getroot().findall("disable_collisions")
     return tuple((pair.get("link1", ""), pair.get("link2", "")) for pair in pairs)
-
-
-def stretch_asset(folder: Path, asset: Asset, size: Vector, out: Path) -> Asset:
-    """Write the asset with a closed box of exactly `size`: everything in it is scaled per axis."""
-    x, y, z = (np.array(size) / np.maximum(asset.size, 1e-9)).tolist()
-    about = Description(
-        asset.id, asset.category, asset.licence, asset.provenance, symmetry=asset.symmetry, placement=asset.placement
-    )
-    return write_asset(stretch_model(read_model(folder), (x, y, z)), out, about)
 
 
 def read_asset(folder: Path) -> Asset:

@@ -3,9 +3,8 @@
 import hashlib
 import json
 from collections.abc import Sequence
-from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -15,8 +14,8 @@ from stages.articulated.stretching import stretch_model
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset, Finish, Recipe, Vector
 from stages.contracts.types import LARGEST
+from stages.plugins import list_available, load
 
-MAKER = "plugins.furniture.maker"  # module of the `Maker` of recipes
 SAME_SIZE = 5e-4  # metres: a size this near to the native one is left alone
 
 
@@ -44,9 +43,16 @@ class Maker(Protocol):
 
 
 def load_maker() -> Maker:
-    """The maker of recipes."""
-    maker: Any = import_module(MAKER)
-    return maker  # type: ignore[no-any-return]
+    """The maker of recipes, of the package that has one.
+
+    Raises:
+        InputError: none has.
+    """
+    (name, *_) = [*list_available("makers"), ""]
+    if not name:
+        raise InputError("recipe", "no package makes models by it.", "plugins/furniture does", code="E-MODEL-MAKER")
+    maker: Maker = load("makers", name)()
+    return maker
 
 
 def has_size(asset: Asset, size: Sequence[float]) -> bool:
@@ -54,8 +60,11 @@ def has_size(asset: Asset, size: Sequence[float]) -> bool:
     return max(abs(a - b) for a, b in zip(size, asset.size, strict=True)) < SAME_SIZE
 
 
-def resize_model(folder: Path, asset: Asset, size: Sequence[float]) -> SizedModel:
+def resize_model(folder: Path, asset: Asset, size: Sequence[float], by_recipe: bool = True) -> SizedModel:
     """The model of an asset folder with a closed box of exactly `size` (metres, own axes).
+
+    Args:
+        by_recipe: make a model that has a recipe anew; else everything in it is scaled per axis.
 
     Raises:
         InputError: the size is not positive, or not of this world.
@@ -64,8 +73,8 @@ def resize_model(folder: Path, asset: Asset, size: Sequence[float]) -> SizedMode
     if not all(0 < extent <= LARGEST for extent in (x, y, z)):
         fix = f"all extents must be positive, {LARGEST:g} m at most"
         raise InputError(folder, f"cannot be resized to {x:g} x {y:g} x {z:g} m.", fix, code="E-MODEL-SIZE")
-    about = Description(asset.id, asset.category, asset.licence, asset.provenance, asset.symmetry, asset.placement)
-    if asset.recipe is not None:
+    about = Description.of(asset)
+    if by_recipe and asset.recipe is not None:
         return load_maker().make_model(asset.recipe, (x, y, z), about)
     a, b, c = (np.array([x, y, z]) / np.maximum(asset.size, 1e-9)).tolist()
     return SizedModel(stretch_model(read_model(folder), (a, b, c)), about)

@@ -1,48 +1,29 @@
 """Choose the cousin that represents each object in the scene of a rank; a person's choice comes first."""
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, InputError
-from stages.contracts.cousins import Cousin
 from stages.contracts.doubt import DoubtKind
 from stages.generation.finishing import paint
 from stages.generation.inputs import Inputs, MatchedObject
 from stages.generation.models import resize
 from stages.generation.placed import Placed
-from stages.generation.placing import place
+from stages.generation.placing import Places
 from stages.geometry.boxes import UprightBox
 
 SAME_MEANING = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15); chosen
 
 
-Places = dict[tuple[str, str], Placed]  # by the ids of an object and of a model
-
-
-def choose_models(
-    inputs: Inputs, rank: int, options: GenerationConfig, places: Places | None = None
-) -> tuple[list[Placed], dict[str, str]]:
-    """The cousins of one rank: turned, sized and mounted where their objects are; and why others cannot be, by id.
-
-    `places`: cousins at their places, found for other ranks of the same inputs; new ones are added.
-    """
+def choose_models(inputs: Inputs, rank: int, places: Places) -> tuple[list[Placed], dict[str, str]]:
+    """The cousins of one rank: turned, sized and mounted where their objects are; and why others cannot be, by id."""
     items, failed, models = list[Placed](), dict[str, str](), dict[int, str]()
-    places = {} if places is None else places
-
-    def place_once(one: MatchedObject, cousin: Cousin) -> Placed:
-        key = one.object.id, cousin.asset
-        if key not in places:
-            places[key] = place(one, cousin, inputs, options)
-        return places[key]
-
     for one in inputs.matched:
         try:
-            item = choose(one, rank, models, partial(place_once, one), options.max_stretch)
+            item = choose(one, rank, models, places)
             models[one.object.mask] = item.asset.id
             items.append(resize(paint(item, one.colour)))
         except InputError as error:
@@ -50,16 +31,12 @@ def choose_models(
     return items, failed
 
 
-def choose(
-    one: MatchedObject, rank: int, models: Mapping[int, str], place: Callable[[Cousin], Placed], limit: float | None
-) -> Placed:
+def choose(one: MatchedObject, rank: int, models: Mapping[int, str], places: Places) -> Placed:
     """The model for an object in the scene of a rank: the one that a person chose, else the cousin of that rank that
     fits.
 
     Args:
         models: asset by mask value, of what stands in this scene already.
-        place: puts a cousin in the object's place.
-        limit: how far it may be stretched; None: they all fit.
 
     Raises:
         InputError: the object has no cousin left, or the library lacks it.
@@ -68,21 +45,22 @@ def choose(
     if one.failed:
         raise InputError(name, one.failed, code="E-OBJECT-FAILED")
     if stated.like is not None and stated.like in models:
-        return take_stated(models[stated.like], one, place, "the model of what it is like, as a person says")
+        return take_stated(models[stated.like], one, places, "the model of what it is like, as a person says")
     if stated.model is not None and (stated.pinned or rank == 1):
-        return take_stated(stated.model, one, place, "chosen by a person")
+        return take_stated(stated.model, one, places, "chosen by a person")
     cousins = [cousin for cousin in one.cousins if cousin.asset not in {stated.model, *stated.banned}]
     if not cousins:
         raise InputError(name, "all of its cousins are banned", code="E-COUSINS-BANNED")
     rank -= stated.model is not None and rank > 1
     categories = find_synonyms(one.distances, cousins[0].category)
-    return choose_by_rank((place(cousin) for cousin in cousins), rank, limit, categories)
+    placed = (places.find(one, cousin) for cousin in cousins)
+    return choose_by_rank(placed, rank, places.options.max_stretch, categories)
 
 
-def take_stated(asset: str, one: MatchedObject, place: Callable[[Cousin], Placed], why: str) -> Placed:
+def take_stated(asset: str, one: MatchedObject, places: Places, why: str) -> Placed:
     """Any model: as matching turned it, or as it turned the nearest cousin, for all models face +x."""
     found = next((cousin for cousin in one.cousins if cousin.asset == asset), None)
-    placed = place(found or one.cousins[0].model_copy(update={"asset": asset}))
+    placed = places.find(one, found or one.cousins[0].model_copy(update={"asset": asset}))
     return replace(placed, chosen=True, doubts=(), steps=(why, *placed.steps))
 
 

@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Sight:
+class Observation:
     """What the picture shows of an object: its outline (None: no mask) and points (N, 3) of it, floor frame."""
 
     outline: Outline | None
@@ -78,7 +78,7 @@ class Sight:
         return project(in_camera, self.intrinsics)
 
 
-class Usual(NamedTuple):
+class SizePrior(NamedTuple):
     """Mean (3,) and covariance (3, 3) of the logarithms of a category's depth, width and height."""
 
     mean: Array
@@ -86,7 +86,7 @@ class Usual(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Known:
+class Prior:
     """What is known of an object but for its looks.
 
     native: extents (3,) of the model in the library. is_round: from above. usual: None where no one says. bottom:
@@ -95,7 +95,7 @@ class Known:
 
     native: Array
     is_round: bool
-    usual: Usual | None
+    usual: SizePrior | None
     bottom: float | None
     walls: Sequence[Wall]
     touched: Sequence[Wall]
@@ -124,13 +124,13 @@ class Terms(NamedTuple):
         return float((self.share * lost).sum() / 2)
 
 
-def fit_box(solid: Solid, start: UprightBox, seen: Sight, known: Known) -> Fit:
+def fit_box(solid: Solid, start: UprightBox, seen: Observation, known: Prior) -> Fit:
     """The best box of a model with the yaw of `start`, from there or from its own size there."""
     own = UprightBox(start.center, known.native, start.yaw)
     return min((improve_box(solid, box, seen, known) for box in (start, own)), key=lambda fit: fit.cost)
 
 
-def improve_box(solid: Solid, start: UprightBox, seen: Sight, known: Known) -> Fit:
+def improve_box(solid: Solid, start: UprightBox, seen: Observation, known: Prior) -> Fit:
     """The best box of a model near `start`, whose yaw it keeps: Gauss-Newton with Cauchy's weights."""
     size = np.maximum(start.size, THINNEST)
     change, small = np.zeros(6), 1e-4
@@ -159,7 +159,9 @@ def improve_box(solid: Solid, start: UprightBox, seen: Sight, known: Known) -> F
     return Fit(box, TOO_SURE * np.sqrt(np.diag(np.linalg.inv(curvature))[3:]), last.cost)
 
 
-def compare(box: UprightBox, solid: Solid, on: Correspondences, seen: Sight, known: Known, tolerance: float) -> Terms:
+def compare(
+    box: UprightBox, solid: Solid, on: Correspondences, seen: Observation, known: Prior, tolerance: float
+) -> Terms:
     """How far a box is off.
 
     Args:

@@ -6,10 +6,11 @@ from stages.cli import progress
 from stages.config.generation import GenerationConfig
 from stages.config.provenance import record_provenance
 from stages.contracts import InputError, read_options, write_json
-from stages.generation.choosing import Places, choose_models
+from stages.generation.choosing import choose_models
 from stages.generation.collisions import separate
 from stages.generation.doubts import doubt_placements
 from stages.generation.inputs import read_inputs
+from stages.generation.placing import Places
 from stages.generation.scene_file import summarise, to_contract
 from stages.generation.settling import settle
 from stages.generation.stacking import carry
@@ -43,9 +44,9 @@ def run(
     if config.finish == "picture" and not image:
         raise InputError("--image", "is needed by `finish: picture`.", "give the picture", code="E-OPTION-MISSING")
     inputs = read_inputs(cousins, objects, library, corrections, *image)
-    scenes, places = [], Places()
+    scenes, places = [], Places(inputs, config)
     for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):
-        items, failed = choose_models(inputs, rank, config, places)
+        items, failed = choose_models(inputs, rank, places)
         if not items:
             what = "has no object that could be placed."
             raise InputError(objects, what, "see the reasons in it and in cousins.json", code="E-SCENE-EMPTY")

@@ -17,6 +17,21 @@ from stages.generation.turning import find_yaw
 from stages.geometry.boxes import THINNEST, UprightBox
 
 
+class Places:
+    """Cousins in the places of their objects, each found once for the scenes of all ranks."""
+
+    def __init__(self, inputs: Inputs, options: GenerationConfig) -> None:
+        self.inputs, self.options = inputs, options
+        self._found: dict[tuple[str, str], Placed] = {}  # by the ids of an object and of a model
+
+    def find(self, one: MatchedObject, cousin: Cousin) -> Placed:
+        """A cousin in the place of an object; see `place`."""
+        key = one.object.id, cousin.asset
+        if key not in self._found:
+            self._found[key] = place(one, cousin, self.inputs, self.options)
+        return self._found[key]
+
+
 def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: GenerationConfig) -> Placed:
     """A cousin with the object's yaw, extents and position.
 

@@ -1,7 +1,7 @@
 """The physics check: put the scene into SAPIEN, let it settle, and see what moves (CPU PhysX); nothing is rendered."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TypeAlias
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation
 from scipy.spatial.transform import Rotation
 
-from stages.articulated.asset_folder import write_asset
+from stages.articulated.asset_folder import write_model
 from stages.config.generation import GenerationConfig
 from stages.contracts import Objects
 from stages.contracts.doubt import DoubtKind
@@ -40,27 +40,28 @@ def settle(items: list[Placed], room: Objects, collisions: int, options: Generat
     scene = physics_scene()
     add_backdrop(scene, [item.box for item in items], room.walls, np.array(room.floor_from_camera)[:3, 3])
     with TemporaryDirectory(prefix="acdc-sized-") as folder:
-        bodies = load_items(scene, write_models(items, Path(folder)))
+        bodies = load_items(scene, items, write_models(items, Path(folder)))
     return run_physics(scene, bodies, items, collisions, options, room.walls)
 
 
-def write_models(items: Sequence[Placed], out: Path) -> list[Placed]:
-    """The items with folders of their resized models, which the simulator reads, in the folder `out`."""
+def write_models(items: Sequence[Placed], out: Path) -> dict[str, Path]:
+    """Folders of the models, by id: those that are resized are written into `out` as URDFs."""
     for item in items:
         if item.sized is not None:
-            write_asset(item.sized.robot, out / item.id, item.sized.about)
-    return [item if item.sized is None else replace(item, folder=out / item.id) for item in items]
+            write_model(item.sized.robot, out / item.id)
+    return {item.id: item.folder if item.sized is None else out / item.id for item in items}
 
 
-def load_items(scene: sapien.Scene, items: list[Placed]) -> dict[str, Body]:
-    """Load every item at its place, closed; the models have the items' sizes already."""
+def load_items(scene: sapien.Scene, items: Sequence[Placed], folders: Mapping[str, Path]) -> dict[str, Body]:
+    """Load every item at its place, closed; `folders`: of their models at their sizes, by id."""
     return {
         item.id: load_asset(
             scene,
-            item.folder,
+            folders[item.id],
             root_pose(item.asset, item.center.tolist(), item.box.yaw),
             fixed=item.held,
             name=item.id,
+            asset=item.asset,
         )
         for item in items
     }

@@ -10,7 +10,7 @@ from stages.config.generation import GenerationConfig
 from stages.contracts import Objects
 from stages.contracts.category import Category
 from stages.contracts.objects import Wall
-from stages.generation.fitting import POINTS, Known, Sight, Usual, fit_box
+from stages.generation.fitting import POINTS, Observation, Prior, SizePrior, fit_box
 from stages.generation.inputs import MatchedObject
 from stages.generation.mounting import extend_to_wall, move_to_wall
 from stages.generation.placed import Placed
@@ -41,15 +41,15 @@ def size(
             placed = placed.change_box(f"rear to {wall.id}", extend_to_wall(placed.box, wall))
         return placed
     usual = category.describe_spread() if category else None
-    known = Known(
+    known = Prior(
         native=np.array(placed.asset.size),
         is_round=placed.asset.symmetry == "full",
-        usual=Usual(*usual) if usual else None,
+        usual=SizePrior(*usual) if usual else None,
         bottom=None if placed.wall_mounted else placed.bottom,
         walls=[wall for wall in scene.walls if not is_behind(placed.box, wall.normal, wall.offset)],
         touched=reached,
     )
-    seen = Sight(
+    seen = Observation(
         one.outline,
         one.cloud[:: max(1, len(one.cloud) // POINTS)].astype(float),
         np.array(scene.floor_from_camera),

@@ -54,22 +54,25 @@ def find_supports(items: list[Placed], overlap: float, tolerance: float | None) 
         if tolerance is not None and item.support in supports:
             supports[item.id] = item.support
             continue
-        carriers = [
-            lower
+        beneath = [
+            (lower, find_surface(item, lower).height, measure_overlap(item, lower))
             for lower in items[:index]
-            if measure_overlap(item, lower) > overlap
-            and (tolerance is None or item.bottom >= find_surface(item, lower).height - tolerance)
+            if footprint_gap(item, lower) <= (tolerance or 0.0)
+        ]
+        carriers = [
+            (height, lower.id, lower.top)
+            for lower, height, shared in beneath
+            if shared > overlap and (tolerance is None or item.bottom >= height - tolerance)
         ]
         if not carriers and tolerance is not None and item.bottom > tolerance and not item.wall_mounted:
             level = [
-                low
-                for low in items[:index]
-                if max(footprint_gap(item, low), abs(item.bottom - find_surface(item, low).height)) <= tolerance
+                (shared, -footprint_gap(item, lower), lower.id, height, lower.top)
+                for lower, height, shared in beneath
+                if abs(item.bottom - height) <= tolerance
             ]
-            nearest = sorted(level, key=lambda low: (measure_overlap(item, low), -footprint_gap(item, low), low.id))
-            carriers = nearest[-1:]
-        highest = max(((find_surface(item, lower).height, lower.id) for lower in carriers), default=(0.0, FLOOR))
-        top = max((lower.top for lower in carriers), default=0.0)  # a stool's may have become a chair's back
+            carriers = [(height, name, top) for *_, name, height, top in sorted(level)[-1:]]
+        highest = max(carriers, default=(0.0, FLOOR, 0.0))
+        top = max((top for *_, top in carriers), default=0.0)  # a stool's may have become a chair's back
         above = tolerance is not None and item.bottom > top + tolerance and not item.wall_mounted
         supports[item.id] = UNNAMED if above else highest[1]
     return supports

@@ -14,7 +14,8 @@ import sapien
 from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation
 
-from stages.articulated.asset_folder import read_asset, stretch_asset
+from stages.articulated.asset_folder import read_asset, write_model
+from stages.articulated.resizing import resize_model
 from stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
@@ -48,12 +49,13 @@ class ParsedAsset:
 
     Args:
         loader: SAPIEN's URDF loader, or ManiSkill's around it.
+        folder: of the asset; or of a URDF alone, with the asset that it is.
         fixed: the base does not move (a cabinet screwed to the wall); doors and drawers still do.
     """
 
-    def __init__(self, loader: Any, folder: Path, fixed: bool) -> None:
+    def __init__(self, loader: Any, folder: Path, fixed: bool, asset: Asset | None = None) -> None:
         self.folder, self.fixed, self._loader = Path(folder), fixed, loader
-        self.asset = read_asset(folder)
+        self.asset = asset or read_asset(folder)
         self._builder = self._parse(self.folder.resolve() / self.asset.urdf)
 
     def builder(self, scale: NDArray[np.float64] | None = None) -> Any:
@@ -77,7 +79,7 @@ class ParsedAsset:
         size = tuple((np.array(self.asset.size) * scale).tolist())
         folder = Path(_scratch().name) / hashlib.sha256(f"{self.folder.resolve()}{size}".encode()).hexdigest()[:16]
         if not folder.exists():
-            stretch_asset(self.folder, self.asset, size, folder)
+            write_model(resize_model(self.folder, self.asset, size, by_recipe=False).robot, folder)
         return self._parse(folder / self.asset.urdf)
 
     def _parse(self, urdf: Path) -> Any:
@@ -127,6 +129,7 @@ def load_asset(
     fixed: bool,
     name: str,
     scale: NDArray[np.float64] | None = None,
+    asset: Asset | None = None,
 ) -> PhysxArticulation | sapien.Entity:
     """Add an asset to a scene, closed.
 
@@ -134,11 +137,12 @@ def load_asset(
         pose: of the URDF root; see `root_pose`.
         fixed: the base does not move (a cabinet screwed to the wall); doors and drawers still do.
         scale: (3,) factors along the asset's axes.
+        asset: what the folder is, where it holds a URDF alone.
 
     Returns:
         An articulation if the URDF has joints, else an entity (kinematic if fixed).
     """
-    parsed = ParsedAsset(scene.create_urdf_loader(), folder, fixed)
+    parsed = ParsedAsset(scene.create_urdf_loader(), folder, fixed, asset)
     builder = parsed.builder(scale)
     builder.initial_pose = pose
     if not has_renderer(scene):

@@ -14,6 +14,7 @@ from stages.generation.collisions import separate
 from stages.generation.doubts import doubt_placements
 from stages.generation.inputs import Inputs
 from stages.generation.placed import Placed, Prism
+from stages.generation.placing import Places
 from stages.generation.stacking import carry
 from stages.geometry.boxes import UprightBox
 
@@ -30,7 +31,7 @@ class Built(NamedTuple):
 
 def build(inputs: Inputs, rank: int, options: GenerationConfig) -> Built:
     """The scene of a rank before physics runs."""
-    items, failed = choose_models(inputs, rank, options)
+    items, failed = choose_models(inputs, rank, Places(inputs, options))
     freed = separate(carry(items, inputs.supports, inputs.nudges, options), inputs.objects.walls, options)
     return Built(doubt_placements(freed.items, inputs), failed, freed.left)
 

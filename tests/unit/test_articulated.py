@@ -16,7 +16,6 @@ from stages.articulated.asset_folder import (
     atomic_folder,
     read_asset,
     read_model,
-    stretch_asset,
     write_asset,
 )
 from stages.articulated.attributes import merge_visuals
@@ -26,6 +25,7 @@ from stages.articulated.handle_extents import handle_extents
 from stages.articulated.mesh_reader import texture_of
 from stages.articulated.model import Link, RobotModel, Visual
 from stages.articulated.part_types import assign_part_types, contract_joints
+from stages.articulated.resizing import resize_model
 from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_tree import UrdfTree
@@ -178,7 +178,9 @@ def test_roles_and_handles_survive_stretching(tmp_path: Path) -> None:
     told = json.loads((tmp_path / "cab" / "asset.json").read_text())
     told["joints"][1] |= {"handle_link": "tray", "handle": "edge"}
     (tmp_path / "cab" / "asset.json").write_text(json.dumps(told))
-    wide = stretch_asset(tmp_path / "cab", read_asset(tmp_path / "cab"), (0.45, 1.2, 0.925), tmp_path / "wide")
+    cab = tmp_path / "cab"
+    robot, about = resize_model(cab, read_asset(cab), (0.45, 1.2, 0.925), by_recipe=False)
+    wide = write_asset(robot, tmp_path / "wide", about)
     assert [(joint.name, joint.part_type, joint.handle_link, joint.handle) for joint in wide.joints] == [
         ("hinge", "door", "door_knob", "knob"),
         ("slide", "drawer", "tray", "edge"),

@@ -172,7 +172,7 @@ CASES = [
         )
         for differs in ("options: {max_steps: 50}", "episodes: 80")
     ),
-    ("experiment: {runs: [lite, wide]}", "experiment.runs: unknown key. Fix: did you mean 'best_configs'?"),
+    ("experiment: {runs: [lite, wide]}", "experiment.runs: unknown key. Fix: did you mean"),
     ("experiment: {targets: {door: {scene: room_3}}}", "experiment.targets.door.scene: unknown key. Fix: there are"),
     ("experiment: {targets: {'a/b': {task: door}}}", "experiment.targets: 'a/b' is no name"),
     (

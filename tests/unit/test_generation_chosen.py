@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from stages.config.generation import GenerationConfig
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import Cousin, Orientation
 from stages.contracts.objects import SceneObject
 from stages.generation.choosing import choose, choose_by_rank, find_synonyms
 from stages.generation.inputs import MatchedObject
 from stages.generation.placed import Placed
+from stages.generation.placing import Places
 from tests.unit.generation_scenes import thing
 
 
@@ -54,6 +56,16 @@ def test_a_label_means_every_category_that_is_as_near() -> None:
     assert find_synonyms(near, "box") == {"box"}  # chosen by hand
 
 
+class AsTheyAre(Places):
+    """Every cousin is like one item."""
+
+    def __init__(self, item: Placed) -> None:
+        self.item, self.options = item, GenerationConfig(max_stretch=2.0)
+
+    def find(self, one: MatchedObject, cousin: Cousin) -> Placed:
+        return replace(self.item, asset=self.item.asset.model_copy(update={"id": cousin.asset, "category": "chest"}))
+
+
 def test_after_a_persons_choice_the_next_scenes_have_the_cousins_in_order() -> None:
     item = thing("chest_1", (0, 0, 0), (1, 1, 1))
     about = {"category": "chest", "votes": None, "orientation": Orientation(yaw=0.0), "orientations": []}
@@ -63,10 +75,7 @@ def test_after_a_persons_choice_the_next_scenes_have_the_cousins_in_order() -> N
     def standing(said: Correction, rank: int) -> str:
         one = MatchedObject(seen, cousins, {}, np.empty((0, 3), np.float32), None, said)
 
-        def place(cousin: Cousin) -> Placed:
-            return replace(item, asset=item.asset.model_copy(update={"id": cousin.asset, "category": "chest"}))
-
-        return choose(one, rank, {}, place, 2.0).asset.id
+        return choose(one, rank, {}, AsTheyAre(item)).asset.id
 
     said, nothing = Correction(mask=1, model="chest_9"), Correction(mask=1)
     assert [standing(said, rank) for rank in (1, 2, 3)] == ["chest_9", "chest_1", "chest_2"]

@@ -8,7 +8,7 @@ import pytest
 
 from stages.contracts.category import Category
 from stages.contracts.objects import DepthError, Wall
-from stages.generation.fitting import TOO_SURE, Known, Sight, Usual, fit_box
+from stages.generation.fitting import TOO_SURE, Observation, Prior, SizePrior, fit_box
 from stages.generation.solid import Solid, find_outermost
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import back_project, intrinsics_from_fov
@@ -71,15 +71,15 @@ def outline_of(mask: np.ndarray, depth: Array, inside: np.ndarray) -> Outline:
     return measure_outline(mask, np.where(floor, np.inf, depth), inside, lambda far: 3 * ERROR.predict(far))
 
 
-def see(picture: Picture, mask: np.ndarray | None = None) -> Sight:
+def see(picture: Picture, mask: np.ndarray | None = None) -> Observation:
     mask = picture.mask if mask is None else mask
     points = apply(POSE, back_project(picture.depth, K)[mask])[::7]
     outline = outline_of(mask, picture.depth, np.ones_like(mask))
-    return Sight(outline, points, POSE, K, ERROR)
+    return Observation(outline, points, POSE, K, ERROR)
 
 
-def known(native=(0.5, 0.9, 0.7), **values) -> Known:
-    return replace(Known(np.array(native), False, None, 0.0, [], []), **values)
+def known(native=(0.5, 0.9, 0.7), **values) -> Prior:
+    return replace(Prior(np.array(native), False, None, 0.0, [], []), **values)
 
 
 def test_a_box_seen_whole_is_found_from_a_wrong_start() -> None:
@@ -114,8 +114,8 @@ def test_what_the_border_cuts_is_as_large_as_usual_and_its_spread_says_so() -> N
     whole = see(picture)
     inside = outline_of(picture.mask & left, picture.depth, left)
     points = apply(POSE, back_project(picture.depth, K)[picture.mask & left])[::7]
-    cut = Sight(inside, points, POSE, K, ERROR)
-    usual = Usual(np.log([0.5, 0.9, 0.7]), 0.15**2 * np.eye(3))
+    cut = Observation(inside, points, POSE, K, ERROR)
+    usual = SizePrior(np.log([0.5, 0.9, 0.7]), 0.15**2 * np.eye(3))
     seen_half = UprightBox(points.mean(axis=0) * [1, 1, 0] + [0, 0, 0.35], [0.5, 0.45, 0.7], TRUE.yaw)
     fit = fit_box(Block(), seen_half, cut, known(usual=usual))
     assert np.isinf(inside.limit).any() and not np.isinf(whole.outline.limit).any()

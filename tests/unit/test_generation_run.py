@@ -284,7 +284,7 @@ def test_what_floats_falls_unless_it_hangs_on_a_wall(scene: dict[str, Path], tmp
     for items, fallen in ((floating, {"cabinet_1": 0.1, "mug_1": 0.3}), (hung, {"mug_1": 0.2})):
         physics = physics_scene()
         add_ground(physics)
-        settled = run_physics(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
+        settled = run_physics(physics, load_items(physics, items, write_models(items, tmp_path)), items, 0, options)
         assert settled.plausibility.fallen == sorted(fallen)
         assert not settled.plausibility.stable
         drops = {name: f"dropped {100 * height:.0f} cm" for name, height in fallen.items()}
@@ -408,7 +408,7 @@ def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path]
     items = [item.shift([edge - item.center[0], 0, 0]) if item.id == "mug_1" else item for item in built.items]
     physics = physics_scene()
     add_ground(physics)
-    settled = run_physics(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
+    settled = run_physics(physics, load_items(physics, items, write_models(items, tmp_path)), items, 0, options)
     assert settled.plausibility.fallen == ["mug_1"]
 
 
@@ -417,7 +417,7 @@ def test_an_overlap_is_seen_in_the_contacts(scene: dict[str, Path], tmp_path: Pa
     built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)
     items = [item.shift([0, 0, -0.02]) if item.id == "mug_1" else item for item in built.items]
     physics = physics_scene()
-    settled = run_physics(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
+    settled = run_physics(physics, load_items(physics, items, write_models(items, tmp_path)), items, 0, options)
     assert settled.plausibility.max_penetration == pytest.approx(0.02, abs=0.01)
 
 

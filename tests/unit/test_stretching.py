@@ -8,10 +8,12 @@ import pytest
 import sapien
 import trimesh
 from mani_skill.utils.geometry.trimesh_utils import get_component_meshes
+from sapien.physx import PhysxArticulation
 
 from plugins.furniture.library import make
 from plugins.importing.tests.own_models import import_folder
-from stages.articulated.asset_folder import read_asset, stretch_asset
+from stages.articulated.asset_folder import read_asset, write_model
+from stages.articulated.resizing import resize_model
 from stages.contracts.task_options import TaskConfig
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene
 from stages.simulation.stretching import stretch_builder
@@ -50,6 +52,12 @@ def same(one: sapien.physx.PhysxArticulation, other: sapien.physx.PhysxArticulat
         assert np.allclose(a.limits, b.limits, atol=1e-4), a.name
 
 
+def load_by_file(scene: sapien.Scene, folder: Path, out: Path) -> PhysxArticulation | sapien.Entity:
+    asset = read_asset(folder)
+    write_model(resize_model(folder, asset, (np.array(asset.size) * SCALE).tolist(), by_recipe=False).robot, out)
+    return load_asset(scene, out, sapien.Pose(), True, "file", asset=asset)
+
+
 @pytest.mark.parametrize("kind", ["procedural", "imported"])
 def test_a_stretched_asset_is_that_of_the_files(kind: str, tmp_path: Path) -> None:
     if kind == "procedural":
@@ -59,10 +67,7 @@ def test_a_stretched_asset_is_that_of_the_files(kind: str, tmp_path: Path) -> No
         (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
         folder = tmp_path / "models" / asset.id
     asset = read_asset(folder)
-    size = tuple((np.array(asset.size) * SCALE).tolist())
-    stretch_asset(folder, asset, size, tmp_path / "stretched")
-    scene = physics_scene()
-    by_file = load_asset(scene, tmp_path / "stretched", sapien.Pose(), True, "file")
+    by_file = load_by_file(scene := physics_scene(), folder, tmp_path / "stretched")
     in_memory = load_asset(scene, folder, sapien.Pose(), True, "memory", SCALE)
     same(in_memory, by_file)
 
@@ -77,10 +82,7 @@ def test_what_is_askew_is_stretched_by_way_of_files(tmp_path: Path) -> None:
     parsed = ParsedAsset(scene.create_urdf_loader(), tmp_path / "askew", True)
     assert stretch_builder(parsed.builder(), SCALE) is None
     assert stretch_builder(parsed.builder(), np.full(3, 1.1)) is not None
-    stretch_asset(
-        tmp_path / "askew", parsed.asset, tuple((np.array(parsed.asset.size) * SCALE).tolist()), tmp_path / "f"
-    )
-    by_file = load_asset(scene, tmp_path / "f", sapien.Pose(), True, "file")
+    by_file = load_by_file(scene, tmp_path / "askew", tmp_path / "f")
     same(load_asset(scene, tmp_path / "askew", sapien.Pose(), True, "memory", SCALE), by_file)
 
 

@@ -19,9 +19,9 @@ from plugins.render_and_compare.in_place import InPlace
 from plugins.render_and_compare.judges.geometry import LEAST_FIT
 from plugins.render_and_compare.judges.geometry import Judge as Geometry
 from plugins.render_and_compare.judges.rerender import Judge as Rerender
+from plugins.render_and_compare.noisy_cloud import NoisyCloud
 from plugins.render_and_compare.observation import Observation, free_sides, observe
 from plugins.render_and_compare.rendering import Rendering, render
-from plugins.render_and_compare.sight import Sight
 from plugins.render_and_compare.solid import Solid, find_outermost
 from plugins.render_and_compare.terms import colour_agreement, compare, line_agreement, line_field, outline_agreement
 from stages.articulated.asset_folder import Description, write_asset
@@ -310,7 +310,7 @@ def test_extents_are_measured_along_the_axes() -> None:
     cloud = corners @ yaw_matrix(0.5).T + [4, 2, 0]
     away, across = yaw_matrix(0.5)[:, 0], yaw_matrix(0.5)[:, 1]
     eye = np.array([4, 2, 1]) - 4 * away
-    sight, whole = Sight(cloud, eye, USUAL_ERROR.predict), UprightBox([4, 2, 0.25], [1, 2, 0.5], 0.5)
+    sight, whole = NoisyCloud(cloud, eye, USUAL_ERROR.predict), UprightBox([4, 2, 0.25], [1, 2, 0.5], 0.5)
     seen = measure(sight, whole, 0.5)
     box = seen.box()
     off = 2 * (0.003 + 0.0015 * 4**2)  # 2 deviations at either end

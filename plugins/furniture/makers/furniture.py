@@ -3,4 +3,8 @@
 from plugins.furniture.folder import make_model
 from plugins.furniture.refinishing import paint, refinish
 
-__all__ = ["make_model", "paint", "refinish"]
+
+class Maker:
+    """Makes and paints our models by their recipes."""
+
+    make_model, paint, refinish = staticmethod(make_model), staticmethod(paint), staticmethod(refinish)

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Sight:
+class NoisyCloud:
     """An object as a depth camera sees it.
 
     points: (N, 3). camera: its position (3,), in the same frame, z up. error: the standard deviation of depth, metres,
