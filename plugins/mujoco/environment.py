@@ -4,7 +4,6 @@ The same observation, actions, starts and success as in ManiSkill; physics, cont
 """
 
 from collections.abc import Sequence
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -149,11 +148,8 @@ class MujocoTaskEnv(EnvWrapper):
 
     def sample_surroundings(self) -> Surroundings:
         """The object; its surfaces are sampled once."""
+        self._surroundings = self._surroundings or Surroundings(self.target)
         return self._surroundings
-
-    @cached_property
-    def _surroundings(self) -> Surroundings:
-        return Surroundings(self.target)
 
     def obstacles(self) -> Array:
         """Nothing else stands about."""
@@ -162,13 +158,6 @@ class MujocoTaskEnv(EnvWrapper):
     def base_from_asset(self) -> Array:
         """(4, 4) pose of the asset's root in the robot base frame."""
         return np.asarray(inverse(self.base) @ self.root)
-
-    def movable(self) -> None:
-        """Nothing is moved."""
-
-    def props(self) -> list[Any]:
-        """Nothing stands beside the asset."""
-        return []
 
     def _scale_model(self, folder: Path, scale: Array) -> Path:
         if (scale == 1).all():
@@ -186,7 +175,7 @@ class MujocoTaskEnv(EnvWrapper):
         if self._known != (folder, self.joint):
             self.folder, self._model_asset = folder, read_json(Asset, folder / "asset.json")
             self.target = self._read_target()
-            self.__dict__.pop("_surroundings", None)
+            self._surroundings: Surroundings | None = None
             self._known = folder, self.joint
 
     def _read_target(self) -> Target:

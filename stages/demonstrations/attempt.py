@@ -55,14 +55,14 @@ class Recorder:
                 executed = disturbance.apply(executed, ahead)
             episode.add(task.observe(), action, executed, task.opened)
             if filming:
-                moments.append(task.moment())
+                moments.append(task.env.moment())
             task.act(executed)
 
         outcome = self.chain.run(act)
         if filming and outcome.success:
-            moments.append(task.moment())
+            moments.append(task.env.moment())
             clouds = [*episode.point_clouds, task.observe()["point_cloud"]]
-            self.filmed.append(FilmedAttempt(seed, task.asset, task.opened, task.recording(moments), clouds))
+            self.filmed.append(FilmedAttempt(seed, task.asset, task.opened, task.env.recording(moments), clouds))
         return episode, outcome
 
 

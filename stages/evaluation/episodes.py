@@ -51,7 +51,7 @@ def roll_out(
 
     def note(env_id: int) -> None:
         if record:
-            running[env_id].moments.append(tasks[env_id].moment())
+            running[env_id].moments.append(tasks[env_id].env.moment())
 
     for env_id in range(len(tasks)):
         start(env_id)
@@ -72,6 +72,6 @@ def roll_out(
             if result.done:
                 note(env_id)
                 if record:
-                    episode.recording = tasks[env_id].recording(episode.moments)
+                    episode.recording = tasks[env_id].env.recording(episode.moments)
                 start(env_id)
     return episodes

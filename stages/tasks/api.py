@@ -4,7 +4,6 @@ import atexit
 import gc
 import importlib
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -19,7 +18,6 @@ from stages.contracts import Asset, InputError, read_json
 from stages.contracts.task_options import TaskConfig
 from stages.plugins import load
 from stages.simulation.kinematics import Array
-from stages.simulation.recording import Moment, Recording
 from stages.simulation.robot import panda_chain
 from stages.simulation.room import Room
 from stages.tasks.observation import Observation, Sensing
@@ -176,14 +174,6 @@ class EnvWrapper:
         if hasattr(controller, "reference_pose"):
             return np.asarray(controller.reference_pose()[0])
         return np.asarray(controller._target_pose.sp.to_transformation_matrix(), dtype=float)
-
-    def moment(self) -> Moment:
-        """Poses and joints of robot, asset and props, for a film."""
-        return self.env.moment()
-
-    def recording(self, moments: Sequence[Moment]) -> Recording:
-        """Moments of this episode with the asset at its size; to be filmed before `close`."""
-        return self.env.recording(moments)
 
     def close(self) -> None:
         """Free the simulator."""

@@ -82,12 +82,6 @@ def test_every_seed_works_and_matters(name: str) -> None:
     assert len({str(each) for each in found}) == len(SEEDS)
 
 
-def test_the_states_of_the_largest_seed_are_ones_that_the_simulator_takes() -> None:
-    states = [state for purpose in ("roles", "test", "selection") for state in initial_states(purpose, LARGEST, 3)]  # type: ignore[arg-type]
-    assert all(2**31 <= state < 2**32 for state in states) and len(set(states)) == 9
-    assert all(0 <= seed < 2**31 for seed in attempt_seeds(LARGEST, "twin", 9))
-
-
 def test_a_policy_is_trained_with_the_largest_seed(tmp_path: Path) -> None:
     store = write_store(tmp_path / "episodes.h5", episodes=2)
     small = {"points": 64, "kwargs": {"pointnet_width": 8, "rnn_hidden": 8, "mlp": [8]}, "steps": 1, "batch_size": 2}

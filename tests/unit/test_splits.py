@@ -9,7 +9,7 @@ import pytest
 from stages.contracts import TaskAssets
 from stages.contracts.policies import TaskAsset
 from stages.contracts.training_sets import DRAW
-from stages.experiment.splits import by_chance, census, cover, deal, order_by_family, with_lists
+from stages.experiment.splits import by_chance, cover, deal, order_by_family, with_lists
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset
 
@@ -191,11 +191,6 @@ def test_a_family_on_two_sides_breaks_the_contract() -> None:
     assert TaskAssets(**about | {"assets": [twin, cousin]})
     with pytest.raises(ValueError, match="bar_2: its family 'bar' is in training and in the held-out"):
         TaskAssets(**about | {"assets": [twin, cousin], "held_out": [1]})
-
-
-def test_the_census_counts_kinds() -> None:
-    assert census("test", [an_asset("a_1"), an_asset("a_2", handle="knob")]) == "test: 2 of 1 families (bar 1, knob 1)"
-    assert census("train", []) == "train: 0 of 0 families"
 
 
 def test_the_only_one_of_its_kind_stands_in_the_middle() -> None:

@@ -146,12 +146,6 @@ def test_writes_what_the_contract_says(store: Path, tmp_path: Path) -> None:
     assert policy.proprio_std[3:7].min() >= 1e-3  # constant entries do not blow up
 
 
-def test_select_last(store: Path, tmp_path: Path) -> None:
-    train(episodes=(store,), per_store=5, options=options(select="last"), out=tmp_path / "policy")
-    files = [(tmp_path / "policy" / name).read_bytes() for name in ("policy.safetensors", "last.safetensors")]
-    assert files[0] == files[1]
-
-
 def test_windows_pad_at_the_end_without_weight(store: Path) -> None:
     data = read_demonstrations([store], 3)
     frames, real = list_windows(data, [1], horizon=10, stride=1)
@@ -219,6 +213,8 @@ def test_jitter_is_clipped() -> None:
 def test_learning_rates() -> None:
     cosine = PolicyConfig(steps=100, learning_rate=1.0, schedule="cosine", warmup=0)
     assert [loop.learning_rate(step, cosine) for step in (0, 50, 100)] == pytest.approx([1, 0.5, 0])
+    constant = PolicyConfig(steps=100, learning_rate=1.0, schedule="constant", warmup=4)
+    assert [loop.learning_rate(step, constant) for step in range(6)] == pytest.approx([0.25, 0.5, 0.75, 1, 1, 1])
     linear = PolicyConfig(steps=50_000, learning_rate=1.0, schedule="linear", warmup=0)
     assert [loop.learning_rate(step, linear) for step in (0, 10_000, 40_000)] == pytest.approx([1, 0.1, 0.1])
 
@@ -280,14 +276,11 @@ def test_a_policy_is_fitted_to_its_training_episodes(
     train(episodes=(store,), per_store=8, out=tmp_path / "policy", options=options(steps=1), seed=1)
     data = read_demonstrations([store], 8)
     training, validation = split_episodes(data, 1)
-    mean = load_file(tmp_path / "policy/policy.safetensors")["proprio_mean"]
-    whole, own = (data.proprio[frames_of(data, chosen)].mean(0) for chosen in ([*training, *validation], training))
-    assert torch.allclose(mean, own, atol=1e-5) and not torch.allclose(mean, whole, atol=1e-5)
-
-
-def test_the_learning_rate_rises_to_its_schedule() -> None:
-    run = PolicyConfig(steps=100, learning_rate=1.0, schedule="constant", warmup=4)
-    assert [loop.learning_rate(step, run) for step in range(6)] == pytest.approx([0.25, 0.5, 0.75, 1, 1, 1])
+    kept = load_file(tmp_path / "policy/policy.safetensors")
+    whole, own = (data.proprio[frames_of(data, chosen)] for chosen in ([*training, *validation], training))
+    assert torch.allclose(kept["proprio_mean"], own.mean(0), atol=1e-5)
+    assert torch.allclose(kept["proprio_std"], own.std(0).clamp_min(1e-3), atol=1e-5)
+    assert not torch.allclose(own.mean(0), whole.mean(0), atol=1e-5)
 
 
 def test_gradients_are_clipped(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -306,16 +299,6 @@ def test_gradients_are_clipped(store: Path, tmp_path: Path, monkeypatch: pytest.
         return max(float((after - before[name]).abs().max()) for name, after in policy.state_dict().items())
 
     assert largest_change(1e-12) < 1e-6 < 1e-5 < largest_change(1.0)
-
-
-def test_the_normaliser_knows_training_episodes_alone(store: Path) -> None:
-    data = read_demonstrations([store], 4)
-    policy = make_policy(PolicyConfig.model_validate(json.loads(options())))
-    policy.fit(data.clouds, data.proprio, data.actions, frames_of(data, [0, 2]))
-    frames = torch.arange(len(data.proprio)).split(data.lengths)
-    used = data.proprio[torch.cat([frames[0], frames[2]])]
-    torch.testing.assert_close(policy.proprio_mean, used.mean(0))
-    torch.testing.assert_close(policy.proprio_std, used.std(0).clamp_min(1e-3))
 
 
 def test_batches_are_put_together_where_the_frames_are(store: Path) -> None:

@@ -180,8 +180,8 @@ def test_the_bowl_fits_into_the_drawer(tmp_path: Path) -> None:
 
 def test_films_show_bowl_and_stand(task: EnvWrapper) -> None:
     task.place(2)
-    moment = task.moment()
-    recording = task.recording([moment])
+    moment = task.env.moment()
+    recording = task.env.recording([moment])
     assert [prop.folder.name.partition("-")[0] for prop in recording.props] == ["bowl", "stand"]
     assert recording.props[0].scale == pytest.approx(
         task.env.bowl_meshes[0].extents / load_visual_mesh(default_bowl()).extents

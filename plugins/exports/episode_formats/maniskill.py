@@ -19,12 +19,7 @@ from stages.contracts.episode_store import AGAIN, EpisodeStore, read_episodes
 from stages.contracts.library_folder import AssetFolders
 from stages.plugins import load
 
-
-class Trajectory(NamedTuple):
-    """What is needed to do an episode again."""
-
-    seed: int
-    executed: NDArray[np.float32]
+Trajectory = tuple[int, NDArray[np.float32]]  # seed and executed actions of an episode
 
 
 class Subject(NamedTuple):
@@ -77,7 +72,7 @@ def trajectories(path: Path, count: int) -> list[tuple[Subject, Trajectory]]:
             x, y, z = (float(extent) for extent in demo.attrs["size"])
             subject = Subject(str(demo.attrs["asset"]), str(demo.attrs["joint"]), (x, y, z), randomise)
             executed = np.asarray(demo["executed"][()], np.float32)
-            found.append((subject, Trajectory(int(demo.attrs["seed"]), executed)))
+            found.append((subject, (int(demo.attrs["seed"]), executed)))
     return found
 
 
@@ -97,9 +92,9 @@ def record(out: Path, folder: Path, subject: Subject, store: EpisodeStore, episo
         source_type="motionplanning", source_desc="scripted skills of the ACDC workflow",
     )  # fmt: skip
     kept = 0
-    for episode in episodes:
-        env.reset(seed=episode.seed)
-        for action in episode.executed:
+    for seed, executed in episodes:
+        env.reset(seed=seed)
+        for action in executed:
             *_, info = env.step(action)
         kept += bool(info["success"].all())
         env.flush_trajectory()

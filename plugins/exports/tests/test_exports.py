@@ -136,17 +136,6 @@ def test_lerobot_gets_frames_and_relational_metadata(stores: list[Path], tmp_pat
     assert stats["std"] == pytest.approx(states.std(0).tolist(), abs=1e-6) and stats["count"] == [15]
 
 
-def test_lerobot_begins_a_new_file_when_one_is_full(
-    stores: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    pytest.importorskip("pyarrow", reason="pyarrow is missing: make setup")
-    monkeypatch.setattr("plugins.exports.episode_formats.lerobot.FILE_MB", 0)
-    monkeypatch.setattr("plugins.exports.episode_formats.lerobot.FILES_PER_CHUNK", 2)
-    run(episodes=tuple(stores), out=tmp_path, format="lerobot")
-    files = sorted(str(path.relative_to(tmp_path)) for path in (tmp_path / "data").rglob("*.parquet"))
-    assert files == [f"data/chunk-00{chunk}/file-00{file}.parquet" for chunk, file in ((0, 0), (0, 1), (1, 0))]
-
-
 @needs_readers
 def test_lerobot_reads_it(stores: list[Path], tmp_path: Path) -> None:
     pytest.importorskip("pyarrow", reason="pyarrow is missing: make setup")

@@ -36,9 +36,9 @@ def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path, monkeypatch:
     cabinet(tmp_path / "cabinet")
     task = EnvWrapper("door", tmp_path / "cabinet", "door_0_joint", None, TaskConfig())
     task.place(3)
-    closed, studio = task.moment(), Studio()
+    closed, studio = task.env.moment(), Studio()
     opened = replace(closed, asset_joints={**closed.asset_joints, "door_0_joint": 1.0})
-    recording = task.recording([closed, opened])
+    recording = task.env.recording([closed, opened])
     shot = Shot(studio, recording, recording.moments)
     pictures = [shot.picture(moment) for moment in recording.moments]
     assert shot._measure_hand_seen(shot.world_from_camera) > HAND_SHARE
