@@ -11,8 +11,7 @@ from plugins.names.training.rooms import FLOOR, Room, triangles
 from plugins.names.training.solids import Array, Rng, cast_scene
 from stages.geometry.cameras import back_project, look_at, make_intrinsics
 from stages.geometry.frames import apply
-from stages.geometry.planes import Plane
-from stages.geometry.room_planes import make_floor_frame
+from stages.geometry.room_planes import Plane, make_floor_frame
 
 WIDTH, HEIGHT = 320, 240  # pixels
 GROUND, BACKGROUND, NOTHING = 0, 1, 255  # in `owner`; things are numbered from 2 on
