@@ -75,9 +75,7 @@ def measure_object(
         return MeasuredObject(known, item).fail(str(failure))
     seat = is_seat(item.label)
     seen = {"pixels": bounds, "points": len(cloud), "depth_known": share}
-    return MeasuredObject(
-        known.model_copy(update=seen), item, mask, cloud, box, heights or (box.top,), is_seat(item.label)
-    )
+    return MeasuredObject(known.model_copy(update=seen), item, mask, cloud, box, heights or (box.top,), seat)
 
 
 def fit_box(
