@@ -182,7 +182,7 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
     "policy": [
         ("parameters", 25), ("parameters", -1), ("checkpoints", ["../../x"]),
         ("checkpoints", ["none.safetensors"], "none.safetensors: no such file"), ("stores", []), ("best_loss", NAN),
-        ("run.steps", 0), ("run.network.mlp", "big"), ("task_options.points", 3), ("seed", -1),
+        ("config.steps", 0), ("config.kwargs", "big"), ("task_options.points", 3), ("seed", -1),
     ],
 }  # fmt: skip
 CASES = [(kind, *case) for kind, cases in FIELDS.items() if kind in FILES for case in cases]
