@@ -5,6 +5,7 @@ data.noun and index.noun of WordNet 3.0 (Debian: wordnet-base).
 """
 
 import hashlib
+import re
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,99 +14,16 @@ from typing import NamedTuple
 from stages.matching.text_encoders.lexical import KNOWN, MEANINGS_FILE, split_words
 
 # Categories and words of lexical.py, each with words of WordNet for it; `bowl#3`: its third sense, not its first as an
-# artefact. The last is a kind of things.
-HEADS = """
-armchair armchair
-bag bag handbag
-basket basket hamper#2
-bed bed baby_bed
-bench bench
-book book book#1
-bookshelf bookcase etagere
-bottle bottle
-bowl bowl bowl#3
-box box
-cabinet cabinet
-can can
-candlestick candlestick
-cell_phone cellphone
-chair chair
-chest_of_drawers chest_of_drawers
-clock clock timepiece
-cooking_pot pot casserole crock_pot pressure_cooker tureen
-curtain curtain blind#3
-cushion cushion#3
-cutlery cutlery#2 knife ladle
-desk desk
-fridge refrigerator
-jar jar
-kettle teapot coffeepot samovar teakettle
-keyboard keyboard
-lamp lamp lamp#2
-laptop laptop portable_computer
-microwave microwave
-mirror mirror
-monitor monitor#4
-mug mug cup drinking_vessel glass
-ottoman footstool ottoman#3
-oven oven stove
-pan pan griddle
-picture picture graphic_art photograph
-plate plate#4 platter saucer tray
-radiator radiator heater
-rug rug mat
-shelf shelf
-sideboard buffet
-sink sink washbasin washbasin#2
-sofa sofa
-stool stool
-suitcase baggage briefcase suitcase
-table table
-telephone telephone
-television television#3
-toilet toilet#2
-trash_can bin bucket wastepaper_basket
-vase vase
-wall_shelf mantel
-wardrobe wardrobe
-washing_machine washing_machine
-wine_glass wineglass goblet goblet#2 flute#2
-dish crockery cooking_utensil
-"""
-KINDS = ("dish",)
+# artefact.
+HEADS = {
+    head: words
+    for head, *words in map(
+        str.split, Path(__file__).with_name("wordnet_heads.txt").read_text(encoding="utf-8").splitlines()
+    )
+}
+KINDS = ("dish",)  # of these a kind of things
 FILES = (6, 10)  # noun.artifact, noun.communication
 LEAST = 3  # letters of a word
-LICENSE = """
-This software and database is being provided to you, the LICENSEE, by
-Princeton University under the following license.  By obtaining, using
-and/or copying this software and database, you agree that you have
-read, understood, and will comply with these terms and conditions.:
-
-Permission to use, copy, modify and distribute this software and
-database and its documentation for any purpose and without fee or
-royalty is hereby granted, provided that you agree to comply with
-the following copyright notice and statements, including the disclaimer,
-and that the same appear on ALL copies of the software, database and
-documentation, including modifications that you make for internal
-use or for distribution.
-
-WordNet 3.0 Copyright 2006 by Princeton University.  All rights reserved.
-
-THIS SOFTWARE AND DATABASE IS PROVIDED "AS IS" AND PRINCETON
-UNIVERSITY MAKES NO REPRESENTATIONS OR WARRANTIES, EXPRESS OR
-IMPLIED.  BY WAY OF EXAMPLE, BUT NOT LIMITATION, PRINCETON
-UNIVERSITY MAKES NO REPRESENTATIONS OR WARRANTIES OF MERCHANT-
-ABILITY OR FITNESS FOR ANY PARTICULAR PURPOSE OR THAT THE USE
-OF THE LICENSED SOFTWARE, DATABASE OR DOCUMENTATION WILL NOT
-INFRINGE ANY THIRD PARTY PATENTS, COPYRIGHTS, TRADEMARKS OR
-OTHER RIGHTS.
-
-The name of Princeton University or Princeton may not be used in
-advertising or publicity pertaining to distribution of the software
-and/or database.  Title to copyright in this software, database and
-any associated documentation shall at all times remain with
-Princeton University and LICENSEE agrees to preserve same.
-"""
 
 
 class Sense(NamedTuple):
@@ -132,12 +50,6 @@ def read_senses(folder: Path) -> tuple[dict[str, Sense], dict[str, list[str]]]:
 
 def _lines(file: Path) -> list[str]:
     return [line for line in file.read_text(encoding="ascii").splitlines() if not line.startswith("  ")]
-
-
-def read_heads() -> dict[str, list[str]]:
-    """The words of WordNet for each of our own."""
-    rows = [line.split() for line in HEADS.strip().splitlines()]
-    return {head: words for head, *words in rows}
 
 
 def explain(
@@ -182,10 +94,12 @@ def explain(
 
 def run(folder: Path, out: Path = MEANINGS_FILE) -> None:
     """Write the table: a head and its words in a line."""
-    lines = [f"{head} {' '.join(words)}" for head, words in explain(*read_senses(folder), read_heads()).items()]
+    lines = [f"{head} {' '.join(words)}" for head, words in explain(*read_senses(folder), HEADS).items()]
     digest = hashlib.sha256((folder / "data.noun").read_bytes()).hexdigest()
-    notice = f"From data.noun of WordNet 3.0 (sha256 {digest}) by plugins/names/wordnet.py.\n\n{LICENSE}"
-    head = "".join(f"# {line}".rstrip() + "\n" for line in notice.strip().splitlines())
+    notice = [f"From data.noun of WordNet 3.0 (sha256 {digest}) by plugins/names/wordnet.py.", "", ""]
+    numbered = (folder / "data.noun").read_text(encoding="ascii").splitlines()
+    notice += [re.sub(r"^ +[0-9]+ ?", "", line) for line in numbered if line.startswith("  ")]  # its license
+    head = "".join(f"# {line}".rstrip() + "\n" for line in notice)
     out.write_text(head + "\n".join(lines) + "\n", encoding="utf-8")
 
 

@@ -21,8 +21,7 @@ from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, inverse, round_vector, wrap_angle, yaw_of_matrix
-from stages.geometry.planes import Plane
-from stages.geometry.room_planes import STRAY, make_floor_frame
+from stages.geometry.room_planes import STRAY, Plane, make_floor_frame
 
 SIDES = ("right", "rear", "left", "front")  # of a drawn box, counter-clockwise from its x axis
 

@@ -15,6 +15,7 @@ from stages.geometry.inverse_depth import is_inverse
 
 NEAREST = 0.1  # metres: the median depth of a picture of a room is between this and `LARGEST`
 SKY = 100.0  # metres: farther away is no room
+FORMAT, UNIT = "E-DEPTH-FORMAT", "E-DEPTH-UNIT"
 WRITE = "np.savez(path, depth=...) with an array (height, width) in metres"
 
 
@@ -28,27 +29,20 @@ def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
         InputError: no such array, no depth at all, or neither metres nor millimetres.
     """
     if not path.is_file() and path.with_suffix(".png").is_file():
-        raise InputError(
-            path, "no such file, but there is a depth.png.", f"store its array: {WRITE}", code="E-DEPTH-FORMAT"
-        )
+        raise InputError(path, "no such file, but there is a depth.png.", f"store its array: {WRITE}", code=FORMAT)
     arrays = read_npz(path, FOLDER)
     if "depth" not in arrays:
-        raise InputError(path, "has no array named 'depth'.", WRITE, code="E-DEPTH-FORMAT")
+        raise InputError(path, "has no array named 'depth'.", WRITE, code=FORMAT)
     depth, exact = arrays["depth"], arrays.get("exact", np.array(False))
     if depth.dtype.kind not in "fiu":
-        raise InputError(path, f"depth: has type {depth.dtype}.", WRITE, code="E-DEPTH-FORMAT")
+        raise InputError(path, f"depth: has type {depth.dtype}.", WRITE, code=FORMAT)
     if depth.ndim != 2 or 0 in depth.shape:
-        raise InputError(path, f"depth: has shape {depth.shape}.", WRITE, code="E-DEPTH-FORMAT")
+        raise InputError(path, f"depth: has shape {depth.shape}.", WRITE, code=FORMAT)
     if exact.shape != () or exact.dtype.kind not in "biu":
-        raise InputError(
-            path,
-            f"exact: has type {exact.dtype} and shape {exact.shape}.",
-            "one bool, or leave it out",
-            code="E-DEPTH-FORMAT",
-        )
+        what = f"exact: has type {exact.dtype} and shape {exact.shape}."
+        raise InputError(path, what, "one bool, or leave it out", code=FORMAT)
     if depth.dtype.itemsize == 1:
-        what = "depth: has 8 bits: a picture of depth, not depth."
-        raise InputError(path, what, WRITE, code="E-DEPTH-FORMAT")
+        raise InputError(path, "depth: has 8 bits: a picture of depth, not depth.", WRITE, code=FORMAT)
     # A wall that a person drew is one distance all over, so that of floats only what is beyond a room is a mark.
     marks = [] if exact else [mark for mark in find_marks(depth) if depth.dtype.kind in "iu" or mark > LARGEST]
     if marks:
@@ -73,12 +67,8 @@ def check_depth(path: Path, values: NDArray[np.floating]) -> None:
     """
     if is_inverse(values):
         what = "looks like inverse depth: it grows towards the lower border, and floors and walls are flat in it."
-        raise InputError(
-            path,
-            what,
-            "store depth in metres: 1 / values for disparity, by the scale of its network",
-            code="E-DEPTH-UNIT",
-        )
+        fix = "store depth in metres: 1 / values for disparity, by the scale of its network"
+        raise InputError(path, what, fix, code=UNIT)
 
 
 def _metres_per_unit(path: Path, depth: NDArray[Any]) -> float:
@@ -88,12 +78,8 @@ def _metres_per_unit(path: Path, depth: NDArray[Any]) -> float:
         return 1.0
     if whole and depth.max() <= np.iinfo(np.uint8).max:
         what = f"depth: has no value above {depth.max():g}: bytes of a picture, not millimetres."
-        raise InputError(path, what, WRITE, code="E-DEPTH-UNIT")
+        raise InputError(path, what, WRITE, code=UNIT)
     if (100 if whole else 1000) <= median <= 1000 * LARGEST:
         return 0.001
-    raise InputError(
-        path,
-        f"depth: has the median {median:.3g}, which is neither metres nor millimetres of a room.",
-        "write metres as float32, or millimetres as uint16",
-        code="E-DEPTH-UNIT",
-    )
+    what = f"depth: has the median {median:.3g}, which is neither metres nor millimetres of a room."
+    raise InputError(path, what, "write metres as float32, or millimetres as uint16", code=UNIT)

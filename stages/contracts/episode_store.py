@@ -1,6 +1,7 @@
 """episodes.h5: demonstrations in robomimic's layout."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ ACTION, PROPRIO = 7, 9
 QUATERNION, UNIT = slice(3, 7), 0.01  # columns of proprioception, and how far their norm may be off 1
 LIMIT = 1.001  # actions are within [-1, 1], but for rounding
 Float = NDArray[np.float32]
+broken = partial(InputError, fix=AGAIN, code="E-EPISODES-BROKEN")
 
 
 @dataclass(frozen=True)
@@ -47,12 +49,12 @@ def read_episodes(path: Path, count: int | None = None) -> EpisodeStore:
     with explain_unreadable(path, "episode store", AGAIN), h5py.File(path, "r") as file:
         data = file.get("data")
         if not isinstance(data, h5py.Group):
-            raise InputError(path, "has no group 'data'.", AGAIN, code="E-EPISODES-BROKEN")
+            raise broken(path, "has no group 'data'.")
         about = {name: _attribute(path, "data", data, name) for name in ("task", "asset", "task_options")}
         try:
             options = TaskConfig.model_validate_json(about["task_options"])
         except ValidationError as error:
-            raise InputError(path, f"task_options: {first_error(error)}.", AGAIN, code="E-EPISODES-BROKEN") from None
+            raise broken(path, f"task_options: {first_error(error)}.") from None
         if count is not None and len(data) < count:
             raise InputError(
                 path,
@@ -71,18 +73,18 @@ def read_episodes(path: Path, count: int | None = None) -> EpisodeStore:
 def _attribute(path: Path, where: str, group: h5py.Group, name: str) -> str:
     value = group.attrs.get(name)
     if not isinstance(value, str) or not value:
-        raise InputError(path, f"{where}: has no text attribute '{name}'.", AGAIN, code="E-EPISODES-BROKEN")
+        raise broken(path, f"{where}: has no text attribute '{name}'.")
     return value
 
 
 def _episode(path: Path, data: h5py.Group, name: str, points: int) -> tuple[NDArray[np.float16], Float, Float]:
     demo = data.get(name)
     if not isinstance(demo, h5py.Group):
-        raise InputError(path, f"has no episode '{name}'.", AGAIN, code="E-EPISODES-BROKEN")
+        raise broken(path, f"has no episode '{name}'.")
     actions = dataset(path, demo, "actions", AGAIN)
     steps = actions.shape[0] if actions.shape else 0
     if not steps:
-        raise InputError(path, f"{name}/actions: is empty.", AGAIN, code="E-EPISODES-BROKEN")
+        raise broken(path, f"{name}/actions: is empty.")
     arrays: list[Any] = []
     for key, shape, bound in (
         ("obs/point_cloud", (steps, points, 4), LARGEST),
@@ -95,12 +97,7 @@ def _episode(path: Path, data: h5py.Group, name: str, points: int) -> tuple[NDAr
         check_within(path, f"{name}/{key}", arrays[-1], -bound, bound, AGAIN)
     clouds, proprio, actions = arrays
     if (np.abs(np.linalg.norm(proprio[:, QUATERNION], axis=1) - 1) > UNIT).any():
-        raise InputError(
-            path,
-            f"{name}/obs/proprio: holds quaternions (columns 3 to 6) that are no turns.",
-            AGAIN,
-            code="E-EPISODES-BROKEN",
-        )
+        raise broken(path, f"{name}/obs/proprio: holds quaternions (columns 3 to 6) that are no turns.")
     return clouds.astype(np.float16), proprio.astype(np.float32), actions.astype(np.float32)
 
 
@@ -111,9 +108,4 @@ def check_episodes(path: Path) -> None:
     if ledger.is_file():
         kept = sum(attempt.episode is not None for attempt in read_attempts(ledger))
         if kept != len(store.episodes):
-            raise InputError(
-                path,
-                f"has {len(store.episodes)} episodes, {ledger.name} counts {kept}.",
-                AGAIN,
-                code="E-EPISODES-BROKEN",
-            )
+            raise broken(path, f"has {len(store.episodes)} episodes, {ledger.name} counts {kept}.")

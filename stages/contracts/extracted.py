@@ -1,5 +1,6 @@
 """What extraction hands on: objects.json with masks.png, depth.npz and clouds.npz beside it."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from stages.geometry.frames import yaw_matrix
 AGAIN = "extraction writes it beside objects.json"
 BESIDE = 0.1  # metres by which half of a cloud may be outside its box
 WITHIN = 0.1  # share of it that is no farther above: clutter on a table may show more points than the table
+wrong_cloud = partial(InputError, fix=AGAIN, code="E-CLOUD-BROKEN")
 
 
 def read_object_masks(path: Path, objects: Objects) -> NDArray[np.uint16]:
@@ -54,12 +56,10 @@ def read_clouds(path: Path, objects: Objects) -> dict[str, NDArray[np.float32]]:
     wanted = [item for item in objects.objects if item.status == "ok"]
     strangers = sorted(set(clouds) - {item.id for item in objects.objects})
     if strangers:
-        raise InputError(
-            file, f"holds a cloud of '{strangers[0]}', which is no object of {path.name}.", AGAIN, code="E-CLOUD-BROKEN"
-        )
+        raise wrong_cloud(file, f"holds a cloud of '{strangers[0]}', which is no object of {path.name}.")
     for item in wanted:
         if item.id not in clouds:
-            raise InputError(file, f"has no cloud of '{item.id}'.", AGAIN, code="E-CLOUD-BROKEN")
+            raise wrong_cloud(file, f"has no cloud of '{item.id}'.")
         cloud = clouds[item.id]
         check_array(file, item.id, cloud, ("N", 3))
         if len(cloud) < 3:
@@ -71,10 +71,10 @@ def read_clouds(path: Path, objects: Objects) -> dict[str, NDArray[np.float32]]:
             )
         if item.points and item.points != len(cloud):
             what = f"{item.id}: has {len(cloud)} points, {path.name} says {item.points}."
-            raise InputError(file, what, AGAIN, code="E-CLOUD-BROKEN")
+            raise wrong_cloud(file, what)
         check_within(file, item.id, cloud, -FARTHEST, FARTHEST)
         if item.box is not None and not item.whole and is_elsewhere(item.box, cloud):
-            raise InputError(file, f"{item.id}: is not where its box of {path.name} is.", AGAIN, code="E-CLOUD-BROKEN")
+            raise wrong_cloud(file, f"{item.id}: is not where its box of {path.name} is.")
     return {item.id: clouds[item.id].astype(np.float32) for item in wanted}
 
 

@@ -37,20 +37,11 @@ def read_upright(path: Path) -> Image.Image:
             warnings.simplefilter("ignore")  # a large picture is refused below, with words
             with Image.open(path, formats=FORMATS) as image:
                 width, height = image.size
+                size = f"is {width}x{height} pixels: too"
                 if width * height > MAX_PIXELS:
-                    raise InputError(
-                        path,
-                        f"is {width}x{height} pixels: too large.",
-                        f"at most {MAX_PIXELS:,} pixels",
-                        code="E-IMAGE-SIZE",
-                    )
+                    raise InputError(path, f"{size} large.", f"at most {MAX_PIXELS:,} pixels", code="E-IMAGE-SIZE")
                 if min(width, height) < LEAST:
-                    raise InputError(
-                        path,
-                        f"is {width}x{height} pixels: too small.",
-                        f"at least {LEAST} each way",
-                        code="E-IMAGE-SIZE",
-                    )
+                    raise InputError(path, f"{size} small.", f"at least {LEAST} each way", code="E-IMAGE-SIZE")
                 image.load()
                 turned = ImageOps.exif_transpose(image)
                 turned.format = image.format

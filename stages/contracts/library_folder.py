@@ -1,7 +1,7 @@
 """Libraries on disk: an index of models, and beside it zip archives that hold a folder per model."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from stages.contracts.archives import open_archive, pack, unpack
@@ -11,6 +11,8 @@ from stages.contracts.library import Asset, LibraryEntry, LibraryPart
 
 AGAIN = "make it again: snakemake --cores 2 library"
 FIRST = "make it first: snakemake --cores 2 library"
+changed = partial(InputError, fix=AGAIN, code="E-ASSET-CHANGED")
+incomplete = partial(InputError, fix=AGAIN, code="E-ASSET-MISSING")
 
 
 def write_part(out: Path, folder: Path, left_out: Iterable[str] = ()) -> None:
@@ -73,18 +75,13 @@ def _asset(path: Path, checksum: str, asset: str) -> Asset:
     where, name = path / asset / "asset.json", f"{asset}/asset.json"
     with open_archive(path, AGAIN) as archive:
         if name not in archive.NameToInfo:
-            raise InputError(path, f"holds no {name}.", AGAIN, code="E-ASSET-MISSING")
+            raise incomplete(path, f"holds no {name}.")
         if archive.getinfo(name).file_size > MAX_TEXT:
             raise InputError(where, f"is larger than {MAX_TEXT // 10**6} MB.", AGAIN, code="E-FILE-LARGE")
         content = archive.read(name)
     found = parse_json(Asset, content.decode("utf-8-sig", errors="replace"), where, AGAIN)
     if found.checksum != checksum:
-        raise InputError(
-            where,
-            f"checksum: is {found.checksum!r}, the index says {checksum!r} of '{asset}'.",
-            AGAIN,
-            code="E-ASSET-CHANGED",
-        )
+        raise changed(where, f"checksum: is {found.checksum!r}, the index says {checksum!r} of '{asset}'.")
     return found
 
 
@@ -99,7 +96,7 @@ def check_asset(path: Path) -> Asset:
     """asset.json of an asset folder, and that the URDF which it names is there."""
     asset = read_json(Asset, path, AGAIN)
     if not (path.parent / asset.urdf).is_file():
-        raise InputError(path, f"urdf: there is no {asset.urdf} beside it.", AGAIN, code="E-ASSET-MISSING")
+        raise incomplete(path, f"urdf: there is no {asset.urdf} beside it.")
     return asset
 
 
@@ -112,9 +109,7 @@ def check_models(path: Path) -> None:
             found, listed = getattr(asset, name), getattr(entry, name)
             if found != listed:
                 what = f"{name}: is {found!r}, {path.name} says {listed!r} of '{entry.id}'."
-                raise InputError(archive / entry.id / "asset.json", what, AGAIN, code="E-ASSET-CHANGED")
+                raise changed(archive / entry.id / "asset.json", what)
         with open_archive(archive, AGAIN) as opened:
             if f"{entry.id}/{asset.urdf}" not in opened.NameToInfo:
-                raise InputError(
-                    archive / entry.id, f"urdf: there is no {asset.urdf} beside it.", AGAIN, code="E-ASSET-MISSING"
-                )
+                raise incomplete(archive / entry.id, f"urdf: there is no {asset.urdf} beside it.")

@@ -1,6 +1,7 @@
 """The folder of a policy: config.json with the weights beside it. Needs no torch."""
 
 import math
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ NUMPY = {"F64", "F32", "F16", "I64", "I32", "I16", "I8", "U8", "BOOL"}
 PAPERS = "bc_rnn_gmm"
 CHECKPOINTS = "checkpoints.zip"
 Shapes = dict[str, tuple[int, ...]]
+wrong_weights = partial(InputError, fix=AGAIN, code="E-POLICY-WEIGHTS")
 
 
 def weights_of(folder: Path, name: str) -> Path:
@@ -46,24 +48,17 @@ def check_weights(path: Path, trained: TrainedPolicy) -> Shapes:
                 continue  # bfloat16 and smaller: numpy has no such numbers
             array = file.get_tensor(name)
             if not np.isfinite(array).all():
-                raise InputError(path, f"{name}: holds NaN or infinity.", AGAIN, code="E-POLICY-WEIGHTS")
+                raise wrong_weights(path, f"{name}: holds NaN or infinity.")
             if name in NORMALISER and name.endswith("_std") and array.min() <= 0:
-                raise InputError(path, f"{name}: is not positive.", AGAIN, code="E-POLICY-WEIGHTS")
+                raise wrong_weights(path, f"{name}: is not positive.")
     if trained.config.policy != PAPERS:
         return shapes  # which numbers another policy keeps is for it to know
     for name, shape in NORMALISER.items():
         if shapes.get(name) != shape:
-            raise InputError(
-                path, f"{name}: has shape {shapes.get(name)}, not {shape}.", AGAIN, code="E-POLICY-WEIGHTS"
-            )
+            raise wrong_weights(path, f"{name}: has shape {shapes.get(name)}, not {shape}.")
     count = sum(math.prod(shape) for name, shape in shapes.items() if name not in NORMALISER)
     if count != trained.parameters:
-        raise InputError(
-            path,
-            f"holds {count} numbers, config.json says parameters: {trained.parameters}.",
-            AGAIN,
-            code="E-POLICY-WEIGHTS",
-        )
+        raise wrong_weights(path, f"holds {count} numbers, config.json says parameters: {trained.parameters}.")
     return shapes
 
 
@@ -74,6 +69,4 @@ def check_policy(path: Path) -> None:
     shapes = check_weights(folder / "policy.safetensors", trained)
     for name in ("last.safetensors", *trained.checkpoints):
         if check_weights(weights_of(folder, name), trained) != shapes:
-            raise InputError(
-                folder / name, "has other weights than policy.safetensors.", AGAIN, code="E-POLICY-WEIGHTS"
-            )
+            raise wrong_weights(folder / name, "has other weights than policy.safetensors.")

@@ -1,54 +1,87 @@
-"""What an object touches: walls, as the input states or by geometry, and what carries it (paper A.2).
+"""What an object touches, by what the picture shows of the space between: walls, surfaces below it (paper A.2).
 
 A single picture shows one side of an object. A gap between it and a wall counts only if the camera sees into it;
 hidden space is taken to be filled by the object.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from stages.contracts.objects import Mounting, Wall
+from stages.contracts.objects import USUAL_ERROR, DepthError, Mounting, Wall
 from stages.contracts.scenes import Held
-from stages.contracts.types import FLOOR
-from stages.extraction.visibility import CONTACT, DepthView
-from stages.geometry.boxes import THINNEST, UprightBox, corners, footprint, with_top
-from stages.geometry.cameras import project
+from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.cameras import PointMap, project
 from stages.geometry.frames import Array, apply, inverse, yaw_matrix
 from stages.geometry.masks import OUTLINE, Mask
 
+CONTACT = 0.045  # metres, besides the error of depth: what is less apart touches, and hides nothing; chosen
 BLOCKED = 0.3  # share of the gap that another object fills, from which on that one stands at the wall instead; chosen
 MAX_HIDDEN_DEPTH = 0.8  # metres: deepest hidden gap that an object fills, as a deep wardrobe is; chosen
 FREE_SHARE = 0.35  # of a gap that is seen to be empty, from which on it is one; chosen
 JUST_BELOW = 0.15  # metres; farther down furniture may stand before a picture that hangs; chosen
-SUNK = 0.04  # share of the distance by which an object reaches below the top of what it is in (a can in a bowl); chosen
 
 
-class ImpossibleError(Exception):
-    """The stated mounting is impossible; the one by geometry is used."""
+@dataclass(frozen=True, eq=False)
+class DepthView(PointMap):
+    """What a picture shows (depth is 0 where it is cropped away), in the floor frame, and how far its depth errs."""
+
+    error: DepthError = USUAL_ERROR
+
+    def distance(self, point: ArrayLike) -> float:
+        """Distance in metres from the camera to a point of the floor frame."""
+        return float(np.linalg.norm(np.asarray(point, dtype=float) - self.frame[:3, 3]))
+
+    def tolerance(self, point: ArrayLike) -> float:
+        """Gap in metres that counts as touching at a point of the floor frame."""
+        return CONTACT + self.error.predict(self.distance(point))
+
+    def outline(self, point: ArrayLike) -> float:
+        """Metres by which the outline of a mask may be off at a point of the floor frame."""
+        return OUTLINE * (self.distance(point) / float(self.intrinsics[0, 0]))
+
+    def share_free(self, points: Array, own: Mask) -> float:
+        """Share of the points (N, 3), floor frame, that an object with the mask `own` (H, W) does not fill.
+
+        Were the point part of the object, its pixel would show the object, or something nearer that
+        hides it. A pixel that shows neither tells that the point is empty. 0 if no point is in the picture.
+        """
+        in_camera = apply(inverse(self.frame), points)
+        pixels = project(in_camera, self.intrinsics)
+        height, width = self.depth.shape
+        columns, rows = np.rint(np.where(np.isfinite(pixels), pixels, -1)).astype(int).T
+        inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
+        columns, rows, z = columns[inside], rows[inside], in_camera[inside, 2]
+        shown = self.depth[rows, columns]
+        hidden = own[rows, columns] | (shown < z - CONTACT - self.error.a - self.error.b * z**2)
+        return float((~hidden[shown > 0]).mean()) if (shown > 0).any() else 0.0
+
+    def intersect_level(self, columns: NDArray[np.integer], rows: NDArray[np.integer], height: float) -> Array:
+        """Where the rays through pixels (N,), (N,) meet the plane z = `height` of the floor frame: (N, 3), else NaN."""
+        pixels = np.stack([columns, rows, np.ones_like(rows)], axis=1).astype(np.float64)
+        rays = pixels @ np.linalg.inv(self.intrinsics).T @ self.frame[:3, :3].T
+        down = np.where(rays[:, 2] < 0, rays[:, 2], np.nan)
+        return self.frame[:3, 3] + rays * ((height - self.frame[2, 3]) / down)[:, None]
 
 
-def resolve_stated_mounting(held: Held, box: UprightBox, shown: dict[int, Wall]) -> Mounting:
-    """The mounting that the input states (A.2: by a captioner), with ids of walls.
+def resolve_stated_mounting(held: Held, box: UprightBox, shown: dict[int, Wall]) -> tuple[Mounting | None, str]:
+    """The mounting that the input states (A.2: by a captioner), with ids of walls; None: it cannot be, and why.
 
     Args:
         box: of what was seen of the object.
         shown: walls by the mask values that show them.
-
-    Raises:
-        ImpossibleError: a wall has no plane, or is too far behind the object.
     """
     names = []
     for value in held.walls:
         if value not in shown:
-            raise ImpossibleError(f"no wall is found in mask {value}, at which the input states it")
+            return None, f"no wall is found in mask {value}, at which the input states it"
         wall = shown[value]
         if (gap := make_gap(box, wall).depth) > MAX_HIDDEN_DEPTH:
-            raise ImpossibleError(f"{wall.id}, at which the input states it, is {gap:.1f} m behind it")
+            return None, f"{wall.id}, at which the input states it, is {gap:.1f} m behind it"
         names.append(wall.id)
-    return Mounting(type=held.type, walls=list(dict.fromkeys(names)))
+    return Mounting(type=held.type, walls=list(dict.fromkeys(names))), ""
 
 
 @dataclass(frozen=True)
@@ -75,7 +108,7 @@ class Gap:
         (left, right), (bottom, top) = self.along, self.height
         left, right, top = left + inset, right - inset, top - inset
         faces = [((left, right), (top, top)), ((left, left), (bottom, top)), ((right, right), (bottom, top))]
-        return max(share_free(view, self.points(along, height), own) for along, height in faces)
+        return max(view.share_free(self.points(along, height), own) for along, height in faces)
 
     def is_blocked(self, others: list[UprightBox]) -> bool:
         """Whether another object stands in it."""
@@ -116,7 +149,7 @@ def find_touched_walls(
         others: boxes of all other objects.
         max_hidden_depth: metres of hidden space that it may fill; 0: its box is known whole.
     """
-    tolerance, outline = view.tolerance(box.center), measure_outline(view, box)
+    tolerance, outline = view.tolerance(box.center), view.outline(box.center)
     touched = []
     for wall in walls:
         gap = make_gap(box, wall)
@@ -146,61 +179,22 @@ def extend_to_wall(box: UprightBox, wall: Wall) -> UprightBox:
     return UprightBox(center, size, box.yaw)
 
 
-def find_carrier(
-    box: UprightBox, carriers: Mapping[str, UprightBox], tolerance: float, sunk: float = np.inf, share: float = 0.5
-) -> tuple[float, str]:
-    """Top of the highest carrier below a box and its id, or that of the floor.
-
-    Args:
-        box: of the object.
-        carriers: boxes by id.
-        tolerance: gap in metres that counts as touching.
-        sunk: an object that reaches so many metres, and half of its height, below a carrier's top lies in the
-        carrier, not on it; its bottom is that of its own box.
-        share: least share of the box's footprint that lies over the carrier's, or within touching distance of it.
-    """
-    inside = max(sunk, float(box.size[2]) / 2)
-    plan, touching = footprint(box), min(CONTACT, float(np.min(box.size[:2])) / 4)
-    tops = [
-        (carrier.top if carrier.top <= box.bottom + inside else box.bottom, name)
-        for name, carrier in carriers.items()
-        if plan.intersection(footprint(carrier).buffer(touching)).area > share * plan.area
-        and carrier.top <= box.bottom + 2 * tolerance
-        and carrier.top + carrier.bottom < box.top + box.bottom
-    ]
-    return max(tops, default=(0.0, FLOOR))
-
-
 def is_hanging(box: UprightBox, beneath: float, view: DepthView, own: Mask) -> bool:
-    """Whether an object at a wall is seen to end above the height `beneath` of the surface below; `own`: pixels (H,
-    W).
+    """Whether an object at a wall is seen to end above the height `beneath` of the surface below; `own`: pixels (H, W).
 
-    Depth errs along the line of sight, so the lower edge is as sharp as the picture at any distance.
+    Depth errs along the line of sight, so the lower edge is as sharp as the picture at any distance. Legs are too thin
+    to have trusted depth, but their ends are in the mask: rays through the lowest pixels of what stands meet the
+    surface inside the footprint, of what hangs far behind it. Just below what hangs the camera sees empty space.
     """
-    return (
-        box.bottom - beneath > measure_outline(view, box)
-        and not reaches_down(box, beneath, view, own)
-        and measure_free_share(box, beneath, view, own) >= FREE_SHARE
-    )
-
-
-def measure_free_share(box: UprightBox, height: float, view: DepthView, own: Mask) -> float:
-    """Share of the space just below the box, down to `height` at most, that the camera sees to be empty."""
+    if box.bottom - beneath <= view.outline(box.center):
+        return False
+    hits = view.intersect_level(*lowest_pixels(own), beneath)
+    if int(_is_over(hits, box, view.tolerance(box.center)).sum()) >= OUTLINE:
+        return False
     half = box.size[:2] / 2
-    low = max(height, box.bottom - JUST_BELOW)
+    low = max(beneath, box.bottom - JUST_BELOW)
     local = cell_centres(np.array([*-half, low]), np.array([*half, box.bottom]), (6, 6, 8))
-    return share_free(view, local @ yaw_matrix(box.yaw).T + [*box.center[:2], 0.0], own)
-
-
-def reaches_down(box: UprightBox, height: float, view: DepthView, own: Mask) -> bool:
-    """Whether the object is seen to stand at `height`: rays through its lowest pixels meet it inside the footprint.
-
-    Legs are too thin to have trusted depth, but their ends are in the mask. The lowest pixels of what hangs on a wall
-    have rays that meet the floor far behind it.
-    """
-    columns, lowest = lowest_pixels(own)
-    hits = intersect_level(view, columns, lowest, height)
-    return int(_is_over(hits, box, view.tolerance(box.center)).sum()) >= OUTLINE
+    return view.share_free(local @ yaw_matrix(box.yaw).T + [*box.center[:2], 0.0], own) >= FREE_SHARE
 
 
 def measure_shelf(box: UprightBox, walls: Sequence[Wall], view: DepthView, own: Mask, unnamed: Mask) -> float | None:
@@ -240,45 +234,3 @@ def cell_centres(low: Array, high: Array, counts: tuple[int, ...]) -> Array:
     """Cell centres (N, d) of a regular grid between two corners (d,)."""
     axes = [lo + (np.arange(n) + 0.5) / n * (hi - lo) for lo, hi, n in zip(low, high, counts, strict=True)]
     return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
-
-
-def end_near(carrier: UprightBox, heights: tuple[float, ...], bottom: float, reach: float) -> UprightBox:
-    """A carrier's box, ending at the first of its heights within `reach` metres of the bottom of what it may carry."""
-    near = next((height for height in heights if abs(height - bottom) < reach), None)
-    return carrier if near is None else with_top(carrier, near)
-
-
-def is_collapsed(seen: UprightBox, placed: UprightBox, tolerance: float) -> bool:
-    """Whether an object that looks high would become a thin plate on its carrier: then the depth of one is wrong."""
-    height, left = seen.size[2], placed.size[2]
-    return bool(left < 1.5 * THINNEST and height > tolerance)
-
-
-def measure_outline(view: DepthView, box: UprightBox) -> float:
-    """Metres by which the outline of a mask may be off at a box's distance."""
-    return OUTLINE * (view.distance(box.center) / float(view.intrinsics[0, 0]))
-
-
-def intersect_level(view: DepthView, columns: NDArray[np.integer], rows: NDArray[np.integer], height: float) -> Array:
-    """Where the rays through pixels (N,), (N,) meet the plane z = `height` of the floor frame: (N, 3), else NaN."""
-    pixels = np.stack([columns, rows, np.ones_like(rows)], axis=1).astype(np.float64)
-    rays = pixels @ np.linalg.inv(view.intrinsics).T @ view.frame[:3, :3].T
-    down = np.where(rays[:, 2] < 0, rays[:, 2], np.nan)
-    return view.eye + rays * ((height - view.eye[2]) / down)[:, None]
-
-
-def share_free(view: DepthView, points: Array, own: NDArray[np.bool_]) -> float:
-    """Share of the points (N, 3), floor frame, that an object with the mask `own` (H, W) does not fill.
-
-    Were the point part of the object, its pixel would show the object, or something nearer that
-    hides it. A pixel that shows neither tells that the point is empty. 0 if no point is in the picture.
-    """
-    in_camera = apply(inverse(view.frame), points)
-    pixels = project(in_camera, view.intrinsics)
-    height, width = view.depth.shape
-    columns, rows = np.rint(np.where(np.isfinite(pixels), pixels, -1)).astype(int).T
-    inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
-    columns, rows, z = columns[inside], rows[inside], in_camera[inside, 2]
-    shown = view.depth[rows, columns]
-    hidden = own[rows, columns] | (shown < z - CONTACT - view.error.a - view.error.b * z**2)
-    return float((~hidden[shown > 0]).mean()) if (shown > 0).any() else 0.0

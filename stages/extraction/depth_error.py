@@ -11,8 +11,8 @@ from scipy.stats import norm
 from stages.contracts.objects import USUAL_ERROR, DepthError, Wall
 from stages.extraction.floor import ROUGH
 from stages.extraction.observation import AnnotatedImage
+from stages.geometry.cameras import PointMap
 from stages.geometry.masks import erode
-from stages.geometry.point_map import PointMap
 from stages.geometry.room_planes import GRAZING, PLANE_THRESHOLD
 
 PARTS = 8  # of a plane, by distance; chosen
@@ -45,7 +45,8 @@ def estimate_depth_error(image: AnnotatedImage, seen: PointMap, walls: Mapping[i
     shown = [(floor, [0.0, 0.0, 1.0], 0.0)]
     shown += [(image.masks == value, list(wall.normal), wall.offset) for value, wall in walls.items()]
     surfaces = [Surface(seen.of(erode(mask & seen.known, keep=0)), np.array(n), offset) for mask, n, offset in shown]
-    return measure_error(surfaces[:1], seen.eye) or measure_error(surfaces[1:], seen.eye) or USUAL_ERROR
+    eye = seen.frame[:3, 3]
+    return measure_error(surfaces[:1], eye) or measure_error(surfaces[1:], eye) or USUAL_ERROR
 
 
 def measure_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> DepthError | None:

@@ -6,12 +6,11 @@ from numpy.typing import NDArray
 from stages.contracts import InputError
 from stages.extraction.camera_height import doubt_height
 from stages.extraction.observation import AnnotatedImage
+from stages.geometry.cameras import PointMap
 from stages.geometry.frames import Array
 from stages.geometry.gravity import find_up
 from stages.geometry.levels import find_floor
-from stages.geometry.planes import Plane
-from stages.geometry.point_map import PointMap
-from stages.geometry.room_planes import SAME_DIRECTION, fit_floor, make_floor_frame
+from stages.geometry.room_planes import SAME_DIRECTION, Plane, fit_floor, make_floor_frame
 
 ROUGH = 0.05  # share of the distance by which neighbouring pixels differ in the median: no room is so rough; chosen
 MOST_OFF = 0.2  # share of the camera's height by which a given frame errs at most; chosen

@@ -1,4 +1,4 @@
-"""The box of an object, and the levels on which it carries others: the heights of most of its upper surface."""
+"""The levels on which an object carries others: the heights of most of its upper surface."""
 
 import re
 
@@ -6,11 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from stages.extraction.visibility import DepthView
-from stages.geometry.boxes import UprightBox, with_top
+from stages.geometry.boxes import UprightBox
 from stages.geometry.estimate import BIN, PROMINENT
 from stages.geometry.frames import Array, yaw_matrix
-from stages.geometry.minimum_box import minimum_box
 from stages.geometry.room_planes import STRAY
 
 # Chosen; what levels they find under clutter is measured in docs/results/extraction.md.
@@ -25,31 +23,6 @@ dishwasher oven stove cooker microwave fridge refrigerator freezer washer dryer 
 """
 SHELVES = "shelf shelve shelving bookshelf bookshelve bookcase rack"  # boards one above the other
 SEATS = "chair armchair stool sofa couch settee loveseat bench bed ottoman pouf footstool seat"  # stand on the floor
-
-
-def fit_box_and_levels(
-    label: str,
-    cloud: Array,
-    mask: NDArray[np.bool_],
-    view: DepthView,
-    trim: float,
-) -> tuple[UprightBox, tuple[float, ...]]:
-    """The box of a cleaned cloud (N, 3), floor frame, and the heights at which it may carry others.
-
-    An object whose label implies a level top (a table) ends at it. A thin top that erosion removed is restored.
-
-    Args:
-        cloud: of the eroded `mask` (H, W).
-        trim: share of the points left out at either end of the box.
-    """
-    box = minimum_box(cloud, trim)
-    distance, whole = view.distance(box.center), view.of(mask)
-    top = float(np.quantile(whole[:, 2], 1 - trim))
-    lost = top > box.top + view.tolerance(box.center)
-    level = find_level(whole if lost else cloud, box, distance)
-    box = with_top(box, top) if lost else box
-    heights = find_carrying_heights(label, level, box.top)
-    return (box if level is None or not is_topped(label) else with_top(box, level)), heights
 
 
 def find_level(points: Array, box: UprightBox, distance: float) -> float | None:

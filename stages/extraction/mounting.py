@@ -9,36 +9,37 @@ from numpy.typing import NDArray
 from stages.contracts.objects import Box, Mounting, Wall
 from stages.contracts.types import FLOOR, UNNAMED, WALL
 from stages.extraction.contact import (
+    CONTACT,
     MAX_HIDDEN_DEPTH,
-    SUNK,
-    ImpossibleError,
-    end_near,
+    DepthView,
     extend_to_wall,
-    find_carrier,
     find_touched_walls,
-    is_collapsed,
     is_hanging,
     measure_shelf,
     resolve_stated_mounting,
 )
 from stages.extraction.objects import MeasuredObject
 from stages.extraction.observation import AnnotatedImage
-from stages.extraction.visibility import DepthView
-from stages.geometry.boxes import THINNEST, UprightBox, with_bottom
+from stages.geometry.boxes import THINNEST, UprightBox, footprint, with_bottom, with_top
 from stages.geometry.frames import round_vector
 
+SUNK = 0.04  # share of the distance by which an object reaches below the top of what it is in (a can in a bowl); chosen
 MAX_STRETCH = 2.0  # of an object's seen height: by more its box is not extended down to what carries it; chosen
 
 
 @dataclass(frozen=True)
 class Placement:
-    """Mounting (also by geometry alone), support, the box down to it, and that box with hidden space filled."""
+    """Mounting (also by geometry alone), support, the box down to it, and that box with hidden space filled.
+
+    collapsed: what looks high would become a thin plate on its carrier; then the depth of one is wrong.
+    """
 
     mounting: Mounting
     measured: Mounting
     support: str
     box: UprightBox
     filled: UprightBox
+    collapsed: bool
 
 
 def mount_objects(
@@ -63,16 +64,14 @@ def mount_objects(
         own = image.masks == one.object.mask
         stated, note = None, ""
         if one.stated.mounting is not None:
-            try:
-                stated = resolve_stated_mounting(one.stated.mounting, box, shown)
-            except ImpossibleError as error:
-                note = str(error)
+            stated, note = resolve_stated_mounting(one.stated.mounting, box, shown)
+            if note:
                 print(f"{scene} {name}: {note}: mounting by geometry")
         known = one.stated.box is not None
         reach = 2 * view.tolerance(box.center)
         beneath = {key: end_near(each, done[key].heights, box.bottom, reach) for key, each in carriers.items()}
         placed = place_object(box, beneath, others, walls, view, own, known, stated, one.is_seat, unnamed)
-        if is_collapsed(box, placed.box, view.tolerance(box.center)):
+        if placed.collapsed:
             done[name] = one.fail("its top is found below what carries it: the depth of one of the two is wrong")
             continue
         carriers[name] = placed.filled
@@ -86,6 +85,37 @@ def mount_objects(
         }
         done[name] = replace(one, object=one.object.model_copy(update=update))
     return list(done.values())
+
+
+def end_near(carrier: UprightBox, heights: tuple[float, ...], bottom: float, reach: float) -> UprightBox:
+    """A carrier's box, ending at the first of its heights within `reach` metres of the bottom of what it may carry."""
+    near = next((height for height in heights if abs(height - bottom) < reach), None)
+    return carrier if near is None else with_top(carrier, near)
+
+
+def find_carrier(
+    box: UprightBox, carriers: Mapping[str, UprightBox], tolerance: float, sunk: float = np.inf, share: float = 0.5
+) -> tuple[float, str]:
+    """Top of the highest carrier below a box and its id, or that of the floor.
+
+    Args:
+        box: of the object.
+        carriers: boxes by id.
+        tolerance: gap in metres that counts as touching.
+        sunk: an object that reaches so many metres, and half of its height, below a carrier's top lies in the
+        carrier, not on it; its bottom is that of its own box.
+        share: least share of the box's footprint that lies over the carrier's, or within touching distance of it.
+    """
+    inside = max(sunk, float(box.size[2]) / 2)
+    plan, touching = footprint(box), min(CONTACT, float(np.min(box.size[:2])) / 4)
+    tops = [
+        (carrier.top if carrier.top <= box.bottom + inside else box.bottom, name)
+        for name, carrier in carriers.items()
+        if plan.intersection(footprint(carrier).buffer(touching)).area > share * plan.area
+        and carrier.top <= box.bottom + 2 * tolerance
+        and carrier.top + carrier.bottom < box.top + box.bottom
+    ]
+    return max(tops, default=(0.0, FLOOR))
 
 
 def place_object(
@@ -111,9 +141,9 @@ def place_object(
         is_seat: it stands on the floor however little is seen of it above a table.
         unnamed: pixels (H, W) of no mask.
     """
-    touched = find_touched_walls(box, others, walls, view, own, 0.0 if known else MAX_HIDDEN_DEPTH)
     tolerance, sunk = view.tolerance(box.center), SUNK * view.distance(box.center)
     beneath, support = find_carrier(box, carriers, tolerance, sunk)
+    touched = find_touched_walls(box, others, walls, view, own, 0.0 if known else MAX_HIDDEN_DEPTH)
     seen = box.top - box.bottom
     is_column = support == FLOOR and box.top > MAX_STRETCH * seen and not (known or is_seat)
     if is_column and not (touched and is_hanging(box, beneath, view, own)):
@@ -134,4 +164,6 @@ def place_object(
         support = WALL
     elif placed.bottom - beneath > tolerance:  # a stated box stays where it is
         support = UNNAMED
-    return Placement(mounting, measured, support, placed, placed if behind is None else extend_to_wall(placed, behind))
+    filled = placed if behind is None else extend_to_wall(placed, behind)
+    collapsed = bool(placed.size[2] < 1.5 * THINNEST and box.size[2] > tolerance)
+    return Placement(mounting, measured, support, placed, filled, collapsed)

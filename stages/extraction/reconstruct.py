@@ -10,16 +10,16 @@ from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError, Objects
 from stages.contracts.files import first_error
 from stages.contracts.objects import object_ids
+from stages.extraction.contact import DepthView
 from stages.extraction.depth_error import estimate_depth_error
 from stages.extraction.floor import find_floor_frame
 from stages.extraction.mounting import mount_objects
 from stages.extraction.objects import measure_object
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reflections import remove_reflections
-from stages.extraction.visibility import DepthView
 from stages.extraction.walls import find_room_walls
+from stages.geometry.cameras import PointMap
 from stages.geometry.masks import central_crop
-from stages.geometry.point_map import PointMap
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.objects import DepthError, Wall
+from stages.geometry.cameras import PointMap
 from stages.geometry.estimate import REACH
-from stages.geometry.point_map import PointMap
 
 IN_ROOM = 0.2  # share of a thing's points before a wall's plane, from which on it is in this room; chosen
 NICHE = 0.3  # metres: no niche in a wall is deeper; chosen

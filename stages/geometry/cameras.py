@@ -1,9 +1,12 @@
 """Pinhole camera: intrinsics, back-projection, projection. Camera frame x right, y down, z forward."""
 
+from dataclasses import dataclass, field
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stages.geometry.frames import rigid
+from stages.geometry.frames import apply, rigid
 
 OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # OpenGL's camera axes (x right, y up, z backward) from OpenCV's, and back
 # OpenCV's camera axes -> SAPIEN's (x forward, y left, z up)
@@ -51,3 +54,32 @@ def project(points: ArrayLike, intrinsics: ArrayLike) -> NDArray[np.float64]:
     image = np.asarray(points, dtype=float) @ np.asarray(intrinsics, dtype=float).T
     depth = np.where(image[..., 2:] > 1e-6, image[..., 2:], np.nan)
     return image[..., :2] / depth
+
+
+@dataclass(frozen=True, eq=False)
+class PointMap:
+    """A depth image in a frame.
+
+    depth: (H, W) metres along the optical axis, 0: unknown. intrinsics: (3, 3) pixels. frame: `frame_from_camera`
+    (4, 4), e.g. `floor_from_camera`; by default points are in the camera's own.
+    """
+
+    depth: NDArray[np.floating]
+    intrinsics: NDArray[np.float64]
+    frame: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
+
+    @cached_property
+    def known(self) -> NDArray[np.bool_]:
+        """Pixels (H, W) with depth."""
+        return np.asarray(self.depth > 0)
+
+    @cached_property
+    def points(self) -> NDArray[np.float64]:
+        """(H, W, 3) of the pixels; NaN where depth is unknown."""
+        known = self.known[..., None]
+        return np.where(known, apply(self.frame, back_project(self.depth, self.intrinsics)), np.nan)
+
+    def of(self, mask: NDArray[np.bool_]) -> NDArray[np.float64]:
+        """Points (N, 3) of the pixels of a mask (H, W), as far as their depth is known."""
+        known = mask & self.known
+        return self.points[known]

@@ -6,8 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.geometry.gravity import LEVEL, cell_normals, find_up
-from stages.geometry.planes import Plane, least_squares_plane
-from stages.geometry.room_planes import PLANE_THRESHOLD, STRAY, sample_points, scale_threshold
+from stages.geometry.room_planes import (
+    PLANE_THRESHOLD,
+    STRAY,
+    Plane,
+    least_squares_plane,
+    sample_points,
+    scale_threshold,
+)
 
 LEAST_LEVEL = 0.05  # share of the largest level that another has at least: less is noise of a far floor; chosen
 FEWEST = 8  # cells of a level

@@ -1,5 +1,6 @@
-"""Planes of a room: floor (or table top), the floor frame, and walls (paper 2.1, A.3)."""
+"""Planes by seeded RANSAC and least squares: floor (or table top), the floor frame, and walls (paper 2.1, A.3)."""
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -7,7 +8,6 @@ from numpy.typing import NDArray
 
 from stages.geometry.frames import rigid
 from stages.geometry.gravity import IMAGE_UP
-from stages.geometry.planes import Plane, fit_plane
 
 MAX_POINTS = 20_000  # of a fit; chosen for time
 MAX_PLANES = 4  # that are looked for; chosen
@@ -16,9 +16,20 @@ PLANE_THRESHOLD = 0.03  # metres off a plane at 3 m: 1.8 times the usual error o
 SAME_DIRECTION = 10.0  # degrees: planes turned less against each other have one direction; chosen
 GRAZING = 0.2  # sine of the angle between sight and a wall, 12 degrees: flatter, depth says little; chosen
 WALL_TILT = 0.25  # largest |z| of a wall's unit normal: 14 degrees from upright; chosen
+SCORED_POINTS = 2000  # hypotheses are scored on so many, the refinement uses all; chosen for time
 ITERATIONS = 1000  # of RANSAC: with 20 % inliers one misses the plane in 0.03 % of fits
 
+SAME_PLACE = 0.15  # metres: walls of one direction that are nearer than that are one; chosen
+
 Array = NDArray[np.float64]
+
+
+class Plane(NamedTuple):
+    """Points p with normal . p = offset; `inliers` is a boolean mask over the fitted points."""
+
+    normal: NDArray[np.float64]
+    offset: float
+    inliers: NDArray[np.bool_]
 
 
 class WallPlane(NamedTuple):
@@ -27,6 +38,60 @@ class WallPlane(NamedTuple):
     normal: Array
     offset: float
     inliers: int
+
+
+def least_squares_plane(points: NDArray[np.floating]) -> tuple[NDArray[np.float64], float]:
+    """Unit normal and offset of the plane with the least sum of squared distances to the points (N >= 3, 3)."""
+    centre = points.mean(axis=0)
+    _, _, axes = np.linalg.svd(points - centre, full_matrices=False)
+    return axes[2], float(axes[2] @ centre)
+
+
+def fit_plane(
+    points: NDArray[np.floating],
+    threshold: float,
+    iterations: int,
+    rng: np.random.Generator,
+    plausible: Callable[[NDArray[np.float64]], NDArray[np.bool_]] | None = None,
+) -> Plane | None:
+    """The plane with the most points within `threshold` of it.
+
+    Args:
+        points: (N, 3).
+        threshold: inlier distance in metres.
+        iterations: number of three-point hypotheses.
+        rng: source of the hypotheses; the same state gives the same plane.
+        plausible: which of (M, 3) unit normals may be a solution, e.g. nearly vertical ones.
+
+    Returns:
+        the refined plane (sign of the normal arbitrary), or None if no hypothesis holds three points.
+    """
+    points = np.asarray(points, dtype=float)
+    if len(points) < 3:
+        return None
+    a, b, c = points[rng.integers(len(points), size=(3, iterations))]
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1)
+    valid = lengths > 1e-9
+    normals, anchors = normals[valid] / lengths[valid, None], a[valid]
+    if plausible is not None:
+        keep = plausible(normals)
+        normals, anchors = normals[keep], anchors[keep]
+    if len(normals) == 0:
+        return None
+    offsets = np.einsum("ij,ij->i", normals, anchors)
+    sample = points if len(points) <= SCORED_POINTS else points[rng.choice(len(points), SCORED_POINTS, replace=False)]
+    best = np.argmax((np.abs(sample @ normals.T - offsets) < threshold).sum(axis=0))
+    normal, offset = normals[best], float(offsets[best])
+    for _ in range(2):  # refined inliers give a better plane, which gives better inliers
+        inliers = np.abs(points @ normal - offset) < threshold
+        if inliers.sum() < 3:
+            return None
+        refined, refined_offset = least_squares_plane(points[inliers])
+        if plausible is not None and not plausible(refined[None])[0]:
+            break
+        normal, offset = refined, refined_offset
+    return Plane(normal, offset, np.abs(points @ normal - offset) < threshold)
 
 
 def sample_points(points: Array, rng: np.random.Generator) -> Array:
@@ -120,3 +185,23 @@ def find_walls(
             found.append(wall)
         rest = rest[distances > reach]
     return found
+
+
+def merge_walls(planes: Sequence[WallPlane]) -> tuple[list[WallPlane], list[int]]:
+    """One wall for all planes that are the same, left and right of a cupboard say; and which of them each plane is."""
+    merged: list[WallPlane] = []
+    places = []
+    for plane in planes:
+        for k, other in enumerate(merged):
+            same_way = plane.normal @ other.normal > np.cos(np.deg2rad(SAME_DIRECTION))
+            if same_way and abs(plane.offset - other.offset) < SAME_PLACE:
+                total = plane.inliers + other.inliers
+                mean = plane.normal * plane.inliers + other.normal * other.inliers
+                offset = (plane.offset * plane.inliers + other.offset * other.inliers) / total
+                merged[k] = WallPlane(mean / np.linalg.norm(mean), offset, total)
+                break
+        else:
+            k = len(merged)
+            merged.append(plane)
+        places.append(k)
+    return merged, places

@@ -1,6 +1,7 @@
 """The feature store: foreground patches of all snapshots, rows in a memory-mapped .npy with a JSON index."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 from stages.contracts import InputError, write_atomically, write_json
 from stages.contracts.features import AGAIN, FeatureIndex, open_companion, open_features
 from stages.matching.codec import Codec
+
+other_features = partial(InputError, fix=AGAIN, code="E-FEATURES-OTHER")
 
 
 class Snapshot(NamedTuple):
@@ -61,16 +64,14 @@ class FeatureStore:
         for path in paths:
             index, array = open_features(path)
             if index.settings != settings:
-                raise InputError(
-                    path, f"was made by {index.encoder} with other settings.", AGAIN, code="E-FEATURES-OTHER"
-                )
+                raise other_features(path, f"was made by {index.encoder} with other settings.")
             if self._indices and (index.yaws, index.upright) != (self._indices[0].yaws, self._indices[0].upright):
-                raise InputError(path, f"has other views than {paths[0]}.", AGAIN, code="E-FEATURES-OTHER")
+                raise other_features(path, f"has other views than {paths[0]}.")
             if not index.assets:
                 continue
             if self._arrays and array.shape[1] != self._arrays[0].shape[1]:
                 what = f"rows: {array.shape[1]} numbers each, {paths[0]} has others."
-                raise InputError(path, what, AGAIN, code="E-FEATURES-OTHER")
+                raise other_features(path, what)
             parts = open_companion(path, index, array)
             self._codecs.append(Codec(*(parts[name] for name in Codec._fields)) if "mean" in parts else None)
             self._wholes.append(parts["wholes"])

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from stages.contracts.objects import USUAL_ERROR, Wall
-from stages.extraction.contact import end_near, is_collapsed, make_gap
+from stages.extraction.contact import DepthView, make_gap
 from stages.extraction.levels import find_carrying_heights, find_level, is_topped
-from stages.extraction.mounting import place_object
-from stages.extraction.visibility import DepthView
+from stages.extraction.mounting import end_near, place_object
 from stages.geometry.boxes import UprightBox
 from stages.geometry.minimum_box import minimum_box
 
@@ -132,7 +131,7 @@ def test_what_is_squeezed_flat_is_told(distance: float, height: float, left: flo
     seen = UprightBox([distance, 0, 0.5 + height / 2], [0.2, 0.2, height], 0.0)
     placed = place_object(seen, {"table": table}, [table], [], empty, np.zeros((9, 9), bool))
     assert placed.box.size[2] == pytest.approx(left)
-    assert is_collapsed(seen, placed.box, 0.06) == (left == 0.01 and height == 0.09)
+    assert placed.collapsed == (left == 0.01 and height == 0.09)
 
 
 def held_by(box: UprightBox, carrier: UprightBox, walls: list[Wall], **said: bool) -> str:

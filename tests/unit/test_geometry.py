@@ -26,7 +26,7 @@ from stages.geometry.frames import (
     yaw_quaternion,
 )
 from stages.geometry.minimum_box import minimum_box
-from stages.geometry.planes import fit_plane
+from stages.geometry.room_planes import fit_plane
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,9 @@ from stages.config.extraction import ExtractionConfig
 from stages.contracts import Annotations
 from stages.contracts.objects import USUAL_ERROR, SceneObject, Wall
 from stages.contracts.scenes import Annotation, Held
-from stages.extraction.contact import measure_shelf
+from stages.extraction.contact import DepthView, measure_shelf
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
-from stages.extraction.visibility import DepthView
 from stages.geometry.boxes import UprightBox
 from tests.unit.synthetic_room import (
     BACK_WALL,

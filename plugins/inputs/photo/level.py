@@ -12,8 +12,7 @@ from stages.contracts.depth import NEAREST
 from stages.geometry.cameras import back_project
 from stages.geometry.gravity import find_up
 from stages.geometry.levels import find_floor
-from stages.geometry.planes import Plane
-from stages.geometry.room_planes import STRAY, fit_floor, make_floor_frame
+from stages.geometry.room_planes import STRAY, Plane, fit_floor, make_floor_frame
 
 
 def level_camera(frame: Frame, floor: int | None) -> NDArray[np.float64] | None:

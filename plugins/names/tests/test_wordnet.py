@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from plugins.names.wordnet import explain, read_heads, read_senses
+from plugins.names.wordnet import HEADS, explain, read_senses
 from stages.matching.text_encoders.lexical import KNOWN, MEANINGS, split_words
 
 NOUNS = """\
@@ -33,4 +33,4 @@ def test_every_head_of_the_table_is_a_known_word_and_its_words_are_not() -> None
     assert len(MEANINGS) > 500
     heads = {split_words(head)[-1] for head in MEANINGS.values()}
     assert heads <= KNOWN and not KNOWN & MEANINGS.keys()
-    assert set(MEANINGS.values()) == read_heads().keys()
+    assert set(MEANINGS.values()) == HEADS.keys()

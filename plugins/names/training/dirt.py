@@ -10,10 +10,7 @@ from plugins.names.training.solids import Rng
 
 Mask = NDArray[np.bool_]
 CLEAN = 0.25  # share of masks that stay as they are; chosen
-SAME, OTHER = (
-    0.5,
-    0.4,
-)  # IoU from which a mask is a thing (docs/results/masks.md), and up to which it is none
+SAME, OTHER = 0.5, 0.4  # IoU from which a mask is a thing (docs/results/masks.md), and up to which it is none
 
 
 def soil(mask: Mask, owner: NDArray[np.uint8], rng: Rng) -> Mask:

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from plugins.furniture.catalogue import CATEGORIES
 from plugins.names.shape import AROUND, NUMBERS, POINTS, Shape, measure_shape
 from plugins.names.training.dirt import OTHER, SAME, Mask, cut_patch, share_owner, soil
-from plugins.names.training.furnishing import furnish, make_pool
 from plugins.names.training.pictures import BACKGROUND, NOTHING, Picture, pictures_in
-from plugins.names.training.rooms import Room
-from plugins.names.training.sensor import sense_as_kinect, sense_depth, tilt_frame
+from plugins.names.training.rooms import Room, furnish, make_pool
+from plugins.names.training.sensor import sense_depth, tilt_frame
 from plugins.names.training.solids import Rng
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply
@@ -22,7 +21,6 @@ from stages.geometry.frames import apply
 LEAST = 60  # pixels of a mask in a picture of 320 x 240
 VIEWS = 7  # of a room
 PATCHES = 1  # of no thing, in a picture
-KINECT = 0.5  # share of pictures that a Kinect sees
 NONE = "other"
 AS_IF = {"office_chair": "chair"}  # a kind of the rooms that the library lacks
 
@@ -73,8 +71,7 @@ def draw_room(models: int, seed: int, number: int) -> Examples:
 
 def look_at(picture: Picture, room: Room, rng: Rng) -> Iterator[tuple[str, Shape]]:
     """The masks of a picture that show a thing or none, with the name, as a sensor sees them."""
-    sense = sense_as_kinect if rng.random() < KINECT else sense_depth
-    depth, frame = sense(picture, rng), tilt_frame(picture.frame, rng)
+    depth, frame = sense_depth(picture, rng), tilt_frame(picture.frame, rng)
     points, known = apply(frame, back_project(depth, picture.intrinsics)), depth > 0
     wholes = find_wholes(picture, room)
     masks = [soil(some[-1 if rng.random() < 0.3 else 0], picture.owner, rng) for some in wholes.values()]

@@ -1,4 +1,4 @@
-"""What is in rooms and in no library: doors, windows, pipes, boilers, stairs, plain bodies, bodies that touch."""
+"""What is in rooms and in no library: office chairs, doors, windows, pipes, boilers, stairs, plain bodies."""
 
 from collections.abc import Callable
 
@@ -6,7 +6,24 @@ import numpy as np
 
 from plugins.furniture.model import Model, Part, part
 from plugins.furniture.shapes import cushion, hull, lathe, rod, slab
-from plugins.names.training.solids import PAINT, Rng, Solid, solid_of
+from plugins.names.training.solids import Rng, Solid, solid_of
+
+PAINT = [0.5, 0.5, 0.5]  # nobody looks at their colours
+
+
+def _office_chair(rng: Rng) -> list[Part]:
+    """Five feet, a column, a seat, a back, sometimes arms."""
+    seat, reach, half = rng.uniform(0.42, 0.55), rng.uniform(0.26, 0.34), rng.uniform(0.21, 0.26)
+    turns = 2 * np.pi * (np.arange(5) / 5 + rng.random())
+    parts = [part(rod([0, 0, 0.1], [reach * np.cos(t), reach * np.sin(t), 0.05], 0.02), PAINT) for t in turns]
+    parts += [part(rod([0, 0, 0.08], [0, 0, seat], 0.03), PAINT)]
+    parts += [part(cushion([-half, -half, seat], [half, half, seat + 0.08], 0.012), PAINT)]
+    back = [-half, 0.21, seat + rng.uniform(0.5, 0.85)]
+    parts += [part(cushion([-half - 0.06, -0.21, seat + 0.05], back, 0.009), PAINT)]
+    if rng.random() < 0.6:
+        for y in (-half - 0.03, half + 0.03):
+            parts += [part(slab([0, y, seat + 0.12], [0.28, 0.07, 0.24]), PAINT)]
+    return parts
 
 
 def _door(rng: Rng) -> list[Part]:
@@ -105,6 +122,7 @@ def _joined(rng: Rng) -> list[Part]:
 
 
 JUNK: dict[str, Callable[[Rng], list[Part]]] = {
+    "office_chair": _office_chair,
     "a_door": _door,
     "a_window": _window,
     "pipes": _pipes,
@@ -116,6 +134,9 @@ JUNK: dict[str, Callable[[Rng], list[Part]]] = {
 }
 
 
+ON_WALLS = {"a_door", "a_window"}
+
+
 def make_junk(kind: str, rng: Rng) -> Solid:
     """A thing of no category."""
-    return solid_of(kind, Model(JUNK[kind](rng)))
+    return solid_of(kind, Model(JUNK[kind](rng), placement="wall" if kind in ON_WALLS else "floor"))
