@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
-from plugins.films.studio import Image, Moment, Recording, Studio
+from plugins.films.film_renderer import FilmRenderer, Image, Moment, Recording
 from plugins.films.writing import write_film
 from plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
 from plugins.in_scene.room import GeneratedRoom, read_room
@@ -86,7 +86,7 @@ def pictures(results: Path, scene: str, rank: int, object: str, task: str) -> It
         room = read_room(folder / f"scene_{rank}.json", object, results / "assets/library/library.json", Path(cache))
         recording = find_demonstration(replace(room, look=look), task)
         moments = smooth(recording.moments)
-        film = Studio(look.light, LARGE[0]).film(replace(recording, moments=moments), len(moments))
+        film = FilmRenderer(look.light, LARGE[0]).film(replace(recording, moments=moments), len(moments))
     left = [
         add_title(read_rgb(results / "scenes" / scene / "input/rgb.png"), SMALL, "1  a picture"),
         np.full((GAP, SMALL[0], 3), WHITE, np.uint8),

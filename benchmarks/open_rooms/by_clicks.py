@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from benchmarks.open_rooms import packs, pictures
 from benchmarks.open_rooms.pairs import FOUND, overlaps, pair_pieces
-from plugins.studio.masks import Cutter
+from plugins.annotator.masks import Cutter
 from stages.contracts import Objects, read_json
 from stages.contracts.corrections import Correction
 from stages.contracts.images import read_rgb

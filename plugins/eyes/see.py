@@ -59,7 +59,7 @@ def run(*, picture: Path, out: Path, options: str = "{}") -> None:
         shown = draw_numbers(frame.rgb, [masks.values == item.mask for item in written.objects])
         cv2.imwrite(str(path), shown[..., ::-1])
     print(describe(things))
-    print(f"{out}: put names right in the browser: python -m plugins.studio annotate {out}")
+    print(f"{out}: put names right in the browser: python -m plugins.annotator annotate {out}")
 
 
 def see(frame: Frame, options: EyesSection) -> Seen:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.films.contract import Film
-from plugins.films.studio import Image, Studio, pick_evenly
+from plugins.films.film_renderer import FilmRenderer, Image, pick_evenly
 from plugins.films.writing import FRAMES, TILE, make_film_strip, write_films, write_png
 from stages.demonstrations.attempt import FilmedAttempt
 
@@ -33,10 +33,10 @@ def make_strip(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]
 
 def film_demonstrations(folder: Path, taken: Sequence[FilmedAttempt], role: str, frequency: float) -> None:
     """Write films.zip and film.png into `folder`; what was recorded must still be open."""
-    studio = Studio()
+    renderer = FilmRenderer()
     films, strips = [], []
     for number, item in enumerate(taken):
-        pictures = studio.film(item.recording, FRAMES * 2)
+        pictures = renderer.film(item.recording, FRAMES * 2)
         steps = len(item.recording.moments) - 1
         film = Film(
             role=role, asset=item.asset, seed=item.seed, success=True, steps=steps,

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from plugins.films.contract import Film
-from plugins.films.studio import Image, Studio
+from plugins.films.film_renderer import FilmRenderer, Image
 from plugins.films.writing import FRAMES, make_film_strip, write_films, write_png
 from stages.evaluation.episodes import RolloutEpisode
 
@@ -22,9 +22,9 @@ class RolloutFilms:
         self.films: list[tuple[Film, list[Image]]] = []
 
     @cached_property
-    def studio(self) -> Studio:
+    def renderer(self) -> FilmRenderer:
         """Where they are made."""
-        return Studio()
+        return FilmRenderer()
 
     def take(self, episodes: Sequence[RolloutEpisode], role: str) -> None:
         """Film the picked episodes; the more frequent outcome comes first."""
@@ -36,7 +36,7 @@ class RolloutFilms:
                 role=role, asset=episode.asset.asset, seed=episode.seed, success=episode.success, steps=episode.steps,
                 opened=round(episode.opened, 4), file=f"{role}_{outcome}.webp",
             )  # fmt: skip
-            self.films.append((film, self.studio.film(episode.recording, 2 * FRAMES)))
+            self.films.append((film, self.renderer.film(episode.recording, 2 * FRAMES)))
 
     def write(self, folder: Path, frequency: float) -> None:
         """Write films.zip and film.png into `folder`; `frequency`: control steps per second."""

@@ -11,7 +11,7 @@ import torch
 from PIL import Image as Pillow
 
 from plugins.films.contract import Film, Films
-from plugins.films.studio import Image, pick_evenly
+from plugins.films.film_renderer import Image, pick_evenly
 from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
 from stages.contracts.files import write_atomically, write_json

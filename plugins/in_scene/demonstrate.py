@@ -10,7 +10,7 @@ import numpy as np
 
 from plugins.films.contract import Film
 from plugins.films.demonstrations import FilmedAttempt, make_strip, plot_cloud
-from plugins.films.studio import Studio
+from plugins.films.film_renderer import FilmRenderer
 from plugins.films.writing import FRAMES, write_films, write_png
 from plugins.in_scene.base_shifts import find_obstacle, find_touched, list_base_shifts
 from plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
@@ -81,7 +81,7 @@ def run(
     found, films, strips = [], [], []
     with TemporaryDirectory(prefix="acdc-room-") as cache, TemporaryDirectory(prefix="acdc-stores-") as stores:
         setting = Setting(object, task, library, settings, world, seed, Path(cache), Path(stores))
-        studio = Studio(ROOM_LIGHT)
+        renderer = FilmRenderer(ROOM_LIGHT)
         for path, generated in read.items():
             try:
                 one, taken = demonstrate_in_scene(path, generated, setting)
@@ -89,7 +89,7 @@ def run(
                 one, taken = _failed(generated, str(error)[:900]), None
             found.append(one)
             if one.film and taken:
-                pictures = studio.film(taken.recording, FRAMES * 2)
+                pictures = renderer.film(taken.recording, FRAMES * 2)
                 films.append((one.film, pictures))
                 strips.append(make_strip(pictures, taken.clouds))
             print(f"demonstrations: rank {one.rank}: {one.reason or 'ok'}", file=sys.stderr)

@@ -116,7 +116,7 @@ def find_things(rgb: NDArray[np.uint8], labels: list[str], options: PhotoConfig,
     """
     detections = detect(rgb, [*labels, *ROOM], options, device)
     if all(item.label in ROOM for item in detections):
-        fix = "lower photo.box_threshold, name it in photo.labels, or draw it: python -m plugins.studio annotate"
+        fix = "lower photo.box_threshold, name it in photo.labels, or draw it: python -m plugins.annotator annotate"
         raise InputError("photo", "the detector finds no object in the picture.", fix, code="E-SCENE-EMPTY")
     things: list[Thing] = []
     least = max(1.0, options.min_share * rgb.shape[0] * rgb.shape[1])

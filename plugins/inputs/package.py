@@ -33,7 +33,7 @@ def find_mistakes(config: Any) -> Iterator[Mistake]:
         if not Path(folder, "model.safetensors").is_file()
     ]
     if lacking and "estimate" not in config.stages.get("inputs", {}):
-        mend = "python -m plugins.inputs fetch, or without weights draw it: python -m plugins.studio annotate"
+        mend = "python -m plugins.inputs fetch, or without weights draw it: python -m plugins.annotator annotate"
         yield Mistake(
             key, f"there are no weights in {', '.join(lacking)}", f"{mend} {shlex.quote(pictures[0])}", "E-CONFIG-FILE"
         )

@@ -54,14 +54,14 @@ class FilmedEnv(BaseEnv):
         return Recording(self.asset_folder, self.scales[index], side, moments, self.room, props)
 
     def render_rgb_array(self, camera_name: str | None = None) -> torch.Tensor:
-        """(N, H, W, 3) uint8: each environment in a studio of its own, by a camera that sees hand and door or drawer,
+        """(N, H, W, 3) uint8: each environment in a copy of its own, by a camera that sees hand and door or drawer,
         closed and open; as large as `human_render_camera_configs={"width": ..., "height": ...}` says."""
         return torch.from_numpy(np.stack([self.renderer.picture(index) for index in range(self.num_envs)]))
 
     @cached_property
     def renderer(self) -> Any:
         """What renders for people; policies see nothing of it."""
-        return load("renderers", "studio")(self)
+        return load("renderers", "film_renderer")(self)
 
     def cut(self, indices: Iterable[int]) -> None:
         """The next pictures of these environments are of another episode."""

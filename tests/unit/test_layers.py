@@ -33,8 +33,8 @@ ON_OTHERS = {  # few, each for a reason
     ("report", "claims"),  # their tables, on the page of a run
     ("studies", "claims"),
     ("studies", "report"),  # the times of a run
-    ("studio", "report"),  # doubts and pictures of models, as pages show them
-    ("studio", "inputs"),  # a photograph's camera, and what an input folder is
+    ("annotator", "report"),  # doubts and pictures of models, as pages show them
+    ("annotator", "inputs"),  # a photograph's camera, and what an input folder is
 }
 
 

@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 import yaml
 
+from plugins.annotator.correcting import Correcting
+from plugins.annotator.tests.test_correcting import BOXES
 from plugins.inputs.own_scene import write_config
 from plugins.ops.outside import list_key_variables, list_outside_paths
-from plugins.studio.correcting import Correcting
-from plugins.studio.tests.test_correcting import BOXES
 from stages.config import reference
 from stages.config.containers import ContainersConfig, tag
 from stages.config.inputs import INPUT_FILES
@@ -281,7 +281,7 @@ def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
     done = dry_run(folder, *photo)
     lines = [line for line in done.stdout.splitlines() if "python -m plugins.inputs fetch" in line]
     assert done.returncode == 1 and len(lines) == 1 and "Traceback" not in done.stdout
-    assert "weights/sam2" in lines[0] and "plugins.studio annotate 'my kitchen.v2.jpg'" in lines[0]
+    assert "weights/sam2" in lines[0] and "plugins.annotator annotate 'my kitchen.v2.jpg'" in lines[0]
     assert planned(dry_run(folder, "fetch").stdout)["fetch"] == 1
     for name in ("grounding_dino", "sam2", "depth_anything_v2"):
         (folder / "weights" / name).mkdir(parents=True)

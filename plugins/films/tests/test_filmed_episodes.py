@@ -23,7 +23,7 @@ __all__ = ["folder", "toy_simulator"]
 MODULE = ("plugins.films.rollouts",)
 
 
-class ToyStudio:
+class ToyRenderer:
     """Films without a renderer: a grey that gets lighter."""
 
     def film(self, recording: list[int], frames: int) -> list[np.ndarray]:
@@ -31,15 +31,15 @@ class ToyStudio:
 
 
 @pytest.fixture
-def toy_studio(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rollouts, "Studio", ToyStudio)
+def toy_renderer(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rollouts, "FilmRenderer", ToyRenderer)
 
 
 def read_films(archive: Path) -> list[Film]:
     return read_json(Films, unpack(archive, "") / "films.json").films
 
 
-@pytest.mark.usefixtures("toy_studio")
+@pytest.mark.usefixtures("toy_renderer")
 def test_film_shows_a_success_and_a_failure() -> None:
     cab = an_asset("cab")
     episodes = [RolloutEpisode(cab, i, success=i in (2, 3), steps=9, recording=[i] if i else None) for i in range(6)]  # type: ignore[arg-type]
@@ -55,7 +55,7 @@ def test_film_shows_a_success_and_a_failure() -> None:
         assert len(films.films) == count
 
 
-@pytest.mark.usefixtures("toy_studio")
+@pytest.mark.usefixtures("toy_renderer")
 def test_rollouts_are_filmed_the_same_way_twice(folder: Path, tmp_path: Path, toy_simulator: Made) -> None:
     for name in ("a", "b"):
         evaluate(folder, tmp_path / name / "rollouts.csv", films=MODULE)
@@ -70,7 +70,7 @@ def test_rollouts_are_filmed_the_same_way_twice(folder: Path, tmp_path: Path, to
     assert (tmp_path / "plain" / "rollouts.csv").read_bytes() == (tmp_path / "a" / "rollouts.csv").read_bytes()
 
 
-@pytest.mark.usefixtures("toy_studio")
+@pytest.mark.usefixtures("toy_renderer")
 def test_every_test_role_is_filmed(folder: Path, tmp_path: Path, toy_simulator: Made) -> None:
     evaluate(folder, tmp_path / "a.csv", films=MODULE, assets=2, asset_rollouts=3)
     assert {film.role for film in read_films(tmp_path / "films.zip")} == {"twin", "cousin_2", "test"}

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from plugins.annotator import annotate
 from plugins.inputs import from_rgbd
 from plugins.inputs.photo.picture import read_photo
 from plugins.inputs.rgbd.lens import read_lens, straighten_picture
-from plugins.studio import annotate
 from stages.contracts.scene_input import read_scene_input
 from stages.geometry.boxes import UprightBox
 from tests.refusals import refused

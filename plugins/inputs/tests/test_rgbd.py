@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 import yaml
 
+from plugins.annotator.masks import Cutter, correct_masks
 from plugins.inputs import from_rgbd
 from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
 from plugins.inputs.rgbd.frame import Labelled
 from plugins.inputs.rgbd.mask_files import read_labelled
 from plugins.inputs.rgbd.write import make_annotations
 from plugins.names.propose import Proposal
-from plugins.studio.masks import Cutter, correct_masks
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Camera, InputError, read_json
 from stages.contracts.corrections import Correction

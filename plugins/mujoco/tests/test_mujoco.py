@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from plugins.films.studio import Studio
+from plugins.films.film_renderer import FilmRenderer
 from plugins.mujoco.camera import DepthCamera
 from plugins.mujoco.environment import MujocoTaskEnv
 from plugins.mujoco.world import MODEL
@@ -117,7 +117,7 @@ def test_it_turns_to_another_cabinet_at_a_scale_and_is_filmed(folder: Path, tmp_
     shown = task.env.recording([task.env.moment()])
     assert np.ptp(seen[seen[:, 3] == 0, 0]) > 0.25  # metres: the side of the cabinet, too
     assert read_json(Asset, shown.folder / "asset.json").size == pytest.approx(scale * [0.4, 0.45, 0.5], abs=1e-3)
-    (picture,) = Studio().film(shown, 1)
+    (picture,) = FilmRenderer().film(shown, 1)
     assert np.ptp(picture) > 200
     task.close()
 

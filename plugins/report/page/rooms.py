@@ -135,7 +135,7 @@ def _rebuild(
         ],
         matches=_match_objects(files, name, found, image, album, snapshots),
         view=base64.b64encode(gzip.compress(view.read_bytes(), 9, mtime=0)).decode("ascii") if view else "",
-        correct=f"python -m plugins.studio {correct} " if image else "",
+        correct=f"python -m plugins.annotator {correct} " if image else "",
         furnished=image is not None and image.match(f"scenes/{name}/input/*"),
     )
 

@@ -61,7 +61,7 @@ def test_every_doubt_has_the_command_that_opens_the_page_to_put_it_right(made: P
     for about, command in doubts:
         if not about.startswith("scene of"):
             one = about.split(" failed in ")[0].replace(" ", "_")
-            assert command == f"python -m plugins.studio {opens} {one}"
+            assert command == f"python -m plugins.annotator {opens} {one}"
 
 
 def test_it_links_to_its_files(made: Path) -> None:

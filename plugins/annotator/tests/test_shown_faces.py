@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plugins.annotator.last_run import LastRun
 from plugins.report.snapshots import Snapshots
-from plugins.studio.last_run import LastRun
 from stages.contracts import Objects
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation

@@ -1,9 +1,9 @@
-"""The pictures of `env.render()`: a studio per environment, a shot per episode."""
+"""The pictures of `env.render()`: a renderer per environment, a shot per episode."""
 
 from collections.abc import Iterable
 from dataclasses import replace
 
-from plugins.films.studio import Image, Shot, Studio
+from plugins.films.film_renderer import FilmRenderer, Image, Shot
 from stages.tasks.filmed import FilmedEnv
 
 
@@ -12,7 +12,7 @@ class Renderer:
 
     def __init__(self, env: FilmedEnv) -> None:
         self.env = env
-        self._studios: dict[int, Studio] = {}  # by environment, once it is rendered
+        self._renderers: dict[int, FilmRenderer] = {}  # by environment, once it is rendered
         self._shots: dict[int, Shot] = {}  # by environment, those of the present episodes
 
     def picture(self, index: int) -> Image:
@@ -31,8 +31,10 @@ class Renderer:
             target, now = env.targets[index], env.moment(index)
             opened = target.lower + env.success_opening(index) * (target.upper - target.lower)
             then = replace(now, asset_joints={**now.asset_joints, env.joint_name: opened})
-            if index not in self._studios:
+            if index not in self._renderers:
                 asked = env._custom_human_render_camera_configs or {}
-                self._studios[index] = Studio(**{side: asked[side] for side in ("width", "height") if side in asked})
-            self._shots[index] = Shot(self._studios[index], env.recording([now, then], index), [now, then])
+                self._renderers[index] = FilmRenderer(
+                    **{side: asked[side] for side in ("width", "height") if side in asked}
+                )
+            self._shots[index] = Shot(self._renderers[index], env.recording([now, then], index), [now, then])
         return self._shots[index]

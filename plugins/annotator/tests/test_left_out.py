@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.studio.annotate import _check_named
-from plugins.studio.correcting import Correcting
-from plugins.studio.correctors.by_hand import correct_image
-from plugins.studio.tests.annotate_page import watched
-from plugins.studio.tests.test_annotate_browser import browser  # noqa: F401
-from plugins.studio.tests.test_correcting import BOX, BOXES, CABINET
+from plugins.annotator.annotate import _check_named
+from plugins.annotator.correcting import Correcting
+from plugins.annotator.correctors.by_hand import correct_image
+from plugins.annotator.tests.annotate_page import watched
+from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
+from plugins.annotator.tests.test_correcting import BOX, BOXES, CABINET
 from stages.contracts import Objects, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, Correction
 from stages.contracts.scene_input import read_scene_input

@@ -3,9 +3,9 @@
 import cv2
 import numpy as np
 
+from plugins.annotator.project import Project
+from plugins.annotator.solve import Solved
 from plugins.inputs.photo.metrology import CLICK
-from plugins.studio.project import Project
-from plugins.studio.solve import Solved
 from stages.geometry.boxes import corners
 
 BEHIND = 0.05  # share of the picture's height: a base may be marked so far above the top that it stands on

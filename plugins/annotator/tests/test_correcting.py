@@ -12,12 +12,12 @@ import pytest
 from PIL import Image
 from pydantic import ValidationError
 
-from plugins.studio import annotate
-from plugins.studio.correcting import Correcting, Drawing, Thing
-from plugins.studio.correctors.by_hand import correct_image, correct_scene
-from plugins.studio.masks import Cutter
-from plugins.studio.tests.annotate_page import watched
-from plugins.studio.tests.test_annotate_browser import browser  # noqa: F401
+from plugins.annotator import annotate
+from plugins.annotator.correcting import Correcting, Drawing, Thing
+from plugins.annotator.correctors.by_hand import correct_image, correct_scene
+from plugins.annotator.masks import Cutter
+from plugins.annotator.tests.annotate_page import watched
+from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from stages.contracts import InputError, Objects, read_json, write_json, write_text
 from stages.contracts.corrections import CORRECTIONS, Correction, Corrections, corrections_of
 from stages.contracts.extracted import check_extracted

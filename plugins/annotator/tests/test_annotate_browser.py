@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plugins.annotator.project import PROJECT, Project
+from plugins.annotator.session import Session
+from plugins.annotator.tests.annotate_page import Hand, TrueRoom, watched
 from plugins.inputs.photo.picture import read_photo
 from plugins.report.tests.test_report_browser import CONTRAST, FLAGS
-from plugins.studio.project import PROJECT, Project
-from plugins.studio.session import Session
-from plugins.studio.tests.annotate_page import Hand, TrueRoom, watched
 from stages.contracts import Annotations, Camera, Objects, read_json
 from stages.extraction.extract import run as extract
 from stages.geometry.frames import apply, inverse

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.studio.server import PageServer
-from plugins.studio.session import Session
+from plugins.annotator.server import PageServer
+from plugins.annotator.session import Session
 from stages.contracts import Annotations, Camera, Truth, read_json
 from stages.contracts.scenes import TrueObject
 from stages.geometry.boxes import UprightBox, corners

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from plugins.annotator.correcting import Correcting
+from plugins.annotator.tests.annotate_page import watched
+from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
+from plugins.annotator.tests.test_correcting import BOXES
 from plugins.report.tests.test_report_browser import CONTRAST
-from plugins.studio.correcting import Correcting
-from plugins.studio.tests.annotate_page import watched
-from plugins.studio.tests.test_annotate_browser import browser  # noqa: F401
-from plugins.studio.tests.test_correcting import BOXES
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, Correction, corrections_of
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation

@@ -14,18 +14,18 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
+from plugins.annotator import annotate
+from plugins.annotator.paint import paint
+from plugins.annotator.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
+from plugins.annotator.server import PageServer
+from plugins.annotator.session import Session, describe_room
+from plugins.annotator.solve import solve
+from plugins.annotator.support import support_at
+from plugins.annotator.tests.annotate_page import serve
+from plugins.annotator.write import at_size, write_folder
 from plugins.inputs.photo.guides import Guide, Perspective
 from plugins.inputs.photo.perspective import find_weak_lines, fit_view
 from plugins.inputs.photo.picture import LONGEST_SIDE, read_photo
-from plugins.studio import annotate
-from plugins.studio.paint import paint
-from plugins.studio.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
-from plugins.studio.server import PageServer
-from plugins.studio.session import Session, describe_room
-from plugins.studio.solve import solve
-from plugins.studio.support import support_at
-from plugins.studio.tests.annotate_page import serve
-from plugins.studio.write import at_size, write_folder
 from stages.contracts import Annotations, Camera, InputError, Objects, read_json, write_json
 from stages.contracts.categories import sizes_of
 from stages.contracts.scenes import Annotation

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plugins.films.film_renderer import HAND_SHARE, FilmRenderer, Shot, directions, pick_evenly
 from plugins.films.framing import FIELD_OF_VIEW, MARGIN, frame_all
-from plugins.films.studio import HAND_SHARE, Shot, Studio, directions, pick_evenly
 from stages.contracts.task_options import TaskConfig
 from stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
@@ -36,21 +36,21 @@ def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path, monkeypatch:
     cabinet(tmp_path / "cabinet")
     task = EnvWrapper("door", tmp_path / "cabinet", "door_0_joint", None, TaskConfig())
     task.place(3)
-    closed, studio = task.env.moment(), Studio()
+    closed, renderer = task.env.moment(), FilmRenderer()
     opened = replace(closed, asset_joints={**closed.asset_joints, "door_0_joint": 1.0})
     recording = task.env.recording([closed, opened])
-    shot = Shot(studio, recording, recording.moments)
+    shot = Shot(renderer, recording, recording.moments)
     pictures = [shot.picture(moment) for moment in recording.moments]
     assert shot._measure_hand_seen(shot.world_from_camera) > HAND_SHARE
-    assert (studio.camera.render(shot.world_from_camera).depth > 0).all(), "floor and wall fill the picture"
+    assert (renderer.camera.render(shot.world_from_camera).depth > 0).all(), "floor and wall fill the picture"
     shot.close()
     assert all(picture.shape == (360, 480, 3) for picture in pictures) and (pictures[0] != pictures[1]).any()
-    assert np.array_equal(studio.film(recording, 2), pictures), "nothing is left in the studio"
-    assert Studio(width=160, height=90).film(recording, 1)[0].shape == (90, 160, 3)
+    assert np.array_equal(renderer.film(recording, 2), pictures), "nothing is left in the renderer"
+    assert FilmRenderer(width=160, height=90).film(recording, 1)[0].shape == (90, 160, 3)
 
     monkeypatch.setattr(
         Shot, "_measure_hand_seen", lambda _, view: float(view[2, 2] > -0.4)
     )  # as if it were hidden from above
-    lower = Shot(studio, recording, recording.moments).world_from_camera
+    lower = Shot(renderer, recording, recording.moments).world_from_camera
     assert lower[2, 2] > -0.4 > shot.world_from_camera[2, 2]
     task.close()

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.annotator.project import DrawnObject, Project
+from plugins.annotator.solve import Solved
 from plugins.inputs.photo.metrology import DRAWING_ERROR, View
-from plugins.studio.project import DrawnObject, Project
-from plugins.studio.solve import Solved
 from stages.contracts.types import LARGEST
 from stages.geometry.boxes import UprightBox, corners, distances_along
 from stages.geometry.frames import yaw_matrix

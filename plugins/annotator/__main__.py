@@ -1,9 +1,9 @@
-"""`python -m plugins.studio VERB --help`."""
+"""`python -m plugins.annotator VERB --help`."""
 
 from stages.cli import main
 
 if __name__ == "__main__":
     main(
-        "plugins.studio",
+        "plugins.annotator",
         {"annotate": "draw camera, room and objects into a photograph by hand, in the browser; put a scene right"},
     )

@@ -5,12 +5,12 @@ import webbrowser
 from dataclasses import replace
 from pathlib import Path
 
+from plugins.annotator.correcting import Correcting, name_drawn
+from plugins.annotator.project import PROJECT
+from plugins.annotator.server import PageServer
+from plugins.annotator.session import Session
+from plugins.annotator.write import at_size
 from plugins.inputs.photo.picture import Photo, read_photo
-from plugins.studio.correcting import Correcting, name_drawn
-from plugins.studio.project import PROJECT
-from plugins.studio.server import PageServer
-from plugins.studio.session import Session
-from plugins.studio.write import at_size
 from stages.config.inputs import scene_of_folder
 from stages.contracts import Camera, InputError, Library, read_json
 from stages.contracts.categories import known_categories

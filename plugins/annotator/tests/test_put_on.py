@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from plugins.studio.correctors.by_hand import correct_scene
+from plugins.annotator.correctors.by_hand import correct_scene
 from stages.contracts.corrections import Correction
 from stages.geometry.boxes import UprightBox
 from tests.unit.synthetic_room import OBJECT, trace

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.studio.masks import Cutter, correct_masks
+from plugins.annotator.masks import Cutter, correct_masks
 from stages.contracts import InputError, Objects
 from stages.contracts.corrections import Correction
 from stages.contracts.objects import Box, Mounting, SceneObject

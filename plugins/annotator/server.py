@@ -12,8 +12,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from plugins.studio.correcting import Correcting
-from plugins.studio.session import Session
+from plugins.annotator.correcting import Correcting
+from plugins.annotator.session import Session
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.system import line_of

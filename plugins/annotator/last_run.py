@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.annotator.fronts import FACES, extents, front_corners
 from plugins.report.doubts import collect_doubts
 from plugins.report.snapshots import Snapshots, views_of
-from plugins.studio.fronts import FACES, extents, front_corners
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins

@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
+from plugins.annotator.fronts import FACES, extents, front_corners, jpeg, rectify_front
+from plugins.annotator.paint import find_hidden, paint
+from plugins.annotator.project import PROJECT, Project
+from plugins.annotator.solve import Solved
+from plugins.annotator.support import support_at
+from plugins.annotator.write import finish_drawing, side_angle, tint_picture, write_folder
 from plugins.inputs.own_scene import is_clone, to_run
 from plugins.inputs.photo.metrology import View, WallPlane
 from plugins.inputs.photo.perspective import find_weak_lines, horizon, vanishing_point
 from plugins.inputs.photo.picture import Photo
 from plugins.inputs.photo.segments import propose, usual_focal
-from plugins.studio.fronts import FACES, extents, front_corners, jpeg, rectify_front
-from plugins.studio.paint import find_hidden, paint
-from plugins.studio.project import PROJECT, Project
-from plugins.studio.solve import Solved
-from plugins.studio.support import support_at
-from plugins.studio.write import finish_drawing, side_angle, tint_picture, write_folder
 from stages.contracts import InputError, read_json, write_json
 from stages.contracts.types import Pixel
 from stages.geometry.boxes import UprightBox, corners

@@ -1,6 +1,6 @@
 """Pictures of the robot at work, for people: a lit room with a floor, and all of the scene in the picture.
 
-A studio is a scene of its own; policies never see it. It has the stock Panda: 135,000 triangles, too many for the
+A renderer is a scene of its own; policies never see it. It has the stock Panda: 135,000 triangles, too many for the
 policy's camera, which sees the low-poly one.
 """
 
@@ -37,7 +37,7 @@ ROOM_MARGIN = 0.15  # metres of a room that are shown about robot and asset
 LIT = 2.2  # metres about robot and asset that cast shadows
 
 
-class Studio:
+class FilmRenderer:
     """Takes pictures of episodes. One per process, as the first picture of a scene takes seconds.
 
     Args:
@@ -73,14 +73,14 @@ class Studio:
 
 
 class Shot:
-    """An episode in a studio with a fixed camera. Close it before the next one begins.
+    """An episode in a renderer with a fixed camera. Close it before the next one begins.
 
     Args:
         moments: moments of the episode, or expected ones; the camera is placed so that it shows all of them.
     """
 
-    def __init__(self, studio: Studio, recording: Recording, moments: Sequence[Moment]) -> None:
-        self.studio, self.scene, first = studio, studio.scene, moments[0]
+    def __init__(self, renderer: FilmRenderer, recording: Recording, moments: Sequence[Moment]) -> None:
+        self.renderer, self.scene, first = renderer, renderer.scene, moments[0]
         pose = sapien.Pose(first.asset)
         self.asset = load_asset(self.scene, recording.folder, pose, True, "asset", recording.scale)
         self.props = [
@@ -88,26 +88,27 @@ class Shot:
             for number, (prop, pose) in enumerate(zip(recording.props, first.props, strict=True))
         ]
         self._put(first)
-        feet = [_bounds(self.asset.links), _bounds(studio.robot.links[:1])]
+        feet = [_bounds(self.asset.links), _bounds(renderer.robot.links[:1])]
         low = min(bounds[0, 2] for bounds in feet)
         room = recording.room
         self.about = _in_room(self.scene, room, feet[1]) if room else _add_surroundings(self.scene, feet, low)
         seen = [] if recording.room else [corners(np.array([[*box[0, :2], low], box[1]])) for box in feet]
         for moment in moments:
             self._put(moment)
-            seen += [corners(_bounds([link])) for body in (self.asset, studio.robot) for link in _solid(body.links)]
+            seen += [corners(_bounds([link])) for body in (self.asset, renderer.robot) for link in _solid(body.links)]
         points = np.concatenate(seen)
-        studio.key.entity.set_pose(sapien.Pose((points.min(axis=0) + points.max(axis=0)) / 2, studio.key.entity.pose.q))
+        key = renderer.key.entity
+        key.set_pose(sapien.Pose((points.min(axis=0) + points.max(axis=0)) / 2, key.pose.q))
         self.world_from_camera = self._view(recording, points, pick_evenly(moments, 3)[1:])
 
     def picture(self, moment: Moment) -> Image:
         """(H, W, 3) RGB of a moment."""
         self._put(moment)
-        large = self.studio.camera.render(self.world_from_camera).rgb
-        return np.asarray(cv2.resize(large, self.studio.size, interpolation=cv2.INTER_AREA), np.uint8)
+        large = self.renderer.camera.render(self.world_from_camera).rgb
+        return np.asarray(cv2.resize(large, self.renderer.size, interpolation=cv2.INTER_AREA), np.uint8)
 
     def close(self) -> None:
-        """Take all but the robot out of the studio."""
+        """Take all but the robot out of the renderer."""
         for body in (self.asset, *self.props, *self.about):
             remove(self.scene, body)
 
@@ -124,7 +125,7 @@ class Shot:
         if recording.side and not recording.room:  # nothing stands on the side to which a door opens
             places = places[: len(places) // 2]
         for direction in places:
-            view, shares = frame_all(points, turn @ direction, self.studio.aspect), []
+            view, shares = frame_all(points, turn @ direction, self.renderer.aspect), []
             for moment in moments:
                 self._put(moment)
                 shares.append(self._measure_hand_seen(view))
@@ -136,9 +137,9 @@ class Shot:
 
     def _measure_hand_seen(self, view: Array) -> float:
         """The share of the hand's parts that are seen, if anything is of the asset."""
-        shown, (width, height) = self.studio.finder.render(view), self.studio.glance
+        shown, (width, height) = self.renderer.finder.render(view), self.renderer.glance
         parts = ("panda_hand", "panda_leftfinger", "panda_rightfinger")
-        links = [link for link in self.studio.robot.links if link.name in parts]
+        links = [link for link in self.renderer.robot.links if link.name in parts]
         points = apply(inverse(view), np.array([link.pose.p for link in links], float))
         columns, rows = np.rint((points @ intrinsics_of(width, height).T)[:, :2] / points[:, 2:]).astype(int).T
         depths = shown.depth[rows.clip(0, height - 1), columns.clip(0, width - 1)]
@@ -149,7 +150,7 @@ class Shot:
         for prop, place in zip(self.props, moment.props, strict=True):
             move(prop, sapien.Pose(place))
         for body, pose, joints in (
-            (self.asset, moment.asset, moment.asset_joints), (self.studio.robot, moment.robot, moment.robot_joints),
+            (self.asset, moment.asset, moment.asset_joints), (self.renderer.robot, moment.robot, moment.robot_joints),
         ):  # fmt: skip
             body.set_root_pose(sapien.Pose(pose))
             body.set_qpos(np.array([joints[joint.name] for joint in body.active_joints], np.float32))

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.annotator.project import DrawnObject, Project, Scale
+from plugins.annotator.usual import CAMERA_HEIGHT, Sides, camera_factor, describe_odd, find_usual_size, is_edge_marked
 from plugins.inputs.photo.metrology import (
     DRAWING_ERROR,
     MetrologyError,
@@ -17,8 +19,6 @@ from plugins.inputs.photo.metrology import (
     wall_plane,
 )
 from plugins.inputs.photo.perspective import fit_view
-from plugins.studio.project import DrawnObject, Project, Scale
-from plugins.studio.usual import CAMERA_HEIGHT, Sides, camera_factor, describe_odd, find_usual_size, is_edge_marked
 from stages.contracts.categories import sizes_of
 from stages.contracts.depth import NEAREST
 from stages.contracts.doubt import Doubt

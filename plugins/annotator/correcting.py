@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from plugins.inputs.own_scene import is_clone, to_run
-from plugins.inputs.rgbd.write import says_opening
-from plugins.studio.fronts import extents, jpeg, rectify_front
-from plugins.studio.last_run import LastRun, describe_doubt, read_last_run
-from plugins.studio.masks import (
+from plugins.annotator.fronts import extents, jpeg, rectify_front
+from plugins.annotator.last_run import LastRun, describe_doubt, read_last_run
+from plugins.annotator.masks import (
     ROOM,
     Cutter,
     Painted,
@@ -23,8 +21,10 @@ from plugins.studio.masks import (
     list_losses,
     paint_masks,
 )
-from plugins.studio.session import Answer
-from plugins.studio.write import tint_picture
+from plugins.annotator.session import Answer
+from plugins.annotator.write import tint_picture
+from plugins.inputs.own_scene import is_clone, to_run
+from plugins.inputs.rgbd.write import says_opening
 from stages.contracts import InputError, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
 from stages.contracts.files import Contract

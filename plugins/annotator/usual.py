@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from plugins.annotator.project import DrawnObject, Project
 from plugins.inputs.photo.metrology import DRAWING_ERROR
-from plugins.studio.project import DrawnObject, Project
 from stages.contracts.categories import known_categories, sizes_of
 from stages.contracts.category import USUAL_SPREAD, describe_unusual, find_category
 from stages.geometry.boxes import UprightBox

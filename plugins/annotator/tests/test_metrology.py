@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from plugins.annotator.project import DrawnObject, DrawnWall, Project, Scale
+from plugins.annotator.solve import solve
+from plugins.annotator.support import support_at
 from plugins.inputs.photo.guides import Guide, Perspective
 from plugins.inputs.photo.metrology import (
     MetrologyError,
@@ -22,9 +25,6 @@ from plugins.inputs.photo.metrology import (
 )
 from plugins.inputs.photo.perspective import fit_view, horizon, vanishing_point
 from plugins.inputs.photo.segments import propose, usual_focal
-from plugins.studio.project import DrawnObject, DrawnWall, Project, Scale
-from plugins.studio.solve import solve
-from plugins.studio.support import support_at
 from stages.geometry.boxes import UprightBox, corners, oriented_iou
 
 ROOM = Path(__file__).parents[3] / "tests/data/photographed_room"  # room_1 of the default run, as JPEG, and its truth
