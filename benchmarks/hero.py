@@ -17,7 +17,6 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
-from plugins.films.film_renderer import FilmRenderer, Image, Moment, Recording
 from plugins.films.writing import write_film
 from plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
 from plugins.in_scene.room import GeneratedRoom, read_room
@@ -28,6 +27,7 @@ from stages.contracts.look import Look
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.plugins import load
+from stages.simulation.film_renderer import FilmRenderer, Image, Moment, Recording
 from stages.tasks.api import EnvWrapper
 
 SMALL, LARGE = (320, 240), (640, 480)  # pixels: input and scene, the robot beside them

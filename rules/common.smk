@@ -61,7 +61,7 @@ PROTOCOL_SCENES = [(scene, variant) for scene, named in EXPERIMENT.protocol_scen
 PROTOCOL_SCENES = columns("scene", "variant", rows=PROTOCOL_SCENES)
 RANKS = list(range(1, CONFIG.generation.ranks + 1))
 # Shards of the procedural models, or of what a command of the user's makes in their place; then of the user's models.
-PROCEDURAL = any(CONFIG.assets.counts.values()) or replacement(CONFIG, "furniture", "library")
+PROCEDURAL = any(CONFIG.assets.counts.values()) or any("library" in verbs for verbs in CONFIG.stages.values())
 PROCEDURAL_SHARDS = list(range(CONFIG.assets.shards)) if PROCEDURAL else []
 SHARDS = [*PROCEDURAL_SHARDS, *OWN_SHARDS]
 # The picture of a run of one: parts of the library are drawn for it, as far as our own `match` looks.

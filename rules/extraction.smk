@@ -35,7 +35,6 @@ rule extract:
         own=lambda wildcards, input: shlex.join(["--own", *input.own]) if input.own else "",
         corrections=corrections_flags,
         corrected=corrections("extraction"),
-        corrector=corrector_digest,
         seed=noise_seed,
         folder=subpath(input.rgb, parent=True),
     shell:

@@ -38,11 +38,6 @@ def corrections_flags(wildcards, input):
     return shlex.join(["--corrections", str(input.corrections)]) if input.corrections else ""
 
 
-def corrector_digest(wildcards, input):
-    """Digest of the code that applies corrections in extraction; empty: there are none."""
-    return code_digest(qualify_module("correctors", find("correctors", "by_hand"))) if input.corrections else ""
-
-
 def noise_seed(wildcards):
     """The seed of a scene's depth noise."""
     seed = EXPERIMENT.scene(wildcards.scene).seed

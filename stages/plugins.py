@@ -42,7 +42,6 @@ KINDS = {
     "judges": PluginKind("matching.judges", "Judge"),
     "sources": PluginKind("extraction.sources", "observe"),
     "proposers": PluginKind("extraction.proposers", "propose"),
-    "correctors": PluginKind("extraction.correctors", "reconstruct_corrected"),
     "rooms": PluginKind("scenes.rooms", ".yaml"),
     "tasks": PluginKind("tasks", "TASK"),
     "policies": PluginKind("policies", "Policy"),
@@ -50,7 +49,6 @@ KINDS = {
     "mesh_files": PluginKind("articulated.mesh_files", "READER"),
     "importers": PluginKind("assets.importers", "IMPORTER"),
     "skills": PluginKind("skills", "Skill"),
-    "renderers": PluginKind("tasks.renderers", "Renderer"),
     "simulators": PluginKind("evaluation.simulators", "Environment"),
 }
 

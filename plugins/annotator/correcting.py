@@ -10,7 +10,18 @@ from pydantic import Field
 
 from plugins.annotator.fronts import extents, jpeg, rectify_front
 from plugins.annotator.last_run import LastRun, describe_doubt, read_last_run
-from plugins.annotator.masks import (
+from plugins.annotator.session import Answer
+from plugins.annotator.write import tint_picture
+from plugins.inputs.own_scene import is_clone, to_run
+from stages.contracts import InputError, read_json, write_json
+from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
+from stages.contracts.files import Contract
+from stages.contracts.fronts import says_opening
+from stages.contracts.objects import object_ids
+from stages.contracts.scene_input import read_scene_input
+from stages.contracts.things import read_things
+from stages.contracts.types import FLOOR, WALL, Id
+from stages.extraction.corrected_masks import (
     ROOM,
     Cutter,
     Painted,
@@ -21,17 +32,6 @@ from plugins.annotator.masks import (
     list_losses,
     paint_masks,
 )
-from plugins.annotator.session import Answer
-from plugins.annotator.write import tint_picture
-from plugins.inputs.own_scene import is_clone, to_run
-from plugins.inputs.rgbd.write import says_opening
-from stages.contracts import InputError, read_json, write_json
-from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
-from stages.contracts.files import Contract
-from stages.contracts.objects import object_ids
-from stages.contracts.scene_input import read_scene_input
-from stages.contracts.things import read_things
-from stages.contracts.types import FLOOR, WALL, Id
 from stages.geometry.masks import outline_mask
 
 

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.films.contract import Film
-from plugins.films.film_renderer import FilmRenderer, Image, pick_evenly
 from plugins.films.writing import FRAMES, TILE, make_film_strip, write_films, write_png
 from stages.demonstrations.attempt import FilmedAttempt
+from stages.simulation.film_renderer import FilmRenderer, Image, pick_evenly
 
 
 def plot_cloud(cloud: NDArray[np.floating]) -> Image:

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 
 from plugins.films.contract import Film
-from plugins.films.film_renderer import FilmRenderer, Image
 from plugins.films.writing import FRAMES, make_film_strip, write_films, write_png
 from stages.evaluation.episodes import RolloutEpisode
+from stages.simulation.film_renderer import FilmRenderer, Image
 
 CAPTION = 40  # pixels of the line above a strip: read where the strip is shown at half its size
 

@@ -11,11 +11,11 @@ import torch
 from PIL import Image as Pillow
 
 from plugins.films.contract import Film, Films
-from plugins.films.film_renderer import Image, pick_evenly
 from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
 from stages.contracts.files import write_atomically, write_json
 from stages.contracts.images import TILE
+from stages.simulation.film_renderer import Image, pick_evenly
 
 FRAMES = 8  # pictures on a strip; a film has twice as many
 LAST = 1200  # milliseconds that the last picture stays

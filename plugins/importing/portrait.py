@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 from sapien.physx import PhysxArticulation
 
-from plugins.films.framing import frame_all, intrinsics_of
 from plugins.importing.hinges import seen_points
 from stages.articulated.asset_folder import read_asset, read_model
 from stages.articulated.forward_kinematics import link_frames
+from stages.simulation.framing import frame_all, intrinsics_of
 from stages.simulation.loading import load_looks, remove
 from stages.simulation.rendering import RenderCamera, make_scene
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from plugins.films.contract import Film
 from plugins.films.demonstrations import FilmedAttempt, make_strip, plot_cloud
-from plugins.films.film_renderer import FilmRenderer
 from plugins.films.writing import FRAMES, write_films, write_png
 from plugins.in_scene.base_shifts import find_obstacle, find_touched, list_base_shifts
 from plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
@@ -24,6 +23,7 @@ from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.collect import attempt_seeds
 from stages.demonstrations.store import StoreHeader, write_episodes
 from stages.plugins import load
+from stages.simulation.film_renderer import FilmRenderer
 from stages.tasks.api import EnvWrapper
 from stages.tasks.task import Task
 

@@ -2,4 +2,4 @@
 
 from stages.config.packages import Package
 
-PACKAGE = Package()
+PACKAGE = Package(guard="plugins.ops.guard")

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from stages.config.packages import home_of
+from stages.config.packages import find_packages
 
 
 def show(files: Sequence[str]) -> int:
@@ -30,8 +30,9 @@ if __name__ == "__main__":
         sys.exit(show(sys.argv[2:]))
     if sys.argv[1:] or not Path("config/schema.json").is_file():
         sys.exit(__doc__)
-    if home_of("furniture") == "plugins.furniture":  # else what is known of its categories stays
-        subprocess.run([sys.executable, "-m", "plugins.furniture", "facts"], check=True)
+    for package in find_packages().values():
+        if package.facts:
+            subprocess.run([sys.executable, "-m", *package.facts.split()], check=True)
     from stages.config.reference import write
 
     write(Path.cwd())

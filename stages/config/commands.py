@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 from stages.config.code import code_digest, files_digest
 from stages.config.model import Config
-from stages.config.packages import home_of
+from stages.config.packages import home_of, packages_on
 from stages.config.replaced import VerbCommand
 
 
@@ -19,8 +19,10 @@ def command_line(config: Config, stage: str, verb: str) -> str:
     own = replacement(config, stage, verb)
     if own is None:
         return f"python -m {home_of(stage)} {verb}"
-    guard = ["python", "-m", f"{home_of('ops')}.guard"] if config.packages.get("ops") else []
-    return shlex.join([*guard, "bash", "-c", own.command + ' "$@"', verb])
+    guards = [
+        word for package in packages_on(config.packages) if package.guard for word in ("python", "-m", package.guard)
+    ]
+    return shlex.join([*guards, "bash", "-c", own.command + ' "$@"', verb])
 
 
 def command_digest(config: Config, stage: str, verb: str, *used: str) -> str:

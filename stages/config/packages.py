@@ -36,10 +36,14 @@ class Package:
         outside: of the whole config, files that its jobs read and that may lie outside the working directory.
         mistakes: of the whole config, `Mistake`s that the package finds in it.
         check: what of this machine the package may want: its name, whether all is there, what is or is not.
+        guard: module that runs a user's command, `python -m GUARD COMMAND ...`, so that it ends with the workflow.
+        facts: module and verb that write what the core knows of the package, `python -m FACTS`.
         keys: of the whole config, environment variables of keys that it sends to a server; None: it asks none.
     """
 
     section: str = ""
+    guard: str = ""
+    facts: str = ""
     judges: bool = False
     draws: Mapping[str, str] = field(default_factory=dict)
     rooms: Callable[[Any], Mapping[str, Objects]] = lambda config: {}

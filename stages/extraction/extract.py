@@ -15,6 +15,7 @@ from stages.config.provenance import record_provenance
 from stages.contracts import InputError, read_options, write_atomically, write_json
 from stages.contracts.corrections import corrections_of
 from stages.contracts.files import first_error, read_text
+from stages.extraction.corrections import reconstruct_corrected
 from stages.extraction.reconstruct import reconstruct
 from stages.extraction.sources import Source
 from stages.plugins import load
@@ -49,7 +50,7 @@ def run(
     image = observe(input, config, noise)
     stated = corrections_of(corrections, "extraction")
     find = partial(reconstruct, scene, options=config, rng=steps)
-    result = load("correctors", "by_hand")(image, stated, find) if stated else find(image)
+    result = reconstruct_corrected(image, stated, find) if stated else find(image)
 
     folder = out.parent
     with write_atomically(folder / "masks.png") as path:

@@ -1,16 +1,16 @@
 """What people see of a task: what a film needs to be recorded, and `render`."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import torch
 from mani_skill.envs.sapien_env import BaseEnv
 from mani_skill.utils.structs import Articulation
 
-from stages.plugins import load
+from stages.simulation.film_renderer import FilmRenderer, Shot
 from stages.simulation.kinematics import Array
 from stages.simulation.recording import Moment, Prop, Recording
 from stages.simulation.robot import AcdcPanda
@@ -56,14 +56,33 @@ class FilmedEnv(BaseEnv):
     def render_rgb_array(self, camera_name: str | None = None) -> torch.Tensor:
         """(N, H, W, 3) uint8: each environment in a copy of its own, by a camera that sees hand and door or drawer,
         closed and open; as large as `human_render_camera_configs={"width": ..., "height": ...}` says."""
-        return torch.from_numpy(np.stack([self.renderer.picture(index) for index in range(self.num_envs)]))
-
-    @cached_property
-    def renderer(self) -> Any:
-        """What renders for people; policies see nothing of it."""
-        return load("renderers", "film_renderer")(self)
+        pictures = [self._shot(index).picture(self.moment(index)) for index in range(self.num_envs)]
+        return torch.from_numpy(np.stack(pictures))
 
     def cut(self, indices: Iterable[int]) -> None:
         """The next pictures of these environments are of another episode."""
-        if "renderer" in self.__dict__:
-            self.renderer.cut(indices)
+        for index in indices:
+            if shot := self._shots.pop(index, None):
+                shot.close()
+
+    @cached_property
+    def _shots(self) -> dict[int, Shot]:
+        """By environment, those of the present episodes."""
+        return {}
+
+    @cached_property
+    def _renderers(self) -> dict[int, FilmRenderer]:
+        """By environment, once it is rendered; policies see nothing of them."""
+        return {}
+
+    def _shot(self, index: int) -> Shot:
+        if index not in self._shots:
+            target, now = self.targets[index], self.moment(index)
+            opened = target.lower + self.success_opening(index) * (target.upper - target.lower)
+            then = replace(now, asset_joints={**now.asset_joints, self.joint_name: opened})
+            if index not in self._renderers:
+                asked = self._custom_human_render_camera_configs or {}
+                sides = {side: asked[side] for side in ("width", "height") if side in asked}
+                self._renderers[index] = FilmRenderer(**sides)
+            self._shots[index] = Shot(self._renderers[index], self.recording([now, then], index), [now, then])
+        return self._shots[index]

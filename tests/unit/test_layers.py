@@ -1,6 +1,7 @@
 """Who imports whom: folders of `stages/` what comes before them, packages the core, the core no package."""
 
 import ast
+import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -10,6 +11,8 @@ ORDER = (
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
     "tables",
 )
+
+ALLOWED_NAMES: list[tuple[str, str]] = []
 
 ON_OTHERS = {  # few, each for a reason
     ("inputs", "names"),  # masks may come with names that are proposed
@@ -76,6 +79,24 @@ def test_no_room_imports_upward() -> None:
 def test_the_core_imports_no_package() -> None:
     files = sorted((ROOT / "stages").rglob("*.py"))
     assert [(str(file), name) for file in files for name in imports(file) if name.startswith("plugins.")] == []
+
+
+def test_the_core_names_no_package() -> None:
+    """Neither as a module in a string, nor where it asks whether one is on or where one lies."""
+    packages = sorted(path.parent.name for path in (ROOT / "plugins").glob("*/package.py"))
+    module = re.compile(rf"plugins\.({'|'.join(packages)})(\.\w+)*")
+    asked = re.compile(
+        rf"""(home_of|verb|replacement)\([^)"']*["']({"|".join(packages)})["']"""
+        rf"""|packages(\.get\(|\[)\s*["']({"|".join(packages)})["']"""
+    )
+    found = []
+    for file in sorted([*(ROOT / "stages").rglob("*.py"), *(ROOT / "rules").glob("*.smk"), ROOT / "Snakefile"]):
+        text = file.read_text(encoding="utf-8")
+        found += [(file.name, match[0]) for match in asked.finditer(text)]
+        if file.suffix == ".py":
+            strings = (node.value for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Constant))
+            found += [(file.name, value) for value in strings if isinstance(value, str) and module.fullmatch(value)]
+    assert found == ALLOWED_NAMES
 
 
 def test_packages_import_no_other() -> None:

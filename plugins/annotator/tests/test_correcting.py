@@ -14,8 +14,6 @@ from pydantic import ValidationError
 
 from plugins.annotator import annotate
 from plugins.annotator.correcting import Correcting, Drawing, Thing
-from plugins.annotator.correctors.by_hand import correct_image, correct_scene
-from plugins.annotator.masks import Cutter
 from plugins.annotator.tests.annotate_page import watched
 from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from stages.contracts import InputError, Objects, read_json, write_json, write_text
@@ -25,6 +23,8 @@ from stages.contracts.fronts import Panel
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall, distance_between
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.scenes import Held
+from stages.extraction.corrected_masks import Cutter
+from stages.extraction.corrections import correct_image, correct_scene
 from stages.extraction.extract import run as extract
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import ExtractedScene

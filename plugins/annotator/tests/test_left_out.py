@@ -10,7 +10,6 @@ import pytest
 
 from plugins.annotator.annotate import _check_named
 from plugins.annotator.correcting import Correcting
-from plugins.annotator.correctors.by_hand import correct_image
 from plugins.annotator.tests.annotate_page import watched
 from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from plugins.annotator.tests.test_correcting import BOX, BOXES, CABINET
@@ -18,6 +17,7 @@ from stages.contracts import Objects, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, Correction
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.things import THINGS, Ground, Name, Thing, Things
+from stages.extraction.corrections import correct_image
 from stages.extraction.extract import run as extract
 from stages.extraction.observation import read_folder
 from tests.unit.synthetic_room import FLOOR, WALL, write_room

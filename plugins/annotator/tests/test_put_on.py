@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from plugins.annotator.correctors.by_hand import correct_scene
 from stages.contracts.corrections import Correction
+from stages.extraction.corrections import correct_scene
 from stages.geometry.boxes import UprightBox
 from tests.unit.synthetic_room import OBJECT, trace
 from tests.unit.test_inexact_masks import ends, extracted

@@ -8,7 +8,7 @@ import sapien
 import torch
 
 import stages.tasks  # noqa: F401
-from plugins.films.film_renderer import _bounds
+from stages.simulation.film_renderer import _bounds
 from stages.simulation.loading import load_asset, physics_scene
 from tests.unit.demo_assets import cabinet
 from tests.unit.test_cameras import OPTIONS, folder

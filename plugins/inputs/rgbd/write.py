@@ -1,6 +1,5 @@
 """An RGB-D frame as an input folder: rgb.png, camera.json, depth.npz; with masks masks.png and annotations.json."""
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from plugins.inputs.rgbd.frame import TILT, Frame, Labelled, fit_frame, is_nothi
 from plugins.names.propose import Proposal
 from stages.contracts import Annotations, Camera, InputError
 from stages.contracts.doubt import Doubt, DoubtKind
+from stages.contracts.fronts import says_opening
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
 from stages.geometry.estimate import TRIM
@@ -20,17 +20,14 @@ from stages.geometry.estimate import TRIM
 LONGEST_LABEL = 200  # characters
 MOSTLY = 0.8  # share of the proposed names that open, from which on only models that open are compared; chosen
 FLOORS, WALLS = {"floor", "ground", "carpet"}, {"wall", "walls"}
-OPENS = {
-    "cabinet", "cabinets", "chest", "closet", "cupboard", "dishwasher", "drawer", "drawers", "dresser", "fridge",
-    "microwave", "nightstand", "oven", "refrigerator", "sideboard", "wardrobe",
-}  # fmt: skip
 
 
-def says_opening(label: str, proposals: Sequence[Proposal] = ()) -> bool:
+def opens(label: str, proposals: Sequence[Proposal]) -> bool:
     """Whether what is called so opens; if names are proposed for it, whether most of what they weigh does."""
-    opens = [bool(OPENS & set(re.split(r"\W+", name.lower()))) for name in (label, *(one.name for one in proposals))]
     weights = [one.probability for one in proposals]
-    return float(np.average(opens[1:], weights=weights)) >= MOSTLY if sum(weights) > 0 else opens[0]
+    if not sum(weights):
+        return says_opening(label)
+    return float(np.average([says_opening(one.name) for one in proposals], weights=weights)) >= MOSTLY
 
 
 def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
@@ -53,7 +50,7 @@ def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
         Annotation(
             mask=value,
             label=masks.labels[value].strip(),
-            articulated=says_opening(label, masks.proposals.get(value, [])),
+            articulated=opens(label, masks.proposals.get(value, [])),
             doubts=doubt_name(masks.proposals.get(value, [])),
             proposals=[one.name for one in masks.proposals.get(value, [])],
             probabilities=[round(one.probability, 4) for one in masks.proposals.get(value, [])],

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import yaml
 
-from plugins.annotator.masks import Cutter, correct_masks
 from plugins.inputs import from_rgbd
 from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
 from plugins.inputs.rgbd.frame import Labelled
@@ -23,6 +22,7 @@ from stages.config.extraction import ExtractionConfig
 from stages.contracts import Camera, InputError, read_json
 from stages.contracts.corrections import Correction
 from stages.contracts.scene_input import read_scene_input
+from stages.extraction.corrected_masks import Cutter, correct_masks
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import reconstruct
 from stages.geometry.boxes import UprightBox

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from plugins.films.film_renderer import FilmRenderer
 from plugins.mujoco.camera import DepthCamera
 from plugins.mujoco.environment import MujocoTaskEnv
 from plugins.mujoco.world import MODEL
@@ -17,6 +16,7 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts import Asset, read_json
 from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import apply, inverse
+from stages.simulation.film_renderer import FilmRenderer
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
 from stages.tasks.api import EnvWrapper

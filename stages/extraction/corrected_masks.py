@@ -6,9 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.inputs.rgbd.write import says_opening
 from stages.contracts.corrections import MEASURED, Correction
-from stages.contracts.fronts import count_fronts
+from stages.contracts.fronts import count_fronts, says_opening
 from stages.contracts.scenes import Annotation, Annotations, Held
 from stages.contracts.types import FLOOR, WALL, Pixel
 from stages.geometry.masks import pixel_bounds, polygon

@@ -16,8 +16,8 @@ from sapien.physx import PhysxArticulationLinkComponent as Link
 from sapien.render import RenderDirectionalLightComponent as DirectionalLight
 from trimesh.bounds import corners
 
-from plugins.films.framing import frame_all, intrinsics_of
 from stages.geometry.frames import apply, inverse
+from stages.simulation.framing import frame_all, intrinsics_of
 from stages.simulation.loading import load_asset, move, remove
 from stages.simulation.recording import Moment, Recording
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene

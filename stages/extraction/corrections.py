@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.annotator.masks import Cutter, correct_masks
 from stages.contracts import InputError, Objects
 from stages.contracts.corrections import Correction
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.contracts.scenes import Held
 from stages.contracts.types import FLOOR
+from stages.extraction.corrected_masks import Cutter, correct_masks
 from stages.extraction.mounting import MAX_STRETCH
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plugins.films.film_renderer import HAND_SHARE, FilmRenderer, Shot, directions, pick_evenly
-from plugins.films.framing import FIELD_OF_VIEW, MARGIN, frame_all
 from stages.contracts.task_options import TaskConfig
+from stages.simulation.film_renderer import HAND_SHARE, FilmRenderer, Shot, directions, pick_evenly
+from stages.simulation.framing import FIELD_OF_VIEW, MARGIN, frame_all
 from stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
 

@@ -1,1 +1,0 @@
-"""What applies corrections of this package."""

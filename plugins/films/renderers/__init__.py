@@ -1,1 +1,0 @@
-"""What renders tasks for people."""
