@@ -71,5 +71,5 @@ class Album:
                 last = film.convert("RGB")
         except (OSError, SyntaxError, ValueError) as error:
             what = f"is not a readable film ({error.__class__.__name__})."
-            raise InputError(path, what, "make it again", "E-FILM-UNREADABLE") from None
+            raise InputError(path, what, "make it again", code="E-FILM-UNREADABLE") from None
         return Animation(_embed_picture(path.read_bytes(), last.size, alt), self.put(last, alt))
