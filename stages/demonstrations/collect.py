@@ -17,7 +17,7 @@ from stages.contracts.policies import Attempt, TaskAsset
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.training_sets import is_randomised
 from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
+from stages.demonstrations.store import RecordedEpisode, write_episodes
 from stages.tasks.api import EnvWrapper
 
 TRIES = 3  # attempts on an asset before it is the next one's turn; chosen
@@ -87,7 +87,7 @@ def run(
         )
     failed.unlink(missing_ok=True)
     write_text(out.parent / "attempts.jsonl", lines)
-    write_episodes(out, StoreHeader(plan.task, task.task.gym_id, name, world, randomise), kept)
+    write_episodes(out, kept, plan.task, task.task.gym_id, name, world, randomise)
 
 
 def take_turns(
