@@ -1,7 +1,7 @@
 """What a task tells Pick and Place: the object that they move, and its goal."""
 
 from dataclasses import dataclass
-from typing import Literal, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import trimesh
 
@@ -13,14 +13,12 @@ from stages.simulation.kinematics import Array
 class Movable:
     """An object as it stands now; poses (4, 4) in the robot base frame.
 
-    mesh: in its own frame, upright. relation: of the object to `region` when it is where it belongs, a predicate of
-    the Place skill. region: in the frame that `base_from_region` says, which moves with a drawer. there: whether the
-    object is where it belongs, in the gripper or not.
+    mesh: in its own frame, upright. region: what it is put into, in the frame that `base_from_region` says, which moves
+    with a drawer. there: whether the object is where it belongs, in the gripper or not.
     """
 
     mesh: trimesh.Trimesh
     base_from_object: Array
-    relation: Literal["inside", "on_top"]
     region: Region
     base_from_region: Array
     there: bool

@@ -21,7 +21,7 @@ from stages.contracts.look import ROOM_LIGHT
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.collect import attempt_seeds
-from stages.demonstrations.store import StoreHeader, write_episodes
+from stages.demonstrations.store import write_episodes
 from stages.plugins import load
 from stages.simulation.film_renderer import FilmRenderer
 from stages.tasks.api import EnvWrapper
@@ -130,8 +130,8 @@ def demonstrate_in_scene(
         attempts += 1
         episode, outcome = recorder.attempt(seed)
         if outcome.success:
-            header = StoreHeader(setting.task, known.gym_id, asset, setting.world)
-            write_episodes(setting.stores / f"rank_{generated.rank}.h5", header, [episode])
+            store = setting.stores / f"rank_{generated.rank}.h5"
+            write_episodes(store, [episode], setting.task, known.gym_id, asset, setting.world)
             film = Film(
                 role=f"rank_{generated.rank}", asset=asset, seed=seed, success=True, steps=len(episode.actions),
                 opened=round(task.opened, 4), file=f"rank_{generated.rank}.webp",

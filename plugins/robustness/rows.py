@@ -5,7 +5,6 @@ from typing import Any
 
 import pandas as pd
 
-from stages.tables.rows import records
 from stages.tables.table2 import COUNTS, first_rank, judge
 from stages.tables.table2 import METRICS as SCENE_METRICS
 
@@ -55,9 +54,3 @@ def build(scores: pd.DataFrame, asked: Sequence[tuple[str, str]] = ()) -> pd.Dat
     rows.sort(key=lambda row: pairs.index((row["protocol"], row["variant"])) if pairs else 0)
     table = pd.DataFrame(rows, columns=COLUMNS)
     return table.astype({name: "Int64" for name in COLUMNS if name.startswith("n_")})
-
-
-def order_rows(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """The rows as they are shown: by protocol, variants together."""
-    names = list(dict.fromkeys(table["protocol"]))
-    return sorted(records(table), key=lambda row: names.index(row["protocol"]))

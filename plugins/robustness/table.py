@@ -5,11 +5,11 @@ from typing import Any
 
 import pandas as pd
 
-from plugins.robustness.rows import AFFORDANCES, build, order_rows
+from plugins.robustness.rows import AFFORDANCES, build
 from stages.contracts.policies import SceneScore
 from stages.tables.markup import Table, read_notes
 from stages.tables.order import title
-from stages.tables.rows import ONE_SCENE, read_rows
+from stages.tables.rows import ONE_SCENE, read_rows, records
 from stages.tables.scene_tables import add_given, digits
 from stages.tables.table2 import COUNTS
 from stages.tables.text import NOT_RUN, NOTHING, cell, spread
@@ -25,7 +25,8 @@ def robustness_table(table: pd.DataFrame) -> Table:
                "Ori. (rad)", "Oriented IoU", "Fallen", "Largest shift (cm)", "Penetration (cm)", "Chamfer (%)",
                "Shape IoU", "Panels, handles, hinges"]  # fmt: skip
     rows = []
-    for row in order_rows(table):
+    names = list(dict.fromkeys(table["protocol"]))
+    for row in sorted(records(table), key=lambda row: names.index(row["protocol"])):  # variants together
         head = [title(row["protocol"]), f"({row['variant']})"]
         if pd.isna(row["n_draws"]):
             rows.append([*head, "", NOT_RUN, *[""] * len(columns[len(head) + 2 :])])

@@ -14,6 +14,7 @@ from stages.evaluation.states import Start, starts_of
 from stages.evaluation.vector_env import Acting, VectorEnv
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
+from stages.tasks.api import EnvWrapper
 
 
 def run(
@@ -44,35 +45,28 @@ def run(
     settings, world = read_options(SkillOptions, options), read_options(TaskConfig, task_options)
     rows: list[Rollout] = []
     with VectorEnv(assets, library, world, settings) as envs:
-        skill = ScriptedSkill(envs, read_options(DemonstrationsConfig, skill_options))
+        (task,) = envs.tasks(1, envs.plan.assets[0])
+        skill = SkillChain(task, read_options(DemonstrationsConfig, skill_options))
         for role, starts in starts_of(envs.plan, assets, settings, (), seed).items():
-            episodes = [skill.episode(start) for start in starts]
+            episodes = [play(envs, task, skill, start) for start in starts]
             print(f"evaluation: {role} {sum(episode.success for episode in episodes)}/{len(starts)}", file=sys.stderr)
             acting = Acting(target, "skill", "skill", "scripted", 0, "none")
             rows += envs.rows(acting, role, episodes)
     write_rows(out, rows)
 
 
-class ScriptedSkill:
-    """The skills of a task in one environment of some."""
+def play(envs: VectorEnv, task: EnvWrapper, skill: SkillChain, start: Start) -> RolloutEpisode:
+    """One attempt; as for policies, it is over at the first success."""
+    asset, seed = envs.size_asset(start[0]), start[1]
+    episode = RolloutEpisode(asset, seed)
+    task.turn_to(envs.folder(asset), asset.joint, asset.size)
+    task.place(seed)
 
-    def __init__(self, envs: VectorEnv, options: DemonstrationsConfig) -> None:
-        self.envs = envs
-        (self.task,) = envs.tasks(1, envs.plan.assets[0])
-        self.chain = SkillChain(self.task, options)
+    def act(action: Float, noisy: bool, ahead: float = FAR) -> None:
+        task.act(action)
+        if not episode.success:
+            episode.success, episode.official_success = task.success, task.official_success
+            episode.steps, episode.opened = task.steps, task.opened
 
-    def episode(self, start: Start) -> RolloutEpisode:
-        """One attempt; as for policies, it is over at the first success."""
-        asset, seed, task = self.envs.size_asset(start[0]), start[1], self.task
-        episode = RolloutEpisode(asset, seed)
-        task.turn_to(self.envs.folder(asset), asset.joint, asset.size)
-        task.place(seed)
-
-        def act(action: Float, noisy: bool, ahead: float = FAR) -> None:
-            task.act(action)
-            if not episode.success:
-                episode.success, episode.official_success = task.success, task.official_success
-                episode.steps, episode.opened = task.steps, task.opened
-
-        self.chain.run(act)
-        return episode
+    skill.run(act)
+    return episode

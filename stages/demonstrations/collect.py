@@ -17,7 +17,7 @@ from stages.contracts.policies import Attempt, TaskAsset
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.training_sets import is_randomised
 from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
+from stages.demonstrations.store import RecordedEpisode, write_episodes
 from stages.tasks.api import EnvWrapper
 
 TRIES = 3  # attempts on an asset before it is the next one's turn; chosen
@@ -64,14 +64,14 @@ def run(
         raise InputError(library, f"has no asset {gone[0]!r}.", fix, code="E-LIBRARY-ASSET")
     chosen = [(models[entry.asset], entry) for entry in wanted]
     folder, entry = chosen[0]
+    name = entry.asset if len(chosen) == 1 else role
     randomise = settings.randomise if is_randomised(role) else None
     task = EnvWrapper(plan.task, folder, entry.joint, entry.size, world, randomise=randomise)
     recorder = Recorder(task, settings, film=bool(films))
     seeds = list(attempt_seeds(seed, role, int(np.ceil(episodes * settings.max_attempts_factor))))
     kept, ledger = take_turns(recorder, chosen, seeds, episodes)
-    name = chosen[0][1].asset if len(chosen) == 1 else role
-    for name in films if len(kept) == episodes else ():
-        import_module(name).film_demonstrations(out.parent, recorder.filmed, role, world.control_frequency)
+    for module in films if len(kept) == episodes else ():
+        import_module(module).film_demonstrations(out.parent, recorder.filmed, role, world.control_frequency)
     task.close()
     lines = "".join(line.model_dump_json() + "\n" for line in ledger)
     failed = out.parent / FAILED_LEDGER
@@ -87,7 +87,7 @@ def run(
         )
     failed.unlink(missing_ok=True)
     write_text(out.parent / "attempts.jsonl", lines)
-    write_episodes(out, StoreHeader(plan.task, task.task.gym_id, name, world, randomise), kept)
+    write_episodes(out, kept, plan.task, task.task.gym_id, name, world, randomise)
 
 
 def take_turns(

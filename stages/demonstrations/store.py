@@ -42,19 +42,18 @@ class RecordedEpisode:
         self.opened.append(opened)
 
 
-@dataclass(frozen=True)
-class StoreHeader:
-    """What the episodes have in common."""
-
-    task: str
-    environment: str  # its name for gym.make
-    asset: str  # that of all episodes, or 'all' if they are of several
-    options: TaskConfig
-    randomise: RandomiseOptions | None = None
-
-
-def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedEpisode]) -> None:
+def write_episodes(
+    path: Path,
+    episodes: Sequence[RecordedEpisode],
+    task: str,
+    environment: str,
+    asset: str,
+    options: TaskConfig,
+    randomise: RandomiseOptions | None = None,
+) -> None:
     """Write a store atomically; the same episodes give the same bytes.
+
+    `environment` is the task's name for gym.make; `asset` that of all episodes, or 'all' if they are of several.
 
     Layout: `data/demo_i/{obs/point_cloud (T, P, 4) float16, obs/proprio (T, 9) float32, actions and executed (T, 7)
     float32, joint (T,) float32, rewards (T,) float32 and dones (T,) uint8: 1 at the end}`, uncompressed so that
@@ -64,7 +63,7 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
     """
     first = episodes[0]
     env_args = {
-        "env_name": header.environment,
+        "env_name": environment,
         "type": 2,  # robomimic's EnvType.GYM_TYPE
         "env_kwargs": {"asset": first.asset, "joint": first.joint, "size": list(first.size)},
     }
@@ -72,11 +71,11 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
         data = file.create_group("data", track_order=True)
         data.attrs["env_args"] = json.dumps(env_args, sort_keys=True)
         data.attrs["total"] = sum(len(episode.actions) for episode in episodes)
-        data.attrs["task"] = header.task
-        data.attrs["asset"] = header.asset
-        data.attrs["task_options"] = header.options.model_dump_json()
-        if header.randomise:
-            data.attrs["randomise"] = header.randomise.model_dump_json()
+        data.attrs["task"] = task
+        data.attrs["asset"] = asset
+        data.attrs["task_options"] = options.model_dump_json()
+        if randomise:
+            data.attrs["randomise"] = randomise.model_dump_json()
         for index, episode in enumerate(episodes):
             group = data.create_group(f"demo_{index}")
             group.attrs["num_samples"] = len(episode.actions)

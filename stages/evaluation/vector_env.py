@@ -86,24 +86,22 @@ class VectorEnv:
 
     def tasks(self, count: int, asset: TaskAsset) -> list[EnvWrapper]:
         """So many environments; new ones are made with the asset."""
-        self._tasks += [self.task(asset) for _ in range(count - len(self._tasks))]
-        return self._tasks[:count]
-
-    def task(self, asset: TaskAsset) -> EnvWrapper:
-        """A new environment with the asset."""
         asset = self.size_asset(asset)
         environments: type[EnvWrapper] = plugins.load("simulators", self.settings.simulator)
-        return environments(
-            self.plan.task,
-            self.folder(asset),
-            asset.joint,
-            asset.size,
-            self.options,
-            render=self.sensing is not None,
-            cache=Path(self._sized.name),
-            vary_scale=self.settings.vary_scale,
-            sensing=self.sensing,
-        )
+        while len(self._tasks) < count:
+            task = environments(
+                self.plan.task,
+                self.folder(asset),
+                asset.joint,
+                asset.size,
+                self.options,
+                render=self.sensing is not None,
+                cache=Path(self._sized.name),
+                vary_scale=self.settings.vary_scale,
+                sensing=self.sensing,
+            )
+            self._tasks.append(task)
+        return self._tasks[:count]
 
     def folder(self, asset: TaskAsset) -> Path:
         """The asset's folder in the library.

@@ -6,7 +6,7 @@ when they come near, and spreads them wider than a bar: here handles disappear n
 docs/policies.md has what each brings. Clouds carry the flags of `handle_points`; metres, robot base frame.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import torch
 from torch import Tensor
@@ -17,36 +17,21 @@ HIDING = 0.05  # metres between hand and handle, below which the fingers may hid
 HOLDING = (0.002, 0.02)  # metres of a finger joint with something between the fingers; chosen
 
 
-@dataclass(frozen=True)
-class Variation:
-    """How sequences are varied; chosen on validation assets (docs/results/policies.md).
-
-    Attributes:
-        front_probability: share of sequences whose front is shifted and stretched under its handle.
-        front_shift: uniform +/- metres along the front, sideways and up.
-        front_scale: stretch of the front about the handle, per axis.
-        scale: stretch of the handle about its middle, per axis, in these sequences.
-        grip: metres that each finger may stop farther out, as at a knob.
-        hide: share of sequences in which the handle is not seen from near, as a knob is.
-    """
-
-    front_probability: float = 0.8
-    front_shift: float = 0.1
-    front_scale: tuple[float, float] = (0.6, 1.6)
-    scale: tuple[float, float] = (0.2, 1.5)
-    grip: float = 0.012
-    hide: float = 0.5
+# How sequences are varied; chosen on validation assets (docs/results/policies.md).
+FRONT_PROBABILITY = 0.8  # share of sequences whose front is shifted and stretched under its handle
+FRONT_SHIFT = 0.1  # uniform +/- metres along the front, sideways and up
+FRONT_SCALE = (0.6, 1.6)  # stretch of the front about the handle, per axis
+HANDLE_SCALE = (0.2, 1.5)  # stretch of the handle about its middle, per axis, in these sequences
+WIDER_GRIP = 0.012  # metres that each finger may stop farther out, as at a knob
+HIDDEN = 0.5  # share of sequences in which the handle is not seen from near, as a knob is
 
 
 def vary_handles(batch: Batch, random: torch.Generator) -> Batch:
     """The sequences with fronts that moved, wider grips and hidden handles."""
-    options = Variation()
-    batch = move_fronts(batch, options, random)
-    batch = widen_grips(batch, options.grip, random)
-    return hide_handles(batch, options.hide, random)
+    return hide_handles(widen_grips(move_fronts(batch, random), random), random)
 
 
-def move_fronts(batch: Batch, options: Variation, random: torch.Generator) -> Batch:
+def move_fronts(batch: Batch, random: torch.Generator) -> Batch:
     """Some sequences with their fronts shifted along and stretched in their planes, the handle still on them.
 
     The handle may be stretched about its middle, where it is held. Only sequences in which the front stands still and a
@@ -56,15 +41,13 @@ def move_fronts(batch: Batch, options: Variation, random: torch.Generator) -> Ba
         return batch
     count, device = len(batch.clouds), batch.clouds.device
     chance = torch.rand((count, 7), generator=random)
-    (low, high), (least, most) = options.front_scale, options.scale
+    (low, high), (least, most) = FRONT_SCALE, HANDLE_SCALE
     scale = (low + (high - low) * chance[:, 1:3]).to(device)
-    shift = ((2 * chance[:, 3:5] - 1) * options.front_shift).to(device)
+    shift = ((2 * chance[:, 3:5] - 1) * FRONT_SHIFT).to(device)
     own_scale = (least + (most - least) * chance[:, 5:]).to(device)
     xyz, flag = batch.clouds[..., :3], batch.clouds[..., 3]
     handle, front = flag == -1, flag == 0
-    able = (
-        batch.fronts.any(-1).all(1) & handle.flatten(1).any(1) & (chance[:, 0] < options.front_probability).to(device)
-    )
+    able = batch.fronts.any(-1).all(1) & handle.flatten(1).any(1) & (chance[:, 0] < FRONT_PROBABILITY).to(device)
 
     along = torch.stack([-batch.fronts[:, 0, 1], batch.fronts[:, 0, 0]], dim=-1)  # sideways in the plane
     sideways = (xyz[..., :2] * along[:, None, None]).sum(-1)
@@ -92,9 +75,9 @@ def _bound_places(places: Tensor, which: Tensor) -> tuple[Tensor, Tensor]:
     return low, torch.where(chosen, places, -torch.inf).flatten(1, 2).amax(1)
 
 
-def widen_grips(batch: Batch, most: float, random: torch.Generator) -> Batch:
-    """The sequences with fingers that stop up to `most` metres farther out, each, where they hold something."""
-    chance = most * torch.rand((len(batch.clouds), 1), generator=random).to(batch.clouds.device)
+def widen_grips(batch: Batch, random: torch.Generator) -> Batch:
+    """The sequences with fingers that stop up to `WIDER_GRIP` farther out, each, where they hold something."""
+    chance = WIDER_GRIP * torch.rand((len(batch.clouds), 1), generator=random).to(batch.clouds.device)
     fingers = batch.proprio[..., 7:]
     wider = chance * ((fingers > HOLDING[0]) & (fingers < HOLDING[1])).all(-1)  # (B, T)
     w, x, y, z = batch.proprio[..., 3:7].unbind(-1)
@@ -108,9 +91,9 @@ def widen_grips(batch: Batch, most: float, random: torch.Generator) -> Batch:
     return replace(batch, clouds=torch.cat([xyz, flag], dim=-1), proprio=proprio)
 
 
-def hide_handles(batch: Batch, probability: float, random: torch.Generator) -> Batch:
+def hide_handles(batch: Batch, random: torch.Generator) -> Batch:
     """Some sequences in which the handle is not seen while the hand is near it; other points take its points' place."""
-    chosen = (torch.rand(len(batch.clouds), generator=random) < probability).to(batch.clouds.device)
+    chosen = (torch.rand(len(batch.clouds), generator=random) < HIDDEN).to(batch.clouds.device)
     handle = batch.clouds[..., 3] == -1
     weight = handle.float()[..., None]
     middle = (batch.clouds[..., :3] * weight).sum(2) / weight.sum(2).clamp_min(1)

@@ -14,7 +14,7 @@ from stages.policies.base import TrainablePolicy
 from stages.training.logbook import Line
 
 STATE = "state.pt"
-KEYS = {"policy", "optimiser", "fingerprint", "step", "best_step", "best_loss", "best", "lines"}
+KEPT = ("step", "best_step", "best_loss", "best", "lines")
 
 
 @dataclass
@@ -49,11 +49,7 @@ class TrainingState:
             "policy": policy.state_dict(),
             "optimiser": self.optimiser.state_dict(),
             "fingerprint": self.fingerprint,
-            "step": self.step,
-            "best_step": self.best_step,
-            "best_loss": self.best_loss,
-            "best": self.best,
-            "lines": self.lines,
+            **{name: getattr(self, name) for name in KEPT},
         }
         with write_atomically(folder / STATE) as temporary:
             torch.save(content, temporary)
@@ -74,14 +70,14 @@ class TrainingState:
             return False
         policy.load_state_dict(content["policy"])
         self.optimiser.load_state_dict(content["optimiser"])
-        for name in ("step", "best_step", "best_loss", "best", "lines"):
+        for name in KEPT:
             setattr(self, name, content[name])
         self.saved = self.step
         return True
 
     def _fault(self, content: Any, policy: TrainablePolicy) -> str:
         """Why the content of a state file is of no use; '' if nothing is wrong with it."""
-        if not isinstance(content, dict) or not set(content) >= KEYS:
+        if not isinstance(content, dict) or not set(content) >= {"policy", "optimiser", "fingerprint", *KEPT}:
             return "is no training state"
         if content["fingerprint"] != self.fingerprint:
             return "is of a run with other data, options, seed or code"

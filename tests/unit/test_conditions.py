@@ -64,6 +64,8 @@ def test_what_a_policy_sees_is_off_and_the_world_is_not(tmp_path: Path) -> None:
 def test_a_condition_says_only_what_differs() -> None:
     made = EvaluationConfig(conditions={"mujoco": {"simulator": "mujoco"}})  # type: ignore[dict-item]
     assert made.conditions["mujoco"].model_dump(exclude_unset=True) == {"simulator": "mujoco"}
+    noisy = EvaluationConfig(simulator="mujoco", conditions={"noise": SensingOptions(depth_noise=True)}).under("noise")
+    assert noisy.depth_noise and noisy.simulator == "mujoco"
 
 
 def test_the_skill_which_looks_at_nothing_is_not_told_how_cameras_err() -> None:

@@ -1,7 +1,9 @@
 """`collect` from end to end, with the camera."""
 
 import json
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -89,10 +91,13 @@ def test_collect_writes_successes_that_replay(tmp_path: Path) -> None:
     assert again["point_cloud"] == pytest.approx(cloud[0].astype(np.float32), abs=2e-3)
 
 
-def test_the_assets_of_the_role_all_take_turns_in_one_store(tmp_path: Path) -> None:
-    out = tmp_path / "all" / "episodes.h5"
-    run(**experiment(tmp_path), role="all", episodes=3, out=out, task_options=json.dumps(TASK))
+def test_the_assets_of_the_role_all_take_turns_in_one_store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out, filmed = tmp_path / "all" / "episodes.h5", list[object]()
+    films = SimpleNamespace(film_demonstrations=lambda *args: filmed.extend(args[1]))
+    monkeypatch.setitem(sys.modules, "toy_films", films)
+    run(**experiment(tmp_path), role="all", episodes=3, out=out, task_options=json.dumps(TASK), films=("toy_films",))
     store = read_episodes(out)
+    assert len(filmed) == 1
     assert store.asset == "all" and store.assets == ["cab", "narrow", "cab"]
     assert [
         attempt.asset for attempt in read_attempts(out.parent / "attempts.jsonl") if attempt.success

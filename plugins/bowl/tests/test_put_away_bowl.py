@@ -10,7 +10,7 @@ import trimesh
 
 from plugins.bowl.region import find_level_region, measure_headroom
 from plugins.bowl.skills.pick.grasps import TURNS, measure_turn, sample_grasps, sample_object_cloud, sort_by_turn
-from plugins.bowl.skills.place.predicates import DROP, find_places_inside, find_places_on_top, sample_placements
+from plugins.bowl.skills.place.predicates import DROP, find_places_inside, sample_placements
 from plugins.bowl.tasks.put_away_bowl.bowl import default_bowl, load_visual_mesh
 from plugins.bowl.tasks.put_away_bowl.environment import with_stand_in_view
 from stages.config.demonstrations import DemonstrationsConfig
@@ -121,7 +121,6 @@ def test_placements_are_upright_inside_the_walls_and_turn_and_fall_least_first()
     now = hand @ tipped
     turns = np.abs((yaws - np.arctan2(now[1, 0], now[0, 0]) + np.pi) % (2 * np.pi) - np.pi)
     assert (np.diff(ANGLE_WEIGHT * turns + heights) > -1e-9).all()
-    assert len(find_places_on_top(region, bowl)) > len(places)  # only its foot has to stand on something
     assert len(sample_placements(places[:0], bowl, hand, tipped, 50, seed=0)) == 0
 
 

@@ -87,8 +87,10 @@ def record(out: Path, folder: Path, subject: Subject, store: EpisodeStore, episo
         "render_backend": "none",
     }
     name = f"stages.tasks:{load('tasks', store.task).gym_id}"
+    made = gymnasium.make(name, **options)
+    made.unwrapped.spec.kwargs.pop("task")  # type: ignore[union-attr]  # known by its registration, and no JSON
     env = RecordEpisode(
-        gymnasium.make(name, **options), str(out), save_video=False, trajectory_name=subject.asset, save_on_reset=False,
+        made, str(out), save_video=False, trajectory_name=subject.asset, save_on_reset=False,
         source_type="motionplanning", source_desc="scripted skills of the ACDC workflow",
     )  # fmt: skip
     kept = 0

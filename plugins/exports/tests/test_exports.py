@@ -18,7 +18,7 @@ from stages.contracts import InputError
 from stages.contracts.episode_store import read_episodes
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
+from stages.demonstrations.store import RecordedEpisode, write_episodes
 from stages.tasks.api import EnvWrapper
 from tests.unit.test_demonstrations import experiment
 
@@ -43,8 +43,7 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
                 proprio[3:7] /= np.linalg.norm(proprio[3:7])  # a turn
                 episode.add({"point_cloud": cloud, "proprio": proprio}, action, action, 0.1)
             episodes.append(episode)
-        header = StoreHeader("door", "ACDC-OpenDoor-v1", asset, OPTIONS)
-        write_episodes(folder / f"{asset}.h5", header, episodes)
+        write_episodes(folder / f"{asset}.h5", episodes, "door", "ACDC-OpenDoor-v1", asset, OPTIONS)
     return [folder / f"{asset}.h5" for asset in LENGTHS]
 
 
@@ -162,7 +161,7 @@ def done_again(tmp_path_factory: pytest.TempPathFactory) -> Path:
         found = (recorder.attempt(seed) for seed in range(20))
         episodes += islice((episode for episode, outcome in found if outcome.success), 2)
         task.close()
-    write_episodes(folder / "episodes.h5", StoreHeader("door", "ACDC-OpenDoor-v1", "all", world), episodes)
+    write_episodes(folder / "episodes.h5", episodes, "door", "ACDC-OpenDoor-v1", "all", world)
     run(episodes=(folder / "episodes.h5",), out=folder / "out", format="maniskill", library=inputs["library"])
     return folder
 

@@ -1,11 +1,9 @@
-"""Where an object may be put: predicates of another object's surface, by rejection sampling (paper A.4)."""
-
-from collections.abc import Callable
+"""Where an object may be put inside another one: its surface, by rejection sampling (paper A.4)."""
 
 import numpy as np
 import trimesh
 
-from plugins.bowl.region import CELL, Region
+from plugins.bowl.region import Region
 from stages.geometry.frames import inverse, rigid, yaw_matrix
 from stages.planning.clearance import CLEARANCE
 from stages.planning.path import ANGLE_WEIGHT
@@ -16,19 +14,7 @@ DROP = (0.012, 0.16)  # metres above the surface at which it is let go: a deep d
 
 def find_places_inside(region: Region, mesh: trimesh.Trimesh) -> Array:
     """(N, 3) places for an upright object's axis on the region, where no part of it reaches past the region's walls."""
-    return region.places(_radius(mesh.vertices) + CLEARANCE)
-
-
-def find_places_on_top(region: Region, mesh: trimesh.Trimesh) -> Array:
-    """(N, 3) places for an upright object's axis on the region, where all that it stands on is supported."""
-    vertices = mesh.vertices
-    return region.places(_radius(vertices[vertices[:, 2] < mesh.bounds[0, 2] + CELL]))
-
-
-PREDICATES: dict[str, Callable[[Region, trimesh.Trimesh], Array]] = {
-    "inside": find_places_inside,
-    "on_top": find_places_on_top,
-}
+    return region.places(float(np.linalg.norm(mesh.vertices[:, :2], axis=1).max()) + CLEARANCE)
 
 
 def sample_placements(
@@ -54,7 +40,3 @@ def sample_placements(
     order = np.argsort(ANGLE_WEIGHT * np.abs(turns) + drops)
     objects = [rigid(yaw_matrix(yaw + turns[i]), chosen[i]) for i in order]
     return np.stack(objects) @ inverse(hand_from_object)
-
-
-def _radius(vertices: Array) -> float:
-    return float(np.linalg.norm(vertices[:, :2], axis=1).max())

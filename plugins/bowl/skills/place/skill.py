@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 
 from plugins.bowl.carry import CANDIDATES, CarrySkill, make_held_spheres, shift_pose
-from plugins.bowl.skills.place.predicates import PREDICATES, sample_placements
+from plugins.bowl.skills.place.predicates import find_places_inside, sample_placements
 from stages.geometry.frames import apply, inverse
 from stages.planning.path import join_lines, make_line
 from stages.planning.rollout import ON_THE_WAY, Stretch
@@ -27,7 +27,7 @@ class PlaceSkill(CarrySkill):
         hand_from_object = inverse(hand) @ item.base_from_object
         if not motion.holds:
             return "dropped"
-        places = apply(item.base_from_region, PREDICATES[item.relation](item.region, item.mesh))
+        places = apply(item.base_from_region, find_places_inside(item.region, item.mesh))
         poses = sample_placements(places, item.mesh, hand, hand_from_object, CANDIDATES, number)
         held = make_held_spheres(item.mesh, hand_from_object)
         poses = poses[self.can_hold_at(poses, None, held)] if len(poses) else poses

@@ -1,4 +1,4 @@
-"""The bowl: an asset folder, procedural unless one is given, and how large it may be to go into a drawer."""
+"""The bowl: an asset folder, and how large it may be to go into a drawer."""
 
 import hashlib
 from functools import cache
@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from plugins.bowl.region import Region, find_level_region, measure_headroom
+from plugins.bowl.region import Region, measure_headroom
 from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.articulated.model import RGBA, Link, RobotModel, Visual
 from stages.geometry.solids import DENSITY, MINIMUM_INERTIA
@@ -26,7 +26,7 @@ AROUND, ABOVE = 0.04, 0.015  # metres kept free on each side of a bowl in a draw
 
 @cache
 def default_bowl() -> Path:
-    """Folder of the bowl that is used unless another is given; made once and kept between runs."""
+    """Folder of the bowl; made once and kept between runs."""
     inner = [(radius - WALL, max(height, WALL)) for radius, height in PROFILE]
     inner[-1] = inner[-1][0], PROFILE[-1][1]
     body = trimesh.creation.revolve([(0, 0), *PROFILE, *inner[::-1], (0, WALL)], sections=24)
@@ -96,8 +96,3 @@ def fitting_scale(extents: Array, floor: Region, target: Target) -> float:
     along = 0.9 * (target.upper - target.lower) - 2 * AROUND
     up = measure_headroom(floor, target.fixed) - ABOVE
     return min(min(across, along) / float(extents[:2].max()), up / float(extents[2]))
-
-
-def drawer_floor(target: Target) -> Region | None:
-    """The floor of a drawer, in the asset frame with the drawer shut; None if it has none that is level."""
-    return find_level_region(target.moving)

@@ -12,11 +12,10 @@ from mani_skill.utils.structs import Actor
 from numpy.typing import NDArray
 
 from plugins.bowl.movable import Movable
-from plugins.bowl.region import Region
+from plugins.bowl.region import Region, find_level_region
 from plugins.bowl.tasks.put_away_bowl.bowl import (
     AROUND,
     default_bowl,
-    drawer_floor,
     fitting_scale,
     load_visual_mesh,
     sample_scale,
@@ -53,22 +52,13 @@ def with_stand_in_view(options: TaskConfig) -> TaskConfig:
 class PutAwayBowlEnv(OpenTaskEnv):
     """The bowl is to lie in the target drawer, the drawer to be shut again, the gripper to have let go of the bowl.
 
-    Args:
-        bowl: folder of a bowl, hollow to physics; default: a procedural one. It is made smaller as need be for the
-            drawer to hold it.
+    The bowl is made smaller as need be for the drawer to hold it.
     """
 
     simulation_frequency = 200  # at 100 the fingers sink 2 mm into what they hold, and a thin wall slips out
     robot_shift = (0.07, 0.0, 0.12)  # room for the hand before the handle of the opened drawer, and above the drawer
 
-    def __init__(
-        self,
-        *args: Any,
-        bowl: str | Path | None = None,
-        options: TaskConfig | dict[str, Any] | None = None,
-        **kwargs: Any,
-    ) -> None:
-        self.bowl_folder = Path(bowl) if bowl else default_bowl()
+    def __init__(self, *args: Any, options: TaskConfig | dict[str, Any] | None = None, **kwargs: Any) -> None:
         super().__init__(*args, options=with_stand_in_view(TaskConfig.model_validate(options or {})), **kwargs)
 
     def cameras(self) -> Sequence[Camera]:
@@ -90,14 +80,14 @@ class PutAwayBowlEnv(OpenTaskEnv):
     def _load_object(self, scales: Array) -> None:
         """The asset, and a bowl that its drawer can hold, in every environment."""
         super()._load_object(scales)
-        self._parsed_bowl = self._parsed_bowl or self._parse("bowl", self.bowl_folder, fixed=False)
-        mesh = load_visual_mesh(self.bowl_folder)
+        self._parsed_bowl = self._parsed_bowl or self._parse("bowl", default_bowl(), fixed=False)
+        mesh = load_visual_mesh(default_bowl())
         self.floors: list[Region] = []
         self.bowl_meshes: list[trimesh.Trimesh] = []
         self.bowl_scales: list[float] = []
         bowls = []
         for index, (target, scale) in enumerate(zip(self.targets, scales, strict=True)):
-            floor = drawer_floor(target)
+            floor = find_level_region(target.moving)  # with the drawer shut
             if floor is None:
                 what = f"'{self.joint_name}' is no drawer with a level floor."
                 raise InputError(self.asset_folder, what, code="E-DRAWER-FLOOR")
@@ -178,7 +168,6 @@ class PutAwayBowlEnv(OpenTaskEnv):
         return Movable(
             self.bowl_meshes[0],
             self._in_base(self.bowl),
-            "inside",
             self.floors[0],
             self.base_from_asset() @ target.motions(np.array([value]))[0],
             bool(self.is_inside()[0]),
@@ -193,7 +182,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
         return [
             (Prop(folder, np.full(3, scale)), np.asarray(actor.pose[0].sp.to_transformation_matrix(), dtype=float))
             for folder, scale, actor in (
-                (self.bowl_folder, self.bowl_scales[0], self.bowl),
+                (default_bowl(), self.bowl_scales[0], self.bowl),
                 (stand_folder(), 1.0, self.stand),
             )
         ]
