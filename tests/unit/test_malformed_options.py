@@ -59,7 +59,7 @@ def test_options_that_are_none(section: Any, text: str) -> None:
         (DemonstrationsConfig, "max_attempts_factor", float("inf")), (DemonstrationsConfig, "noise", -1),
         (TaskConfig, "control_frequency", 0), (TaskConfig, "success_fraction", 1.0), (TaskConfig, "points", 0),
         (TaskConfig, "camera_eye", [1, 2]), (TaskConfig, "camera_fov", 3.2), (TaskConfig, "scale_range", [1.1, 0.9]),
-        (PolicyConfig, "steps", 0), (PolicyConfig, "learning_rate", float("nan")),
+        (PolicyConfig, "horizon", 0), (PolicyConfig, "steps", 0), (PolicyConfig, "learning_rate", float("nan")),
         (PolicyConfig, "batch_size", 2.5), (PolicyConfig, "jitter", -1), (PolicyConfig, "points", 1),
         (PolicyConfig, "schedule", "never"), (PolicyConfig, "num_checkpoints", -1),
         (EvaluationConfig, "rollouts", 0), (EvaluationConfig, "checkpoint", "worst"),

@@ -50,8 +50,8 @@ def pictures_in(room: Room, views: int, rng: Rng) -> Iterator[Picture]:
         pose = look_at(eye, target)
         pose[:3, :3] = pose[:3, :3] @ Rotation.from_euler("z", rng.normal(0, 0.04)).as_matrix()
         rays = back_project(np.ones((HEIGHT, WIDTH)), intrinsics) @ pose[:3, :3].T
-        rays = np.concatenate([np.broadcast_to(eye, rays.shape), rays], axis=-1).astype(np.float32)
-        found = scene.cast_rays(o3d.core.Tensor(rays))
+        beams = np.concatenate([np.broadcast_to(eye, rays.shape), rays], axis=-1).astype(np.float32)
+        found = scene.cast_rays(o3d.core.Tensor(beams))
         depth = found["t_hit"].numpy().astype(float)
         if np.quantile(depth, 0.1) < NEAREST:
             continue
