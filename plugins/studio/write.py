@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from plugins.inputs.own_scene import is_clone, write_config
 from plugins.inputs.photo.metrology import View
-from plugins.inputs.rgbd.upright import is_stretched
+from plugins.inputs.rgbd.frame import is_stretched
 from plugins.studio.paint import SPARSE, paint
 from plugins.studio.project import DrawnObject, Project
 from plugins.studio.solve import Solved, solve

@@ -14,8 +14,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
-from plugins.inputs.photo.guides import Guide, Perspective
-from plugins.inputs.photo.perspective import find_weak_lines, fit_view
+from plugins.inputs.photo.perspective import Guide, Perspective, find_weak_lines, fit_view
 from plugins.inputs.photo.picture import LONGEST_SIDE, read_photo
 from plugins.studio import annotate
 from plugins.studio.paint import paint

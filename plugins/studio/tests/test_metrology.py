@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plugins.inputs.photo.guides import Guide, Perspective
 from plugins.inputs.photo.metrology import (
     MetrologyError,
     View,
@@ -20,7 +19,7 @@ from plugins.inputs.photo.metrology import (
     round_box,
     wall_plane,
 )
-from plugins.inputs.photo.perspective import fit_view, horizon, vanishing_point
+from plugins.inputs.photo.perspective import Guide, Perspective, fit_view, horizon, vanishing_point
 from plugins.inputs.photo.segments import propose, usual_focal
 from plugins.studio.project import DrawnObject, DrawnWall, Project, Scale
 from plugins.studio.solve import solve
