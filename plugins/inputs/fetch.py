@@ -15,7 +15,6 @@ SOURCES = {  # model ids on the hub
     "detector": "IDEA-Research/grounding-dino-base",
     "segmenter": "facebook/sam2.1-hiera-large",
     "depth_anything": "depth-anything/Depth-Anything-V2-Metric-Indoor-Large-hf",
-    "depth_pro": "apple/DepthPro-hf",
 }
 RECORD = "fetched.json"  # beside the weights, when all of their files are there
 WANTED = ["*.json", "*.txt", "model.safetensors"]
@@ -98,10 +97,7 @@ def fetch_weights(path: str, source: str, key: str, locked: Locked | None = None
 
 def _check_lock(folder: Path, sha256: str, locked: Locked | None) -> None:
     if locked is not None and sha256 != locked.sha256:
-        what, fix = (
-            f"has sha256 {sha256}, locked is {locked.sha256}.",
-            "remove the folder, or the entry of the lock file",
-        )
+        what, fix = f"has sha256 {sha256}, locked is {locked.sha256}.", "remove the folder, or the lock file's entry"
         raise InputError(folder / "model.safetensors", what, fix, code="E-WEIGHTS-CHECKSUM")
 
 
