@@ -559,7 +559,7 @@ def test_a_full_disk_is_told_to_the_page(
     def full(_: Any = None) -> Any:
         raise OSError(errno.ENOSPC, "x", "project.json")
 
-    session.posts["save"] = session.start = full  # type: ignore[method-assign]
+    session.save = session.start = full  # type: ignore[method-assign]
     for method, name, body in (("POST", "save", b"{}"), ("GET", "start", None)):
         status, answer = _ask(server, method, f"/{server.token}/{name}", body)
         assert status == 500 and b"project.json: No space left on device" in answer
