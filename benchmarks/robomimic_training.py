@@ -29,7 +29,10 @@ from torch import Tensor, nn
 
 from stages.contracts.episode_store import ACTION, PROPRIO
 from stages.contracts.policy_config import PolicyConfig
+from stages.plugins import parse_kwargs
 from stages.policies.bc_rnn_gmm import Policy
+from stages.policies.bc_rnn_gmm_options import Options
+from stages.training.loop import GRADIENT_CLIP
 
 RUNS = yaml.safe_load(Path("config/paper/policies.yaml").read_text(encoding="utf-8"))["training"]["configs"]
 PAPER = PolicyConfig.model_validate(RUNS["paper"])
@@ -78,18 +81,18 @@ class DensePointNet(EncoderCore):  # type: ignore[misc]
 
 def robomimic_model(run: PolicyConfig, points: int) -> Any:
     """robomimic's BC-RNN-GMM of the sizes of a run."""
-    config = config_factory("bc")
+    config, options = config_factory("bc"), parse_kwargs(Options, run.kwargs)
     with config.values_unlocked():
         config.algo.optim_params.policy.optimizer_type = "adamw"
         config.algo.optim_params.policy.learning_rate.initial = run.learning_rate
-        config.algo.actor_layer_dims = tuple(run.network.mlp)
+        config.algo.actor_layer_dims = tuple(options.mlp)
         config.algo.gmm.enabled = config.algo.rnn.enabled = True
-        config.algo.gmm.num_modes, config.algo.gmm.min_std = run.network.gmm_modes, run.network.gmm_min_std
+        config.algo.gmm.num_modes, config.algo.gmm.min_std = options.gmm_modes, options.gmm_min_std
         config.algo.rnn.horizon, config.algo.rnn.num_layers = run.horizon, 1
-        config.algo.rnn.hidden_dim = run.network.rnn_hidden
+        config.algo.rnn.hidden_dim = options.rnn_hidden
         config.observation.modalities.obs.cloud, config.observation.modalities.obs.low_dim = [KEYS[0]], [KEYS[1]]
         config.observation.encoder.cloud.core_class = "DensePointNet"
-        config.observation.encoder.cloud.core_kwargs = {"width": run.network.pointnet_width}
+        config.observation.encoder.cloud.core_kwargs = {"width": options.pointnet_width}
         config.observation.encoder.cloud.obs_randomizer_class = None
         config.observation.encoder.cloud.obs_randomizer_kwargs = {}
     obs_utils.initialize_obs_utils_with_config(config)
@@ -147,12 +150,13 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--warm-up", type=int, default=10, help="updates of ours before anything is compared")
     parser.add_argument("--precision", choices=["fp32", "bf16"], default="fp32", help="of our PointNet")
-    parser.add_argument("--points", type=int, default=PAPER.network.points)
+    parser.add_argument("--points", type=int, default=PAPER.points)
     parser.add_argument("--batch", type=int, default=PAPER.batch_size)
     arguments = parser.parse_args()
     torch.set_num_threads(arguments.threads)
     torch.manual_seed(0)
-    run = PAPER.model_copy(update={"batch_size": arguments.batch, "precision": arguments.precision})
+    kwargs = PAPER.kwargs | {"precision": arguments.precision}
+    run = PAPER.model_copy(update={"batch_size": arguments.batch, "kwargs": kwargs})
     data = batch_of(run, arguments.points)
     robomimic, ours = robomimic_model(run, arguments.points), Policy(run)
     policy = robomimic.nets["policy"]
@@ -169,7 +173,7 @@ def main() -> None:
     def our_step() -> None:
         optimiser.zero_grad()
         our_loss().backward()
-        torch.nn.utils.clip_grad_norm_(ours.parameters(), run.gradient_clip)
+        torch.nn.utils.clip_grad_norm_(ours.parameters(), GRADIENT_CLIP)
         optimiser.step()
 
     def their_step() -> None:

@@ -28,8 +28,9 @@ def read_flags(folder: Path, command: str) -> tuple[set[str], set[str]]:
 
 
 def list_rule_files() -> list[Path]:
-    """The files of rules, of the core and of the packages."""
-    return [*sorted((ROOT / "rules").glob("*.smk")), *sorted((ROOT / "plugins").glob("*/*.smk"))]
+    """The files of rules, of the core and of the packages; `make paper` is a workflow of its own."""
+    files = [*sorted((ROOT / "rules").glob("*.smk")), *sorted((ROOT / "plugins").glob("*/*.smk"))]
+    return [path for path in files if path.name != "paper.smk"]
 
 
 def list_passed_flags() -> dict[tuple[str, str], set[str]]:

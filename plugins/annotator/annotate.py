@@ -65,20 +65,15 @@ def run(
     if image.is_dir():
         for name, given in (("--out", out), ("--depth", depth), ("--camera", camera), ("--lens", lens)):
             if given is not None:
-                raise InputError(
-                    name, "is for a picture; the folder has its own.", "leave it out", code="E-OPTION-CONFLICT"
-                )
+                what = "is for a picture; the folder has its own."
+                raise InputError(name, what, "leave it out", code="E-OPTION-CONFLICT")
         name = scene or scene_of_folder(image)
         correcting = Correcting(image, _categories(library), results, name, variant, choose)
         _check_named(correcting, results, scene, choose)
         session: Session | Correcting = correcting
     elif lens is not None and depth is not None:
-        raise InputError(
-            "--lens",
-            "bends the picture, not the depth.",
-            "`inputs from-rgbd` straightens both",
-            code="E-OPTION-CONFLICT",
-        )
+        what, mend = "bends the picture, not the depth.", "`inputs from-rgbd` straightens both"
+        raise InputError("--lens", what, mend, code="E-OPTION-CONFLICT")
     else:
         session = _open_photograph(read_photo(image, lens), image, out, depth, camera, library)
     try:

@@ -1,9 +1,8 @@
 """Session of the page that corrects an input folder: requests and answers as plain data, without HTTP."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -59,6 +58,7 @@ class Correcting:
     chosen: str | None = None
     finished: bool = False
     page: str = "correct.html"
+    posts: ClassVar = ("solve", "save", "models", "front", "write", "close")  # what the page may ask for
 
     def __post_init__(self) -> None:
         self.given = read_scene_input(self.folder)
@@ -69,14 +69,6 @@ class Correcting:
         height, width = self.given.masks.shape
         self._moved: dict[int, tuple[float, float]] = {}  # by hand, before the page was opened
         self.made: LastRun = read_last_run(self.results, self.scene, self.variant, (width, height))
-        self.posts: dict[str, Callable[[Any], Answer]] = {
-            "solve": self.solve,
-            "save": self.save,
-            "models": self.models,
-            "front": self.front,
-            "write": self.write,
-            "close": self.close,
-        }
 
     def open_drawing(self) -> Drawing:
         """What was found, with the corrections that were saved.
@@ -86,20 +78,13 @@ class Correcting:
         """
         path = self.folder / CORRECTIONS
         saved = read_json(Corrections, path, "mend or delete it").objects if path.is_file() else []
-        return self._name_things(apply_corrections(self.found, {item.mask: item for item in saved}))
-
-    def _name_things(self, things: dict[int, Correction]) -> Drawing:
-        """With ids that stay, whatever a thing is called: as found, or `drawn_<mask>`."""
+        things = apply_corrections(self.found, {item.mask: item for item in saved})
+        # ids stay, whatever a thing is called: as found, or `drawn_<mask>`
         ids = dict(zip(self.found, object_ids(item.label or "" for item in self.found.values()), strict=True))
-        shown = set(np.unique(self.given.masks).tolist()) | {
-            mask for mask, item in things.items() if item.around or item.outline
-        }
+        found = set(np.unique(self.given.masks).tolist())
+        shown = {mask: item for mask, item in things.items() if mask in found or item.around or item.outline}
         return Drawing(
-            objects=[
-                Thing(id=ids.get(mask, name_drawn(mask)), **item.model_dump())
-                for mask, item in things.items()
-                if mask in shown
-            ]
+            objects=[Thing(id=ids.get(mask, name_drawn(mask)), **item.model_dump()) for mask, item in shown.items()]
         )
 
     def corrections(self, drawing: Drawing) -> Corrections:
@@ -128,11 +113,17 @@ class Correcting:
         ids = {item.mask: item.id for item in drawing.objects}
         masks = {item.id: mask for mask, item in self.made.items.items()}
         known = {*ids.values(), *map(name_drawn, self.left_out)}
+        doubts = {  # what the input itself doubts: there before the first run
+            str(item.mask): {"doubts": [describe_doubt(one) for one in item.doubts]}
+            for item in self.given.annotations.objects
+            if item.doubts
+        }
+        height, width = self.given.masks.shape
         return {
-            "project": self._page(drawing),
+            "project": {"picture": self.scene, "width": width, "height": height, **drawing.model_dump(mode="json")},
             "categories": [*self.categories, FLOOR, WALL],
             "folder": str(self.folder / CORRECTIONS),
-            "made": self._doubts_of_input() | self.made.describe_things(),
+            "made": doubts | self.made.describe_things(),
             "pictured": self.made.picture is not None,
             "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in known else None),
             "offers": self._offer_things(),
@@ -158,15 +149,6 @@ class Correcting:
             for mask, item in self.left_out.items()
             if (self.given.masks == mask).any()
         ]
-
-    def _doubts_of_input(self) -> Answer:
-        """What the input itself doubts, by mask value: there before the first run."""
-        doubted = [item for item in self.given.annotations.objects if item.doubts]
-        return {str(item.mask): {"doubts": [describe_doubt(one) for one in item.doubts]} for item in doubted}
-
-    def _page(self, drawing: Drawing) -> Answer:
-        height, width = self.given.masks.shape
-        return {"picture": self.scene, "width": width, "height": height, **drawing.model_dump(mode="json")}
 
     def command(self) -> str:
         """The command that runs again what depends on the corrections."""
@@ -210,11 +192,10 @@ class Correcting:
         losses, regions = list_losses({item.mask: item for item in drawing.objects}, painted), {}
         for item in drawing.objects:
             mask = painted.masks == item.mask
-            faces = self.made.faces(item, self._moved.get(item.mask, (0.0, 0.0)))
             regions[item.id] = {
                 "box": item.around or find_corners(mask),
                 "outlines": outline_mask(mask),
-                "faces": faces,
+                "faces": self.made.faces(item, self._moved.get(item.mask, (0.0, 0.0))),
             }
         return {
             "regions": regions,

@@ -37,8 +37,8 @@ def describe_doubt(doubt: Doubt | str) -> dict[str, Any]:
 class LastRun:
     """What a run made; all of it by mask value. Without a run it is empty.
 
-    picture: of the scene of rank 1, as the camera sees it, if it was drawn; sizes: of the library's models, by id;
-    views: `views_of` a thing in the scenes of all ranks.
+    picture: of the scene of rank 1, as the camera sees it, if it was drawn; sizes: width, depth and height of the
+    library's models, by id; views: `views_of` a thing in the scenes of all ranks.
     """
 
     objects: Objects | None
@@ -47,7 +47,7 @@ class LastRun:
     placed: dict[int, PlacedObject]
     snapshots: Snapshots
     picture: Path | None = None
-    sizes: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    sizes: dict[str, list[float]] = field(default_factory=dict)
     views: dict[int, dict[str, float]] = field(default_factory=dict)
 
     def describe_things(self) -> dict[str, Any]:
@@ -56,7 +56,13 @@ class LastRun:
 
     def _describe_object(self, item: SceneObject) -> dict[str, Any]:
         entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
-        found = self._doubts(item, entry, placed)
+        found: Sequence[Doubt | str] = []
+        if item.status == "failed":
+            found = [f"not found: {item.reason}"]
+        elif entry is not None and entry.status == "failed":
+            found = [f"no cousins: {entry.reason}"]
+        elif entry is not None and self.objects is not None:
+            found = collect_doubts(entry, item, placed, self.objects)
         about: dict[str, Any] = {"id": item.id, "doubts": [describe_doubt(one) for one in found]}
         if placed is None or placed.status == "failed":
             return about
@@ -67,18 +73,6 @@ class LastRun:
             "support": placed.support,
             "model": placed.asset,
         }
-
-    def _doubts(
-        self, item: SceneObject, entry: ObjectCousins | None, placed: PlacedObject | None
-    ) -> Sequence[Doubt | str]:
-        """Gravest first."""
-        if item.status == "failed":
-            return [f"not found: {item.reason}"]
-        if entry is None or self.objects is None:
-            return []
-        if entry.status == "failed":
-            return [f"no cousins: {entry.reason}"]
-        return collect_doubts(entry, item, placed, self.objects)
 
     def faces(self, correction: Correction, before: tuple[float, float]) -> list[list[list[float]]]:
         """The sides of an object of the scene of rank 1 as pixels, its front last; none if a corner is behind the
@@ -140,18 +134,11 @@ class LastRun:
                 "asset": asset,
                 "distance": round(distance, 2),
                 "rank": ranks.get(asset),
-                "size": self._size(asset),
+                "size": self.sizes.get(asset),
                 "picture": self._picture(asset, views.get(asset, other)),
             }
             for asset, distance in choosable
         ]
-
-    def _size(self, asset: str) -> list[float] | None:
-        """Width, depth and height that a model has of its own."""
-        if asset not in self.sizes:
-            return None
-        depth, width, height = self.sizes[asset]
-        return [round(extent, 3) for extent in (width, depth, height)]
 
     def _picture(self, asset: str, yaw: float) -> str | None:
         view = self.snapshots.picture(asset, yaw)
@@ -176,10 +163,12 @@ def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[in
     objects = read_json(Objects, path) if path.is_file() else None
     if objects is None or (objects.width, objects.height) != size:
         return LastRun(None, {}, {}, {}, Snapshots([]))
-    variants = [variant] if variant else sorted(path.parent.parent.name for path in _cousins(results, scene))
-    found = results / "matching" / (variants or ["-"])[0] / scene / "cousins.json"
-    matched = read_json(Cousins, found).objects if found.is_file() else []
-    place = results / "generation" / (variants or ["-"])[0] / scene
+    if variant is None:
+        found = (path.parent.parent.name for path in (results / "matching").glob(f"*/{scene}/cousins.json"))
+        variant = min(found, default="-")
+    path = results / "matching" / variant / scene / "cousins.json"
+    matched = read_json(Cousins, path).objects if path.is_file() else []
+    place = results / "generation" / variant / scene
     scenes = [read_json(GeneratedScene, path) for path in sorted(place.glob("scene_*.json"))]
     masks = {item.id: item.mask for item in objects.objects}
     return LastRun(
@@ -194,10 +183,7 @@ def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[in
     )
 
 
-def _sizes(path: Path) -> dict[str, tuple[float, float, float]]:
+def _sizes(path: Path) -> dict[str, list[float]]:
+    """Width, depth and height, metres, by id."""
     entries = read_json(Library, path).assets if path.is_file() else []
-    return {entry.id: entry.size for entry in entries if entry.size is not None}
-
-
-def _cousins(results: Path, scene: str) -> list[Path]:
-    return list((results / "matching").glob(f"*/{scene}/cousins.json"))
+    return {entry.id: [round(entry.size[k], 3) for k in (1, 0, 2)] for entry in entries if entry.size is not None}

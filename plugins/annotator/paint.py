@@ -26,12 +26,6 @@ class Painted:
     values: dict[str, int]
 
 
-def mask_values(project: Project) -> dict[str, int]:
-    """Objects count from 1, then comes the floor, then the walls."""
-    names = [*(item.id for item in project.objects), "floor", *(wall.id for wall in project.walls)]
-    return {name: value for value, name in enumerate(names, start=1)}
-
-
 def _bounds(view: View, box: UprightBox, stride: int) -> tuple[slice, slice]:
     """Rows and columns, of every `stride`-th, that a box can reach; all if it reaches behind the camera."""
     pixels = view.project(corners(box))
@@ -43,15 +37,10 @@ def _bounds(view: View, box: UprightBox, stride: int) -> tuple[slice, slice]:
     return slice(low[1], high[1]), slice(low[0], high[0])
 
 
-def box_depth(view: View, box: UprightBox, rays: Depth) -> Depth:
-    """Depth (...) at which rays (..., 3) enter a box, inf where they miss it."""
-    return distances_along(np.array([0, 0, view.above]), rays, box)
-
-
-def round_depth(view: View, box: UprightBox, rays: Depth) -> Depth:
-    """Depth (...) at which rays (..., 3) enter the upright cylinder in a box, inf where they miss it."""
+def round_depth(eye: NDArray[np.float64], rays: Depth, box: UprightBox) -> Depth:
+    """Depth (...) at which rays (..., 3) from `eye` enter the upright cylinder in a box, inf where they miss it."""
     turn, half = yaw_matrix(box.yaw), box.size / 2
-    start, direction = (np.array([0, 0, view.above]) - box.center) @ turn / half, rays @ turn / half
+    start, direction = (eye - box.center) @ turn / half, rays @ turn / half
     a, b = (direction[..., :2] ** 2).sum(axis=-1), direction[..., :2] @ start[:2]
     with np.errstate(divide="ignore", invalid="ignore"):
         root = np.sqrt(b**2 - a * (start[:2] @ start[:2] - 1))  # nan: beside the cylinder
@@ -64,7 +53,8 @@ def round_depth(view: View, box: UprightBox, rays: Depth) -> Depth:
 def solid_depth(item: DrawnObject, solved: Solved, rays: Depth) -> Depth:
     """Depth at which rays enter what was drawn."""
     is_round = item.round and item.on not in solved.walls
-    return (round_depth if is_round else box_depth)(solved.view, solved.boxes[item.id], rays)
+    eye = np.array([0, 0, solved.view.above])
+    return (round_depth if is_round else distances_along)(eye, rays, solved.boxes[item.id])
 
 
 def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
@@ -72,7 +62,9 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
 
     An outline says which pixels show an object; without one all of its box does, or of the cylinder in it.
     """
-    view, values = solved.view, mask_values(project)
+    view = solved.view
+    names = [*(item.id for item in project.objects), "floor", *(wall.id for wall in project.walls)]
+    values = {name: value for value, name in enumerate(names, start=1)}
     columns, rows = np.arange(0, view.width, stride), np.arange(0, view.height, stride)
     rays = view.rays(np.stack(np.meshgrid(columns, rows), axis=-1))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -89,8 +81,12 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
         nearer = reach < depth[part]
         depth[part][nearer] = reach[nearer]
         masks[part][nearer] = values[item.id]
-    outlines = [(item, polygon(item.outline, (view.height, view.width))[::stride, ::stride]) for item in outlined]
-    _paint_outlined(outlines, solved, rays, depth, masks, values)
+    taken = np.full(depth.shape, np.inf)  # outlines lie over everything else; where two overlap, the nearer is seen
+    for item in outlined:
+        reach = solid_depth(item, solved, rays)
+        shown = polygon(item.outline, (view.height, view.width))[::stride, ::stride] & (reach < taken)
+        taken[shown] = depth[shown] = reach[shown]
+        masks[shown] = values[item.id]
     unseen = depth > LARGEST
     return Painted(np.where(unseen, 0, depth).astype(np.float32), np.where(unseen, 0, masks).astype(np.uint16), values)
 
@@ -105,20 +101,3 @@ def find_hidden(project: Project, solved: Solved) -> list[str]:
             shown = set(np.unique(painted.masks).tolist())
             left = {name for name in left if painted.values[name] not in shown}
     return sorted(left)
-
-
-def _paint_outlined(
-    outlines: list[tuple[DrawnObject, NDArray[np.bool_]]],
-    solved: Solved,
-    rays: Depth,
-    depth: Depth,
-    masks: NDArray[np.uint16],
-    values: dict[str, int],
-) -> None:
-    """Outlines lie over everything else; where two overlap, the nearer one is seen."""
-    taken = np.full(depth.shape, np.inf)
-    for item, outline in outlines:
-        reach = solid_depth(item, solved, rays)
-        shown = outline & (reach < taken)
-        taken[shown] = depth[shown] = reach[shown]
-        masks[shown] = values[item.id]

@@ -102,8 +102,8 @@ class Handler(BaseHTTPRequestHandler):
     def do_POST(self) -> None:
         """One of the session's verbs, with a JSON body."""
         name = self._name()
-        verb = self.server.session.posts.get(name) if name else None
-        if verb is None:
+        session = self.server.session
+        if name not in session.posts:
             return self._refuse(404, "no such page")
         length = self.headers.get("Content-Length", "")
         if not re.fullmatch("[0-9]{1,18}", length):
@@ -115,7 +115,7 @@ class Handler(BaseHTTPRequestHandler):
         try:
             body = json.loads(self.rfile.read(int(length)))
             with self.server.lock:
-                answer = verb(body)
+                answer = getattr(session, name)(body)
         except InputError as error:
             return self._refuse(400, str(error))
         except ValidationError as error:
@@ -125,7 +125,7 @@ class Handler(BaseHTTPRequestHandler):
         except (OSError, MemoryError) as error:
             return self._fail(error)
         self._json(200, answer)
-        if self.server.session.finished:
+        if session.finished:
             Thread(target=self.server.shutdown).start()  # from this thread it would wait for itself
 
 

@@ -1,9 +1,8 @@
 """Session of the page that draws into a picture: its requests and answers as plain data, without HTTP."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import cv2
 import numpy as np
@@ -41,20 +40,13 @@ class Session:
     depth: NDArray[np.float32] | None = None
     finished: bool = False
     page: str = "page.html"
+    posts: ClassVar = ("solve", "save", "support", "front", "write", "close")  # what the page may ask for
 
     def __post_init__(self) -> None:
         height, width = self.photo.rgb.shape[:2]
         grey = cv2.cvtColor(self.photo.rgb, cv2.COLOR_RGB2GRAY)
         prior = usual_focal(width, height, self.photo.focal)
         self._proposed = propose(np.asarray(grey, dtype=np.uint8), prior)
-        self.posts: dict[str, Callable[[Any], Answer]] = {
-            "solve": self.solve,
-            "save": self.save,
-            "support": self.support,
-            "front": self.front,
-            "write": self.write,
-            "close": self.close,
-        }
 
     def start_drawing(self) -> Project:
         """A drawing with nothing in it but the proposed perspective."""
@@ -74,13 +66,7 @@ class Session:
         if not path.is_file():
             return self.start_drawing()
         project = read_json(Project, path, "move it away to begin anew")
-        height, width = self.photo.rgb.shape[:2]
-        if (project.width, project.height) != (width, height):
-            what = (
-                f"was drawn into a picture of {project.width}x{project.height} pixels, this one has {width}x{height}."
-            )
-            raise InputError(path, what, "give another --out, or move it away to begin anew", code="E-PROJECT-SIZE")
-        return project
+        return self._check_size(project, str(path), "give another --out, or move it away to begin anew")
 
     def start(self) -> Answer:
         """What the page begins with."""
@@ -110,10 +96,13 @@ class Session:
         return jpeg(tint_picture(self.photo.rgb, painted.masks, [painted.values[item.id] for item in project.objects]))
 
     def _project(self, body: Any) -> Project:
-        project = Project.model_validate(body)
+        return self._check_size(Project.model_validate(body), "drawing", "reload the page")
+
+    def _check_size(self, project: Project, where: str, mend: str) -> Project:
         height, width = self.photo.rgb.shape[:2]
         if (project.width, project.height) != (width, height):
-            raise InputError("drawing", "is of a picture of another size.", "reload the page", code="E-PROJECT-SIZE")
+            what = f"is of a picture of {project.width}x{project.height} pixels, this one has {width}x{height}."
+            raise InputError(where, what, mend, code="E-PROJECT-SIZE")
         return project
 
     def solve(self, body: Any) -> Answer:

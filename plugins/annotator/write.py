@@ -1,20 +1,19 @@
 """Write a drawing as an input folder: rgb.png, camera.json, depth.npz, masks.png, annotations.json."""
 
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from plugins.annotator.paint import SPARSE, paint
-from plugins.annotator.project import DrawnObject, Project
+from plugins.annotator.project import PROJECT, DrawnObject, Project
 from plugins.annotator.solve import Solved, solve
 from plugins.inputs.own_scene import is_clone, write_config
 from plugins.inputs.photo.metrology import View
 from plugins.inputs.rgbd.frame import is_stretched
 from stages.contracts import Annotations, Camera, InputError
-from stages.contracts.doubt import Doubt
 from stages.contracts.images import colour_of
 from stages.contracts.objects import Box, object_ids
 from stages.contracts.scene_input import write_scene_input
@@ -26,8 +25,7 @@ from stages.geometry.room_planes import STRAY, Plane, make_floor_frame
 SIDES = ("right", "rear", "left", "front")  # of a drawn box, counter-clockwise from its x axis
 
 
-@dataclass(frozen=True)
-class Written:
+class Written(NamedTuple):
     """The folder's objects by their ids in the project, and lines for the person who draws."""
 
     ids: dict[str, str]
@@ -69,38 +67,29 @@ def with_scale_of(depth: NDArray[np.float32], project: Project) -> Project:
         InputError: the depth shows too little of the floor that was drawn.
     """
     unit = project.model_copy(update={"scale": project.scale.model_copy(update={"kind": "camera", "metres": 1.0})})
-    flat = unit.model_copy(update={"objects": [item.model_copy(update=_UNTYPED) for item in unit.objects]})
+    untyped = {"width": None, "depth": None, "height": None}
+    flat = unit.model_copy(update={"objects": [item.model_copy(update=untyped) for item in unit.objects]})
     painted, depth = paint(flat, solve(flat), SPARSE), depth[::SPARSE, ::SPARSE]
     floor = (painted.masks == painted.values["floor"]) & (depth > 0) & (painted.depth > 0)
     if floor.mean() < STRAY:
-        what = "shows too little of the floor to tell the scale."
-        raise InputError(
-            "--depth", what, "give the height of the camera or one known length on the page", code="E-SCALE-UNKNOWN"
-        )
+        what, mend = "shows too little of the floor to tell the scale.", "give one known length on the page"
+        raise InputError("--depth", what, mend, code="E-SCALE-UNKNOWN")
     metres = float(np.median(depth[floor] / painted.depth[floor]))
     return project.model_copy(update={"scale": project.scale.model_copy(update={"metres": round(metres, 4)})})
-
-
-_UNTYPED = {"width": None, "depth": None, "height": None}
 
 
 def finish_drawing(project: Project, depth: NDArray[np.float32] | None) -> tuple[Project, Solved]:
     """The drawing with its scale, solved."""
     if project.scale.kind == "depth":
         if depth is None:
-            raise InputError(
-                "project.json",
-                "takes its scale from depth, but none was given.",
-                "start with --depth",
-                code="E-SCALE-UNKNOWN",
-            )
+            what = "takes its scale from depth, but none was given."
+            raise InputError(PROJECT, what, "start with --depth", code="E-SCALE-UNKNOWN")
         project = with_scale_of(depth, project)
     return project, solve(project)
 
 
-def _annotation(
-    item: DrawnObject, value: int, view: View, box: UprightBox, guessed: bool, doubts: list[Doubt]
-) -> Annotation:
+def _annotate(item: DrawnObject, value: int, solved: Solved) -> Annotation:
+    box = solved.boxes[item.id]
     return Annotation(
         mask=value,
         label=item.label.strip() or "object",
@@ -108,10 +97,10 @@ def _annotation(
         doors=item.doors,
         drawers=item.drawers,
         panels=item.panels,
-        box=floor_box(view, box),
-        guessed=guessed,
-        front=None if item.round else front_of(view, box, item.faces),
-        doubts=doubts,
+        box=floor_box(solved.view, box),
+        guessed=item.id in solved.guessed,
+        front=None if item.round else front_of(solved.view, box, item.faces),
+        doubts=solved.doubts.get(item.id, []),
     )
 
 
@@ -129,42 +118,24 @@ def write_folder(
     """
     project, solved = finish_drawing(project, depth)
     placed = [item for item in project.objects if item.id in solved.boxes]
-    if not placed:
-        raise InputError(
-            str(folder), "no object has a place yet.", "draw a box around at least one object", code="E-SCENE-EMPTY"
-        )
     painted = paint(project, solved)
     view, values = solved.view, painted.values
     shown = set(np.unique(painted.masks).tolist())
     seen = [item for item in placed if values[item.id] in shown]
     if not seen:
-        raise InputError(
-            str(folder),
-            "no object can be seen in the picture.",
-            "draw a box where something is shown",
-            code="E-SCENE-EMPTY",
-        )
+        what = "no object can be seen in the picture." if placed else "no object has a place yet."
+        raise InputError(str(folder), what, "draw a box around something that is shown", code="E-SCENE-EMPTY")
 
-    masks = np.where(np.isin(painted.masks, _list_used(seen, project, values)), painted.masks, 0)
-    frame = floor_from_camera(view)
+    used = [values[name] for name in ["floor", *(item.id for item in seen), *(wall.id for wall in project.walls)]]
+    masks = np.where(np.isin(painted.masks, used), painted.masks, 0)
     camera = Camera(
         width=view.width,
         height=view.height,
         intrinsics=view.intrinsics.tolist(),
-        floor_from_camera=frame.tolist(),
+        floor_from_camera=floor_from_camera(view).tolist(),
     )
     annotations = Annotations(
-        objects=[
-            _annotation(
-                item,
-                values[item.id],
-                view,
-                solved.boxes[item.id],
-                item.id in solved.guessed,
-                solved.doubts.get(item.id, []),
-            )
-            for item in seen
-        ],
+        objects=[_annotate(item, values[item.id], solved) for item in seen],
         floor=values["floor"] if values["floor"] in shown else None,
         walls=[values[wall.id] for wall in project.walls if values[wall.id] in shown],
     )
@@ -177,11 +148,6 @@ def write_folder(
     notes += [f"{ids[item.id]}: has no name: cousins are sought by its looks alone" for item in seen if not item.label]
     notes += [f"{item.label or item.id}: not in the picture, left out" for item in placed if item not in seen]
     return Written(ids, notes)
-
-
-def _list_used(seen: list[DrawnObject], project: Project, values: dict[str, int]) -> list[int]:
-    """Mask values that annotations.json names."""
-    return [values[name] for name in ["floor", *(item.id for item in seen), *(wall.id for wall in project.walls)]]
 
 
 def tint_picture(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: list[int]) -> NDArray[np.uint8]:

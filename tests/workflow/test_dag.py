@@ -21,7 +21,7 @@ from stages.config.inputs import INPUT_FILES
 from stages.config.model import complete, load, with_defaults
 from tests.commands import list_rule_files
 from tests.unit.synthetic_room import write_room
-from tests.workflow.workspace import ROOT, dry_run, make, planned
+from tests.workflow.workspace import ROOT, dry_run, make, plan, planned
 
 STUDY = Path("config/study/table3.yaml")
 BASES = {  # what these are laid over
@@ -44,7 +44,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("overlay", [None, *OVERLAYS], ids=str)
 def test_every_shipped_config_has_a_dag(folder: Path, overlay: Path | None) -> None:
     files = [path for path in (BASES.get(overlay), overlay) if path] if overlay else []
-    done = dry_run(folder, "all", *(["--configfile", *map(str, files)] if files else []))
+    done = plan(folder, "all", *(["--configfile", *map(str, files)] if files else []))
     assert done.returncode == 0 and planned(done.stdout)["all"] == 1, done.stdout
 
 
@@ -135,7 +135,7 @@ MATERIAL = {"procedural", "library", "snapshots", "draw_snapshots", "features", 
 
 def test_what_a_failed_job_left_out_is_made_the_next_time(folder: Path) -> None:
     """Snakemake takes a file that is missing between made ones for needless, unless it is asked for by name."""
-    said = dry_run(folder, "all").stdout
+    said = plan(folder, "all").stdout
     jobs = re.findall(r"^ *(?:local)?rule (\w+):\n *input: (.*)\n(?: *output: (.*)\n)?", said, re.MULTILINE)
     (asked,) = [given.split(", ") for name, given, _ in jobs if name == "all"]
     left = {name for name, _, made in jobs if made and not set(made.split(", ")) & set(asked)}
@@ -202,10 +202,7 @@ def test_the_twin_is_the_true_model_in_rooms_and_what_was_matched_in_scenes_of_y
     assert planned(done.stdout)["select"] == 1 and "--truth" not in done.stdout, done.stdout
 
 
-@pytest.mark.parametrize(("told", "verb"), [({"panels": []}, "extract"), ({"nudge": [0.1, 0]}, "generate")])
-def test_corrections_are_an_input_of_the_rules_that_they_concern(
-    folder: Path, tmp_path: Path, told: dict[str, object], verb: str
-) -> None:
+def test_corrections_are_an_input_of_the_rules_that_they_concern(folder: Path, tmp_path: Path) -> None:
     mine = tmp_path / "mine"
     mine.mkdir()
     for name in INPUT_FILES:
@@ -213,10 +210,11 @@ def test_corrections_are_an_input_of_the_rules_that_they_concern(
     (tmp_path / "mine.yaml").write_text(
         f"experiment: {{rooms: [mine], inputs: {{mine: {mine}}}, targets: {{door: null}}}}"
     )
-    (mine / "corrections.json").write_text(json.dumps({"version": 1, "objects": [{"mask": 1, **told}]}))
     scene = "results/generation/b/mine/scene_1.json"
-    done = dry_run(folder, scene, "-p", "--configfile", str(tmp_path / "mine.yaml"))
-    assert re.findall(rf" (\w+) [^\n]*--corrections {mine}/corrections.json", done.stdout) == [verb], done.stdout
+    for told, verb in (({"panels": []}, "extract"), ({"nudge": [0.1, 0]}, "generate")):
+        (mine / "corrections.json").write_text(json.dumps({"version": 1, "objects": [{"mask": 1, **told}]}))
+        done = dry_run(folder, scene, "-p", "--configfile", str(tmp_path / "mine.yaml"))
+        assert re.findall(rf" (\w+) [^\n]*--corrections {mine}/corrections.json", done.stdout) == [verb], done.stdout
     (mine / "corrections.json").write_text('{"version": 1, "objects": [{"hight": 1}]}')
     done = dry_run(folder, scene, "--configfile", str(tmp_path / "mine.yaml"))
     assert done.returncode and "corrections.json: breaks the Corrections contract" in done.stdout
@@ -511,18 +509,18 @@ def asked(output: str) -> dict[str, dict[str, str]]:
 
 
 def test_a_gpu_is_asked_for_by_networks_and_only_on_cuda(folder: Path) -> None:
-    cpu = dry_run(folder, "all").stdout
+    cpu = plan(folder, "all").stdout
     assert "gpu=" not in cpu
-    cuda = dry_run(folder, "all", "--configfile", "config/gpu.yaml").stdout
+    cuda = plan(folder, "all", "--configfile", "config/gpu.yaml").stdout
     asking = {rule: needs["gpu"] for rule, needs in asked(cuda).items() if "gpu" in needs}
     assert asking == {"train": "1", "rollout": "1"}
 
 
 def test_training_asks_for_the_hours_that_its_size_takes(folder: Path) -> None:
     """Measured on one core: `lite` 42 s for 2,500 steps, the paper's network 2.17 s a step."""
-    lite = dry_run(folder, "all").stdout
+    lite = plan(folder, "all").stdout
     assert 30 <= int(asked(lite)["train"]["runtime"]) <= 60
-    paper = dry_run(folder, "all", "--configfile", "config/paper/policies.yaml").stdout
+    paper = plan(folder, "all", "--configfile", "config/paper/policies.yaml").stdout
     assert 8 * 60 <= int(asked(paper)["train"]["runtime"]) <= 24 * 60
 
 

@@ -16,7 +16,7 @@ from stages.config.inputs import INPUT_FILES
 from stages.config.model import load, merge_mappings, with_defaults
 from stages.config.packages import home_of
 from tests.commands import list_passed_flags, read_flags
-from tests.workflow.workspace import ROOT, dry_run, make
+from tests.workflow.workspace import ROOT, make, plan
 
 GUIDES = [path for folder in ("docs", "docs/tutorial") for path in sorted((ROOT / folder).glob("*.md"))]
 REFERENCE = {f"{name}.md" for name in ("architecture", "benchmarks", "config", "contracts", "glossary", "tables")}
@@ -128,7 +128,7 @@ def check_snakemake(folder: Path, words: list[str]) -> None:
         assert get_argument_parser().parse_args(words)
         return
     kept = [word for before, word in pairwise(["", *words]) if "--cores" not in (before, word) and word != "-n"]
-    done = dry_run(folder, *kept)
+    done = plan(folder, *kept)
     assert done.returncode == 0 and "total" in done.stdout, done.stdout[-3000:]
 
 

@@ -8,6 +8,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -76,6 +77,9 @@ def dry_run(folder: Path, *arguments: str) -> Done:
         _, status = os.waitpid(child, 0)
         output.seek(0)
         return Done(arguments, os.waitstatus_to_exitcode(status), output.read())
+
+
+plan = cache(dry_run)  # of a folder whose configs stay as they are
 
 
 def planned(output: str) -> dict[str, int]:

@@ -1,7 +1,6 @@
 """What networks found, corrected by hand: without a browser what comes of it, in one what a person does."""
 
 import json
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -69,6 +68,19 @@ def _objects(folder: Path, *told: Correction) -> Objects:
     out = folder.parent / "found/objects.json"
     extract(input=folder, scene="kitchen", out=out, corrections=(folder / CORRECTIONS,))
     return read_json(Objects, out)
+
+
+def _corrected(item: SceneObject, told: Correction, cloud: Any = ((0.0, 0.0, 0.0),), wall: float = -3.3) -> Any:
+    """The only object of a scene, corrected, and its cloud; the camera looks along x, +y is on the left."""
+    walls = [Wall(id="wall_1", normal=(-1, 0, 0), offset=wall, points=9)]
+    frame = [[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1]]
+    camera = {"width": 640, "height": 480, "intrinsics": [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]]}
+    objects = Objects(scene="t", floor_from_camera=frame, walls=walls, objects=[item], **camera)
+    blank = np.zeros((480, 640))
+    clouds = {item.id: np.array(cloud, np.float32)}
+    scene = ExtractedScene(objects, blank.astype(np.uint16), blank.astype(np.float32), clouds)
+    made = correct_scene(scene, {item.mask: told})
+    return made.objects.objects[0], made.clouds[item.id]
 
 
 def test_what_is_right_leaves_no_file(session: Correcting) -> None:
@@ -236,18 +248,11 @@ def test_what_is_said_to_stand_on_the_floor_reaches_it_or_is_put_there(bottom: f
     """A sofa whose mask is short at its foot; a thing that is seen far above; one that noise puts into the floor."""
     box = Box(center=(3.0, 0.0, bottom + 0.25), size=(0.5, 0.6, 0.5), yaw=0.0)
     item = SceneObject(id="box_1", label="box", mask=1, box=box, mounting=Mounting(type=1, walls=["wall_1"]))
-    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.3, points=9)
-    camera = {"width": 640, "height": 480, "intrinsics": [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]]}
-    frame = [[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1]]
-    objects = Objects(scene="t", floor_from_camera=frame, walls=[wall], objects=[item], **camera)
-    cloud = np.array([[2.8, 0, bottom], [2.8, 0, bottom + 0.5]], np.float32)
-    blank = np.zeros((480, 640))
-    scene = ExtractedScene(objects, blank.astype(np.uint16), blank.astype(np.float32), {"box_1": cloud})
-    made = correct_scene(scene, {1: Correction(mask=1, on="floor")})
-    (stood,) = made.objects.objects
-    assert stood.box is not None and stood.mounting == Mounting(type=3, walls=["wall_1"])
+    seen = [[2.8, 0, bottom], [2.8, 0, bottom + 0.5]]
+    stood, cloud = _corrected(item, Correction(mask=1, on="floor"), seen)
+    assert stood.mounting == Mounting(type=3, walls=["wall_1"])
     assert stood.box.size == pytest.approx((0.5, 0.6, height)) and stood.box.center[2] == pytest.approx(height / 2)
-    assert made.clouds["box_1"][:, 2].min() >= -1e-6 and made.clouds["box_1"][:, 2].max() == pytest.approx(height)
+    assert cloud[:, 2].min() >= -1e-6 and cloud[:, 2].max() == pytest.approx(height)
 
 
 def test_what_is_at_a_wall_keeps_its_rear_there(source: Path) -> None:
@@ -272,13 +277,8 @@ def test_the_longer_side_stays_the_longer_one(
 ) -> None:
     box = Box(center=(3.0, 0.0, 0.25), size=(*found, 0.5), yaw=0.1)
     item = SceneObject(id="table_1", label="table", mask=1, box=box, mounting=Mounting(type=2), front=front)
-    frame = [[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1]]
-    camera = {"width": 640, "height": 480, "intrinsics": [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]]}
-    objects = Objects(scene="t", floor_from_camera=frame, walls=[], objects=[item], **camera)
-    blank = np.zeros((480, 640))
-    scene = ExtractedScene(objects, blank.astype(np.uint16), blank.astype(np.float32), {"table_1": blank[:1, :3]})
-    (sized,) = correct_scene(scene, {1: Correction(mask=1, size=told)}).objects.objects
-    assert sized.box is not None and sized.box.size == pytest.approx((*made, 0.5))
+    sized, _ = _corrected(item, Correction(mask=1, size=told))
+    assert sized.box.size == pytest.approx((*made, 0.5))
 
 
 @pytest.mark.parametrize(
@@ -298,14 +298,8 @@ def test_what_the_border_cuts_off_grows_beyond_it(
     box = Box(center=(3.0, 0.0, 1.0), size=(0.5, 1.0, 0.6), yaw=0.0)
     held = Mounting(type=1, walls=walls) if walls else Mounting(type=2)
     item = SceneObject(id="sofa_1", label="sofa", mask=1, box=box, mounting=held, pixels=pixels)
-    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.25, points=9)
-    frame = [[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1]]  # +y is on the left
-    camera = {"width": 640, "height": 480, "intrinsics": [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]]}
-    objects = Objects(scene="t", floor_from_camera=frame, walls=[wall], objects=[item], **camera)
-    blank = np.zeros((480, 640))
-    scene = ExtractedScene(objects, blank.astype(np.uint16), blank.astype(np.float32), {"sofa_1": blank[:1, :3]})
-    (sized,) = correct_scene(scene, {1: Correction(mask=1, size=(2.0, 0.5, 0.8))}).objects.objects
-    assert sized.box is not None and sized.box.size == (0.5, 2.0, 0.8)
+    sized, _ = _corrected(item, Correction(mask=1, size=(2.0, 0.5, 0.8)), wall=-3.25)
+    assert sized.box.size == (0.5, 2.0, 0.8)
     assert np.subtract(sized.box.center, box.center) == pytest.approx(shift, abs=1e-6)
 
 
@@ -429,8 +423,6 @@ def test_a_person_corrects_in_the_browser(opened: Any, session: Correcting, sour
     page.get_by_role("button", name="Check it").click()
     page.wait_for_selector("#written:not([hidden])")
     page.wait_for_function("() => document.getElementById('preview').naturalWidth > 100")
-    if shots := os.environ.get("ACDC_SCREENSHOTS"):
-        page.screenshot(path=f"{shots}/correct.png")
     given, _ = correct_image(read_folder(source), corrections_of((source / CORRECTIONS,), "extraction"))
     assert [item.label for item in given.annotations.objects] == ["cabinet", "stool", "clock", "rug"]
     assert given.annotations.objects[2].articulated and given.masks.shape[::-1] == (WIDTH, HEIGHT)

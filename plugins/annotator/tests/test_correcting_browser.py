@@ -1,7 +1,6 @@
 """The page that corrects, with results of a run beside the folder: doubts first, cousins to choose, sizes, places."""
 
 import json
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -109,8 +108,6 @@ def test_from_a_doubt_to_another_model_in_two_clicks(opened: Any, session: Corre
     models = page.locator("#cousins li")
     assert models.count() == 12 and page.locator("#view .solid").count() == 6
     assert models.first.text_content().startswith("cabinet 0 · 1.00 · cousin 1 · stands there")
-    if shots := os.environ.get("ACDC_SCREENSHOTS"):
-        page.screenshot(path=f"{shots}/correct_models.png")
     models.nth(10).locator("[data-asset]").click()  # one that is no cousin
     assert _told(page, session) == {BOX: {"model": "cabinet_10"}}
     page.get_by_label("the chosen one in every scene").check()
@@ -158,8 +155,6 @@ def test_doubted_names_come_first_and_a_click_settles_each(browser: Any, tmp_pat
         lines = page.locator("#in-doubt li")
         assert page.locator("#in-doubt summary").text_content() == "In doubt: 2"
         assert lines.nth(0).locator("button").all_text_contents() == ["cabinet?", "cabinet", "fridge", "oven"]
-        if shots := os.environ.get("ACDC_SCREENSHOTS"):
-            page.screenshot(path=f"{shots}/correct_names.png")
         lines.nth(0).get_by_role("button", name="fridge").click()
         assert _told(page, session) == {CABINET: {"label": "fridge", "named": True}}
         assert lines.locator("button").all_text_contents() == ["sofa?", "sofa", "bed", "box"]
@@ -253,8 +248,6 @@ def test_drawers_are_drawn_on_the_front(opened: Any, session: Correcting) -> Non
     drag((0.02, 0.02), (0.6, 0.18))
     assert panels()[2]["kind"] == "door" and panels()[2]["left"] == pytest.approx(0.02, abs=0.01)
     assert page.locator("#doors").input_value() == "1" and page.locator("#front-picture text").count() == 3
-    if shots := os.environ.get("ACDC_SCREENSHOTS"):
-        page.screenshot(path=f"{shots}/correct_front.png")
     told = corrections_of((session.folder / CORRECTIONS,), "extraction")
     assert {item.kind for item in told[BOX].panels or []} == {"door", "drawer"}
     page.get_by_label("Drawers").fill("4")  # boxes that are not right any more go

@@ -1,7 +1,6 @@
 """What networks found and left out of the scene: a dashed outline with its guess, of which a click makes an object."""
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -89,8 +88,6 @@ def test_a_click_on_the_dashed_outline_takes_it(browser: Any, session: Correctin
         dashed = page.locator("#view .offer polygon")
         assert dashed.evaluate("e => getComputedStyle(e).strokeDasharray") != "none"
         assert page.locator("#view text", has_text="fridge, 41 %?").count() == 1
-        if shots := os.environ.get("ACDC_SCREENSHOTS"):
-            page.screenshot(path=f"{shots}/correct_left_out.png")
         dashed.click()
         assert _told(page, session) == [{"mask": BOX, "label": "fridge", "articulated": True}]
         assert page.locator("#objects button[aria-pressed=true]").text_content() == "fridge"
@@ -125,7 +122,5 @@ def test_a_later_outline_that_swallows_a_thing_says_so(browser: Any, session: Co
     with watched(browser, session, "#over polygon") as page:
         note = page.locator("#objects li", has_text="cabinet").locator(".note")
         assert "% of it is under the outline of mirror" in note.text_content()
-        if shots := os.environ.get("ACDC_SCREENSHOTS"):
-            page.screenshot(path=f"{shots}/correct_swallowed.png")
     beside = {90: Correction(mask=90, label="mirror", outline=[(0.0, 0.0), (9.0, 0.0), (9.0, 9.0)])}
     assert correct_image(read_folder(folder), beside)[1] == []  # it covers floor and walls alone
