@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import open3d as o3d
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
@@ -51,7 +50,7 @@ def pictures_in(room: Room, views: int, rng: Rng) -> Iterator[Picture]:
         pose[:3, :3] = pose[:3, :3] @ Rotation.from_euler("z", rng.normal(0, 0.04)).as_matrix()
         rays = back_project(np.ones((HEIGHT, WIDTH)), intrinsics) @ pose[:3, :3].T
         beams = np.concatenate([np.broadcast_to(eye, rays.shape), rays], axis=-1).astype(np.float32)
-        found = scene.cast_rays(o3d.core.Tensor(beams))
+        found = scene.cast_rays(beams)  # type: ignore[arg-type]
         depth = found["t_hit"].numpy().astype(float)
         if np.quantile(depth, 0.1) < NEAREST:
             continue

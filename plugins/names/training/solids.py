@@ -40,13 +40,14 @@ class Solid:
         """How high (N,) it is over points (N, 2) of the ground, metres; infinite: it is not there."""
         above = self.size[2] + 1.0
         rays = np.add(np.pad(points, ((0, 0), (0, 4))), [0, 0, above, 0, 0, -1])
-        return above - self._scene.cast_rays(o3d.core.Tensor(rays.astype(np.float32)))["t_hit"].numpy().astype(float)
+        found = self._scene.cast_rays(rays.astype(np.float32))  # type: ignore[arg-type]
+        return above - found["t_hit"].numpy().astype(float)
 
 
 def cast_scene(vertices: NDArray[np.floating], faces: NDArray[np.integer]) -> o3d.t.geometry.RaycastingScene:
     """Triangles for rays."""
     scene = o3d.t.geometry.RaycastingScene(nthreads=1)
-    scene.add_triangles(o3d.core.Tensor(vertices.astype(np.float32)), o3d.core.Tensor(faces.astype(np.uint32)))
+    scene.add_triangles(vertices.astype(np.float32), faces.astype(np.uint32))  # type: ignore[call-overload]
     return scene
 
 
