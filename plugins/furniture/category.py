@@ -4,7 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from plugins.furniture.recipe import Rng, Sampled
+from plugins.furniture.model import Size
+from plugins.furniture.recipe import Generator, Rng, Sampled, round_size
 
 Sampler = Callable[[Rng, int], Sampled]
 Fronts = tuple[str, list[list[str]]]  # columns or rows of cells, as in a cabinet's recipe
@@ -48,3 +49,13 @@ class Category:
 def category(name: str, **fields: Any) -> Callable[[Sampler], Category]:
     """The decorator that makes a category of a function that samples its models; `fields` are those of `Category`."""
     return lambda sample: Category(name=name, sample=sample, **fields)
+
+
+def sized(generator: type[Generator], *ranges: tuple[Size, Size], digits: int = 3) -> Sampler:
+    """What samples models of a generator between a lowest and a highest size, of the first, second... range in turn."""
+
+    def sample(rng: Rng, index: int) -> Sampled:
+        size = round_size(*rng.uniform(*ranges[index % len(ranges)]), digits=digits)
+        return Sampled(size, generator.sample_parameters(rng, index))
+
+    return sample

@@ -100,9 +100,9 @@ def one_of(*choices: Any, shares: list[float] | None = None, **bounds: Any) -> A
     return sampled_by(lambda rng, _: type(choices[0])(rng.choice(list(choices), p=shares)), **bounds)
 
 
-def in_turn(*choices: Any) -> Any:
+def in_turn(*choices: Any, **bounds: Any) -> Any:
     """The choices in turn, by the number of the model."""
-    return sampled_by(lambda _, index: choices[index % len(choices)])
+    return sampled_by(lambda _, index: choices[index % len(choices)], **bounds)
 
 
 def fixed(value: Any) -> Any:

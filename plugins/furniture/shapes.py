@@ -95,6 +95,12 @@ def rim(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], 
     return [*sides, box(x, inner, (z[0], z[0] + width)), box(x, inner, (z[1] - width, z[1]))]
 
 
+def make_sides(x: float, y: float, z: tuple[float, float], wall: float) -> list[Trimesh]:
+    """The four sides of a box from -x to x and from -y to y: two across x, whole, then two between them."""
+    across = [box((s * x, s * (x - wall)), (-y, y), z) for s in (-1, 1)]
+    return across + [box((-x + wall, x - wall), (s * y, s * (y - wall)), z) for s in (-1, 1)]
+
+
 def ball(radius: float, low: float, high: float, bands: int, segments: int = SEGMENTS) -> Trimesh:
     """Ellipsoid about the z axis between two heights."""
     angles = np.linspace(-np.pi / 2, np.pi / 2, bands + 1)
@@ -108,6 +114,12 @@ def translate(mesh: Trimesh, by: ArrayLike) -> Trimesh:
     copy = mesh.copy()
     copy.apply_translation(np.asarray(by, dtype=float))
     return copy
+
+
+def widen(mesh: Trimesh, x: float, y: float) -> Trimesh:
+    """The mesh itself, its x and y multiplied in place: a circle of radius 1 becomes an ellipse."""
+    mesh.vertices *= [x, y, 1.0]
+    return mesh
 
 
 def rotate(mesh: Trimesh, angle: float, axis: ArrayLike) -> Trimesh:

@@ -46,17 +46,10 @@ class Armchair(Generator):
             for s in (-1, 1):
                 outer, inner = s * y, s * (y - wall)
                 parts.add(cushion((-x + wall, outer, legs), (0.9 * x, inner, arm), 0.03), cloth, UPHOLSTERY)
-                ear = [
-                    (a, b, c)
-                    for b in (outer, s * (y - 0.5 * wall))
-                    for a, c in (
-                        (-x + lean * (1 - arm / z), arm),
-                        (-x, z),
-                        (-x + 0.3 * size[0], arm),
-                        (-x + 0.16 * size[0], 0.97 * z),
-                    )
-                ]
-                parts.add(hull(ear), cloth, UPHOLSTERY)
+                ear = [(-x + lean * (1 - arm / z), arm), (-x, z)]
+                ear += [(-x + 0.3 * size[0], arm), (-x + 0.16 * size[0], 0.97 * z)]
+                corners = [(a, b, c) for b in (outer, s * (y - 0.5 * wall)) for a, c in ear]
+                parts.add(hull(corners), cloth, UPHOLSTERY)
             return Model(parts)
         for t in np.linspace(np.pi / 2, 3 * np.pi / 2, 8)[:-1]:  # a low wall of staves around the back, higher behind
             ends = []

@@ -2,11 +2,11 @@
 
 from typing import Literal
 
-from plugins.furniture.category import category
+from plugins.furniture.category import Category, sized
 from plugins.furniture.colours import METALS, PAINTS
 from plugins.furniture.finishes import shade
 from plugins.furniture.model import PLASTIC, Model, Moving, Parts, Size, part
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, chance, in_turn, of, one_of, round_size
+from plugins.furniture.recipe import Coating, Generator, between, chance, in_turn, of, one_of
 from plugins.furniture.shapes import box, rod
 
 FILLING = 400.0  # kg / m^3: a case with switches and wires in it
@@ -49,8 +49,6 @@ class ButtonBox(Generator):
         return Model(case, [moving], placement="object")
 
 
-@category("button_box", founders=24, count=0)
-def sample_button_box(rng: Rng, index: int) -> Sampled:
-    """As large as a toaster, so that a picture of a room shows the button."""
-    size = round_size(*rng.uniform((0.14, 0.2, 0.18), (0.24, 0.34, 0.34)))
-    return Sampled(size, ButtonBox.sample_parameters(rng, index))
+# As large as a toaster, so that a picture of a room shows the button.
+SIZES = ((0.14, 0.2, 0.18), (0.24, 0.34, 0.34))
+BUTTON_BOX = Category(name="button_box", sample=sized(ButtonBox, SIZES), founders=24, count=0)

@@ -3,7 +3,7 @@
 from typing import Any
 
 from plugins.furniture.cabinet import Cabinet
-from plugins.furniture.categories.cabinets import Layout, box_of, cabinet_of
+from plugins.furniture.categories.cabinets import Layout, box_of, cabinet_of, cells_of
 from plugins.furniture.category import category
 from plugins.furniture.colours import APPLIANCE, METALS, pick
 from plugins.furniture.finishes import brightness, shade
@@ -29,15 +29,12 @@ def _appliance(rng: Rng, layout: Layout, **changes: Any) -> Cabinet:
     return cabinet_of(rng, layout, **(plain | changes))
 
 
-PAIR, DOOR, DRAWER = ["door", "door"], ["door"], ["drawer"]
 # Rows from the top down, shares of the height, widths and heights in metres.
-FRENCH = ([PAIR, DRAWER], [1.0, 0.5], (0.72, 0.94), (1.7, 1.85))
-FRENCH_2 = ([PAIR, DRAWER, DRAWER], [1.0, 0.28, 0.28], *FRENCH[2:])
-FRIDGES: list[tuple[Layout, list[float], tuple[float, float], tuple[float, float]]] = [
-    FRENCH, FRENCH_2, FRENCH, ([PAIR, PAIR], [1.0, 1.0], *FRENCH[2:]), FRENCH, FRENCH_2,
-    ([DOOR], [1.0], (0.5, 0.6), (0.82, 0.9)),
-    ([DOOR, DOOR], [0.42, 1.0], (0.6, 0.75), (1.5, 1.75)),
-    ([DOOR, DOOR], [1.0, 0.5], (0.6, 0.75), (1.65, 1.8)),
+WIDE = (0.72, 0.94), (1.7, 1.85)
+FRENCH, FRENCH_2 = ("DD P", [1.0, 0.5], *WIDE), ("DD P P", [1.0, 0.28, 0.28], *WIDE)
+FRIDGES: list[tuple[str, list[float], tuple[float, float], tuple[float, float]]] = [
+    FRENCH, FRENCH_2, FRENCH, ("DD DD", [1.0, 1.0], *WIDE), FRENCH, FRENCH_2, ("D", [1.0], (0.5, 0.6), (0.82, 0.9)),
+    ("D D", [0.42, 1.0], (0.6, 0.75), (1.5, 1.75)), ("D D", [1.0, 0.5], (0.6, 0.75), (1.65, 1.8)),
 ]  # fmt: skip
 FURTHER_FRIDGES = range(12, 12 + len(FRIDGES))
 
@@ -57,7 +54,7 @@ def sample_fridge(rng: Rng, index: int) -> Sampled:
     """One tall door, a freezer above or below, or two doors side by side; and further styles."""
     if index in FURTHER_FRIDGES:
         return _sample_further_fridge(rng, FURTHER_FRIDGES.index(index))
-    layout = [[["door"]], [["door", "door"]], [["door"], ["door"]], [["door", "drawer"]]][index % 4]
+    layout = cells_of(("D", "DD", "D D", "DP")[index % 4])
     at = -0.5 if index % 4 == 1 else 0.2
     wide = 0.85 if len(layout) == 2 else 0.6
     size = box_of(rng, (0.62, 0.74), (wide, wide + 0.12), (1.5, 1.9))
@@ -66,7 +63,7 @@ def sample_fridge(rng: Rng, index: int) -> Sampled:
         drawer_weight=0.5, board=0.04, density=130.0,
     )  # fmt: skip
     if index % 4 == 1:  # the freezer's door is the smaller one
-        p = p.change_parameters(layout=[["door"], ["door"]], major="rows", handle_at=0.0, handle_length=0.35)
+        p = p.change_parameters(layout=cells_of("D D"), major="rows", handle_at=0.0, handle_length=0.35)
     return Sampled(size, p)
 
 
@@ -77,7 +74,8 @@ def _sample_further_fridge(rng: Rng, number: int) -> Sampled:
     The kinds of buying guides (kitchens.com, consumersearch.com, kitchensbycountryside.com) and of RoboCasa's fridges
     that founders lack; widths and heights of those guides.
     """
-    layout, shares, widths, heights = FRIDGES[number]
+    words, shares, widths, heights = FRIDGES[number]
+    layout = cells_of(words)
     size = box_of(rng, (0.62, 0.74) if len(layout[0]) == 1 else (0.65, 0.76), widths, heights)
     p = _appliance(
         rng, layout, major="rows", row_weights=shares, front_thickness=0.05, base="plinth", base_height=0.05,
@@ -91,7 +89,7 @@ def sample_microwave(rng: Rng, index: int) -> Sampled:
     """A glazed door beside a control panel; stands on something."""
     size = box_of(rng, (0.34, 0.44), (0.44, 0.58), (0.26, 0.34))
     p = _appliance(
-        rng, [["door"], ["panel"]], column_weights=[uniform(rng, 2.4, 4.0, digits=2), 1.0], window=True, hinge=-1,
+        rng, cells_of("D C"), column_weights=[uniform(rng, 2.4, 4.0, digits=2), 1.0], window=True, hinge=-1,
         handle_at=0.0, handle_length=0.55, handle_inset=0.022, shelves=0, base="feet" if index % 2 else "none",
         base_height=0.015, board=0.015, placement="object",
     )  # fmt: skip
@@ -106,7 +104,7 @@ def sample_oven(rng: Rng, index: int) -> Sampled:
     """A glazed flap below a control panel; the large ones have a drawer beneath. Further ones have two flaps."""
     if index in FURTHER_OVENS:
         return _double_oven(rng, high=index == FURTHER_OVENS[-1])
-    layout = [["panel"], ["flap"], ["drawer"]] if index % 2 else [["panel"], ["flap"]]
+    layout = cells_of("C F P" if index % 2 else "C F")
     size = box_of(rng, (0.55, 0.65), (0.55, 0.68), (0.85, 0.95) if index % 2 else (0.55, 0.65))
     p = _appliance(
         rng, layout, major="rows", window=True, handle_length=0.75, base="plinth", base_height=0.03, shelves=0,
@@ -119,7 +117,7 @@ def _double_oven(rng: Rng, high: bool) -> Sampled:
     """Two ovens one above the other: as high as a counter, or built into a wall."""
     size = box_of(rng, (0.56, 0.65), (0.56, 0.74), (1.15, 1.3) if high else (0.86, 0.94))
     p = _appliance(
-        rng, [["panel"], ["flap"], ["flap"]], major="rows", window=True, handle_length=0.75, base="plinth",
+        rng, cells_of("C F F"), major="rows", window=True, handle_length=0.75, base="plinth",
         base_height=0.03, shelves=0, panel_weight=uniform(rng, 0.16, 0.24),
     )  # fmt: skip
     return Sampled(size, p)
@@ -130,7 +128,7 @@ def sample_dishwasher(rng: Rng, index: int) -> Sampled:
     """A plain flap below a narrow control panel."""
     size = box_of(rng, (0.58, 0.64), (0.44, 0.62), (0.80, 0.88))
     p = _appliance(
-        rng, [["panel"], ["flap"]], major="rows", handle_length=0.6, base="plinth", base_height=0.09, shelves=0,
+        rng, cells_of("C F"), major="rows", handle_length=0.6, base="plinth", base_height=0.09, shelves=0,
         panel_weight=0.14, panel="flat" if index % 2 else "raised",
     )  # fmt: skip
     return Sampled(size, p)

@@ -8,7 +8,7 @@ import trimesh
 from trimesh import Trimesh
 
 from plugins.furniture.categories.decor import Television
-from plugins.furniture.category import category
+from plugins.furniture.category import Category, category, sized
 from plugins.furniture.colours import METALS, PAINTS
 from plugins.furniture.finishes import Surface, finish_of, shade
 from plugins.furniture.model import PLASTIC, Model, Part, Parts, Size
@@ -114,8 +114,11 @@ class Mouse(Generator):
         return Model(parts, placement="object")
 
 
-@category("mouse", founders=3, names="computer mouse", like="trackball", kin="device")
-def sample_mouse(rng: Rng, index: int) -> Sampled:
-    """Small to large."""
-    size = round_size(rng.uniform(0.095, 0.125), rng.uniform(0.056, 0.07), rng.uniform(0.03, 0.042), digits=4)
-    return Sampled(size, Mouse.sample_parameters(rng, index))
+MOUSE = Category(
+    name="mouse",
+    sample=sized(Mouse, ((0.095, 0.056, 0.03), (0.125, 0.07, 0.042)), digits=4),
+    founders=3,
+    names="computer mouse",
+    like="trackball",
+    kin="device",
+)

@@ -10,7 +10,7 @@ from plugins.furniture.category import category
 from plugins.furniture.colours import APPLIANCE, FABRICS, METALS, PAINTS, WICKER
 from plugins.furniture.model import FILLED, Model, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size
-from plugins.furniture.shapes import box, cushion, lathe, rod
+from plugins.furniture.shapes import box, cushion, lathe, make_sides, rod
 
 LIGHT = 300.0  # kg / m^3: a shell with little or machinery in it
 DARK = (0.04, 0.04, 0.05)
@@ -42,11 +42,8 @@ class TrashCan(Generator):
             return Model(parts, symmetry="full")
         dome = [(radius * np.cos(a), body + (z - body) * np.sin(a)) for a in np.linspace(0, np.pi / 2, 6)]
         parts.add(lathe([(0, body), *dome[:-1], (0, z)]), self.lid_colour, LIGHT, smooth=True)
-        flap = box(
-            (0.75 * radius, 0.985 * radius),
-            (-0.4 * radius, 0.4 * radius),
-            (body + 0.1 * (z - body), body + 0.4 * (z - body)),
-        )
+        span = (body + 0.1 * (z - body), body + 0.4 * (z - body))
+        flap = box((0.75 * radius, 0.985 * radius), (-0.4 * radius, 0.4 * radius), span)
         parts.add(flap, DARK, solid=False)
         return Model(parts)
 
@@ -89,10 +86,8 @@ class Basket(Generator):
         else:
             parts = Parts()
             parts.add(box((-x, x), (-y, y), (0, wall)), self.colour, LIGHT)
-            for s in (-1, 1):
-                parts.add(box((s * x, s * (x - wall)), (-y, y), (wall, body)), self.colour, LIGHT)
-            for s in (-1, 1):
-                parts.add(box((-x + wall, x - wall), (s * y, s * (y - wall)), (wall, body)), self.colour, LIGHT)
+            for side in make_sides(x, y, (wall, body), wall):
+                parts.add(side, self.colour, LIGHT)
             rim = (body - 0.03, body + 0.002)
             for s in (-1, 1):
                 parts.add(box((s * x, s * (x - 1.4 * wall)), (-y, y), rim), self.rim_colour, LIGHT, solid=False)
@@ -104,11 +99,8 @@ class Basket(Generator):
             path = [(0.0, reach * np.cos(a), 0.9 * body + rise * np.sin(a)) for a in angles]
             for a, b in itertools.pairwise(path):
                 parts.add(rod(a, b, 0.007), self.rim_colour, LIGHT, smooth=True)
-        return Model(
-            parts,
-            symmetry="half_turn" if self.style == "square" or self.handle == "arch" else "full",
-            placement="object",
-        )
+        turned = self.style == "round" and self.handle == "none"
+        return Model(parts, symmetry="full" if turned else "half_turn", placement="object")
 
 
 @category("basket", founders=4, kin="box")

@@ -48,9 +48,8 @@ class Television(Generator):
             return Model(parts, placement="object")
         wide = 0.28 * y if self.stand == "neck" else 0.65 * y
         parts.add(cushion((-x, -wide * 1.3, 0), (x, wide * 1.3, 0.016), 0.005), self.case_colour, STEEL)
-        parts.add(
-            box((-0.8 * thick, 0.2 * thick), (-0.5 * wide, 0.5 * wide), (0.01, stand + 0.03)), self.case_colour, STEEL
-        )
+        neck = box((-0.8 * thick, 0.2 * thick), (-0.5 * wide, 0.5 * wide), (0.01, stand + 0.03))
+        parts.add(neck, self.case_colour, STEEL)
         return Model(parts, placement="object")
 
 

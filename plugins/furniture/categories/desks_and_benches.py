@@ -3,12 +3,11 @@
 from typing import Literal
 
 import numpy as np
-from pydantic import Field
 
 from plugins.furniture.cabinet import Cabinet
 from plugins.furniture.cabinet_recipe import PanelStyle
 from plugins.furniture.categories.tables_and_beds import Legs, supports
-from plugins.furniture.category import category
+from plugins.furniture.category import Category, category, sized
 from plugins.furniture.colours import FABRICS, METALS, PAINTS, WOODS, pick
 from plugins.furniture.finishes import shade
 from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES, Style
@@ -109,31 +108,14 @@ def sample_desk(rng: Rng, index: int) -> Sampled:
 
 def _pedestal(desk: Desk) -> Cabinet:
     """The drawer unit of a desk."""
+    front, body = desk.front_colour, desk.body_colour
     return Cabinet(
-        layout=[["drawer"] * desk.drawers],
-        drawer_weight=1.0,
-        open_weight=1.0,
-        hinge=1,
-        panel=desk.panel,
-        handle=desk.handle,
-        handle_length=0.4,
-        handle_at=0.0,
-        handle_inset=0.04,
-        board=0.016,
-        front_thickness=0.018,
-        base="plinth",
-        base_height=0.04,
-        top=0.0,
-        top_thickness=0.02,
-        shelves=0,
-        front_colour=desk.front_colour,
-        body_colour=desk.body_colour,
-        handle_colour=desk.handle_colour,
-        field_colour=shade(desk.front_colour, 0.85),
-        top_colour=desk.front_colour,
-        base_colour=desk.body_colour,
+        layout=[["drawer"] * desk.drawers], drawer_weight=1.0, open_weight=1.0, hinge=1, panel=desk.panel,
+        handle=desk.handle, handle_length=0.4, handle_at=0.0, handle_inset=0.04, board=0.016, front_thickness=0.018,
+        base="plinth", base_height=0.04, top=0.0, top_thickness=0.02, shelves=0, front_colour=front, body_colour=body,
+        handle_colour=desk.handle_colour, field_colour=shade(front, 0.85), top_colour=front, base_colour=body,
         protrusion=STYLES[desk.handle].protrusion,
-    )
+    )  # fmt: skip
 
 
 class Bench(Generator):
@@ -194,8 +176,8 @@ def sample_bench(rng: Rng, index: int) -> Sampled:
 class WallShelf(Generator):
     """Boards on the wall."""
 
-    style: Literal["brackets", "box", "ladder"]
-    boards: int = Field(ge=1, le=50)
+    style: Literal["brackets", "box", "ladder"] = in_turn("brackets", "box", "ladder", "brackets", "box")
+    boards: int = in_turn(1, 1, 3, 2, 2, ge=1, le=50)
     thickness: float = between(0.016, 0.035)
     brackets: int = whole(2, 4, ge=1, le=50)
     colour: Coating = of(WOODS, PAINTS)
@@ -234,10 +216,11 @@ class WallShelf(Generator):
         return Model(parts, placement="wall")
 
 
-@category("wall_shelf", founders=5, like="wallshelf, wallrack, shelfboard", kin="storage")
-def sample_wall_shelf(rng: Rng, index: int) -> Sampled:
-    """One board on brackets to a box of three."""
-    style, boards = [("brackets", 1), ("box", 1), ("ladder", 3), ("brackets", 2), ("box", 2)][index % 5]
-    tall = {"brackets": 0.22 + 0.28 * (boards - 1), "box": 0.3 * boards, "ladder": 0.85}[style]
-    size = round_size(rng.uniform(0.18, 0.28), rng.uniform(0.5, 1.1), tall * rng.uniform(0.85, 1.15))
-    return Sampled(size, WallShelf.sample_parameters(rng, index, style=style, boards=boards))
+HEIGHTS = (0.22, 0.3, 0.85, 0.5, 0.6)  # about, of the styles in turn
+WALL_SHELF = Category(
+    name="wall_shelf",
+    sample=sized(WallShelf, *(((0.18, 0.5, 0.85 * high), (0.28, 1.1, 1.15 * high)) for high in HEIGHTS)),
+    founders=5,
+    like="wallshelf, wallrack, shelfboard",
+    kin="storage",
+)

@@ -7,7 +7,7 @@ import numpy as np
 
 from plugins.furniture.categories.containers import DARK, LIGHT
 from plugins.furniture.categories.vessels import ear, hollow
-from plugins.furniture.category import category
+from plugins.furniture.category import Category, category, sized
 from plugins.furniture.colours import APPLIANCE, GLAZES, METALS, PAINTS, WOODS
 from plugins.furniture.model import FILLED, METAL, PLASTIC, Model, Part, Parts, Size, move_model
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, uniform
@@ -42,13 +42,9 @@ class Kettle(Generator):
         parts.add(spout, self.colour, LIGHT, smooth=True)
         if self.style == "jug":
             grip = ear(radius, size[0] - radius * 2.25, 0.75 * body, 0.52 * body, self.grip_colour, self.angular)
+            parts += move_model(Model(grip), (0.0, 0.0, 0.0), turn=np.pi / 2).base
         else:
-            grip = ear(0.0, 0.75 * radius, 2 * 0.9 * radius, 0.0, self.grip_colour, False)
-        parts += (
-            move_model(Model(grip), (0.0, 0.0, 0.0), turn=np.pi / 2).base
-            if self.style == "jug"
-            else _bail(grip, z, body)
-        )
+            parts += _bail(ear(0.0, 0.75 * radius, 2 * 0.9 * radius, 0.0, self.grip_colour, False), z, body)
         return Model(parts, placement="object")
 
 
@@ -102,12 +98,8 @@ class Toaster(Generator):
         return Model(parts, placement="object")
 
 
-@category("toaster", founders=3, kin="appliance")
-def sample_toaster(rng: Rng, index: int) -> Sampled:
-    """For two or four slices."""
-    wider = [0.1, 0.0, 0.0][index % 3]
-    size = round_size(rng.uniform(0.27, 0.36), rng.uniform(0.16, 0.2) + wider, rng.uniform(0.17, 0.21))
-    return Sampled(size, Toaster.sample_parameters(rng, index))
+TWO, FOUR = ((0.27, 0.16, 0.17), (0.36, 0.2, 0.21)), ((0.27, 0.26, 0.17), (0.36, 0.3, 0.21))  # slices
+TOASTER = Category(name="toaster", sample=sized(Toaster, FOUR, TWO, TWO), founders=3, kin="appliance")
 
 
 class Pan(Generator):

@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from plugins.furniture.category import category
+from plugins.furniture.category import Category, category, sized
 from plugins.furniture.colours import FABRICS, METALS, PAINTS, WOODS
 from plugins.furniture.finishes import DARK, shade
 from plugins.furniture.model import METAL, PLASTIC, Model, Parts, Size
@@ -35,12 +35,8 @@ class Suitcase(Generator):
         for k in range(self.ribs):
             middle = y * (1.5 * (k + 0.5) / self.ribs - 0.75)
             half = 0.35 * y / self.ribs
-            parts.add(
-                cushion((-x, middle - half, wheel + 0.1 * z), (x, middle + half, top - 0.08 * z), 0.004),
-                shade(self.colour, 1.12),
-                PACKED,
-                solid=False,
-            )
+            rib = cushion((-x, middle - half, wheel + 0.1 * z), (x, middle + half, top - 0.08 * z), 0.004)
+            parts.add(rib, shade(self.colour, 1.12), PACKED, solid=False)
         parts.add(box((-0.01, 0.01), (-1.002 * y, 1.002 * y), (wheel + 0.02, top - 0.01)), DARK, PACKED, solid=False)
         for a in (-0.7 * x, 0.7 * x):
             for b in (-0.8 * y, 0.8 * y):
@@ -58,9 +54,8 @@ class Suitcase(Generator):
 def sample_suitcase(rng: Rng, index: int) -> Sampled:
     """For the cabin or the hold, with its handle out or in."""
     tall = rng.uniform(0.53, 0.78)
-    size = round_size(
-        tall * rng.uniform(0.36, 0.42), tall * rng.uniform(0.64, 0.7), tall * (1.5 if index % 2 == 0 else 1)
-    )
+    deep, wide = tall * rng.uniform(0.36, 0.42), tall * rng.uniform(0.64, 0.7)
+    size = round_size(deep, wide, tall * (1.5 if index % 2 == 0 else 1))
     return Sampled(size, Suitcase.sample_parameters(rng, index))
 
 
@@ -80,13 +75,8 @@ class Bag(Generator):
     def _backpack(self, x: float, y: float, z: float) -> Parts:
         rear, body = -0.8 * x, 0.94 * z
         front = 0.55 * x
-        levels = [
-            (0.0, 0.86, 0.9),
-            (0.06, 1.0, 1.0),
-            (0.7, 0.97, 0.95),
-            (0.9, self.narrow, 0.6),
-            (1.0, 0.5 * self.narrow, 0.2),
-        ]
+        levels = [(0.0, 0.86, 0.9), (0.06, 1.0, 1.0), (0.7, 0.97, 0.95)]  # height, width and depth, shares
+        levels += [(0.9, self.narrow, 0.6), (1.0, 0.5 * self.narrow, 0.2)]
         points = [
             (rear + (front - rear) * deep * share, side * y * wide * cut, body * level)
             for level, wide, deep in levels
@@ -101,8 +91,7 @@ class Bag(Generator):
         parts.add(zips, self.second_colour, PACKED, solid=False)
         for side in (-0.5 * y, 0.5 * y):
             for start, end in ((0.15, 0.5), (0.5, 0.85)):
-                out = (-x + 0.006, rear)
-                low, high = (out[1], out[0]) if start < 0.3 else (out[0], out[1])
+                low, high = (rear, -x + 0.006) if start < 0.3 else (-x + 0.006, rear)
                 strap = beam((low, side, start * z), (high, side, end * z), 0.012)
                 parts.add(strap, self.second_colour, PACKED, solid=False)
         parts += self._loop(0.5 * rear, 0.16 * y, (0.92 * z, 0.995 * z))
@@ -121,9 +110,8 @@ class Bag(Generator):
             flap = [(a, b * y, c * body) for a, c in ((0.5 * top * x, 1.01), (0.78 * x, 0.5)) for b in (-0.7, 0.7)]
             flap += [(a + 0.006, b, c) for a, b, c in flap]
             parts.add(hull(flap), shade(self.colour, 0.75), PACKED, solid=False)
-            parts.add(
-                box((0.78 * x, 0.9 * x), (-0.05 * y, 0.05 * y), (0.5 * body, 0.6 * body)), CLASP, METAL, solid=False
-            )
+            clasp = box((0.78 * x, 0.9 * x), (-0.05 * y, 0.05 * y), (0.5 * body, 0.6 * body))
+            parts.add(clasp, CLASP, METAL, solid=False)
         for side in (-0.8 * top * x, 0.8 * top * x):
             parts += self._loop(side, 0.5 * y, (0.96 * body, z - 0.005))
         return parts
@@ -137,17 +125,16 @@ class Bag(Generator):
         return parts
 
 
-@category(
-    "bag",
+BAG = Category(
+    name="bag",
+    sample=sized(
+        Bag,
+        ((0.18, 0.28, 0.4), (0.28, 0.34, 0.52)),
+        ((0.11, 0.26, 0.3), (0.16, 0.36, 0.4)),
+        ((0.12, 0.32, 0.44), (0.18, 0.42, 0.56)),
+    ),
     founders=3,
     names="backpack, handbag, hand bag, rucksack, satchel, tote, tote bag, purse, knapsack, school bag, shopping bag",
     like="pouch, duffel",
     kin="box",
 )
-def sample_bag(rng: Rng, index: int) -> Sampled:
-    """Backpacks, handbags, totes."""
-    low, high = [
-        ((0.18, 0.28, 0.4), (0.28, 0.34, 0.52)), ((0.11, 0.26, 0.3), (0.16, 0.36, 0.4)),
-        ((0.12, 0.32, 0.44), (0.18, 0.42, 0.56)),
-    ][index % 3]  # fmt: skip
-    return Sampled(round_size(*rng.uniform(low, high)), Bag.sample_parameters(rng, index))

@@ -10,7 +10,7 @@ from plugins.furniture.colours import FABRICS, SHADES, WOODS
 from plugins.furniture.finishes import finish_of
 from plugins.furniture.model import FOAM, Model, Part, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size
-from plugins.furniture.shapes import box, cushion, hull, lathe, rod
+from plugins.furniture.shapes import box, cushion, hull, lathe, rod, widen
 
 PADDED = 120.0  # kg / m^3: a padded frame
 GRID = 12  # of a cushion's surface, per side
@@ -33,8 +33,7 @@ class Ottoman(Generator):
             body = lathe([(0, 0), (0.94, 0), (1, 0.1 * z), (1, seam - 0.03 * z), (0.97, seam), (0, seam)], 32)
             top = lathe([(0, seam), (0.97, seam), (1, seam + 0.03 * z), (1, 0.9 * z), (0.9, z), (0, z)], 32)
             for mesh in (body, top):
-                mesh.vertices *= [x, y, 1.0]
-                parts.add(mesh, self.colour, PADDED, smooth=True)
+                parts.add(widen(mesh, x, y), self.colour, PADDED, smooth=True)
             return Model(parts, symmetry="full" if size[0] == size[1] else "half_turn")
         low = self.foot if self.style == "cube" else seam
         parts.add(cushion((-x, -y, max(seam, low)), (x, y, z), edge), self.colour, PADDED)
@@ -68,7 +67,7 @@ def sample_ottoman(rng: Rng, index: int) -> Sampled:
 class Pillow(Generator):
     """A cushion that lies: its corners drawn out, or round."""
 
-    style: Literal["square", "round"]
+    style: Literal["square", "round"] = in_turn("square", "square", "round", "square")
     pinch: float = between(0.06, 0.14)  # by which the sides are drawn in
     flat: float = between(1.1, 1.4)  # how soon it is as thick as in its middle
     colour: Coating = of(FABRICS, SHADES)
@@ -79,19 +78,14 @@ class Pillow(Generator):
         if self.style == "round":
             angles = np.linspace(-np.pi / 2, np.pi / 2, 9)
             side = [(0.8 + 0.2 * np.cos(a), 0.5 * z * (1 + np.sin(a))) for a in angles]
-            mesh = lathe([(0, 0), *side, (0, z)], 32)
-            mesh.vertices *= [x, y, 1.0]
             seam = lathe([(0, 0.48 * z), (1.01, 0.48 * z), (1.01, 0.52 * z), (0, 0.52 * z)], 32)
-            seam.vertices *= [x, y, 1.0]
             parts = Parts()
-            parts.add(mesh, self.colour, FOAM, smooth=True)
-            parts.add(seam, self.piping_colour, FOAM, smooth=True, solid=False)
+            parts.add(widen(lathe([(0, 0), *side, (0, z)], 32), x, y), self.colour, FOAM, smooth=True)
+            parts.add(widen(seam, x, y), self.piping_colour, FOAM, smooth=True, solid=False)
             return Model(parts, symmetry="full", placement="object")
         mesh = _pillow(x, y, z, self.pinch, self.flat)
-        solid = hull(mesh.vertices)
-        return Model(
-            [Part(mesh, finish_of(self.colour), FOAM, (solid,), True)], symmetry="half_turn", placement="object"
-        )
+        cloth = Part(mesh, finish_of(self.colour), FOAM, (hull(mesh.vertices),), True)
+        return Model([cloth], symmetry="half_turn", placement="object")
 
 
 def _pillow(x: float, y: float, z: float, pinch: float, flat: float) -> Trimesh:
@@ -119,6 +113,5 @@ def sample_cushion(rng: Rng, index: int) -> Sampled:
     wide = rng.uniform(0.38, 0.5)
     deep = [wide, rng.uniform(0.38, 0.5), wide, wide][index % 4]
     wide = [wide, deep * rng.uniform(1.3, 1.6), wide, wide][index % 4]
-    style = "round" if index % 4 == 2 else "square"
-    tall = rng.uniform(0.06, 0.1) if style == "round" else rng.uniform(0.11, 0.17)
-    return Sampled(round_size(deep, wide, tall), Pillow.sample_parameters(rng, index, style=style))
+    tall = rng.uniform(0.06, 0.1) if index % 4 == 2 else rng.uniform(0.11, 0.17)
+    return Sampled(round_size(deep, wide, tall), Pillow.sample_parameters(rng, index))

@@ -37,21 +37,16 @@ class PlantPot(Generator):
         parts.add(lathe(earth), EARTH, FILLED, smooth=True)
         style, green = self.plant, self.leaf_colour
         if style == "blades":
-            count = self.leaves
-            for k in range(count):
-                t, out = 2 * np.pi * k / count, radius * (0.96 if k % 2 else 0.55)
+            for k in range(self.leaves):
+                t, out = 2 * np.pi * k / self.leaves, radius * (0.96 if k % 2 else 0.55)
                 tip = z if k % 2 == 0 else top + 0.72 * (z - top)
                 c, s, w = np.cos(t), np.sin(t), 0.10 * radius
-                base = [
-                    (0.1 * radius * c - w * s, 0.1 * radius * s + w * c, top),
-                    (0.1 * radius * c + w * s, 0.1 * radius * s - w * c, top),
-                ]
-                middle = [
-                    (0.45 * out * c - 1.3 * w * s, 0.45 * out * s + 1.3 * w * c, top + 0.6 * (tip - top)),
-                    (0.45 * out * c + 1.3 * w * s, 0.45 * out * s - 1.3 * w * c, top + 0.6 * (tip - top)),
-                    (0.5 * out * c, 0.5 * out * s, top + 0.52 * (tip - top)),
-                ]
-                parts.add(hull([*base, *middle, (out * c, out * s, tip)]), green, LEAF)
+                leaf = []  # from the earth over its widest place to the tip
+                for away, half, level in ((0.1 * radius, w, top), (0.45 * out, 1.3 * w, top + 0.6 * (tip - top))):
+                    leaf.append((away * c - half * s, away * s + half * c, level))
+                    leaf.append((away * c + half * s, away * s - half * c, level))
+                leaf.append((0.5 * out * c, 0.5 * out * s, top + 0.52 * (tip - top)))
+                parts.add(hull([*leaf, (out * c, out * s, tip)]), green, LEAF)
         elif style == "cone":
             for k, share in enumerate((1.0, 0.75, 0.5)):
                 low = top + (0.08 + 0.28 * k) * (z - top)

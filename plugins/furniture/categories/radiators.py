@@ -3,10 +3,10 @@
 from dataclasses import replace
 from typing import Literal
 
-from plugins.furniture.category import category
+from plugins.furniture.category import Category, sized
 from plugins.furniture.finishes import shade
 from plugins.furniture.model import METAL, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, one_of, round_size
+from plugins.furniture.recipe import Coating, Generator, between, in_turn, one_of
 from plugins.furniture.shapes import box, hull, rod
 
 WATER = 900.0  # kg / m^3: steel with water in it
@@ -46,7 +46,6 @@ class Radiator(Generator):
         foot = 0.1 * z
         for k in range(count):
             a = -y + (k + 0.5) * step
-            low = 0.0 if k in (0, count - 1) else foot
             for b in (-0.62 * x, 0.0, 0.62 * x):
                 column = rod((b, a, foot + 0.03 * z), (b, a, z - 0.03 * z), 0.19 * x)
                 parts.add(column, self.colour, WATER, smooth=True, solid=False)
@@ -54,11 +53,9 @@ class Radiator(Generator):
             fin += [(b, p, c + 0.07 * z) for b, p, c in fin]
             for lift in (0.0, z - foot - 0.07 * z):
                 parts.add(hull([(b * 1.25, p, c + lift) for b, p, c in fin]), self.colour, WATER, solid=False)
-            if low == 0.0:
-                for b in (-0.62 * x, 0.62 * x):
-                    parts.add(
-                        rod((b, a, 0), (b, a, foot + 0.02 * z), 0.2 * x, 0.16 * x), self.colour, WATER, smooth=True
-                    )
+            for b in (-0.62 * x, 0.62 * x) if k in (0, count - 1) else ():
+                leg = rod((b, a, 0), (b, a, foot + 0.02 * z), 0.2 * x, 0.16 * x)
+                parts.add(leg, self.colour, WATER, smooth=True)
         core = box((-0.9 * x, 0.9 * x), (-0.98 * y, 0.98 * y), (foot, z))
         parts[0] = replace(parts[0], collisions=(core,))
         return parts
@@ -68,12 +65,8 @@ class Radiator(Generator):
         for s in (-1, 1):
             parts.add(box((0.0, x), (s * (y - 0.03), s * y), (0, z)), self.colour, WATER)
             for level in (0.15 * z, 0.85 * z):
-                parts.add(
-                    rod((-x, s * (y - 0.015), level), (0, s * (y - 0.015), level), 0.01),
-                    self.colour,
-                    METAL,
-                    smooth=True,
-                )
+                arm = rod((-x, s * (y - 0.015), level), (0, s * (y - 0.015), level), 0.01)
+                parts.add(arm, self.colour, METAL, smooth=True)
         count = max(3, round(0.8 * z / self.pitch))
         for k in range(count):
             if k % 7 == 5:
@@ -84,17 +77,16 @@ class Radiator(Generator):
         return parts
 
 
-@category(
-    "radiator",
+RADIATOR = Category(
+    name="radiator",
+    sample=sized(  # panels by EN 442
+        Radiator,
+        ((0.065, 0.6, 0.4), (0.12, 1.6, 0.62)),
+        ((0.11, 0.5, 0.55), (0.17, 1.1, 0.8)),
+        ((0.07, 0.45, 0.8), (0.1, 0.6, 1.5)),
+    ),
     founders=3,
     names="heater, panel heater, towel radiator, towel warmer",
     like="convector, heating",
     kin="fixture",
 )
-def sample_radiator(rng: Rng, index: int) -> Sampled:
-    """Panels (EN 442), cast-iron columns, of bathrooms."""
-    low, high = [
-        ((0.065, 0.6, 0.4), (0.12, 1.6, 0.62)), ((0.11, 0.5, 0.55), (0.17, 1.1, 0.8)),
-        ((0.07, 0.45, 0.8), (0.1, 0.6, 1.5)),
-    ][index % 3]  # fmt: skip
-    return Sampled(round_size(*rng.uniform(low, high)), Radiator.sample_parameters(rng, index))

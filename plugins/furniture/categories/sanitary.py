@@ -7,11 +7,11 @@ import numpy as np
 from trimesh import Trimesh
 
 from plugins.furniture.categories.vessels import Profile, hollow
-from plugins.furniture.category import category
+from plugins.furniture.category import Category, category, sized
 from plugins.furniture.colours import METALS, WOODS
 from plugins.furniture.model import METAL, PLASTIC, Model, Parts, Size, move_model
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, chance, of, one_of, round_size
-from plugins.furniture.shapes import box, cushion, hull, lathe, rod, rotate
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, chance, in_turn, of, one_of, round_size
+from plugins.furniture.shapes import box, cushion, hull, lathe, rod, rotate, widen
 from stages.contracts.library import Placement
 
 CHROME = "metal 0.6 0.61 0.63 0"
@@ -71,8 +71,7 @@ class Sink(Generator):
         placement: Placement = "object"
         if self.style == "pedestal":
             foot = [(1.0, 0), (1.0, 0.03 * low), (0.7, 0.12 * low), (0.62, 0.7 * low), (0.95, 1.02 * low)]
-            mesh = lathe([(0, 0), *foot, (0, 1.02 * low)])
-            mesh.vertices *= [0.5 * x, 0.34 * y, 1.0]
+            mesh = widen(lathe([(0, 0), *foot, (0, 1.02 * low)]), 0.5 * x, 0.34 * y)
             mesh.vertices -= [0.2 * x, 0, 0]
             parts.add(mesh, self.colour, SHELL, smooth=True)
             placement = "floor"
@@ -127,8 +126,8 @@ def sample_sink(rng: Rng, index: int) -> Sampled:
 class Toilet(Generator):
     """A bowl with its seat, the lid closed or open; a tank behind it, or all of it hung from the wall."""
 
-    style: Literal["tank", "back", "hung"]
-    open: bool
+    style: Literal["tank", "back", "hung"] = in_turn("tank", "back", "tank", "hung")
+    open: bool = in_turn(False, False, True, False)
     lid: float = between(0.025, 0.04)  # thickness of seat and lid together
     colour: Coating = one_of(WHITE, WHITE, WHITE, "paint 0.74 0.72 0.66 0")
     lid_colour: Coating = one_of(WHITE, WHITE, str(WOODS[2]))
@@ -149,49 +148,35 @@ class Toilet(Generator):
         hinge = -x + behind
         if self.open:
             lid = lathe([(0, 0), (1, 0), (1, 0.5 * thick), (0, 0.5 * thick)], 32)
-            lid.vertices *= [0.45 * (z - seat), 0.95 * y, 1.0]
-            lid = rotate(lid, np.pi / 2, [0, 1, 0])
+            lid = rotate(widen(lid, 0.45 * (z - seat), 0.95 * y), np.pi / 2, [0, 1, 0])
             lid.vertices += [hinge - lid.bounds[0][0], 0, seat - lid.bounds[0][2] - 0.01]
             parts.add(lid, self.lid_colour, PLASTIC, smooth=True)
         if self.style == "tank":
-            parts.add(
-                cushion((-x, -0.95 * y, rim - 0.05 * z), (hinge - 0.01, 0.95 * y, 0.95 * z), 0.02), self.colour, SHELL
-            )
+            tank = cushion((-x, -0.95 * y, rim - 0.05 * z), (hinge - 0.01, 0.95 * y, 0.95 * z), 0.02)
+            parts.add(tank, self.colour, SHELL)
             parts.add(cushion((-x, -y, 0.94 * z), (hinge, y, z - 0.006), 0.01), self.colour, SHELL)
-            parts.add(
-                rod((-x + 0.5 * behind, 0, z - 0.01), (-x + 0.5 * behind, 0, z), 0.025), CHROME, METAL, solid=False
-            )
+            button = rod((-x + 0.5 * behind, 0, z - 0.01), (-x + 0.5 * behind, 0, z), 0.025)
+            parts.add(button, CHROME, METAL, solid=False)
         return Model(parts, placement="wall" if self.style == "hung" else "floor")
 
     def _seat(self, x: float, y: float, thick: float) -> Parts:
         parts = Parts()
         if self.open:
             ring = lathe([(0.66, 0), (1, 0), (1, 0.5 * thick), (0.66, 0.5 * thick), (0.66, 0)], 32)
-            ring.vertices *= [x, y, 1.0]
-            parts.add(ring, self.lid_colour, PLASTIC, smooth=True, solid=False)
+            parts.add(widen(ring, x, y), self.lid_colour, PLASTIC, smooth=True, solid=False)
             return parts
         for low, high, share in ((0.0, 0.45 * thick, 1.0), (0.5 * thick, thick, 0.98)):
             disc = lathe([(0, low), (share, low), (share, high), (0, high)], 32)
-            disc.vertices *= [x, y, 1.0]
-            parts.add(disc, self.lid_colour, PLASTIC, smooth=True)
+            parts.add(widen(disc, x, y), self.lid_colour, PLASTIC, smooth=True)
         return parts
 
 
-@category(
-    "toilet",
+TANK = ((0.62, 0.36, 0.74), (0.7, 0.42, 0.84))
+TOILET = Category(
+    name="toilet",
+    sample=sized(Toilet, TANK, ((0.52, 0.35, 0.4), (0.58, 0.4, 0.44)), TANK, ((0.5, 0.35, 0.36), (0.56, 0.39, 0.42))),
     founders=4,
     names="wc, lavatory, loo, water closet, toilet bowl",
     like="latrine, bidet, urinal",
     kin="fixture",
 )
-def sample_toilet(rng: Rng, index: int) -> Sampled:
-    """With a tank, closed or open; hung from the wall; before it."""
-    style = ["tank", "back", "tank", "hung"][index % 4]
-    closed = index % 4 != 2
-    low, high = {
-        "tank": ((0.62, 0.36, 0.74), (0.7, 0.42, 0.84)), "back": ((0.52, 0.35, 0.4), (0.58, 0.4, 0.44)),
-        "hung": ((0.5, 0.35, 0.36), (0.56, 0.39, 0.42)),
-    }[style]  # fmt: skip
-    return Sampled(
-        round_size(*rng.uniform(low, high)), Toilet.sample_parameters(rng, index, style=style, open=not closed)
-    )

@@ -22,7 +22,9 @@ from plugins.furniture.recipe import (
     uniform,
     zero_or,
 )
-from plugins.furniture.shapes import beam, box, cushion, hull, lathe, rod
+from plugins.furniture.shapes import beam, box, cushion, hull, lathe, rod, widen
+
+Point = tuple[float, float, float]
 
 
 class Chair(Generator):
@@ -45,11 +47,10 @@ class Chair(Generator):
         thick = 0.035
         side = y - (leg if self.arms else 0.0)
         frame, cloth = self.frame_colour, self.seat_colour
+        parts = Parts()
         if self.padded:
-            parts = Parts()
             parts.add(cushion((back, -side, seat - thick), (x, side, seat + 0.03), 0.02), cloth, 200.0)
         else:
-            parts = Parts()
             parts.add(box((back, x), (-side, side), (seat - thick, seat)), cloth)
         inset = 0.6 * leg
         for a in (back + inset, x - inset):
@@ -75,20 +76,16 @@ def _back(p: Chair, lean: tuple[float, float], side: float, seat: float, top: fl
     frame, cloth = p.frame_colour, p.seat_colour
     edge = side - leg / 2
 
-    def place_at(share: float, y: float) -> tuple[float, float, float]:
+    def place_at(share: float, y: float) -> Point:
         return (lean[0] + share * (lean[1] - lean[0]), y, seat - 0.03 + share * (top - seat + 0.03))
 
     parts = Parts()
     for s in (-1, 1):
         parts.add(beam(place_at(0, s * edge), place_at(1, s * edge), leg), frame)
     if p.back == "panel":
-        low, high = (
-            np.array([place_at(0.3, -edge), place_at(0.3, edge)]),
-            np.array([place_at(0.97, -edge), place_at(0.97, edge)]),
-        )
-
-        offset = np.array([0.4 * leg, 0, 0])
-        parts.add(hull(np.concatenate([low - offset, low + offset, high - offset, high + offset])), cloth, 300.0)
+        pairs = [(place_at(share, -edge), place_at(share, edge)) for share in (0.3, 0.97)]
+        board = [(a + d, b, c) for pair in pairs for d in (-0.4 * leg, 0.4 * leg) for a, b, c in pair]
+        parts.add(hull(board), cloth, 300.0)
         return parts
     rail = 0.8 * leg
     parts.add(_rail(place_at(0.93, -edge), place_at(0.93, edge), rail, 0.12 * (top - seat)), frame)
@@ -99,28 +96,22 @@ def _back(p: Chair, lean: tuple[float, float], side: float, seat: float, top: fl
     count = 3 if p.back == "slats" else 6
     for y in np.linspace(-edge, edge, count + 2)[1:-1]:
         if p.back == "slats":
-            width = edge / count
-            low_x, high_x = place_at(0.05, 0), place_at(0.9, 0)
-            parts.add(_slat(low_x, high_x, float(y), width, 0.5 * rail), frame)
+            parts.add(_slat(place_at(0.05, 0), place_at(0.9, 0), float(y), edge / count, 0.5 * rail), frame)
         else:
             parts.add(rod(place_at(0.05, float(y)), place_at(0.9, float(y)), 0.008), frame, smooth=True)
     return parts
 
 
-def _rail(start: tuple[float, float, float], end: tuple[float, float, float], depth: float, height: float) -> Trimesh:
+def _rail(start: Point, end: Point, depth: float, height: float) -> Trimesh:
     """A rail along y between two points, `depth` in x and `height` in z."""
     x, z = start[0], start[2]
     return box((x - depth / 2, x + depth / 2), (start[1], end[1]), (z - height / 2, z + height / 2))
 
 
-def _slat(
-    low: tuple[float, float, float], high: tuple[float, float, float], y: float, width: float, depth: float
-) -> Trimesh:
-
-    ends = [(x, z) for x, _, z in (low, high)]
-    return hull(
-        [(x + dx, y + dy, z) for x, z in ends for dx in (-depth / 2, depth / 2) for dy in (-width / 2, width / 2)]
-    )
+def _slat(low: Point, high: Point, y: float, width: float, depth: float) -> Trimesh:
+    """A board that leans from one point to another, `width` in y and `depth` in x."""
+    corners = [(dx, y + dy) for dx in (-depth / 2, depth / 2) for dy in (-width / 2, width / 2)]
+    return hull([(x + dx, b, z) for x, _, z in (low, high) for dx, b in corners])
 
 
 @category("chair", founders=6, count=10, names="folding chair, rocking chair, chair desk", kin="seat")
@@ -158,8 +149,7 @@ class Stool(Generator):
         parts = Parts()
         if self.seat == "round":
             mesh = lathe([(0, under), (0.96 * wide, under), (wide, z - 0.3 * thick), (0.94 * wide, z), (0, z)])
-            mesh.vertices *= [x / wide, y / wide, 1.0]
-            parts.add(mesh, self.seat_colour, smooth=True)
+            parts.add(widen(mesh, x / wide, y / wide), self.seat_colour, smooth=True)
         else:
             parts.add(cushion((-x, -y, under), (x, y, z), 0.015), self.seat_colour)
         if count == 0:

@@ -86,8 +86,8 @@ class Mirror(Generator):
         x, y, z = size[0] / 2, size[1] / 2, size[2]
         frame = min(self.frame, 0.15 * min(size[1], z))
         face = 0.6 * x
+        parts = Parts()
         if self.shape == "rectangle":
-            parts = Parts()
             for strip in rim((-x, x), (-y, y), (0.0, z), frame):
                 parts.add(strip, self.frame_colour)
             parts.add(box((-x, face), (-y + frame, y - frame), (frame, z - frame)), SILVER, 2400.0)
@@ -101,7 +101,6 @@ class Mirror(Generator):
             crown = [((y - inset) * np.cos(a), z - y + (y - inset) * np.sin(a)) for a in angles]
             return [*crown, (-(y - inset), inset), (y - inset, inset)]
 
-        parts = Parts()
         parts.add(hull([(a, b, c) for b, c in outline(0.0) for a in (-x, x - 0.002)]), self.frame_colour)
         glass = hull([(a, b, c) for b, c in outline(frame) for a in (face, x)])
         return Model([*parts, part(glass, SILVER, 2400.0, solid=False)], placement="wall")
@@ -129,12 +128,9 @@ class Laptop(Generator):
         hinge = -x + self.lean * size[0]
         parts = Parts()
         parts.add(cushion((hinge, -y, 0), (x, y, thick), 0.004), self.colour, 1500.0)
-        keys = box(
-            (hinge + 0.12 * (x - hinge), hinge + 0.56 * (x - hinge)), (-0.88 * y, 0.88 * y), (thick, thick + 0.001)
-        )
-        pad = box(
-            (hinge + 0.64 * (x - hinge), hinge + 0.94 * (x - hinge)), (-0.25 * y, 0.25 * y), (thick, thick + 0.0007)
-        )
+        deep = x - hinge
+        keys = box((hinge + 0.12 * deep, hinge + 0.56 * deep), (-0.88 * y, 0.88 * y), (thick, thick + 0.001))
+        pad = box((hinge + 0.64 * deep, hinge + 0.94 * deep), (-0.25 * y, 0.25 * y), (thick, thick + 0.0007))
         parts.add(keys, DARK, solid=False)
         parts.add(pad, shade(self.colour, 0.8), solid=False)
         lid = 0.007
@@ -144,8 +140,7 @@ class Laptop(Generator):
             return hull([(a + d, b, c) for a, c in ends for d in (back, front) for b in (-side, side)])
 
         parts.add(plane(0.0, 1.0, y, 0.0, -lid), self.colour, 1200.0)
-        rim = self.rim
-        parts.add(plane(0.06, 1 - rim / z, y - rim, 0.0012, 0.0), self.screen_colour, solid=False)
+        parts.add(plane(0.06, 1 - self.rim / z, y - self.rim, 0.0012, 0.0), self.screen_colour, solid=False)
         return Model(parts, placement="object")
 
 

@@ -23,7 +23,7 @@ from plugins.furniture.recipe import (
     round_size,
     whole,
 )
-from plugins.furniture.shapes import box
+from plugins.furniture.shapes import box, make_sides
 
 
 class Bookshelf(Generator):
@@ -123,10 +123,9 @@ class Carton(Generator):
             parts.add(box((-x, x), (-y, y), (0, wall)), colour)
             for a, b in slats:
                 low, high = wall + a * (z - wall), wall + b * (z - wall)
-                for s in (-1, 1):
-                    parts.add(box((s * x, s * (x - wall)), (-y, y), (low, high)), colour)
-                for s in (-1, 1):
-                    parts.add(box((-x + wall, x - wall), (s * y, s * (y - wall)), (low, high)), second)
+                sides = make_sides(x, y, (low, high), wall)
+                for side, shown in zip(sides, (colour, colour, second, second), strict=True):
+                    parts.add(side, shown)
             if style == "crate":
                 for a, b in itertools.product((-x + wall, x - 3 * wall), (-y + wall, y - 3 * wall)):
                     parts.add(box((a, a + 2 * wall), (b, b + 2 * wall), (wall, z)), second)
@@ -144,9 +143,8 @@ def sample_box(rng: Rng, index: int) -> Sampled:
     size = round_size(*rng.uniform([0.18, 0.22, 0.12], [0.34, 0.45, 0.32]))
     second = shade(colour, 0.75) if wooden else pick(rng, CARDBOARD, PAINTS)
     wall = 0.012 if wooden else 0.006
-    return Sampled(
-        size, Carton.sample_parameters(rng, index, style=style, wall=wall, colour=colour, second_colour=second)
-    )
+    colours = {"colour": colour, "second_colour": second}
+    return Sampled(size, Carton.sample_parameters(rng, index, style=style, wall=wall, **colours))
 
 
 class Book(Generator):
@@ -169,13 +167,9 @@ class Book(Generator):
             back = front - 2 * x
             pages = box((back + cover, front - cover), (-y + 0.003, y - 0.003), (low + cover, low + thick - cover))
             parts.add(pages, (0.85, 0.82, 0.72), PAPER)
-            covers = [
-                ((back, front), (low, low + cover)),
-                ((back, front), (low + thick - cover, low + thick)),
-                ((front - cover, front), (low + cover, low + thick - cover)),
-            ]
-            for a, b in covers:
-                parts.add(box(a, (-y, y), b), colour, PAPER)
+            parts.add(box((back, front), (-y, y), (low, low + cover)), colour, PAPER)
+            parts.add(box((back, front), (-y, y), (low + thick - cover, low + thick)), colour, PAPER)
+            parts.add(box((front - cover, front), (-y, y), (low + cover, low + thick - cover)), colour, PAPER)
         return Model(parts, placement="object")
 
 

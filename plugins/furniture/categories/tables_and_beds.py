@@ -5,12 +5,12 @@ from typing import Literal
 
 import numpy as np
 
-from plugins.furniture.category import category
+from plugins.furniture.category import Category, category, sized
 from plugins.furniture.colours import FABRICS, METALS, PAINTS, STONES, TILES, WOODS, pick
 from plugins.furniture.finishes import Surface, finish_of
 from plugins.furniture.model import FOAM, METAL, Model, Part, Parts, Size, part
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size, zero_or
-from plugins.furniture.shapes import beam, box, cushion, lathe, rod
+from plugins.furniture.shapes import beam, box, cushion, lathe, rod, widen
 
 SLATTED = 180.0  # kg / m^3: a bed frame is not solid
 
@@ -38,8 +38,7 @@ class Table(Generator):
         parts = Parts()
         if round_top:
             mesh = lathe([(0, under), (x, under), (x, z), (0, z)], 32)
-            mesh.vertices *= [1.0, y / x, 1.0]
-            parts.add(mesh, self.top_colour, smooth=True)
+            parts.add(widen(mesh, 1.0, y / x), self.top_colour, smooth=True)
         else:
             parts.add(box((-x, x), (-y, y), (under, z)), self.top_colour)
         reach = 0.62 if round_top else 1.0
@@ -71,28 +70,21 @@ def supports(style: Legs, ax: float, ay: float, top: float, leg: float, colour: 
         tip = leg if style == "square" else 0.55 * leg
         return [part(beam((a * ax, b * ay, 0), (a * ax, b * ay, top), tip, leg), colour) for a, b in corners]
     if style == "splayed":
-        lean = 0.7
-        return [
-            part(
-                rod((a * ax, b * ay, 0), (lean * a * ax, lean * b * ay, top), 0.3 * leg, 0.5 * leg), colour, smooth=True
-            )
-            for a, b in corners
-        ]
+        lean, thin, wide = 0.7, 0.3 * leg, 0.5 * leg
+        rods = [rod((a * ax, b * ay, 0), (lean * a * ax, lean * b * ay, top), thin, wide) for a, b in corners]
+        return [part(mesh, colour, smooth=True) for mesh in rods]
     if style == "panels":
         return [part(box((-ax, ax), (s * ay - leg / 3, s * ay + leg / 3), (0, top)), colour) for s in (-1, 1)]
     if style == "trestle":
-        feet = [box((-ax, ax), (s * 0.75 * ay - leg / 2, s * 0.75 * ay + leg / 2), (0, 0.06 * top)) for s in (-1, 1)]
-        posts = [
-            box((-leg, leg), (s * 0.75 * ay - leg / 2, s * 0.75 * ay + leg / 2), (0.06 * top, top)) for s in (-1, 1)
-        ]
+        sides = [(s * 0.75 * ay - leg / 2, s * 0.75 * ay + leg / 2) for s in (-1, 1)]
+        feet = [box((-ax, ax), side, (0, 0.06 * top)) for side in sides]
+        posts = [box((-leg, leg), side, (0.06 * top, top)) for side in sides]
         bar = box((-leg / 3, leg / 3), (-0.75 * ay, 0.75 * ay), (0.3 * top, 0.3 * top + 1.2 * leg))
         return [part(mesh, colour) for mesh in (*feet, *posts, bar)]
     wide = min(ax, ay)
     foot = lathe([(0, 0), (0.8 * wide, 0), (0.75 * wide, 0.03 * top), (leg * 0.8, 0.10 * top), (0, 0.10 * top)])
-    return [
-        part(foot, colour, METAL, smooth=True),
-        part(rod((0, 0, 0.08 * top), (0, 0, top), 0.7 * leg), colour, smooth=True),
-    ]
+    post = rod((0, 0, 0.08 * top), (0, 0, top), 0.7 * leg)
+    return [part(foot, colour, METAL, smooth=True), part(post, colour, smooth=True)]
 
 
 def _sample_table(rng: Rng, index: int, legs: str, top: str, shelf: float) -> Table:
@@ -170,9 +162,8 @@ class Bed(Generator):
         start, low = x - inset - self.blanket * 2 * x, frame + 0.3 * (lying - frame)
         blanket = cushion((start, -y + 0.01, low), (x - 0.02, y - 0.01, lying + 0.03), 0.03)
         parts.add(blanket, self.blanket_colour, FOAM)
-        count = self.pillows
-        width = 2 * (y - inset) / count
-        for k in range(count):
+        width = 2 * (y - inset) / self.pillows
+        for k in range(self.pillows):
             left = -y + inset + k * width + 0.05
             right = left + width - 0.1
             pillow = cushion((-x + board + 0.03, left, lying), (-x + board + 0.4, right, lying + 0.1), 0.045)
@@ -180,9 +171,10 @@ class Bed(Generator):
         return Model(parts)
 
 
-@category("bed", founders=3, count=10, kin="bed")
-def sample_bed(rng: Rng, index: int) -> Sampled:
-    """Single and double."""
-    wide = [(0.9, 1.1), (1.4, 1.7)][index % 2]
-    size = round_size(rng.uniform(1.95, 2.1), rng.uniform(*wide), rng.uniform(0.75, 1.1))
-    return Sampled(size, Bed.sample_parameters(rng, index))
+BED = Category(
+    name="bed",
+    sample=sized(Bed, ((1.95, 0.9, 0.75), (2.1, 1.1, 1.1)), ((1.95, 1.4, 0.75), (2.1, 1.7, 1.1))),
+    founders=3,
+    count=10,
+    kin="bed",
+)

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from plugins.furniture.categories.vessels import hollow
-from plugins.furniture.category import category
+from plugins.furniture.category import Category, category, sized
 from plugins.furniture.colours import GLAZES, METALS, WOODS
 from plugins.furniture.model import FILLED, GLASS, STEEL, Model, Part, Parts, Size, move_model, part
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, one_of, round_size, uniform
@@ -30,16 +30,12 @@ class Can(Generator):
             side = [(0.8, 0.0), (1.0, 0.06), (1.0, 0.9), (0.82, 0.985), (0.82, 1.0)]
         else:
             side = [(1.0, 0.0), (1.0, 0.025), (0.97, 0.03), (0.97, 0.97), (1.0, 0.975), (1.0, 1.0)]
-        outline = [(radius * r, z * h) for r, h in side]
-        body = lathe([(0, 0), *outline, (0, z)], 32)
         parts = Parts()
-        parts.add(body, TIN, FILLED, smooth=True)
+        parts.add(lathe([(0, 0), *((radius * r, z * h) for r, h in side), (0, z)], 32), TIN, FILLED, smooth=True)
         high = 0.9 if self.style == "drink" else 1 - self.low
         wide = 1.004 if self.style == "drink" else 0.985
-        for start, end, share, colour in (
-            (self.low, high, wide, self.colour),
-            (0.4, 0.62, wide + 0.006, self.band_colour),
-        ):
+        label, band = (self.low, high, wide, self.colour), (0.4, 0.62, wide + 0.006, self.band_colour)
+        for start, end, share, colour in (label, band):
             levels = [(0, start * z), (share * radius, start * z), (share * radius, end * z), (0, end * z)]
             parts.add(lathe(levels, 32), colour, smooth=True, solid=False)
         return Model(parts, symmetry="full", placement="object")
@@ -154,16 +150,17 @@ def _strip(knots: list[Knot], thick: float, colour: str | list[float]) -> list[P
     return [part(hull([*one, *other]), colour, STEEL) for one, other in itertools.pairwise(ends)]
 
 
-@category(
-    "cutlery",
+CUTLERY = Category(
+    name="cutlery",
+    sample=sized(
+        Cutlery,
+        ((0.17, 0.024, 0.012), (0.23, 0.03, 0.018)),
+        ((0.17, 0.018, 0.007), (0.23, 0.026, 0.01)),
+        ((0.17, 0.036, 0.012), (0.23, 0.046, 0.018)),
+        digits=4,
+    ),
     founders=3,
     names="fork, knife, spoon, silverware, flatware, teaspoon, tablespoon",
     like="utensil, ladle, spatula, whisk",
     kin="dish",
 )
-def sample_cutlery(rng: Rng, index: int) -> Sampled:
-    """Forks, knives, spoons."""
-    wide = [(0.024, 0.03), (0.018, 0.026), (0.036, 0.046)][index % 3]
-    tall = (0.007, 0.01) if index % 3 == 1 else (0.012, 0.018)
-    size = round_size(rng.uniform(0.17, 0.23), rng.uniform(*wide), rng.uniform(*tall), digits=4)
-    return Sampled(size, Cutlery.sample_parameters(rng, index))

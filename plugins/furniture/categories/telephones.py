@@ -6,11 +6,11 @@ import numpy as np
 from trimesh import Trimesh
 
 from plugins.furniture.categories.computers import SHELL, grid, seen
-from plugins.furniture.category import category
+from plugins.furniture.category import Category, sized
 from plugins.furniture.colours import METALS, PAINTS
 from plugins.furniture.finishes import DARK
 from plugins.furniture.model import PLASTIC, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, one_of, round_size
+from plugins.furniture.recipe import Coating, Generator, between, in_turn, of, one_of
 from plugins.furniture.shapes import box, cushion, hull, rod, rotate, translate
 
 
@@ -29,13 +29,12 @@ class Telephone(Generator):
             parts.add(cushion((-x, -y, 0), (x, y, 0.22 * z), 0.08 * z), self.colour, SHELL)
             handset = cushion((-0.3 * x, -0.62 * y, 0.12 * z), (0.2 * x, 0.62 * y, z), 0.04 * z)
             parts.add(handset, self.colour, SHELL)
-            front = (0.2 * x, 0.2 * x + 0.002)
-            keys = [
-                rotate(key, -np.pi / 2, [0, 1, 0])
-                for key in grid((0.28 * z, 0.6 * z), (-0.5 * y, 0.5 * y), 4, 3, (0, 0.003))
-            ]
-            parts.append(seen([translate(key, (0.2 * x + 0.0025, 0, 0)) for key in keys], self.key_colour))
-            parts.add(box(front, (-0.45 * y, 0.45 * y), (0.66 * z, 0.88 * z)), DARK, PLASTIC, solid=False)
+            flat = grid((0.28 * z, 0.6 * z), (-0.5 * y, 0.5 * y), 4, 3, (0, 0.003))
+            keys = [translate(rotate(key, -np.pi / 2, [0, 1, 0]), (0.2 * x + 0.0025, 0, 0)) for key in flat]
+            parts.append(seen(keys, self.key_colour))
+            parts.add(
+                box((0.2 * x, 0.2 * x + 0.002), (-0.45 * y, 0.45 * y), (0.66 * z, 0.88 * z)), DARK, PLASTIC, solid=False
+            )
             return Model(parts, placement="object")
         rear, front_edge = 0.7 * z, 0.7 * z * self.slope
         corners = [(a, b, c) for a, top in ((-x, rear), (x, front_edge)) for b in (-y, y) for c in (0, top)]
@@ -48,10 +47,9 @@ class Telephone(Generator):
 
         bar = (-0.88 * y, -0.48 * y)
         grip = raised([cushion((-0.85 * x, bar[0], 0.1 * z), (0.85 * x, bar[1], 0.24 * z), 0.04 * z)])
-        ends = raised(
-            [cushion((a, bar[0], -0.02 * z), (a + 0.5 * x, bar[1], 0.3 * z), 0.06 * z) for a in (-0.95 * x, 0.45 * x)]
-        )
-        for mesh in (*grip, *ends):
+        starts = (-0.95 * x, 0.45 * x)
+        ends = [cushion((a, bar[0], -0.02 * z), (a + 0.5 * x, bar[1], 0.3 * z), 0.06 * z) for a in starts]
+        for mesh in (*grip, *raised(ends)):
             parts.add(mesh, self.colour, SHELL)
         keys = raised(grid((-0.15 * x, 0.85 * x), (-0.2 * y, 0.75 * y), 4, 3, (-0.01 * z, 0.06 * z)))
         parts.append(seen(keys, self.key_colour))
@@ -60,16 +58,15 @@ class Telephone(Generator):
         return Model(parts, placement="object")
 
 
-@category(
-    "telephone", founders=2, names="phone, landline, desk phone, telephone set", like="intercom, handset", kin="device"
+DESK, CORDLESS = ((0.19, 0.17, 0.08), (0.24, 0.23, 0.12)), ((0.08, 0.075, 0.15), (0.11, 0.1, 0.19))
+TELEPHONE = Category(
+    name="telephone",
+    sample=sized(Telephone, DESK, CORDLESS, digits=4),
+    founders=2,
+    names="phone, landline, desk phone, telephone set",
+    like="intercom, handset",
+    kin="device",
 )
-def sample_telephone(rng: Rng, index: int) -> Sampled:
-    """On a desk, or cordless."""
-    if index % 2:
-        size = round_size(rng.uniform(0.08, 0.11), rng.uniform(0.075, 0.1), rng.uniform(0.15, 0.19), digits=4)
-    else:
-        size = round_size(rng.uniform(0.19, 0.24), rng.uniform(0.17, 0.23), rng.uniform(0.08, 0.12), digits=4)
-    return Sampled(size, Telephone.sample_parameters(rng, index))
 
 
 class CellPhone(Generator):
@@ -93,17 +90,14 @@ class CellPhone(Generator):
         return Model(parts, placement="object")
 
 
-@category(
-    "cell_phone",
+CELL_PHONE = Category(
+    name="cell_phone",
+    sample=sized(CellPhone, ((0.135, 0.066, 0.0075), (0.168, 0.079, 0.012)), digits=4),
     founders=3,
     names="cellphone, mobile phone, smartphone, smart phone, cellular phone, mobile",
     like="ipod, pager",
     kin="device",
 )
-def sample_cell_phone(rng: Rng, index: int) -> Sampled:
-    """A palm's length."""
-    size = round_size(rng.uniform(0.135, 0.168), rng.uniform(0.066, 0.079), rng.uniform(0.0075, 0.012), digits=4)
-    return Sampled(size, CellPhone.sample_parameters(rng, index))
 
 
 class Remote(Generator):
@@ -122,23 +116,19 @@ class Remote(Generator):
         levels = [(0.0, 0.92), (0.3 * top, 1.0), (0.8 * top, 1.0), (top, 0.94)]
         parts = Parts()
         parts.add(hull([(a, b * share, level) for level, share in levels for a, b in plan]), self.colour, SHELL)
-        keys = grid(
-            (-0.6 * x, 0.7 * x), (-0.6 * y * self.taper, 0.6 * y * self.taper), self.rows, self.columns, (0.9 * top, z)
-        )
+        half = 0.6 * y * self.taper
+        keys = grid((-0.6 * x, 0.7 * x), (-half, half), self.rows, self.columns, (0.9 * top, z))
         parts.append(seen(keys, self.key_colour))
         power = rod((-0.82 * x, 0.45 * y, 0.9 * top), (-0.82 * x, 0.45 * y, z), 0.18 * y)
         parts.append(seen([power], "paint 0.6 0.08 0.06 0"))
         return Model(parts, placement="object")
 
 
-@category(
-    "remote",
+REMOTE = Category(
+    name="remote",
+    sample=sized(Remote, ((0.13, 0.038, 0.016), (0.22, 0.055, 0.026)), digits=4),
     founders=3,
     names="remote control, tv remote, television remote",
     like="controller, joystick, gamepad",
     kin="device",
 )
-def sample_remote(rng: Rng, index: int) -> Sampled:
-    """Slim ones and wide ones."""
-    size = round_size(rng.uniform(0.13, 0.22), rng.uniform(0.038, 0.055), rng.uniform(0.016, 0.026), digits=4)
-    return Sampled(size, Remote.sample_parameters(rng, index))

@@ -10,7 +10,7 @@ from plugins.furniture.colours import FABRICS, METALS, SHADES, WOODS
 from plugins.furniture.finishes import finish_of, shade
 from plugins.furniture.model import METAL, Model, Part, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, whole
-from plugins.furniture.shapes import box, lathe, rod
+from plugins.furniture.shapes import box, lathe, rod, widen
 
 WOOL = 250.0  # kg / m^3: a pile on its backing
 
@@ -18,7 +18,7 @@ WOOL = 250.0  # kg / m^3: a pile on its backing
 class Rug(Generator):
     """A rug that lies: its field in a border, stripes across, fringes, or round."""
 
-    style: Literal["border", "stripes", "round", "fringe"]
+    style: Literal["border", "stripes", "round", "fringe"] = in_turn("border", "stripes", "round", "fringe")
     border: float = between(0.06, 0.14)  # share of the depth
     stripes: int = whole(3, 8, ge=1, le=50)
     colour: Coating = of(SHADES, FABRICS[1:2])
@@ -31,8 +31,7 @@ class Rug(Generator):
         if self.style == "round":
             for radius, top, colour in ((1.0, pile, self.colour), (0.8, z, self.second_colour)):
                 disc = lathe([(0, 0), (radius, 0), (radius, top), (0, top)], 48)
-                disc.vertices *= [x, y, 1.0]
-                parts.add(disc, colour, WOOL, solid=top == pile)
+                parts.add(widen(disc, x, y), colour, WOOL, solid=top == pile)
             return Model(parts, symmetry="full" if size[0] == size[1] else "half_turn")
         fringe = 0.04 * y if self.style == "fringe" else 0.0
         parts.add(box((-x, x), (-y + fringe, y - fringe), (0, pile)), self.colour, WOOL)
@@ -65,9 +64,8 @@ def sample_rug(rng: Rng, index: int) -> Sampled:
     """From a mat before a door to a carpet beneath a table."""
     deep = [rng.uniform(1.2, 2.0), rng.uniform(0.6, 0.9), rng.uniform(1.0, 1.8), rng.uniform(1.0, 1.7)][index % 4]
     wide = deep if index % 4 == 2 else deep * rng.uniform(1.4, 1.7)
-    style = ["border", "stripes", "round", "fringe"][index % 4]
     size = round_size(deep, wide, rng.uniform(0.008, 0.014))
-    return Sampled(size, Rug.sample_parameters(rng, index, style=style))
+    return Sampled(size, Rug.sample_parameters(rng, index))
 
 
 class Curtain(Generator):

@@ -104,13 +104,9 @@ def ear(radius: float, reach: float, height: float, z: float, colour: Surface, a
     out, half = reach - thick / 2, (height - thick) / 2
     path = np.column_stack([radius * 0.93 + (out + 0.07 * radius) * np.cos(angles), z + half * np.sin(angles)])
     pieces = []
-    for (ya, za), (yb, zb) in itertools.pairwise(path):
-        ends = [
-            (y + dy, w + dz)
-            for y, w in ((ya, za), (yb, zb))
-            for dy in (-thick / 2, thick / 2)
-            for dz in (-thick / 2, thick / 2)
-        ]
+    sides = (-thick / 2, thick / 2)
+    for both in itertools.pairwise(path):
+        ends = [(y + dy, w + dz) for y, w in both for dy in sides for dz in sides]
         pieces.append(hull([(x, y, w) for y, w in ends for x in (-0.6 * thick, 0.6 * thick)]))
     return [part(mesh, colour, CERAMIC, smooth=not angular) for mesh in pieces]
 
@@ -165,19 +161,17 @@ class CookingPot(Generator):
         reach = max((size[1] - size[0]) / 2, 0.012)
         body = size[2] * (0.72 if self.lid else 1.0)
         wall = min(0.004, 0.1 * min(radius, body))
-        parts = hollow(
-            [(0.94 * radius, 0.0), (radius, 0.12 * body), (radius, body)], wall, self.colour, self.colour, METAL
-        )
+        outer = [(0.94 * radius, 0.0), (radius, 0.12 * body), (radius, body)]
+        parts = hollow(outer, wall, self.colour, self.colour, METAL)
         for side in (-1.0, 1.0):
             low = (-0.35 * radius, side * 0.9 * radius, 0.70 * body)
             high = (0.35 * radius, side * (radius + reach), 0.70 * body + min(0.014, 0.2 * body))
             parts.add(cushion(low, high, 0.004), self.grip_colour, PLASTIC)
         if self.lid:
-            top = size[2]
-            rise = 0.5 * (top - body)
+            rise = 0.5 * (size[2] - body)
             dome = [(radius, body), (0.96 * radius, body + 0.3 * rise), (0.3 * radius, body + rise)]
             parts.add(lathe([(0, body), *dome, (0, body + rise)]), self.lid_colour, METAL, smooth=True)
-            knob = rod((0, 0, body + 0.8 * rise), (0, 0, top), 0.1 * radius, 0.17 * radius)
+            knob = rod((0, 0, body + 0.8 * rise), (0, 0, size[2]), 0.1 * radius, 0.17 * radius)
             parts.add(knob, self.grip_colour, PLASTIC, smooth=True)
         return Model(parts, symmetry="half_turn", placement="object")
 

@@ -5,12 +5,12 @@ from typing import Literal
 import numpy as np
 from trimesh import Trimesh
 
-from plugins.furniture.category import category
+from plugins.furniture.category import Category, sized
 from plugins.furniture.colours import METALS
 from plugins.furniture.finishes import DARK, finish_of, shade
 from plugins.furniture.handles import STYLES, handle_parts
 from plugins.furniture.model import GLASS, METAL, PLASTIC, Model, Moving, Part, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, one_of, round_size, whole
+from plugins.furniture.recipe import Coating, Generator, between, in_turn, of, one_of, whole
 from plugins.furniture.shapes import box, cushion, lathe, rod, rotate, translate
 
 MACHINE = 200.0  # kg / m^3: 65 kg in 60 x 60 x 85 cm
@@ -92,15 +92,12 @@ class WashingMachine(Generator):
         return Moving("door_0", "door", parts, origin, (0.0, 0.0, float(self.hinge)), np.pi / 2, "arch")
 
 
-@category(
-    "washing_machine",
+DEEP = ((0.58, 0.59, 0.83), (0.66, 0.62, 0.87))
+WASHING_MACHINE = Category(
+    name="washing_machine",
+    sample=sized(WashingMachine, DEEP, DEEP, ((0.42, 0.59, 0.83), (0.5, 0.62, 0.87))),
     founders=3,
     names="washer, clothes washer, laundry machine, front loader, tumble dryer",
     like="tumbledryer, spinner",
     kin="appliance",
 )
-def sample_washing_machine(rng: Rng, index: int) -> Sampled:
-    """Front loaders, some of them shallow."""
-    deep = rng.uniform(0.42, 0.5) if index % 3 == 2 else rng.uniform(0.58, 0.66)
-    size = round_size(deep, rng.uniform(0.59, 0.62), rng.uniform(0.83, 0.87))
-    return Sampled(size, WashingMachine.sample_parameters(rng, index))

@@ -71,14 +71,6 @@ def test_written_files_fill_the_promised_box(tmp_path: Path) -> None:
         assert (low < link.center).all() and (link.center < high).all(), f"{link.name}: its mass lies outside of it"
 
 
-def test_same_recipe_same_bytes(tmp_path: Path) -> None:
-    for category in ("mug", "sideboard", "bookshelf", "plant_pot"):
-        sums = {build(sample(category, 0, 3), None, tmp_path / str(k), "x", category).checksum for k in range(2)}
-        assert len(sums) == 1
-    assert sample("mug", 0, 3) != sample("mug", 0, 4)
-    assert sample("mug", 0, 3) != sample("mug", 1, 3)
-
-
 def test_default_library_is_as_large_as_promised() -> None:
     assert sum(COUNTS.values()) >= 250
     assert sum(count > 0 for count in COUNTS.values()) == len(CATEGORIES) >= 35
@@ -165,16 +157,6 @@ def test_near_relatives_keep_what_matters_and_far_ones_differ() -> None:
     assert sample("mug", 40, 0).variation_of == "mug_00"
 
 
-def test_later_relatives_have_about_the_fronts_of_the_founder_that_has_fewest() -> None:
-    fronts_of = [layout_counts(sample("chest_of_drawers", index, 0)) for index in range(32)]
-    for index in range(24, 32):
-        founder = int(str(sample("chest_of_drawers", index, 0).variation_of).rsplit("_", 1)[1])
-        doors, drawers = fronts_of[founder]
-        assert abs(fronts_of[index][0] - doors) + abs(fronts_of[index][1] - drawers) <= 1
-        alike = [sum(abs(a - c) + abs(b - d) <= 2 for c, d in fronts_of[:index]) for a, b in fronts_of[:8]]
-        assert alike[founder] == min(alike)
-
-
 def test_models_of_a_category_differ() -> None:
     for category, count in COUNTS.items():
         drawn = {sample(category, k, 0).model_dump_json() for k in range(count)}
@@ -258,12 +240,10 @@ def test_cells_cover_the_front_and_pair_their_hinges() -> None:
     assert alone[0].hinge == 1
 
 
-def test_bad_recipes_are_refused(tmp_path: Path) -> None:
-    with refused("E-RECIPE-PARAMETER"):
-        generate(Recipe(generator="spaceship", parameters={"size": [1.0, 1.0, 1.0]}))
-    with refused("E-RECIPE-PARAMETER"):
-        build(sample("mug", 0, 0), (0.1, 0.0, 0.1), tmp_path / "mug", "mug", "mug")
-    assert list(tmp_path.iterdir()) == []
+def test_bad_recipes_are_refused() -> None:
+    for generator, size in (("spaceship", (1.0, 1.0, 1.0)), ("mug", (0.1, 0.0, 0.1))):
+        with refused("E-RECIPE-PARAMETER"):
+            generate(sample("mug", 0, 0).model_copy(update={"generator": generator}), size)
 
 
 @pytest.mark.parametrize(
@@ -274,17 +254,12 @@ def test_bad_recipes_are_refused(tmp_path: Path) -> None:
         ("bottom_cabinet", {"layout": [["door", "window"]]}, "parameter layout.0.1: "),
         ("bottom_cabinet", {"layout": []}, "parameter layout: "),
         ("bottom_cabinet", {"board": -0.02}, "parameter board: "),
-        ("bottom_cabinet", {"board": float("inf")}, "parameter board: "),
         ("bottom_cabinet", {"reach": float("nan")}, "parameter reach: "),
-        ("bottom_cabinet", {"drawer_weight": float("inf")}, "parameter drawer_weight: "),
         ("bottom_cabinet", {"hinge": 0}, "parameter hinge: "),
         ("bottom_cabinet", {"shelves": 10**9}, "parameter shelves: "),
-        ("bottom_cabinet", {"buttons": 0}, "parameter buttons: "),
-        ("bottom_cabinet", {"front_colour": [0.1, 0.2]}, "parameter front_colour: "),
         ("bottom_cabinet", {"front_colour": [128.0, 0.2, 0.1]}, "parameter front_colour: .* colours go from 0 to 1"),
         ("bottom_cabinet", {"column_weights": [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]}, "its parameters make no model"),
         ("bottom_cabinet", {"protrusion": None}, "parameter protrusion: Field required"),
-        ("bottom_cabinet", {"size": None}, "size None is not three numbers"),
         ("bottom_cabinet", {"size": [0.5, 0.5]}, "is not three numbers"),
         ("bottom_cabinet", {"size": [0.5, 0.5, float("nan")]}, "is not positive"),
         ("bottom_cabinet", {"size": [0.5, 0.5, 1e30]}, "larger than 30 m"),
@@ -302,14 +277,6 @@ def test_a_wrong_parameter_is_one_clear_line(
         build(broken, None, tmp_path / "made", "made", category)
     assert "\n" not in str(caught.value)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_cabinets_record_what_they_were_given() -> None:
-    recipe = sample("microwave", 0, 0)
-    given = {key: value for key, value in recipe.parameters.items() if key != "size"}
-    assert Cabinet.model_validate(given).parameters() == given
-    assert "density" not in given and "column_weights" in given
-    assert Cabinet.model_validate(given).change_parameters(shelves=2).shelves == 2
 
 
 def test_opened_frames_follow_the_contract(tmp_path: Path) -> None:
@@ -346,20 +313,18 @@ def test_further_styles_come_after_the_others_and_furnish_no_room() -> None:
     assert [sample("fridge", k, 0, variations=False).variation_of for k in CATEGORIES["fridge"].further] == [None] * 9
 
 
-def test_a_low_fridge_is_usual_though_a_fridge_is_guessed_to_be_high() -> None:
-    low = np.array((0.6, 0.55, 0.85))
-    rows = {name: describe_category(CATEGORIES[name]) for name in ("fridge", "oven")}
-    assert describe_unusual(rows["fridge"], low) == "" and describe_unusual(rows["oven"], (0.6, 0.6, 2.1))
-    known = rows["fridge"].measure_usual_size()
-    assert known is not None and known.misfit(low) > 0
-
-
 def test_what_is_sold_is_usual() -> None:
     """Our models are no measure of the world: base units are 60 cm deep, and cereal comes in boxes."""
-    rows = {name: describe_category(CATEGORIES[name]) for name in REAL_SIZES}
-    sold = {"bottom_cabinet": (0.64, 0.8, 0.9), "box": (0.06, 0.16, 0.22), "television": (0.06, 1.2, 0.7)}
+    rows = {name: describe_category(CATEGORIES[name]) for name in [*REAL_SIZES, "fridge", "oven"]}
+    sold = {
+        "bottom_cabinet": (0.64, 0.8, 0.9), "box": (0.06, 0.16, 0.22), "television": (0.06, 1.2, 0.7),
+        "fridge": (0.6, 0.55, 0.85),
+    }  # fmt: skip
     assert all(describe_unusual(rows[name], size) == "" for name, size in sold.items())
-    assert describe_unusual(rows["bottom_cabinet"], (0.64, 0.8, 1.9)) and describe_unusual(rows["box"], (1.0, 1.0, 1.0))
+    odd = {"bottom_cabinet": (0.64, 0.8, 1.9), "box": (1.0, 1.0, 1.0), "oven": (0.6, 0.6, 2.1)}
+    assert all(describe_unusual(rows[name], size) for name, size in odd.items())
+    known = rows["fridge"].measure_usual_size()
+    assert known is not None and known.misfit(np.array(sold["fridge"])) > 0, "it is guessed to be high"
 
 
 def test_what_others_know_of_the_categories_is_written_anew() -> None:

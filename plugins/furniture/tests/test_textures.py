@@ -76,13 +76,12 @@ def test_the_grain_runs_along_at_its_real_scale_at_any_size(tmp_path: Path) -> N
 def test_slim_parts_show_their_colour_and_neighbours_other_pieces_of_the_picture() -> None:
     recipe = sample("bottom_cabinet", 3, 0)
     finish = "wood 0.55 0.36 0.2 0"
-    painted = recipe.model_copy(
-        update={"parameters": recipe.parameters | {"front_colour": finish, "handle_colour": finish, "panel": "flat"}}
-    )
+    look = {"front_colour": finish, "handle_colour": finish, "panel": "flat", "handle": "bar"}
+    painted = recipe.model_copy(update={"parameters": recipe.parameters | look})
     links = robot_of(generate(painted), "x").links
-    fronts = [visual for name, link in links.items() if name != "base" for visual in link.visuals]
-    for visual in fronts:
-        slim = np.sort(visual.mesh.extents)[1] < 0.03
-        assert (visual.texture is None) == slim or visual.texture is None
+    visuals = [visual for name, link in links.items() if name != "base" for visual in link.visuals]
+    wooden = [visual for visual in visuals if visual.colour[:3] == (0.55, 0.36, 0.2)]
+    slim = [bool(np.sort(visual.mesh.extents)[1] < 0.03) for visual in wooden]
+    assert [visual.texture is None for visual in wooden] == slim and set(slim) == {True, False}
     starts = [visual.start for visual in links["base"].visuals if visual.texture is not None]
     assert len(set(starts)) == len(starts) > 3

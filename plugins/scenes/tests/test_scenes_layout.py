@@ -13,7 +13,7 @@ from plugins.scenes.chance import EYE, are_all_seen, draw_room, redraw_recipe
 from plugins.scenes.config import ScenesConfig
 from plugins.scenes.framing import frame
 from plugins.scenes.layout import arrange, scale_of
-from plugins.scenes.recipe import Against, Beside, Floor, Hung, Item, On, Room
+from plugins.scenes.recipe import Against, Beside, Floor, Item, On, Room
 from plugins.scenes.room_files import read_room, room_files, series
 from stages.contracts import InputError
 from stages.geometry.boxes import UprightBox, corners, footprint
@@ -102,31 +102,22 @@ def test_boxes_do_not_overlap_and_rest_on_their_support(cast_rooms: dict[str, Ca
             elif one.support == "floor":
                 assert one.box.bottom == pytest.approx(0, abs=1e-9)
             for other_name, other in standing.items():
-                if name < other_name and not (one.box.top <= other.box.bottom + 0.003):
+                above = one.box.bottom >= other.box.top - 0.003 or other.box.bottom >= one.box.top - 0.003
+                if name < other_name and not above:
                     overlap = footprint(one.box).intersection(footprint(other.box)).area
-                    assert overlap < 0.01 or other.box.top <= one.box.bottom + 0.003, (room.room.name, name, other_name)
-
-
-def test_all_ways_of_standing_occur(cast_rooms: dict[str, CastRoom]) -> None:
-    for room in list(cast_rooms.values())[:3]:
-        places = {type(item.place) for item in room.room.items}
-        assert On in places and places & {Against, Beside} and places & {Floor, Hung}
-    assert any(isinstance(item.place, Hung) for room in ROOMS for item in room.items)
+                    assert overlap < 0.01, (room.room.name, name, other_name)
 
 
 def test_targets_of_the_policy_experiment(cast_rooms: dict[str, CastRoom]) -> None:
     room = cast_rooms["room_1"]
-    labels = [item.label for item in room.room.items]
-    first = room.room.items[labels.index("cabinet")]
+    first = next(item for item in room.room.items if item.label == "cabinet")
     cabinet, box = room.assets[first.name], room.layout.standing[first.name].box
     assert cabinet.doors >= 1 and box.bottom == pytest.approx(0)
     assert {joint.handle for joint in cabinet.joints} <= {"bar", "knob", "arch"}
     assert 0.3 <= cabinet.size[1] / cabinet.doors <= 0.5
-    camera = _camera(room)[1][:3, 3]
-    ahead = camera[:2] - np.asarray(box.center)[:2]
+    ahead = _camera(room)[1][:2, 3] - np.asarray(box.center)[:2]
     assert abs(np.arctan2(ahead[1], ahead[0]) - box.yaw) < np.deg2rad(30)
-    chests = [asset for k in (1, 2, 3) for asset in cast_rooms[f"room_{k}"].assets.values() if asset.drawers >= 2]
-    assert chests
+    assert any(asset.drawers >= 2 for k in (1, 2, 3) for asset in cast_rooms[f"room_{k}"].assets.values())
 
 
 def _camera(room: CastRoom) -> tuple[np.ndarray, np.ndarray]:
@@ -241,13 +232,10 @@ def test_a_room_is_read_from_yaml(tmp_path: Path) -> None:
     [
         (["scale"], None, "scale: Field required"),
         (["scale"], -1, "scale: Input should be greater than 0"),
-        (["scale"], float("nan"), "scale"),
         (["walls"], ["front"], "walls.0"),
         (["colour"], "red", "colour: Extra inputs"),
-        (["wall_colour"], [2, 0, 0], "wall_colour.0"),
         (["items"], [], "items: Tuple should have at least 2"),
         (["items", 0, "place"], {"at": "back"}, "items.0.place: needs one of against, beside, floor, on_top, hung"),
-        (["items", 0, "place", "along"], "left", "items.0.place.against.along"),
         (["items", 0, "place", "against"], "right", "'chest' is at the right wall, which is not one of walls"),
         (["items", 1, "place", "on_top"], "table", "'lamp' refers to 'table', which is no item before it"),
         (["items", 1, "name"], "chest", "two items are called 'chest'"),
