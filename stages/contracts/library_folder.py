@@ -21,8 +21,7 @@ def write_part(out: Path, folder: Path, left_out: Iterable[str] = ()) -> None:
     assets = sorted((read_json(Asset, path) for path in folder.glob("*/asset.json")), key=lambda asset: asset.id)
     pack(folder, archive)
     write_json(
-        out,
-        LibraryPart(assets=[LibraryEntry.of(asset, archive.name) for asset in assets], left_out=list(left_out)),
+        out, LibraryPart(assets=[LibraryEntry.of(asset, archive.name) for asset in assets], left_out=list(left_out))
     )
 
 

@@ -2,9 +2,4 @@
 
 from stages.cli import main
 
-main(
-    "stages.extraction",
-    {
-        "extract": "objects.json and its arrays from one input folder",
-    },
-)
+main("stages.extraction", {"extract": "objects.json and its arrays from one input folder"})

@@ -42,12 +42,7 @@ def load_search(name: str) -> Search:
 
 
 def distance_table(
-    queries: NDArray[np.float32],
-    rows: Rows,
-    count: int,
-    search: str,
-    nearest: int | None = None,
-    both: bool = False,
+    queries: NDArray[np.float32], rows: Rows, count: int, search: str, nearest: int | None = None, both: bool = False
 ) -> Distances:
     """Distances between the query's patches (Q, D) and those of `count` candidate pictures, from one product each.
 

@@ -117,11 +117,7 @@ def test_small_clusters_go(count: int, kept: bool) -> None:
     rng = _rng()
     points = rng.uniform(0, [0.6, 0.6, 0.02], (4000, 3))
     clump = rng.uniform([0.8, 0.3, 0.0], [0.83, 0.33, 0.03], (count, 3))
-    cloud = clean_cloud(
-        np.vstack([points, clump]),
-        ExtractionConfig(),
-        rng,
-    )
+    cloud = clean_cloud(np.vstack([points, clump]), ExtractionConfig(), rng)
     assert bool((cloud[:, 0] > 0.7).any()) == kept
 
 

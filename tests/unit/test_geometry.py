@@ -44,13 +44,7 @@ def test_wrap_angle(angle: float, period: float, expected: float) -> None:
 
 @pytest.mark.parametrize(
     ("symmetry", "expected"),
-    [
-        ("none", np.pi - 0.1),
-        ("half_turn", 0.1),
-        ("third_turn", np.pi / 3 - 0.1),
-        ("quarter_turn", 0.1),
-        ("full", 0.0),
-    ],
+    [("none", np.pi - 0.1), ("half_turn", 0.1), ("third_turn", np.pi / 3 - 0.1), ("quarter_turn", 0.1), ("full", 0.0)],
 )
 def test_angle_difference_knows_symmetry(symmetry: str, expected: float) -> None:
     assert angle_difference(np.pi, 0.1, symmetry) == pytest.approx(expected)

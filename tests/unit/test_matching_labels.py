@@ -75,11 +75,7 @@ def test_a_further_name_of_several_words_means_its_category() -> None:
 @pytest.mark.parametrize(
     ("label", "expected"),
     [
-        *(
-            ("dresser", "chest_of_drawers"),
-            ("bureau", "chest_of_drawers"),
-            ("hutch", "bottom_cabinet"),
-        ),
+        *(("dresser", "chest_of_drawers"), ("bureau", "chest_of_drawers"), ("hutch", "bottom_cabinet")),
         *(
             ("stove", "oven"),
             ("sectional", "sofa"),
@@ -168,10 +164,7 @@ def test_labels_of_our_rooms_are_understood() -> None:
 
 
 def test_an_exact_name_has_distance_zero_and_nothing_in_common_is_left_out() -> None:
-    assert find_nearest_categories("television", CATEGORIES, 3, LEXICAL) == [
-        ("television", 0.0),
-        ("picture", 0.75),
-    ]
+    assert find_nearest_categories("television", CATEGORIES, 3, LEXICAL) == [("television", 0.0), ("picture", 0.75)]
     assert find_nearest_categories("xyzzy", CATEGORIES, 3, LEXICAL) == []
     assert find_nearest_categories("", CATEGORIES, 3, LEXICAL) == []
     assert find_nearest_categories("table", [], 3, LEXICAL) == []

@@ -1,33 +1,30 @@
 """Patch encoder `efficientnet`: features of an ImageNet network, in place of the paper's DINOv2 (A.6)."""
 
 import hashlib
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor
 from torch.nn import functional
 
-from plugins.efficientnet.network import COLUMNS, SIZE, load, to_input
+from plugins.efficientnet.network import COLUMNS, SIZE, STRIDE, load, to_input
 from stages.config.matching import EncoderOptions
 from stages.contracts.section import NotNegative, Section
 from stages.matching.crop import View, cut, foreground, masked_square, patch_positions
 from stages.matching.encoders import Patches
 from stages.plugins import parse_kwargs
 
-GRID = SIZE // 16  # patches per side, at every stride
+GRID = SIZE // STRIDE  # patches per side
 
 
 class Options(Section):
     """`matching: {kwargs: {efficientnet: ...}}`.
 
     Attributes:
-        stride: 16 pixels of the crop per feature; 32 adds the features of the last blocks.
         position: weight of a patch's place in the crop against its features.
     """
 
-    stride: Literal[16, 32] = 16
     position: NotNegative = 0.5
 
 
@@ -36,19 +33,18 @@ class Encoder:
 
     def __init__(self, options: EncoderOptions) -> None:
         self.options = parse_kwargs(Options, options.kwargs.get("efficientnet", {}), "matching.kwargs.efficientnet")
-        self.network = load(self.options.stride)
-        self.columns = COLUMNS[16] + (COLUMNS[32] if self.options.stride == 32 else 0)
+        self.network = load()
 
     def settings(self) -> dict[str, Any]:
         """What a feature store depends on."""
         digest = hashlib.sha256()
         for weight in self.network.state_dict().values():
             digest.update(weight.numpy().tobytes())
-        return {"weights": digest.hexdigest(), "stride": self.options.stride}
+        return {"weights": digest.hexdigest(), "stride": STRIDE}
 
     def weights(self, depth: bool) -> NDArray[np.float32]:
         """1 on the features, the option's on the position; depth is not used."""
-        return np.append(np.ones(self.columns), [self.options.position] * 2).astype(np.float32)
+        return np.append(np.ones(COLUMNS), [self.options.position] * 2).astype(np.float32)
 
     def encode(self, views: list[View]) -> list[Patches]:
         """Foreground patches of each view."""
@@ -56,19 +52,10 @@ class Encoder:
 
     def _encode(self, view: View) -> Patches:
         if not view.mask.any():
-            return Patches(np.empty((0, self.columns), np.float32), np.empty((0, 2), np.float32))
+            return Patches(np.empty((0, COLUMNS), np.float32), np.empty((0, 2), np.float32))
         picture, coverage = masked_square(cut(view), SIZE, SIZE)
         with torch.inference_mode():
-            grid = self._features(to_input(picture[None]))[0].permute(1, 2, 0).numpy()
+            features = functional.normalize(self.network(to_input(picture[None])), dim=1)
+        grid = features[0].permute(1, 2, 0).numpy()
         kept = foreground(coverage, GRID, GRID)
         return Patches(grid[kept], patch_positions(GRID, GRID)[kept])
-
-    def _features(self, x: Tensor) -> Tensor:
-        """Unit vectors (B, C, 14, 14): of stride 16, or those beside the ones of stride 32, one vector together."""
-        blocks = self.network.blocks
-        fine = blocks[:11](functional.relu6(self.network.stem(x)))
-        if self.options.stride == 16:
-            return functional.normalize(fine, dim=1)
-        coarse = functional.interpolate(blocks[11:](fine), scale_factor=2.0, mode="nearest")
-        both = [functional.normalize(part, dim=1) for part in (fine, coarse)]
-        return torch.cat(both, dim=1) / 2**0.5

@@ -15,7 +15,7 @@ from plugins.efficientnet import network
 from plugins.efficientnet.encoders.efficientnet import Encoder
 from stages.config.matching import MatchingConfig
 from stages.config.model import load, with_defaults
-from stages.matching.encoders import make_encoder, settings_digest
+from stages.matching.encoders import make_encoder
 from tests.refusals import refused
 from tests.unit.matching_data import before_noise, view_of_box
 
@@ -29,12 +29,12 @@ def encoder() -> Encoder:
     return made
 
 
-def published(stride: int = 32) -> dict[str, torch.Tensor]:
-    """Random weights by the published names, for the network up to a stride."""
+def published() -> dict[str, torch.Tensor]:
+    """Random weights by the published names, for all blocks."""
     chance = torch.Generator().manual_seed(0)
     names = {"stem": "_bn0", "expand": "_bn0", "depthwise": "_bn1", "project": "_bn2"}
     state = {}
-    for key, value in network.EfficientNet(stride).state_dict().items():
+    for key, value in network.EfficientNet(None).state_dict().items():
         path, _, part = key.removesuffix(".weight").removesuffix(".bias").rpartition(".")
         place = f"_{path}." if path else ""
         if key.endswith(".weight"):
@@ -49,7 +49,7 @@ def published(stride: int = 32) -> dict[str, torch.Tensor]:
 def test_folded_weights_do_what_convolution_and_normalisation_do() -> None:
     state = published()
     folded = network.fold(state)
-    assert set(folded) == set(network.EfficientNet(32).state_dict())
+    assert set(folded) == set(network.EfficientNet(None).state_dict())
     x = torch.randn(1, 32, 8, 8, generator=torch.Generator().manual_seed(1))
     block = network.Block(32, 16, 3, 1, 1)
     block.load_state_dict(
@@ -123,15 +123,6 @@ def test_the_classifier_says_what_the_published_code_says() -> None:
     torch.testing.assert_close(scores[[0, 1, 2, 818, 782]], expected, rtol=0, atol=1e-3)
 
 
-def test_a_stride_of_32_adds_the_last_blocks(encoder: Encoder) -> None:
-    changed = OPTIONS.model_copy(update={"kwargs": {"efficientnet": {"stride": 32}}})
-    whole = make_encoder(changed)
-    features = whole.encode([view_of_box(0.4)])[0].features
-    np.testing.assert_allclose(np.linalg.norm(features, axis=1), 1, atol=1e-5)
-    assert features.shape[1] == 432
-    assert settings_digest(changed, whole) != settings_digest(OPTIONS, encoder)
-
-
 def test_weights_that_are_not_installed_or_others_are_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     with monkeypatch.context() as without:
         without.setattr("importlib.metadata.distribution", absent)
@@ -143,7 +134,7 @@ def test_weights_that_are_not_installed_or_others_are_refused(monkeypatch: pytes
         network.load()
 
 
-@pytest.mark.parametrize("kwargs", [{"strid": 16}, {"stride": 8}, {"position": -1.0}])
+@pytest.mark.parametrize("kwargs", [{"positon": 1.0}, {"position": -1.0}])
 def test_options_that_cannot_be_are_refused(kwargs: dict[str, float]) -> None:
     with refused("E-PLUGIN-OPTION"):
         make_encoder(OPTIONS.model_copy(update={"kwargs": {"efficientnet": kwargs}}))
