@@ -92,7 +92,7 @@ def find_floor(
     """
     levels = find_levels(points, free, up) or find_levels(points, known, up)
     cloud = points[free if free.any() else known]
-    limit = -scale_threshold(cloud, PLANE_THRESHOLD) if len(cloud) else 0.0
+    limit = -scale_threshold(cloud) if len(cloud) else 0.0
 
     def score(level: Plane) -> tuple[int, float]:
         below = float((cloud @ level.normal - level.offset < limit).mean())

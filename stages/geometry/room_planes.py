@@ -101,26 +101,22 @@ def sample_points(points: Array, rng: np.random.Generator) -> Array:
     return points[np.sort(rng.choice(len(points), MAX_POINTS, replace=False))]
 
 
-def scale_threshold(points: Array, threshold: float) -> float:
-    """A threshold given for 3 m, scaled to the median distance of points (N, 3) from the camera, the origin."""
-    return threshold * max(1.0, float(np.median(np.linalg.norm(points, axis=1))) / 3.0)
+def scale_threshold(points: Array) -> float:
+    """`PLANE_THRESHOLD`, given for 3 m, scaled to the median distance of points (N, 3) from the camera, the origin."""
+    return PLANE_THRESHOLD * max(1.0, float(np.median(np.linalg.norm(points, axis=1))) / 3.0)
 
 
-def fit_floor(
-    points: Array, max_tilt: float, rng: np.random.Generator, threshold: float = PLANE_THRESHOLD
-) -> Plane | None:
+def fit_floor(points: Array, max_tilt: float, rng: np.random.Generator) -> Plane | None:
     """The level plane with most inliers among points (N, 3), camera frame; its normal points up. None: there is none.
 
     Args:
         max_tilt: largest angle between image-up and its normal, degrees.
-        threshold: metres within which a point at 3 m belongs to a plane.
     """
     if len(points) < 3:
         return None
     points, limit = sample_points(points, rng), np.cos(np.deg2rad(max_tilt))
-    plane = fit_plane(
-        points, scale_threshold(points, threshold), ITERATIONS, rng, lambda ups: np.abs(ups @ IMAGE_UP) > limit
-    )
+    off = scale_threshold(points)
+    plane = fit_plane(points, off, ITERATIONS, rng, lambda ups: np.abs(ups @ IMAGE_UP) > limit)
     if plane is None or plane.normal @ IMAGE_UP >= 0:
         return plane
     return Plane(-plane.normal, -plane.offset, plane.inliers)
@@ -138,17 +134,15 @@ def make_floor_frame(floor: Plane) -> Array:
     return rigid(rotation, [0.0, 0.0, -floor.offset])
 
 
-def fit_wall(
-    points: Array, camera_height: float, rng: np.random.Generator, threshold: float = PLANE_THRESHOLD
-) -> WallPlane | None:
+def fit_wall(points: Array, camera_height: float, rng: np.random.Generator) -> WallPlane | None:
     """The upright plane with most inliers among points (N, 3), floor frame; None: there is none.
 
-    The camera is at (0, 0, camera_height); `threshold` as of `fit_floor`.
+    The camera is at (0, 0, camera_height).
     """
     if len(points) < 3:
         return None
     points = sample_points(points, rng)
-    off = scale_threshold(points - [0, 0, camera_height], threshold)
+    off = scale_threshold(points - [0, 0, camera_height])
     plane = fit_plane(points, off, ITERATIONS, rng, lambda normals: np.abs(normals[:, 2]) < WALL_TILT)
     if plane is None:
         return None
@@ -161,11 +155,7 @@ def fit_wall(
 
 
 def find_walls(
-    points: Array,
-    free: NDArray[np.bool_],
-    camera_height: float,
-    rng: np.random.Generator,
-    threshold: float = PLANE_THRESHOLD,
+    points: Array, free: NDArray[np.bool_], camera_height: float, rng: np.random.Generator
 ) -> list[WallPlane]:
     """Walls without a mask: upright planes behind which nothing is seen.
 
@@ -173,9 +163,9 @@ def find_walls(
     """
     kept = np.sort(rng.permutation(len(points))[:MAX_POINTS])
     points, rest = points[kept], points[kept[free[kept]]]
-    reach, found = scale_threshold(points - [0, 0, camera_height], threshold), []
+    reach, found = scale_threshold(points - [0, 0, camera_height]), []
     for _ in range(MAX_PLANES):
-        wall = fit_wall(rest, camera_height, rng, threshold)
+        wall = fit_wall(rest, camera_height, rng)
         if wall is None or wall.inliers < max(3, STRAY * len(points)):
             break
         distances = rest @ wall.normal - wall.offset

@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from stages.config.matching import MatchingConfig
-from stages.geometry.cameras import back_project, look_at
-from stages.geometry.frames import yaw_matrix
 from stages.geometry.masks import pixel_bounds
 from stages.matching.crop import cut, foreground
 from stages.matching.encoders import make_encoder, settings_digest
@@ -115,11 +113,3 @@ def test_settings_name_the_store() -> None:
     assert len(digests) == 2
     heavier = MatchingConfig(hog={"normals": 0.5})  # type: ignore[arg-type]
     assert settings_digest(heavier, make_encoder(heavier)) in digests  # weights are applied when comparing
-
-
-def test_back_projection_agrees_with_the_ray_tracer() -> None:
-    view = view_of_box(0.3)
-    points = back_project(view.depth, view.intrinsics)[view.mask]  # type: ignore[arg-type]
-    pose = look_at(3 * np.array([np.cos(0.3), 0, np.sin(0.3)]), [0, 0, 0])
-    world = (points @ pose[:3, :3].T + pose[:3, 3]) @ yaw_matrix(0.3)
-    assert np.abs(np.abs(world) / [0.3, 0.5, 0.4]).max() < 1.001
