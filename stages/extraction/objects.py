@@ -90,10 +90,10 @@ def fit_box(
         trim: share of the points left out at either end of the box.
     """
     box, top = minimum_box(cloud, trim), float(np.quantile(whole[:, 2], 1 - trim))
-    distance = view.distance(box.center)
-    if top > box.top + view.tolerance(box.center):
+    center = box.center
+    if top > box.top + view.tolerance(center):
         box, cloud = with_top(box, top), whole
-    level = find_level(cloud, box, distance)
+    level = find_level(cloud, box, view.distance(center))
     heights = find_carrying_heights(label, level, box.top)
     return (box if level is None or not is_topped(label) else with_top(box, level)), heights
 
