@@ -59,7 +59,7 @@ PACKAGES = Path(__file__).resolve().parents[1] / "plugins"  # those beside the c
 @cache
 def list_shipped() -> tuple[str, ...]:
     """The packages beside the core that are in this checkout, as modules."""
-    return tuple(f"plugins.{file.parent.name}" for file in sorted(PACKAGES.glob("*/package.py")))
+    return tuple(f"plugins.{file.parent.name}" for file in sorted(PACKAGES.glob("*/__init__.py")))
 
 
 def folder(package: str) -> Path:

@@ -61,8 +61,13 @@ class Package:
 
 @cache
 def find_packages() -> dict[str, Package]:
-    """The packages of this checkout by name."""
-    return {module.rpartition(".")[2]: import_module(f"{module}.package").PACKAGE for module in plugins.list_shipped()}
+    """The packages of this checkout by name; of one without package.py the core need know nothing."""
+    found = {}
+    for module in plugins.list_shipped():
+        name = module.rpartition(".")[2]
+        told = (plugins.PACKAGES / name / "package.py").is_file()
+        found[name] = import_module(f"{module}.package").PACKAGE if told else Package()
+    return found
 
 
 def packages_on(on: Mapping[str, bool]) -> list[Package]:

@@ -12,7 +12,7 @@ from stages.geometry.boxes import (
     footprint,
     oriented_iou,
 )
-from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at, project
+from stages.geometry.cameras import PointMap, back_project, intrinsics_from_fov, look_at, make_intrinsics, project
 from stages.geometry.clouds import dbscan, farthest_points, statistical_inliers
 from stages.geometry.frames import (
     angle_difference,
@@ -198,3 +198,11 @@ def test_rays_meet_boxes_before_them_alone() -> None:
     rays = np.array([[1.0, 0, 0], [0.5, 0, 0], [-1, 0, 0], [1, 1, 0], [1, 0.2, 0], [0, 0, 1]])
     assert distances_along(eye, rays, box) == pytest.approx([2, 4, np.inf, np.inf, 2, np.inf])
     assert np.isinf(distances_along(box.center, rays, box)).all()  # whoever is in it does not see it
+
+
+def test_points_are_in_its_frame_where_depth_is_known() -> None:
+    depth = np.array([[2.0, 0.0], [1.0, 4.0]], np.float32)
+    seen = PointMap(depth, make_intrinsics(2, 2, 0, 0), rigid([[0, 0, 1], [-1, 0, 0], [0, -1, 0]], [0, 0, 1.5]))
+    np.testing.assert_allclose(seen.points[1, 1], [4, -2, -0.5])
+    assert np.isnan(seen.points[0, 1]).all()
+    np.testing.assert_allclose(seen.of(np.array([[True, True], [False, True]])), [[2, 0, 1.5], [4, -2, -0.5]])

@@ -1,5 +1,0 @@
-"""What the core must know of this package."""
-
-from stages.config.packages import Package
-
-PACKAGE = Package()
