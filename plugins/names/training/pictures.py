@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from plugins.names.training.rooms import FLOOR, Room, triangles
-from plugins.names.training.solids import Array, Rng, cast_scene
+from plugins.names.training.solids import Array, Rng, cast_rays, cast_scene
 from stages.geometry.cameras import back_project, look_at, make_intrinsics
 from stages.geometry.frames import apply
 from stages.geometry.room_planes import Plane, make_floor_frame
@@ -49,8 +49,7 @@ def pictures_in(room: Room, views: int, rng: Rng) -> Iterator[Picture]:
         pose = look_at(eye, target)
         pose[:3, :3] = pose[:3, :3] @ Rotation.from_euler("z", rng.normal(0, 0.04)).as_matrix()
         rays = back_project(np.ones((HEIGHT, WIDTH)), intrinsics) @ pose[:3, :3].T
-        beams = np.concatenate([np.broadcast_to(eye, rays.shape), rays], axis=-1).astype(np.float32)
-        found = scene.cast_rays(beams)  # type: ignore[arg-type]
+        found = cast_rays(scene, np.concatenate([np.broadcast_to(eye, rays.shape), rays], axis=-1))
         depth = found["t_hit"].numpy().astype(float)
         if np.quantile(depth, 0.1) < NEAREST:
             continue

@@ -40,15 +40,21 @@ class Solid:
         """How high (N,) it is over points (N, 2) of the ground, metres; infinite: it is not there."""
         above = self.size[2] + 1.0
         rays = np.add(np.pad(points, ((0, 0), (0, 4))), [0, 0, above, 0, 0, -1])
-        found = self._scene.cast_rays(rays.astype(np.float32))  # type: ignore[arg-type]
-        return above - found["t_hit"].numpy().astype(float)
+        return above - cast_rays(self._scene, rays)["t_hit"].numpy().astype(float)
 
 
 def cast_scene(vertices: NDArray[np.floating], faces: NDArray[np.integer]) -> o3d.t.geometry.RaycastingScene:
     """Triangles for rays."""
     scene = o3d.t.geometry.RaycastingScene(nthreads=1)
-    scene.add_triangles(vertices.astype(np.float32), faces.astype(np.uint32))  # type: ignore[call-overload]
+    as_tensor = o3d.core.Tensor.from_numpy
+    scene.add_triangles(as_tensor(vertices.astype(np.float32)), as_tensor(faces.astype(np.uint32)))
     return scene
+
+
+def cast_rays(scene: o3d.t.geometry.RaycastingScene, rays: Array) -> dict[str, o3d.core.Tensor]:
+    """What rays (..., 6), origin and direction, hit first."""
+    found: dict[str, o3d.core.Tensor] = scene.cast_rays(o3d.core.Tensor.from_numpy(rays.astype(np.float32)))
+    return found
 
 
 def make_solid(category: str, rng: Rng, index: int) -> Solid:
