@@ -13,11 +13,7 @@ class PhotoSection(Section):
 
     detector: str = Field("weights/grounding_dino", description="Weights of Grounding DINO: a box for every label.")
     segmenter: str = Field("weights/sam2", description="Weights of SAM 2: a mask for every box.")
-    depth: Literal["depth_anything", "depth_pro"] = Field(
-        "depth_anything", description="Metric depth. depth_pro: slower, sharper, and it tells the field of view."
-    )
     depth_anything: str = Field("weights/depth_anything_v2", description="Weights of Depth-Anything V2, metric.")
-    depth_pro: str = Field("weights/depth_pro", description="Weights of Depth Pro.")
     captions: Literal["labels", "vlm"] = Field(
         "labels",
         description="Source of the labels to detect. labels: the key `labels`. vlm: a vision-language model lists "
@@ -40,8 +36,8 @@ class PhotoSection(Section):
         None,
         ge=FIELD_OF_VIEW[0],
         le=FIELD_OF_VIEW[1],
-        description="Degrees over the picture's width. null: Depth Pro's if it is used, else by EXIF, by lines in the "
-        "picture, or that of a usual camera, with a note in the log.",
+        description="Degrees over the picture's width. null: by EXIF, lines in the picture, or a usual camera, "
+        "with a note in the log.",
     )
     lens: str | None = Field(
         None,
@@ -51,12 +47,11 @@ class PhotoSection(Section):
 
     def networks(self) -> dict[str, str]:
         """Folders of the networks that are used, by their keys, in the order of their use."""
-        return {name: getattr(self, name) for name in ("detector", "segmenter", self.depth)}
+        return {name: getattr(self, name) for name in ("detector", "segmenter", "depth_anything")}
 
     def list_unread(self) -> set[str]:
-        """The depth network that is not used, and what the way to captions does not need."""
-        silent = {"labels"} if self.captions == "vlm" else {"vlm", "mounting"}
-        return {"depth_anything", "depth_pro"} - {self.depth} | silent
+        """What the way to captions does not need."""
+        return {"labels"} if self.captions == "vlm" else {"vlm", "mounting"}
 
 
 class PhotoConfig(PhotoSection):

@@ -70,8 +70,8 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
                 code="E-VLM-ANSWER",
             ) from None
         print(f"{model.model} lists {', '.join(labels)}")
-    depth, focal = depth_of(photo.rgb, settings, device)
-    intrinsics, line = camera_of(photo, focal, settings)
+    depth = depth_of(photo.rgb, settings, device)
+    intrinsics, line = camera_of(photo, settings)
     print(line)
     things = find_things(photo.rgb, labels, settings, device)
     if asker is None:
@@ -85,18 +85,14 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
     print(f"{out}: {len(written.objects)} objects, {'a' if written.floor else 'no'} floor, {len(written.walls)} walls")
 
 
-def camera_of(photo: Photo, estimated: float | None, options: PhotoConfig) -> tuple[Matrix, str]:
-    """K, and a line with the source of its focal length: config, depth network, EXIF, lines, a usual camera."""
+def camera_of(photo: Photo, options: PhotoConfig) -> tuple[Matrix, str]:
+    """K, and a line with the source of its focal length: config, EXIF, lines, a usual camera."""
     height, width = photo.rgb.shape[:2]
     prior = usual_focal(width, height, photo.focal)
     if options.field_of_view is not None:
         focal, source = float(intrinsics_of_view(options.field_of_view, width, height)[0, 0]), "photo.field_of_view"
-    elif options.lens is not None and photo.focal is not None:
-        focal, source = photo.focal, "photo.lens"
-    elif estimated is not None:
-        focal, source = estimated, "Depth Pro"
     elif photo.focal is not None:
-        focal, source = photo.focal, "EXIF"
+        focal, source = photo.focal, "EXIF" if options.lens is None else "photo.lens"
     else:
         proposed = propose(np.asarray(cv2.cvtColor(photo.rgb, cv2.COLOR_RGB2GRAY), np.uint8), prior)
         usual = "a usual camera, as nothing tells it: photo.field_of_view sets it"

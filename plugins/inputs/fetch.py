@@ -15,7 +15,6 @@ SOURCES = {  # model ids on the hub
     "detector": "IDEA-Research/grounding-dino-base",
     "segmenter": "facebook/sam2.1-hiera-large",
     "depth_anything": "depth-anything/Depth-Anything-V2-Metric-Indoor-Large-hf",
-    "depth_pro": "apple/DepthPro-hf",
 }
 RECORD = "fetched.json"  # beside the weights, when all of their files are there
 WANTED = ["*.json", "*.txt", "model.safetensors"]

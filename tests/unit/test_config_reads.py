@@ -40,7 +40,6 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "geometry": {"match"},
     "vlm": set(),
     "matching.kwargs": set(),
-    "photo.depth_pro": set(),  # not used
     "photo.mounting": set(),
     "evaluation.selection_rollouts": {"selection-rollout"},
     "demonstrations.randomise": set(),  # of one role's demonstrations alone

@@ -9,8 +9,6 @@ from transformers import (
     BertTokenizerFast,
     DepthAnythingConfig,
     DepthAnythingForDepthEstimation,
-    DepthProConfig,
-    DepthProForDepthEstimation,
     Dinov2Config,
     GroundingDinoConfig,
     GroundingDinoForObjectDetection,
@@ -24,7 +22,6 @@ from transformers import (
 )
 
 WORDS = ["cabinet", "mug", "coffee", "table", "floor", "wall", "."]
-FOV = 60.0  # degrees, about: what the tiny Depth Pro tells of every picture
 DINOV2: dict[str, Any] = {"hidden_size": 8, "num_hidden_layers": 4, "num_attention_heads": 2, "mlp_ratio": 1}
 
 
@@ -71,23 +68,10 @@ def depth_anything(folder: Path, kind: str = "metric") -> None:
     DepthAnythingForDepthEstimation(config).save_pretrained(folder)
 
 
-def depth_pro(folder: Path) -> None:
-    backbone = {"model_type": "dinov2", **DINOV2, "patch_size": 4, "image_size": 16}
-    config = DepthProConfig(
-        fusion_hidden_size=8, patch_size=16, intermediate_hook_ids=[1, 0], intermediate_feature_dims=[8, 8],
-        scaled_images_feature_dims=[8, 8, 8], image_model_config=backbone, patch_model_config=backbone,
-        fov_model_config=backbone, use_fov_model=True, num_fov_head_layers=0,
-    )  # fmt: skip
-    model = DepthProForDepthEstimation(config)
-    last = list(model.fov_model.parameters())[-1]
-    torch.nn.init.constant_(last, FOV)
-    model.save_pretrained(folder)
-
-
 def save_all(folder: Path) -> dict[str, str]:
     """All of them, and the options that name them."""
     torch.manual_seed(0)
-    makers = {"detector": detector, "segmenter": segmenter, "depth_anything": depth_anything, "depth_pro": depth_pro}
+    makers = {"detector": detector, "segmenter": segmenter, "depth_anything": depth_anything}
     for name, make in makers.items():
         make(folder / name)
     return {name: str(folder / name) for name in makers}

@@ -16,13 +16,11 @@ from numpy.typing import NDArray
 from transformers import (
     AutoTokenizer,
     DepthAnythingForDepthEstimation,
-    DepthProForDepthEstimation,
     GroundingDinoForObjectDetection,
     Sam2Model,
 )
 
 from plugins.inputs.config import PhotoConfig
-from plugins.inputs.known_cameras import FIELD_OF_VIEW
 from plugins.pretrained.weights import load_pretrained
 from stages.contracts import InputError
 from stages.contracts.depth import NEAREST, SKY
@@ -50,10 +48,10 @@ def _free_memory_after(device: str) -> Iterator[None]:
         torch.cuda.empty_cache()
 
 
-def _pixels(rgb: Picture, width: int, height: int, norm: tuple[Sequence[float], Sequence[float]]) -> torch.Tensor:
+def _pixels(rgb: Picture, width: int, height: int) -> torch.Tensor:
     """The picture (1, 3, height, width) as a network sees it."""
     sized = cv2.resize(rgb, (width, height), interpolation=cv2.INTER_LINEAR).astype(np.float32) / 255
-    mean, deviation = (np.array(values, np.float32) for values in norm)
+    mean, deviation = (np.array(values, np.float32) for values in IMAGENET)
     return torch.from_numpy((sized - mean) / deviation).permute(2, 0, 1)[None].contiguous()
 
 
@@ -64,36 +62,32 @@ def detect(rgb: Picture, labels: Sequence[str], options: PhotoConfig, device: st
         InputError: the weights are missing or broken.
     """
     with _free_memory_after(device):
-        return _detect(rgb, labels, options, device)
-
-
-def _detect(rgb: Picture, labels: Sequence[str], options: PhotoConfig, device: str) -> list[Detection]:
-    height, width = rgb.shape[:2]
-    model = load_pretrained(GroundingDinoForObjectDetection, options.detector, "photo.detector").to(device)
-    tokenizer = _tokenizer(options.detector, "photo.detector")
-    scale = min(DETECTOR_SIDES[0] / min(width, height), DETECTOR_SIDES[1] / max(width, height))
-    pixels = _pixels(rgb, round(width * scale), round(height * scale), IMAGENET).to(device)
-    seen = torch.ones(pixels.shape[0], *pixels.shape[2:], dtype=torch.long, device=device)
-    found: list[Detection] = []
-    for ids, spans in _texts(tokenizer, labels, model.config.max_text_len):
-        tokens = torch.tensor([ids], device=device)
-        result = model(
-            pixel_values=pixels,
-            pixel_mask=seen,
-            input_ids=tokens,
-            attention_mask=torch.ones_like(tokens),
-            token_type_ids=torch.zeros_like(tokens),
-        )
-        scores = result.logits[0].sigmoid().cpu().numpy()
-        x, y, w, h = result.pred_boxes[0].cpu().numpy().T
-        boxes = np.stack([x - w / 2, y - h / 2, x + w / 2, y + h / 2], axis=1) * [width, height, width, height]
-        boxes = np.clip(boxes, 0, [width, height, width, height])
-        by_label = np.stack([scores[:, start:end].max(axis=1) for start, end in spans.values()], axis=1)
-        for query in np.flatnonzero(by_label.max(axis=1) > options.box_threshold):
-            best = int(by_label[query].argmax())
-            box = tuple(float(value) for value in boxes[query])
-            if box[2] - box[0] >= 2 and box[3] - box[1] >= 2:
-                found.append(Detection(list(spans)[best], float(by_label[query, best]), box))  # type: ignore[arg-type]
+        height, width = rgb.shape[:2]
+        model = load_pretrained(GroundingDinoForObjectDetection, options.detector, "photo.detector").to(device)
+        tokenizer = _tokenizer(options.detector, "photo.detector")
+        scale = min(DETECTOR_SIDES[0] / min(width, height), DETECTOR_SIDES[1] / max(width, height))
+        pixels = _pixels(rgb, round(width * scale), round(height * scale)).to(device)
+        seen = torch.ones(pixels.shape[0], *pixels.shape[2:], dtype=torch.long, device=device)
+        found: list[Detection] = []
+        for ids, spans in _texts(tokenizer, labels, model.config.max_text_len):
+            tokens = torch.tensor([ids], device=device)
+            result = model(
+                pixel_values=pixels,
+                pixel_mask=seen,
+                input_ids=tokens,
+                attention_mask=torch.ones_like(tokens),
+                token_type_ids=torch.zeros_like(tokens),
+            )
+            scores = result.logits[0].sigmoid().cpu().numpy()
+            x, y, w, h = result.pred_boxes[0].cpu().numpy().T
+            boxes = np.stack([x - w / 2, y - h / 2, x + w / 2, y + h / 2], axis=1) * [width, height, width, height]
+            boxes = np.clip(boxes, 0, [width, height, width, height])
+            by_label = np.stack([scores[:, start:end].max(axis=1) for start, end in spans.values()], axis=1)
+            for query in np.flatnonzero(by_label.max(axis=1) > options.box_threshold):
+                best = int(by_label[query].argmax())
+                box = tuple(float(value) for value in boxes[query])
+                if box[2] - box[0] >= 2 and box[3] - box[1] >= 2:
+                    found.append(Detection(list(spans)[best], float(by_label[query, best]), box))  # type: ignore[arg-type]
     return sorted(found, key=lambda detection: -detection.score)
 
 
@@ -138,7 +132,7 @@ def segment(
         model = load_pretrained(Sam2Model, options.segmenter, "photo.segmenter").to(device)
         side = model.config.prompt_encoder_config.image_size
         boxes = np.array([item.box for item in detections]) * np.array([side / width, side / height] * 2)
-        embedded = model.get_image_embeddings(_pixels(rgb, side, side, IMAGENET).to(device))
+        embedded = model.get_image_embeddings(_pixels(rgb, side, side).to(device))
         masks = []
         for box in boxes:  # one at a time: memory does not grow with their number
             given = torch.tensor(box, dtype=torch.float32, device=device).reshape(1, 1, 4)
@@ -148,48 +142,23 @@ def segment(
         return masks
 
 
-def depth_of(rgb: Picture, options: PhotoConfig, device: str = "cpu") -> tuple[NDArray[np.float32], float | None]:
-    """Depth (H, W) in metres, and the focal length in pixels if the network tells it.
+def depth_of(rgb: Picture, options: PhotoConfig, device: str = "cpu") -> NDArray[np.float32]:
+    """Depth (H, W) in metres.
 
     Raises:
-        InputError: the weights are missing or broken.
+        InputError: the weights are missing, broken, or of another kind.
     """
-    with _free_memory_after(device):
-        depth, focal = (_depth_pro if options.depth == "depth_pro" else _depth_anything)(rgb, options, device)
-        if not np.isfinite(depth).all():
-            what = "gives depth that is not finite."
-            raise InputError(f"photo.{options.depth}", what, "other weights", code="E-WEIGHTS-KIND")
-        return np.clip(depth, NEAREST, SKY).astype(np.float32), focal
-
-
-def _depth_anything(rgb: Picture, options: PhotoConfig, device: str) -> tuple[NDArray[np.float32], None]:
     key, (height, width) = "photo.depth_anything", rgb.shape[:2]
-    model = load_pretrained(DepthAnythingForDepthEstimation, options.depth_anything, key).to(device)
-    if model.config.depth_estimation_type != "metric":
-        what = f"'{options.depth_anything}' gives relative depth, not metres."
-        raise InputError(key, what, "metric weights are asked for", code="E-WEIGHTS-KIND")
-    patch, scale = model.config.patch_size, 518 / min(width, height)  # pixels of the shorter side in its preprocessor
-    across, down = (max(patch, round(side * scale / patch) * patch) for side in (width, height))
-    depth = model(_pixels(rgb, across, down, IMAGENET).to(device)).predicted_depth[0].float().cpu().numpy()
-    return cv2.resize(depth, (width, height), interpolation=cv2.INTER_LINEAR).astype(np.float32), None
-
-
-def _depth_pro(rgb: Picture, options: PhotoConfig, device: str) -> tuple[NDArray[np.float32], float]:
-    height, width = rgb.shape[:2]
-    model = load_pretrained(DepthProForDepthEstimation, options.depth_pro, "photo.depth_pro").to(device)
-    side = model.config.patch_size * 4  # of the largest of its three scales (1536 pixels)
-    result = model(_pixels(rgb, side, side, ((0.5, 0.5, 0.5), (0.5, 0.5, 0.5))).to(device))
-    inverse = result.predicted_depth[0].float().cpu().numpy()
-    if result.field_of_view is None:  # without it the depth has no scale
-        fix = "weights with a field of view are needed"
-        raise InputError("photo.depth_pro", "tells no field of view.", fix, code="E-WEIGHTS-KIND")
-    degrees = float(result.field_of_view.flatten()[0])
-    if not FIELD_OF_VIEW[0] < degrees < FIELD_OF_VIEW[1]:
-        what = f"sees a field of view of {degrees:.0f} degrees."
-        raise InputError(
-            "photo.depth_pro", what, "photo.depth: depth_anything, or another picture", code="E-CAMERA-VIEW"
-        )
-    focal = width / 2 / float(np.tan(np.deg2rad(degrees) / 2))
-    inverse *= width / focal
-    inverse = cv2.resize(inverse, (width, height), interpolation=cv2.INTER_LINEAR)
-    return (1 / np.clip(inverse, 1e-4, 1e4)).astype(np.float32), focal
+    with _free_memory_after(device):
+        model = load_pretrained(DepthAnythingForDepthEstimation, options.depth_anything, key).to(device)
+        if model.config.depth_estimation_type != "metric":
+            what = f"'{options.depth_anything}' gives relative depth, not metres."
+            raise InputError(key, what, "metric weights are asked for", code="E-WEIGHTS-KIND")
+        patch = model.config.patch_size
+        scale = 518 / min(width, height)  # pixels of the shorter side in its preprocessor
+        across, down = (max(patch, round(side * scale / patch) * patch) for side in (width, height))
+        found = model(_pixels(rgb, across, down).to(device)).predicted_depth[0].float().cpu().numpy()
+    depth = cv2.resize(found, (width, height), interpolation=cv2.INTER_LINEAR)
+    if not np.isfinite(depth).all():
+        raise InputError(key, "gives depth that is not finite.", "other weights", code="E-WEIGHTS-KIND")
+    return np.clip(depth, NEAREST, SKY).astype(np.float32)

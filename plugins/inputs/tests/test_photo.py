@@ -33,7 +33,7 @@ from stages.geometry.frames import apply
 from stages.geometry.room_planes import STRAY
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, WALL, write_room
-from tests.unit.tiny_networks import FOV, depth_anything, save_all
+from tests.unit.tiny_networks import depth_anything, save_all
 
 RGB = np.random.default_rng(0).integers(0, 255, (120, 160, 3), dtype=np.uint8)
 BOXES = [UprightBox((3.6, -0.6, 0.45), (0.6, 0.9, 0.9), 0.0), UprightBox((2.6, 0.6, 0.3), (0.5, 0.5, 0.6), 0.3)]
@@ -80,14 +80,9 @@ def test_many_labels_are_asked_for_in_several_texts(tiny: dict[str, Any]) -> Non
     assert [spans for _, spans in texts] == [{"coffee table": (1, 3), "mug": (4, 5)}, {"cabinet": (1, 2)}]
 
 
-def test_depth_is_in_metres_and_depth_pro_tells_the_focal_length(tiny: dict[str, Any], tmp_path: Path) -> None:
-    for kind in ("depth_anything", "depth_pro"):
-        depth, focal = depth_of(RGB, options(tiny, depth=kind))
-        assert depth.shape == (120, 160) and depth.dtype == np.float32 and 0 < depth.min() <= depth.max() <= 100
-        if kind == "depth_pro":
-            assert focal == pytest.approx(80 / np.tan(np.deg2rad(FOV) / 2), rel=0.1)
-        else:
-            assert focal is None
+def test_depth_is_in_metres(tiny: dict[str, Any], tmp_path: Path) -> None:
+    depth = depth_of(RGB, options(tiny))
+    assert depth.shape == (120, 160) and depth.dtype == np.float32 and 0 < depth.min() <= depth.max() <= 100
     depth_anything(tmp_path / "relative", "relative")
     with refused("E-WEIGHTS-KIND"):
         depth_of(RGB, options(tiny, depth_anything=str(tmp_path / "relative")))
@@ -125,7 +120,9 @@ def known(room: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Detectio
         found.append(Detection(label, 0.9 - 0.1 * number, box))  # type: ignore[arg-type]
     monkeypatch.setattr(estimate, "detect", lambda *_: found)
     monkeypatch.setattr(estimate, "segment", lambda *_: [scene.masks == values[item.label] for item in found])
-    monkeypatch.setattr(estimate, "depth_of", lambda *_: (scene.depth, float(INTRINSICS[0][0])))
+    monkeypatch.setattr(estimate, "depth_of", lambda *_: scene.depth)
+    focal = float(INTRINSICS[0][0])
+    monkeypatch.setattr(estimate, "read_photo", lambda *_: Photo(scene.rgb, focal, 1.0))
     yield found
 
 
@@ -139,7 +136,7 @@ def test_what_the_networks_see_is_what_extraction_finds(room: Path, known: list[
     np.testing.assert_array_equal(seen.masks == seen.annotations.floor, truth.masks == FLOOR)
     assert len(seen.annotations.walls) == 1
     np.testing.assert_allclose(seen.camera.intrinsics, INTRINSICS, rtol=1e-6)
-    assert "by Depth Pro" in seen.camera.note and seen.camera.floor_from_camera is None
+    assert "by EXIF" in seen.camera.note and seen.camera.floor_from_camera is None
     extract(input=tmp_path / "seen", scene="seen", options="{}", seed=0, out=tmp_path / "found/objects.json")
     sizes = [item["box"]["size"] for item in json.loads((tmp_path / "found/objects.json").read_text())["objects"]]
     assert sizes[1][2] == pytest.approx(0.6, abs=0.06)
@@ -276,14 +273,13 @@ def test_the_focal_length_is_the_best_that_is_known() -> None:
     grey[40:80] = 140
     known, unknown = Photo(grey, 200.0, 1.0), Photo(grey, None, 1.0)
     cases = [
-        (known, 150.0, {"field_of_view": 90}, 80.0, "photo.field_of_view"),
-        (known, 150.0, {}, 150.0, "Depth Pro"),
-        (known, 150.0, {"lens": "lens.yaml"}, 200.0, "photo.lens"),
-        (known, None, {}, 200.0, "EXIF"),
-        (unknown, None, {}, 128.0, "a usual camera, as nothing tells it"),
+        (known, {"field_of_view": 90}, 80.0, "photo.field_of_view"),
+        (known, {"lens": "lens.yaml"}, 200.0, "photo.lens"),
+        (known, {}, 200.0, "EXIF"),
+        (unknown, {}, 128.0, "a usual camera, as nothing tells it"),
     ]
-    for photo, estimated, keys, focal, source in cases:
-        intrinsics, line = estimate.camera_of(photo, estimated, PhotoConfig.model_validate(keys))
+    for photo, keys, focal, source in cases:
+        intrinsics, line = estimate.camera_of(photo, PhotoConfig.model_validate(keys))
         assert intrinsics[0, 0] == pytest.approx(focal) and source in line and intrinsics[0, 2] == 79.5
 
 
