@@ -117,15 +117,6 @@ def test_links_to_nothing_and_pipes_are_told(tmp_path: Path, capsys: pytest.Capt
     assert "left out: box/pipe.obj: is no file that can be read" in said
 
 
-def test_parts_of_a_category_and_folders_that_say_nothing(tmp_path: Path) -> None:
-    good(tmp_path / "theirs", "output/cabinet_panel.glb")
-    good(tmp_path / "theirs", "output/cabinet.glb")
-    good(tmp_path / "theirs", "shelf_window.glb")
-    found = named_models([tmp_path / "theirs"], by_suffix(IMPORTERS))
-    told = {one.path.stem: one.category for one in found.values()}
-    assert told == {"cabinet_panel": "cabinet_panel", "cabinet": "bottom_cabinet", "shelf_window": "shelf_window"}
-
-
 def notes_pipe(folder: Path) -> None:
     good(folder, "box/m/aa.glb")
     os.mkfifo(folder / "box/m/asset.json")

@@ -11,7 +11,6 @@ import trimesh
 
 from plugins.importing.discover import discover
 from plugins.importing.fronts import doors_and_drawers, front_direction
-from plugins.importing.naming import number_names
 from plugins.importing.pushing import stuck_joints
 from plugins.importing.solid_handle import with_solid_handles
 from plugins.importing.tests.own_models import import_folder
@@ -144,14 +143,6 @@ def test_only_doors_and_drawers_move(tmp_path: Path) -> None:
     assert all(np.allclose(before[name], after[name]) for name in before), "everything stays where it was, closed"
 
 
-def test_unknown_masses_are_those_of_boards(tmp_path: Path) -> None:
-    (tmp_path / "c.urdf").write_text(cabinet())
-    links = read_urdf(tmp_path / "c.urdf", tmp_path).links
-    assert 1.5 < links["door"].mass < 4, "a door of half a metre"
-    assert links["drawer"].mass < 10 < 0.4 * 0.5 * 0.8 * 500
-    assert 5 < links["body"].mass < 25, "a shell, not 80 kg of solid wood"
-
-
 def rubbing(gap: float) -> str:
     """Two drawers one above the other, `gap` apart (negative: they overlap)."""
     parts = "".join(
@@ -254,21 +245,6 @@ def test_partnet_folders_are_read_as_they_are(tmp_path: Path, capsys: pytest.Cap
     said = capsys.readouterr().out
     assert "left out: " in said and "99999" in said
     assert "turned to face +x, where 2 of its doors and drawers open" in said
-
-
-def test_names(tmp_path: Path) -> None:
-    for path in (
-        "chair/red/model.urdf",
-        "chair/blue/a.urdf",
-        "chair/blue/b.urdf",
-        "chair/plain.urdf",
-        "lamp/7/mobility.urdf",
-    ):
-        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / path).write_text("")
-    found = [(one.category, one.name) for one in discover(tmp_path, [".urdf"])]
-    assert found == [("chair", "a"), ("chair", "b"), ("chair", "plain"), ("chair", "red"), ("table_lamp", "7")]
-    assert number_names(["a", "a", "b", "a_2", "a"], ["b"]) == ["a", "a_2", "b_2", "a_2_2", "a_3"]
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,6 @@ from PIL import Image
 
 from plugins.importing.evidence import Evidence
 from plugins.importing.import_ import describe_left_behind, run
-from plugins.importing.importers import Axis
-from plugins.importing.imports import axis_vector, in_file
 from plugins.importing.own import run as own
 from plugins.importing.portrait import ARROW
 from plugins.importing.tests.own_models import import_folder
@@ -121,14 +119,6 @@ def test_own_takes_files_from_its_folder_or_from_here(tmp_path: Path, monkeypatc
         assert json.loads((tmp_path / f"{number}.json").read_text())["left_out"] == []
     with refused("E-MODELS-NONE", "chair/gone.glb"):
         own(folder=Path("theirs"), models=("a=chair/gone.glb",), out=tmp_path / "gone.json")
-
-
-@pytest.mark.parametrize("front", ["+x", "-x", "+y", "-y"])
-def test_directions_go_back_to_the_file(front: Axis) -> None:
-    for up in ("+z", "-z"):
-        assert in_file(np.array([1.0, 0, 0]), front, up) == front
-        left = np.cross(axis_vector(up), axis_vector(front))
-        assert (axis_vector(in_file(np.array([0, 1.0, 0]), front, up)) == left).all()
 
 
 def handleless() -> str:

@@ -163,3 +163,34 @@ def test_what_is_fixed_or_left_out_is_named(folder: Path) -> None:
         "fixed: 1 joints ('turn'), which have no limits or turn as balls do",
         "has what is not read: 1 equality constraints",
     )
+
+
+BOX = '<geom type="box" size=".1 .1 .1"/>'
+
+
+def _write(folder: Path, text: str) -> Path:
+    (folder / "a.xml").write_text(f"<mujoco>{text}</mujoco>")
+    return folder / "a.xml"
+
+
+@pytest.mark.parametrize(
+    ("inside", "before", "said"),
+    [
+        ("<region/>", "", "unrecognized element"),
+        ('<joint name="j" axis="0 0 0"/>', "", "axis"),
+        ("", '<asset><material name="m"/><material name="m"/></asset>', "repeated name 'm'"),
+    ],
+)
+def test_what_mujoco_refuses_is_told_in_its_words(tmp_path: Path, inside: str, before: str, said: str) -> None:
+    path = _write(tmp_path, f"{before}<worldbody><body>{inside}{BOX}</body></worldbody>")
+    with refused("E-MJCF-REFUSED") as told:
+        read_mjcf(path, tmp_path)
+    assert said in str(told.value) and "\n" not in str(told.value)
+
+
+def test_a_range_counts_where_it_need_not_hold_if_it_ends_closed(tmp_path: Path) -> None:
+    for told, moves in (("0 2.7", True), ("-1.5 0", True), ("-10.3 10.3", False)):
+        turns = f'<body><joint name="j" axis="0 0 1" limited="false" range="{told}"/>{BOX}</body>'
+        text = f'<compiler angle="radian"/><worldbody>{turns}</worldbody>'
+        robot = read_mjcf(_write(tmp_path, text), tmp_path)
+        assert (robot.joints[0].type == "revolute") == moves

@@ -14,10 +14,11 @@ from plugins.importing.fronts import doors_and_drawers
 from plugins.importing.import_ import run
 from plugins.importing.importers.mjcf import read_mjcf
 from plugins.importing.inertia_repair import repair_inertias
-from plugins.importing.naming import strip_name
+from plugins.importing.naming import number_names, strip_name
 from plugins.importing.portrait import Portraits
 from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.mesh_writer import write_glb
+from stages.articulated.model import Link
 from stages.articulated.part_types import assign_part_types, contract_joints
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.categories import category_in
@@ -154,6 +155,11 @@ def test_folders_whose_names_say_nothing(tmp_path: Path) -> None:
         "assets/urdf/parts/drawer/drawer_top.urdf",
         "assets/urdf/parts/chair/model.urdf",
         "crate/big/box.urdf",
+        "chair/blue/a.urdf",
+        "chair/blue/b.urdf",
+        "lamp/7/mobility.urdf",
+        "output/cabinet_panel.urdf",
+        "output/cabinet.urdf",
     ):
         urdf(tmp_path / path, "")
     assert {(one.category, one.name) for one in discover(tmp_path, [".urdf"])} == {
@@ -163,7 +169,13 @@ def test_folders_whose_names_say_nothing(tmp_path: Path) -> None:
         ("drawer", "drawer"),
         ("chair", "chair"),
         ("crate", "big"),
+        ("chair", "a"),
+        ("chair", "b"),
+        ("table_lamp", "7"),
+        ("cabinet_panel", "cabinet_panel"),
+        ("bottom_cabinet", "cabinet"),
     }
+    assert number_names(["a", "a", "b", "a_2", "a"], ["b"]) == ["a", "a_2", "b_2", "a_2_2", "a_3"]
     assert [strip_name(name) for name in ("011_banana", "banana_model_obj", "mesh")] == ["banana", "banana", "mesh"]
 
 
@@ -202,12 +214,6 @@ def test_import_says_what_it_only_assumes(tmp_path: Path, capsys: pytest.Capture
     assert "front assumed" in said["gears.glb"], "glTF has an agreed direction up"
     for name in ("cloth.obj", "ramp.obj"):
         assert f"{name}: not used: is flat" in said[name]
-
-
-def test_loose_things_hold_still(tmp_path: Path) -> None:
-    text = f'<link name="a">{box("1 1 1")}</link><link name="b">{box("1 1 1")}</link>'
-    text += '<joint name="j" type="floating"><parent link="a"/><child link="b"/></joint>'
-    assert read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path).joints[0].type == "fixed"
 
 
 def test_large_textures_are_made_smaller(tmp_path: Path) -> None:
@@ -259,3 +265,24 @@ def test_masses_and_sizes_that_no_thing_has_are_doubted(tmp_path: Path, size: st
     text = f'<link name="a">{box(size)}<inertial><mass value="{mass}"/></inertial></link>'
     lines = repair_inertias(read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path))[1]
     assert [line.startswith(says) for line in lines] == [True] * bool(says)
+
+
+def _drawer(folder: Path, kilograms: float) -> tuple[Link, list[str]]:
+    """A drawer that weighs so much in its file, weighed sanely, and what is said of it."""
+    parts = box("0.02 0.5 0.2") + box("0.3 0.45 0.15", "-0.16 0 0")
+    inertial = f'<inertial><mass value="{kilograms}"/><inertia ixx="{kilograms / 30}" iyy="{kilograms / 60}" '
+    inertial += f'izz="{kilograms / 40}" ixy="0" ixz="0" iyz="0"/></inertial>'
+    text = f'<robot name="r"><link name="body">{box("0.4 0.5 0.6", "-0.21 0 0.3")}</link><link name="d">{inertial}'
+    text += f"{parts}</link>{joint('slide', 'prismatic', 'd', '1 0 0', 0.3, '0.01 0 0.3')}</robot>"
+    (folder / "a.urdf").write_text(text)
+    robot, lines = repair_inertias(read_urdf(folder / "a.urdf", folder))
+    return robot.links["d"], lines
+
+
+def test_what_is_taken_for_boards_turns_as_if_it_were_of_boards(tmp_path: Path) -> None:
+    (kept, nothing), (lighter, lines) = _drawer(tmp_path, 4.0), _drawer(tmp_path, 4000.0)
+    assert nothing == []
+    assert lines[-1:] == [f"what 'slide' moves weighs 4e+03 kg in its file: taken for boards, {lighter.mass:.2g} kg"]
+    assert kept.mass == 4.0 and 2 < lighter.mass < 6
+    np.testing.assert_allclose(np.diag(kept.inertia), [4 / 30, 4 / 60, 4 / 40])
+    assert lighter.inertia / lighter.mass == pytest.approx(kept.inertia / kept.mass)

@@ -1,16 +1,13 @@
 """Which way is up in files that say otherwise than their format: what hinges, slides, the foot and the size tell."""
 
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from plugins.importing.evidence import Stated, collect_evidence, find_shared_facts
+from plugins.importing.evidence import collect_evidence
 from plugins.importing.fronts import doors_and_drawers
-from plugins.importing.import_ import run
 from plugins.importing.importers import Axis
-from plugins.importing.importers.urdf import IMPORTER
 from plugins.importing.imports import axis_vector
 from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.forward_kinematics import change_root, measure_closed_box
@@ -122,15 +119,6 @@ def test_what_is_not_enough_against_the_format_is_a_doubt(tmp_path: Path) -> Non
     assert told.axis == "+z" and told.doubt == "its foot would have +y"
 
 
-def test_three_fridges_with_y_up_tell_it_of_all(tmp_path: Path) -> None:
-    files = [
-        Stated(".urdf", "fridge", collect_evidence(turned(model(tmp_path, FRIDGE), "+y", "+x", True))) for _ in range(3)
-    ]
-    common, words = find_shared_facts(files, {".urdf": IMPORTER})
-    assert common[".urdf"].up == "+y"
-    assert words[".urdf"].startswith("3 models; up: 3 +y;")
-
-
 def test_a_seat_on_its_gas_lift_is_no_drawer_however_it_lies(tmp_path: Path) -> None:
     robot = turned(model(tmp_path, CHAIR), "+x", "+y", True)
     assert doors_and_drawers(robot)[1] == [
@@ -140,19 +128,6 @@ def test_a_seat_on_its_gas_lift_is_no_drawer_however_it_lies(tmp_path: Path) -> 
     for text in (DRAWERS, DRAWERS.replace("</link>", f"{top}</link>", 1)):
         drawer, lines = doors_and_drawers(model(tmp_path, text))
         assert lines == [] and drawer.joints[0].type == "prismatic"
-
-
-def test_a_fridge_with_y_up_stands_and_its_door_opens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    y_up = '<link name="y_up"/><joint name="up" type="fixed"><parent link="y_up"/><child link="body"/>'
-    y_up += '<origin rpy="-1.5707963 -1.5707963 0" xyz="0 -0.9 0"/></joint>'
-    (tmp_path / "fridges").mkdir()
-    handle = box("0.03 0.02 0.4", "0.065 0.62 0")
-    text = FRIDGE.replace("</link><joint", f"{handle}</link><joint")
-    (tmp_path / "fridges/fridge.urdf").write_text(f'<robot name="f">{y_up}{text}</robot>')
-    run(tmp_path / "fridges", out=tmp_path / "mine")
-    said = capsys.readouterr().out
-    assert "70 cm wide, 68 deep, 180 high" in said and "up +y by its hinges and size" in said
-    assert re.search(r"door 'door_hinge': 86 degrees, hinge left, handle: \w+", said)
 
 
 def test_what_turns_about_its_own_middle_tells_nothing_of_what_is_up(tmp_path: Path) -> None:
@@ -174,3 +149,18 @@ def test_a_drawer_that_is_cut_stays_where_it_is_closed(tmp_path: Path) -> None:
         np.ptp(measure_closed_box(robot), axis=0)[0]
     )
     assert len(lines) == 1 and "slides 190 cm in its file, cut to" in lines[0]
+
+
+def test_buttons_say_nothing_of_what_is_up(tmp_path: Path) -> None:
+    """A drawer that slides along y, so z is up; three wide pads that lift a little, and a knob."""
+    parts = {"drawer": box("0.5 0.4 0.2"), **{f"button_{n}": box("0.18 0.3 0.02") for n in range(3)}}
+    text = f'<link name="body">{box("0.6 0.5 0.8")}</link><link name="knob">{box("0.03 0.03 0.03")}</link>'
+    text += "".join(f'<link name="{name}">{part}</link>' for name, part in parts.items())
+    text += joint("slide", "prismatic", "drawer", "0 1 0", 0.3, "0 0.1 0")
+    text += "".join(
+        joint(f"press_{n}", "prismatic", f"button_{n}", "0 0 1", 0.004, f"{0.2 * n - 0.2} 0 0.4") for n in range(3)
+    )
+    text += joint("turn", "revolute", "knob", "0 1 0", 0.05, "0 0.25 0.3")
+    (tmp_path / "a.urdf").write_text(f'<robot name="r">{text}</robot>')
+    told = collect_evidence(read_urdf(tmp_path / "a.urdf", tmp_path))
+    assert len(told.slides) == 1 and not told.hinges and told.find_up("chest_of_drawers").axis == "+z"

@@ -2,7 +2,6 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from plugins.inputs.rgbd.camera_files import contents
 from plugins.inputs.rgbd.cameras import intrinsics_of_camera
 from plugins.inputs.rgbd.lens import find_distortion, read_lens
-from stages.contracts import Camera, InputError
+from stages.contracts import Camera
 from stages.geometry.cameras import scale_intrinsics
 from tests.refusals import refused
 
@@ -66,6 +65,9 @@ def rows(matrix: NDArray[np.float64]) -> str:
         {"intrinsics": FOUR.T.ravel().tolist()},
         {"K": K.ravel().tolist(), "P": P.ravel().tolist(), "D": [0] * 5, "width": 640, "height": 480},
         {"P": P.ravel().tolist()},
+        yaml.safe_dump(
+            {"camera_matrix": {"data": K.ravel().tolist()}, "projection_matrix": {"data": (0.9 * P).ravel().tolist()}}
+        ),  # ROS
         {"projection_matrix": {"rows": 3, "cols": 4, "data": P.ravel().tolist()}},
         {"camera_info": 1, "camera": {"intrinsics": {**FLAT, "resolution": [640, 480]}}},
         {"color": FLAT, "depth": {"fx": 400, "fy": 400, "cx": 200, "cy": 150}, "width": 848, "height": 480}
@@ -144,6 +146,7 @@ def test_of_many_cameras_the_picture_s_own_is_taken(tmp_path: Path) -> None:
         ("1 THIN_PRISM_FISHEYE 640 480 600 610 320 240 0 0 0 0 0 0 0 0", "LENS-MODEL", "thin_prism_fisheye"),
         ("[LEFT_CAM_HD]\nfx=600\nfy=610\ncx=320\ncy=240\n", "FILE-UNREADABLE", ""),
         ("camera: &a\n  camera: *a\n", "FILE-UNREADABLE", ""),
+        ("a: [1, 2", "FILE-UNREADABLE", ""),
         ("fx = 600\nfx = 700\nfy = 610\ncx = 320\ncy = 240\n", "CAMERA-INTRINSICS", "no intrinsics"),
     ],
 )
@@ -199,6 +202,9 @@ def lens(tmp_path: Path, said: object) -> list[float] | None:
         ("1 PINHOLE 640 480 600 610 320 240", None),
         ({**FLAT, "depth_camera": {"fx": 300, "k1": 0.3}}, None),
         ({**FLAT, "dist_coeff": [[0.1, 0, 0, 0]]}, [0.1, 0, 0, 0, 0]),
+        ({"distortion_coefficients": {"rows": 1, "cols": 5, "data": [0.1, *[0] * 4]}, "distortion_model": "plumb_bob"},
+         [0.1, *[0] * 4]),
+        ({"distortion": {"k1": 0.1, "k2": -0.2, "p1": 0.01, "p2": 0.02, "k3": 0}}, [0.1, -0.2, 0.01, 0.02, 0]),
         ({**FLAT, "camera_model": "D435i, left", "coeffs": [0.1, *[0] * 4], "model": "brown_conrady"}, [0.1, *[0] * 4]),
     ],
 )  # fmt: skip
@@ -217,6 +223,11 @@ def test_lenses_of_other_tools(tmp_path: Path, said: object, found: list[float] 
         ({**FLAT, "k1": 0.1, "distortion_model": "division"}, "MODEL", "division"),
         ({"D": [0.1] * 15}, "MISSING", ""),
         ({"D": [0.1, 0.2]}, "MISSING", ""),
+        ({"D": [0.1, 0.2], "distortion_model": "equidistant"}, "MISSING", ""),
+        ({"coeffs": [*[0.1] * 4, 0.1], "model": "RS2_DISTORTION_KANNALA_BRANDT4"}, "MISSING", ""),
+        ({"D": ["much"]}, "MISSING", ""),
+        ({"D": [1, 2, 3]}, "MISSING", ""),
+        ({"D": [float("nan")] * 5}, "MISSING", ""),
     ],
 )
 def test_lenses_that_are_not_read_are_refused(tmp_path: Path, said: object, code: str, says: str) -> None:
@@ -234,28 +245,6 @@ def test_camera_by_name() -> None:
     """A real D435 at 640x480 has fx 613; its narrow picture is cut at the sides of a wide sensor."""
     assert intrinsics_of_camera("realsense_d435", 640, 480)[0, 0] == pytest.approx(613, rel=0.02)
     assert intrinsics_of_camera("realsense_d435", 1280, 720)[0, 0] == pytest.approx(920, rel=0.02)
+    assert intrinsics_of_camera("realsense_d435", 480, 640)[0, 0] == pytest.approx(613, rel=0.02), "held upright"
     with refused("E-CAMERA-NAME"):
         intrinsics_of_camera("polaroid", 640, 480)
-
-
-def test_a_camera_that_was_held_upright() -> None:
-    assert (
-        intrinsics_of_camera("realsense_d435", 480, 640)[0, 0] == intrinsics_of_camera("realsense_d435", 640, 480)[0, 0]
-    )
-
-
-def test_yaml_of_ros(tmp_path: Path) -> None:
-    said: dict[str, Any] = {
-        "image_width": 640,
-        "image_height": 480,
-        "camera_name": "head",
-        "distortion_model": "plumb_bob",
-    }
-    said |= {"camera_matrix": {"rows": 3, "cols": 3, "data": K.ravel().tolist()}}
-    said |= {"distortion_coefficients": {"rows": 1, "cols": 5, "data": [0.1, 0, 0, 0, 0]}}
-    said |= {"projection_matrix": {"rows": 3, "cols": 4, "data": (0.9 * P).ravel().tolist()}}
-    (tmp_path / "K.yaml").write_text(yaml.safe_dump(said))
-    np.testing.assert_allclose(read_lens(tmp_path / "K.yaml", WIDTH, HEIGHT).intrinsics, K)
-    with pytest.raises(InputError):
-        (tmp_path / "K.yaml").write_text("a: [1, 2")
-        read_lens(tmp_path / "K.yaml", WIDTH, HEIGHT)

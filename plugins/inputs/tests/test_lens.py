@@ -96,53 +96,6 @@ def test_known_points_are_where_a_pinhole_camera_sees_them(tmp_path: Path, data:
     ).all()  # no black borders
 
 
-@pytest.mark.parametrize(
-    "data",
-    [
-        {"distortion_coefficients": {"rows": 1, "cols": 5, "data": BENT}, "distortion_model": "plumb_bob"},
-        {"D": BENT},
-        {"dist_coeffs": [BENT]},
-        {"k1": BENT[0], "k2": BENT[1], "p1": BENT[2], "p2": BENT[3]},
-        {"distortion": {"k1": BENT[0], "k2": BENT[1], "p1": BENT[2], "p2": BENT[3], "k3": 0}},
-        {"D": BENT[:4]},
-        {"coeffs": BENT, "model": "distortion.brown_conrady"},
-    ],
-)
-def test_calibrations_of_any_usual_layout(tmp_path: Path, data: dict[str, Any]) -> None:
-    lens = read_lens(calibration(tmp_path / "lens.json", **data), WIDTH, HEIGHT)
-    np.testing.assert_allclose(lens.distortion[:5], BENT)
-    np.testing.assert_allclose(lens.intrinsics, K)
-
-
-@pytest.mark.parametrize("inverse", [[-0.1, 0.02, 0, 0, 0], [0, 0, 0.01, 0, 0], [0, 0, 0, 0.01, 0]])
-def test_what_goes_from_bent_to_straight_is_turned_round(tmp_path: Path, inverse: list[float]) -> None:
-    said = {"coeffs": inverse, "model": "distortion.inverse_brown_conrady"}
-    lens = read_lens(calibration(tmp_path / "lens.json", **said), WIDTH, HEIGHT)
-    bent = np.stack([*np.meshgrid([-0.5, 0.0, 0.5], [-0.4, 0.0, 0.4]), np.ones((3, 3))], axis=-1).reshape(-1, 3)
-    points, none = bent, np.zeros(3)
-    for coefficients in (np.array(inverse), lens.distortion):  # there and back
-        pixels = cv2.projectPoints(points, none, none, np.eye(3), coefficients)[0][:, 0]
-        points = np.column_stack([pixels, np.ones(len(pixels))])
-    np.testing.assert_allclose(points, bent, atol=0.001)
-
-
-@pytest.mark.parametrize(
-    ("data", "code"),
-    [
-        ({"D": BENT[:2], "distortion_model": "equidistant"}, "LENS-MISSING"),
-        ({"coeffs": [*BENT[:4], 0.1], "model": "RS2_DISTORTION_KANNALA_BRANDT4"}, "LENS-MISSING"),
-        ({"D": BENT, "distortion_model": "omni"}, "LENS-MODEL"),
-        ({"D": BENT, "distortion_model": "cubic"}, "LENS-MODEL"),
-        ({"D": ["much"]}, "LENS-MISSING"),
-        ({"D": [1, 2, 3]}, "LENS-MISSING"),
-        ({"D": [float("nan")] * 5}, "LENS-MISSING"),
-    ],
-)
-def test_what_is_no_calibration_is_one_line(tmp_path: Path, data: dict[str, Any], code: str) -> None:
-    with refused(f"E-{code}"):
-        read_lens(calibration(tmp_path / "lens.json", **data), WIDTH, HEIGHT)
-
-
 def test_a_photograph_is_straightened_before_everything(tmp_path: Path) -> None:
     cv2.imwrite(str(tmp_path / "wide.png"), picture(LINE, 3))  # 1920 pixels: it is made smaller as well
     lens = tmp_path / "lens.json"  # of the file's size, which it does not say

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from plugins.inputs import from_rgbd
-from plugins.inputs.rgbd.edges import DEPTH_STEP, _as_far_as, remove_edges
+from plugins.inputs.rgbd.edges import remove_edges
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from plugins.inputs.rgbd.write import write_frame
 from plugins.inputs.tests.test_rgbd import BOX, CAN, TABLE, boxes_of
@@ -95,10 +95,3 @@ def test_a_thin_handle_is_kept_and_what_is_behind_a_wide_mask_is_not() -> None:
     handle = clean[30:70, 80:87]
     assert (np.abs(handle - 1.1) < 0.03).sum() > 0.5 * handle.size
     assert (clean > 1.15).sum() < 10
-
-
-def test_what_is_as_far_is_told_by_the_share_of_the_distance() -> None:
-    depth = np.float32([[4.0, 4.0 + 3 * DEPTH_STEP, 4.0 + 6 * DEPTH_STEP]])
-    part = np.array([[True, False, False]])
-    assert _as_far_as(part, depth).tolist() == [[True, True, False]]
-    assert _as_far_as(part, depth / 8).tolist() == [[True, True, False]]
