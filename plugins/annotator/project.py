@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from plugins.inputs.photo.guides import Perspective
+from plugins.inputs.photo.perspective import Perspective
 from stages.contracts.files import Contract, Document
 from stages.contracts.fronts import Panel
 from stages.contracts.types import Extent, Id, Panels, Pixel, Side, Text, check_unique

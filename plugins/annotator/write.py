@@ -12,7 +12,7 @@ from plugins.annotator.project import DrawnObject, Project
 from plugins.annotator.solve import Solved, solve
 from plugins.inputs.own_scene import is_clone, write_config
 from plugins.inputs.photo.metrology import View
-from plugins.inputs.rgbd.upright import is_stretched
+from plugins.inputs.rgbd.frame import is_stretched
 from stages.contracts import Annotations, Camera, InputError
 from stages.contracts.doubt import Doubt
 from stages.contracts.images import colour_of

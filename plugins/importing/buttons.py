@@ -54,11 +54,7 @@ def explain_unpushable(robot: RobotModel, joint: JointModel, frames: dict[str, M
     least, most = PARTS["button"].motion
     travel = joint.upper - joint.lower
     if cap is None or rest is None:
-        return (
-            "is sprung or called a button, and is not seen"
-            if cap is None
-            else "is sprung or called a button, and is on nothing"
-        )
+        return f"is sprung or called a button, and is {'not seen' if cap is None else 'on nothing'}"
     if not least <= travel <= most:
         return f"is sprung or called a button, and moves by {100 * travel:.2g} cm"
     axis = frames[joint.child][:3, :3] @ joint.axis

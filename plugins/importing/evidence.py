@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -36,7 +36,7 @@ class Evidence(Contract):
     """What a model shows about its file: up, unit and front.
 
     extents: (3,) in its frame and unit. hinges, slides: of it. foot: the direction in which alone its foot is at the
-    origin's height. fronts: by up, where its doors and drawers open to.
+    origin's height. fronts: by up, where its doors and drawers open to. remarks: what its reader left out.
     """
 
     extents: tuple[float, float, float]
@@ -44,6 +44,7 @@ class Evidence(Contract):
     slides: tuple[Slide, ...] = ()
     foot: Axis | None = None
     fronts: dict[Axis, Axis] = {}
+    remarks: tuple[str, ...] = ()
 
     def find_up(self, category: str, agreed: Axis | None = None, sure: bool = False) -> Up:
         """The direction up, if such files agree on one: all but exceptions (`sure`), or many of them.
@@ -92,32 +93,26 @@ def collect_evidence(robot: RobotModel) -> Evidence:
         slides=tuple(find_slides(robot)),
         foot=grounded[0] if len(grounded) == 1 else None,
         fronts=fronts,
+        remarks=robot.remarks,
     )
 
 
-class Stated(NamedTuple):
-    """A model that was read: the kind of its file, its category, and its evidence."""
-
-    kind: str
-    category: str
-    evidence: Evidence
-
-
 def find_shared_facts(
-    models: Iterable[Stated], kinds: Mapping[str, Importer]
+    models: Iterable[tuple[str, str, Evidence]], kinds: Mapping[str, Importer]
 ) -> tuple[dict[str, Shared], dict[str, str]]:
-    """The facts that the models of each kind of file share, by suffix; and how many models support them, in words."""
-    groups: dict[str, list[Stated]] = {}
-    for model in models:
-        groups.setdefault(model.kind, []).append(model)
+    """The facts that models (suffix, category, evidence) of each kind of file share, by suffix; and how many models
+    support them, in words."""
+    groups: dict[str, list[tuple[str, Evidence]]] = {}
+    for kind, category, evidence in models:
+        groups.setdefault(kind, []).append((category, evidence))
     common, words = {}, {}
     for kind, group in sorted(groups.items()):
-        directions = [one.evidence.find_up(one.category) for one in group]
+        directions = [evidence.find_up(category) for category, evidence in group]
         ups = [direction.axis for direction in directions if direction.ahead >= CLEAR]
         up = _find_majority(ups)
         by_up = up or kinds[kind].up
-        units = [unit for one in group if (unit := one.evidence.unit(one.category, by_up))]
-        fronts = [front for one in group if (front := one.evidence.fronts.get(by_up))]
+        units = [unit for category, evidence in group if (unit := evidence.unit(category, by_up))]
+        fronts = [front for _, evidence in group if (front := evidence.fronts.get(by_up))]
         common[kind] = Shared(up=up, unit=_find_majority(units), front=_find_majority(fronts))
         names = _count_values([UNITS[unit] for unit in units])
         words[kind] = f"{len(group)} models; up: {_count_values(ups)}; unit: {names}; front: {_count_values(fronts)}"

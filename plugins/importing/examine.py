@@ -23,7 +23,7 @@ from stages.articulated.urdf_writer import write_urdf
 from stages.contracts.categories import find_usual_size, known_categories
 from stages.contracts.category import describe_unusual
 from stages.contracts.errors import InputError, escape_control
-from stages.contracts.files import Contract, read_json, write_json
+from stages.contracts.files import read_json, write_json
 from stages.contracts.library import Asset, Joint
 from stages.contracts.types import LARGEST
 
@@ -71,14 +71,7 @@ class Examined:
         return escape_control("\n  ".join(lines))
 
 
-class Read(Contract):
-    """A model that was read: what its reader left out, and the evidence of its file's frame."""
-
-    remarks: tuple[str, ...]
-    evidence: Evidence
-
-
-def read(found: Found, importer: Importer, place: Path) -> Read:
+def read(found: Found, importer: Importer, place: Path) -> Evidence:
     """Write a model into the folder `place`, in a process of its own: as it is in its file; notes there stay.
 
     Raises:
@@ -89,9 +82,9 @@ def read(found: Found, importer: Importer, place: Path) -> Read:
         with in_one_line(found.path):
             robot = with_notes(found, importer).importer.read(found.path, found.folder)
             write_model(robot, place)
-            return Read(remarks=robot.remarks, evidence=collect_evidence(robot)).model_dump_json()
+            return collect_evidence(robot).model_dump_json()
 
-    return Read.model_validate_json(run_in_fork(found.path, examine_all))
+    return Evidence.model_validate_json(run_in_fork(found.path, examine_all))
 
 
 def examine_model(
@@ -121,7 +114,7 @@ def examine_model(
             found.path, lambda: kind.dump_json(_examine_model(named, importer, place, work, tells, shared)).decode()
         )
     except InputError as error:
-        return Examined(found.path, place, doubts=[str(error).removeprefix(escape_control(f"{found.path}: "))])
+        return Examined(found.path, place, doubts=[explain(error, found.path)])
     model = kind.validate_json(answer)
     asset = model.asset
     twin = next((other for other in before if asset and other.asset and other.asset.checksum == asset.checksum), None)
@@ -150,9 +143,7 @@ def _examine_model(
             asset, doubts = import_file(with_notes(as_written, URDF), work)
             model.doubts += doubts
     except InputError as error:
-        model.doubts.append(
-            str(error).removeprefix(escape_control(f"{found.path}: ")).removeprefix(escape_control(f"{written}: "))
-        )
+        model.doubts.append(explain(error, found.path, written))
         return model
     model.asset = asset
     if odd := describe_unusual(known_categories().get(asset.category), asset.size):
@@ -160,6 +151,14 @@ def _examine_model(
     elif asset.category not in known_categories() and max(asset.size) < TINY:
         model.doubts.append(f"is at most {100 * max(asset.size):.2g} cm large: is the unit right (scale)?")
     return model
+
+
+def explain(error: InputError, *files: Path) -> str:
+    """What an error says of the first of these files that it names, without the file."""
+    text = str(error)
+    for file in files:
+        text = text.removeprefix(escape_control(f"{file}: "))
+    return text
 
 
 def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Notes, list[str]]:

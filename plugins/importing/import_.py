@@ -15,8 +15,8 @@ from plugins.importing.discover import (
     is_model,
     is_part,
 )
-from plugins.importing.evidence import Stated, find_shared_facts
-from plugins.importing.examine import Examined, Read, examine_model, read
+from plugins.importing.evidence import Evidence, find_shared_facts
+from plugins.importing.examine import Examined, examine_model, explain, read
 from plugins.importing.import_page import write_page
 from plugins.importing.imports import IMPORTERS, by_suffix, in_one_line
 from plugins.importing.naming import number_names, snake_case
@@ -46,17 +46,16 @@ def run(folder: Path, /, *, out: Path) -> None:
     found = models_of(folder, out, list(kinds))
     pack = read_pack(out / PACK)
     models: dict[Path, Examined] = {}
-    read_models: dict[Path, Read] = {}
+    evidence: dict[Path, Evidence] = {}
     where = {one.path: out / place for one, place in zip(found, places(found), strict=True)}
     for one in progress(found, "models read", len(found)):
         try:
-            read_models[one.path] = read(one, kinds[one.path.suffix.lower()], where[one.path])
+            evidence[one.path] = read(one, kinds[one.path.suffix.lower()], where[one.path])
         except InputError as error:
-            line = str(error).removeprefix(escape_control(f"{one.path}: "))
-            models[one.path] = Examined(one.path, where[one.path], doubts=[line])
+            models[one.path] = Examined(one.path, where[one.path], doubts=[explain(error, one.path)])
             print(models[one.path].text(), flush=True)
-    left = [one for one in found if one.path in read_models]
-    tell = [Stated(one.path.suffix.lower(), one.category, read_models[one.path].evidence) for one in left]
+    left = [one for one in found if one.path in evidence]
+    tell = [(one.path.suffix.lower(), one.category, evidence[one.path]) for one in left]
     common, words = find_shared_facts(tell, kinds)
     pack = complete_pack(pack, common, [snake_case(one.category) for one in left])
     write_pack(out / PACK, pack, words)
@@ -65,10 +64,9 @@ def run(folder: Path, /, *, out: Path) -> None:
         for number, one in enumerate(left):
             work, kind = Path(scratch) / str(number), one.path.suffix.lower()
             category = pack.categories[snake_case(one.category)]
-            before = list(models.values())
-            tells = read_models[one.path].evidence
+            before, tells = list(models.values()), evidence[one.path]
             model = examine_model(one, kinds[kind], where[one.path], work, before, tells, pack.kinds[kind], category)
-            model.doubts = [*read_models[one.path].remarks, *model.doubts]
+            model.doubts = [*tells.remarks, *model.doubts]
             if model.asset is not None:
                 try:
                     with in_one_line(one.path):
@@ -77,7 +75,7 @@ def run(folder: Path, /, *, out: Path) -> None:
                         model.doubts += list_unreachable(work / model.asset.id)
                 except InputError as error:
                     model.asset = None
-                    model.doubts.append(str(error).removeprefix(escape_control(f"{one.path}: ")))
+                    model.doubts.append(explain(error, one.path))
             models[one.path] = model
             print(model.text(), flush=True)
     write_page(out / PAGE, folder, list(models.values()), pack, words)

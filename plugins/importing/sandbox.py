@@ -2,16 +2,16 @@
 reader stops nothing else."""
 
 import json
-import os
+import multiprocessing
 import resource
 import signal
-import sys
-import traceback
 from collections.abc import Callable
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 from stages.contracts.errors import InputError
 
+FORK = multiprocessing.get_context("fork")
 SECONDS = 150  # of CPU time; a mesh of 1.3 million triangles takes 35
 WAIT = 2 * SECONDS  # by the clock
 MEGABYTES = 3000  # beyond what this process has
@@ -24,21 +24,20 @@ def run_in_fork(path: Path, work: Callable[[], str]) -> str:
     Raises:
         InputError: it raised one, took more than the limits, or crashed.
     """
-    sys.stdout.flush()
-    sys.stderr.flush()
-    answer, ours = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(answer)
-        _work(path, work, ours)
-    os.close(ours)
-    with os.fdopen(answer, "rb") as stream:
-        reply = stream.read()
-    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    answer, ours = FORK.Pipe(duplex=False)
+    child = FORK.Process(target=_work, args=(path, work, ours))
+    child.start()
+    ours.close()
+    try:
+        reply = answer.recv_bytes()
+    except (EOFError, OSError):  # it ended without one
+        reply = b""
+    child.join()
+    status = child.exitcode
     if status in (-signal.SIGXCPU, -signal.SIGALRM):
         seconds = SECONDS if status == -signal.SIGXCPU else WAIT
         raise InputError(path, f"takes more than {seconds} s to read.", SIMPLER, code="E-MODEL-TIME")
-    if status != 0:
+    if status != 0 or not reply:
         what = f"crashes what reads it, or takes more than {MEGABYTES} MB of memory ({_name(status)})."
         raise InputError(path, what, SIMPLER, code="E-MODEL-CRASH")
     error, text = json.loads(reply)
@@ -48,27 +47,17 @@ def run_in_fork(path: Path, work: Callable[[], str]) -> str:
     return str(text)
 
 
-def _work(path: Path, work: Callable[[], str], ours: int) -> None:
-    """The child: never returns."""
-    code = 1
+def _work(path: Path, work: Callable[[], str], ours: Connection) -> None:
+    """What the child does."""
+    _limit()
     try:
-        _limit()
-        try:
-            reply = json.dumps([None, work()])
-        except InputError as error:
-            reply = _encode_error(error)
-        except MemoryError:
-            what = f"takes more than {MEGABYTES} MB of memory to read."
-            reply = _encode_error(InputError(path, what, SIMPLER, code="E-MODEL-MEMORY"))
-        with os.fdopen(ours, "wb") as stream:
-            stream.write(reply.encode())
-        code = 0
-    except BaseException:
-        traceback.print_exc()
-    finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(code)
+        reply = json.dumps([None, work()])
+    except InputError as error:
+        reply = _encode_error(error)
+    except MemoryError:
+        what = f"takes more than {MEGABYTES} MB of memory to read."
+        reply = _encode_error(InputError(path, what, SIMPLER, code="E-MODEL-MEMORY"))
+    ours.send_bytes(reply.encode())
 
 
 def _encode_error(error: InputError) -> str:
@@ -90,6 +79,6 @@ def _limit() -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
 
 
-def _name(status: int) -> str:
+def _name(status: int | None) -> str:
     """How a process ended."""
-    return signal.Signals(-status).name if status < 0 else f"exit status {status}"
+    return signal.Signals(-status).name if status and status < 0 else f"exit status {status}"

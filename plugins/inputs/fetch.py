@@ -97,10 +97,7 @@ def fetch_weights(path: str, source: str, key: str, locked: Locked | None = None
 
 def _check_lock(folder: Path, sha256: str, locked: Locked | None) -> None:
     if locked is not None and sha256 != locked.sha256:
-        what, fix = (
-            f"has sha256 {sha256}, locked is {locked.sha256}.",
-            "remove the folder, or the entry of the lock file",
-        )
+        what, fix = f"has sha256 {sha256}, locked is {locked.sha256}.", "remove the folder, or the lock file's entry"
         raise InputError(folder / "model.safetensors", what, fix, code="E-WEIGHTS-CHECKSUM")
 
 

@@ -65,3 +65,12 @@ def data_url(picture: Picture, longest: int) -> str:
         picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
     _, png = cv2.imencode(".png", np.ascontiguousarray(picture[..., ::-1]))
     return f"data:image/png;base64,{base64.b64encode(png.tobytes()).decode()}"
+
+
+def draw_box(rgb: Picture, box: Sequence[float]) -> Picture:
+    """The picture (H, W, 3) with a red box (x0, y0, x1, y1), as far as it lies in the picture."""
+    shown = rgb.copy()
+    height, width = rgb.shape[:2]
+    x0, y0, x1, y1 = np.clip(np.rint(box).astype(int), 0, [width - 1, height - 1] * 2).tolist()
+    cv2.rectangle(shown, (x0, y0), (x1, y1), (255, 0, 0), max(2, round(max(rgb.shape) / 300)))
+    return shown

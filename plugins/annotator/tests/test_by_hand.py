@@ -23,8 +23,7 @@ from plugins.annotator.solve import solve
 from plugins.annotator.support import support_at
 from plugins.annotator.tests.annotate_page import serve
 from plugins.annotator.write import at_size, write_folder
-from plugins.inputs.photo.guides import Guide, Perspective
-from plugins.inputs.photo.perspective import find_weak_lines, fit_view
+from plugins.inputs.photo.perspective import Guide, Perspective, find_weak_lines, fit_view
 from plugins.inputs.photo.picture import LONGEST_SIDE, read_photo
 from stages.contracts import Annotations, Camera, InputError, Objects, read_json, write_json
 from stages.contracts.categories import sizes_of

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from plugins.annotator.project import DrawnObject, DrawnWall, Project, Scale
 from plugins.annotator.solve import solve
 from plugins.annotator.support import support_at
-from plugins.inputs.photo.guides import Guide, Perspective
 from plugins.inputs.photo.metrology import (
     MetrologyError,
     View,
@@ -23,7 +22,7 @@ from plugins.inputs.photo.metrology import (
     round_box,
     wall_plane,
 )
-from plugins.inputs.photo.perspective import fit_view, horizon, vanishing_point
+from plugins.inputs.photo.perspective import Guide, Perspective, fit_view, horizon, vanishing_point
 from plugins.inputs.photo.segments import propose, usual_focal
 from stages.geometry.boxes import UprightBox, corners, oriented_iou
 

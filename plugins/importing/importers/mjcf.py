@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
@@ -126,20 +126,11 @@ class _Reader:
     def _joint(self, joint: int, parent: str, child: str, origin: Matrix) -> JointModel:
         model = self.model
         low, high = (model.jnt_range[joint] - model.qpos0[model.jnt_qposadr[joint]]).tolist()
-        kind = model.jnt_type[joint]
-        name = model.joint(joint).name or f"joint_{joint}"
-        model_joint = JointModel(
-            name,
-            "prismatic" if kind == mjtJoint.mjJNT_SLIDE else "revolute",
-            parent,
-            child,
-            origin,
-            model.jnt_axis[joint].copy(),
-            low,
-            high,
-            follows=self.pairs.get(joint),
-        )
-        return close_at_lower(model_joint)
+        kind: Literal["prismatic", "revolute"]
+        kind = "prismatic" if model.jnt_type[joint] == mjtJoint.mjJNT_SLIDE else "revolute"
+        name, axis = model.joint(joint).name or f"joint_{joint}", model.jnt_axis[joint].copy()
+        follows = self.pairs.get(joint)
+        return close_at_lower(JointModel(name, kind, parent, child, origin, axis, low, high, follows=follows))
 
     def _pairs(self) -> dict[int, str]:
         """The joints that an equality makes stand like another of the same body and type, and the names of those."""

@@ -9,8 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
 from plugins.inputs.numbered import draw_numbers
 from plugins.vlm.ask import Asker, NoAnswerError
-from plugins.vlm.boxed import draw_box
-from plugins.vlm.prompt import Prompt
+from plugins.vlm.prompt import Prompt, draw_box
 from stages.contracts.errors import escape_control
 
 NONE = "none"

@@ -1,21 +1,46 @@
 """Where the camera looks and its focal length, from lines whose direction in the room is known (least squares)."""
 
 from functools import lru_cache
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import Field
 from scipy.optimize import least_squares
 
-from plugins.inputs.photo.guides import Guide, Perspective
 from plugins.inputs.photo.metrology import View, rotation_of
+from stages.contracts.files import Contract
 from stages.contracts.types import Pixel
 
 Points = NDArray[np.float64]
+Focal = Annotated[float, Field(gt=10, lt=1e5, allow_inf_nan=False)]
+Axis = Literal["x", "y", "z"]
 PIN = 0.3  # pixels by which what was fixed by hand may be off; of lines, one
 USUAL = np.array([0.0, np.deg2rad(-8), 0.0])  # yaw, pitch and roll of a hand-held camera, and how sure that is
 SURE = np.deg2rad([45.0, 15.0, 2.0])
 AXES = "xyz"
 WEAK = np.deg2rad(2.0)  # between a line and the direction that it should run in
+
+
+class Guide(Contract):
+    """A line in the picture that in the room runs along an axis: x along the view's wall, y away from us, z up."""
+
+    axis: Axis
+    a: Pixel
+    b: Pixel
+
+
+class Perspective(Contract):
+    """What determines the camera: lines, and values fixed by hand (null: fitted to the lines)."""
+
+    guides: list[Guide] = Field([], max_length=200)
+    horizon: tuple[Pixel, Pixel] | None = None
+    x: Pixel | None = None
+    y: Pixel | None = None
+    z: Pixel | None = None
+    focal: Focal | None = Field(None, description="pixels, fixed by hand")
+    likely_focal: Focal = Field(description="pixels: from EXIF, from all lines found, or that of a usual camera")
+    spread: float = Field(0.3, gt=0, le=2, description="standard deviation of the logarithm of `likely_focal`")
 
 
 def measure_misses(view: View, axes: NDArray[np.integer], ends: Points) -> Points:

@@ -4,9 +4,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.inputs.photo.guides import Guide, Perspective
 from plugins.inputs.photo.metrology import View
-from plugins.inputs.photo.perspective import AXES, WEAK, fit_view, measure_misses
+from plugins.inputs.photo.perspective import AXES, WEAK, Guide, Perspective, fit_view, measure_misses
 from stages.geometry.frames import wrap_angle
 
 Points = NDArray[np.float64]

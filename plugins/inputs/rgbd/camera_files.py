@@ -156,23 +156,8 @@ def _is_of(key: str, entry: dict[str, Any], stem: str) -> bool:
 
 def _camera_of(entry: dict[str, Any]) -> dict[str, Any]:
     """The intrinsics in an entry, without the pose."""
-    names = {
-        *FOCAL,
-        *ANGLE,
-        *MATRICES,
-        "w",
-        "h",
-        "width",
-        "height",
-        "fy",
-        "fly",
-        "cx",
-        "cy",
-        "ppx",
-        "ppy",
-        "k1",
-        "coeffs",
-    }
+    lens = {"w", "h", "width", "height", "fy", "fly", "cx", "cy", "ppx", "ppy", "k1", "coeffs"}
+    names = lens.union(FOCAL, ANGLE, MATRICES)
     return {name: value for name, value in flatten_values(entry).items() if name in names}
 
 
@@ -198,15 +183,11 @@ def matrix_of(numbers: NDArray[np.float64]) -> tuple[NDArray[np.float64], tuple[
         raise ValueError(f"{len(numbers)} numbers are no matrix")
     rows, columns = shapes[len(numbers)]
     for found in (numbers.reshape(rows, columns), numbers.reshape(columns, rows).T):
-        if np.array_equal(found[2, :3], [0, 0, 1]) and found[1, 0] == 0 and (rows == 3 or _is_last(found[3])):
+        if np.array_equal(found[2, :3], [0, 0, 1]) and found[1, 0] == 0 and found[3:].tolist() in ([], [[0, 0, 0, 1]]):
             if abs(found[0, 1]) > 0.001 * abs(found[0, 0]):
                 raise ValueError(f"a skew of {found[0, 1]:g}, which is not read")
             return _square(found[0, 0], found[1, 1], found[0, 2], found[1, 2]), None
     raise ValueError("a matrix that is no [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
-
-
-def _is_last(row: NDArray[np.float64]) -> bool:
-    return np.array_equal(row, [0, 0, 0, 1])
 
 
 def _square(fx: float, fy: float, cx: float, cy: float) -> NDArray[np.float64]:

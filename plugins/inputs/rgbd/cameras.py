@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from plugins.inputs.known_cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from plugins.inputs.rgbd.camera_files import ANGLE, CORNER, FOCAL, KNOWS, MATRICES, find_first, matrix_of
-from plugins.inputs.rgbd.upright import is_stretched
+from plugins.inputs.rgbd.frame import is_stretched
 from stages.contracts import InputError
 from stages.contracts.types import check_view
 from stages.geometry.cameras import make_intrinsics, scale_intrinsics

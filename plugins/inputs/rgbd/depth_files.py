@@ -8,17 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageOps
 
-from plugins.inputs.rgbd.cut_range import find_cut_range
 from plugins.inputs.rgbd.depth_scale import UNITS, Stated, find_scale
 from plugins.inputs.rgbd.exr import read_exr
 from stages.contracts import InputError
 from stages.contracts.arrays import explain_unreadable, read_npz
 from stages.contracts.depth import NEAREST, SKY, check_depth
 from stages.contracts.types import LARGEST
-from stages.geometry.depth_marks import find_marks, remove_marks
+from stages.geometry.depth_marks import MIN_PIXELS, MIN_VALUES, count_values, find_marks, remove_marks
 
 DEPTH_IMAGES = (".png", ".tif", ".tiff", ".pgm")
 DEPTH_FILES = (*DEPTH_IMAGES, ".exr", ".npz", ".npy")
+# Chosen; what they find on frames of cameras is in docs/results/your-data.md.
+CUT_TIMES, CUT_SHARE = 20, 0.002  # times the pixels of any nearby value, and share of all, at the end of the range
+NEARBY = 0.9  # share of the range from which on values are nearby
+MIN_RANGE = 2.0  # metres: no camera's range is shorter
 
 
 def read_raw(path: Path) -> NDArray[Any]:
@@ -112,3 +115,17 @@ def convert_to_metres(
     if marks:
         line += f", {' and '.join(f'{mark:g}' for mark in marks)} taken for unknown"
     return metres.astype(np.float32), line
+
+
+def find_cut_range(metres: NDArray[np.floating]) -> float | None:
+    """The distance at which depth (h, w) in metres is cut off: the largest, of whole half metres, and many times as
+    common as any a little nearer. A wall at exactly that distance, seen straight on, is mistaken for the cut.
+    """
+    found, counts = count_values(metres)
+    if len(found) <= MIN_VALUES:
+        return None
+    last, number = float(found[-1]), int(counts[-1])
+    whole = last >= MIN_RANGE and abs(2 * last - round(2 * last)) < 1e-4
+    nearby = int(counts[:-1][found[:-1] >= NEARBY * last].max(initial=1))
+    many = number >= max(MIN_PIXELS, CUT_SHARE * metres.size, CUT_TIMES * nearby)
+    return last if whole and many else None

@@ -2,18 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.inputs.rgbd.upright import is_stretched
 from plugins.names.propose import Proposal
 from stages.contracts import InputError
+from stages.contracts.images import orientation_of
 from stages.geometry.cameras import scale_intrinsics
 
 TILT = 75.0  # degrees: largest angle between image-up and the ground's normal, as cameras look down at tables; chosen
 LONGEST_SIDE = 1600  # pixels of a picture; larger ones are made smaller; chosen for time
+STRETCHED = 0.02  # by which the proportions of two pictures of the same view may differ: rounded sizes; chosen
 NOTHING = {"", "background", "ceiling", "unknown", "unlabeled", "unlabelled", "void"}
 
 
@@ -45,6 +47,23 @@ class Frame:
     masks: Labelled | None = None
     notes: Sequence[str] = ()
     doubt: str = ""
+
+
+def is_stretched(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Whether two sizes (width, height) have other proportions."""
+    return abs(one[0] / one[1] / (other[0] / other[1]) - 1) > STRETCHED
+
+
+def check_upright(path: Path) -> None:
+    """Refuse a picture that its EXIF data turn.
+
+    Raises:
+        InputError: they do; nothing tells how depth, masks and camera lie on it.
+    """
+    if (orientation := orientation_of(path)) != 1:
+        what = f"is turned by its EXIF data (orientation {orientation}), and nothing tells whether its depth is."
+        mend = "save the picture upright, without EXIF data, as the same view as depth and masks"
+        raise InputError(path, what, mend, code="E-PICTURE-TURNED")
 
 
 def fit_frame(frame: Frame) -> Frame:

@@ -37,9 +37,19 @@ def find_view(path: Path, number: int, camera: CameraReader | None, camera_file:
     if not 0 <= number < len(frames):
         what = f"{path} has {len(frames)} frames, counted from 0: there is no {number}."
         raise InputError("--number", what, "a smaller one", code="E-RECORDING-FRAME")
+    colour, depth = frames[number]
     if _is_tum(path):
-        return _find_in_lists(frames[number], camera, camera_file)
-    return _find_in_folders(path, frames[number], camera, camera_file)
+        source = [] if camera else ["intrinsics of TUM's tools"]
+        return View(colour, depth, camera or _make_tum_camera, camera_file, 5000.0, (f"TUM, {colour.name}", *source))
+    own = [one for one in sorted(path.iterdir()) if one.is_file() and "intrinsic" in one.name.lower()]
+    own += [path / name for name in CAMERA_FILES if (path / name).is_file()]
+    notes = [f"{colour.name} and {depth.name}"]
+    if camera is None:
+        if not own:
+            raise InputError(path, "has no file of intrinsics.", "give --camera", code="E-CAMERA-MISSING")
+        camera = partial(read_lens, own[0])
+        notes.append(f"intrinsics of {own[0].name}")
+    return View(colour, depth, camera, camera_file or next(iter(own), None), None, tuple(notes))
 
 
 def list_frames(path: Path) -> list[tuple[Path, Path]]:
@@ -52,7 +62,11 @@ def list_frames(path: Path) -> list[tuple[Path, Path]]:
         return _list_of_tum(path)
     colours = next((path / name for name in COLOUR if (path / name).is_dir()), None)
     if colours is not None and (path / "depth").is_dir():
-        return _list_in_folders(path, colours)
+        pictures, images = _list_files(colours, PICTURES), _list_files(path / "depth", DEPTH_FILES)
+        if len(pictures) != len(images):
+            what = f"has {len(pictures)} pictures, but {len(images)} depth images."
+            raise InputError(path, what, "one depth image for each picture", code="E-RECORDING-LAYOUT")
+        return list(zip(pictures, images, strict=True))
     what = "is no recording that is known (TUM, Open3D, RealSense, Record3D)."
     fix = "folders color and depth with intrinsics.json, or --rgb and --depth"
     raise InputError(path, what if path.exists() else "no such folder.", fix, code="E-RECORDING-LAYOUT")
@@ -72,12 +86,6 @@ def _list_of_tum(path: Path) -> list[tuple[Path, Path]]:
         return [(file, depths[k][1]) for (stamp, file), k in both if abs(times[k] - stamp) <= 0.02]
 
 
-def _find_in_lists(frame: tuple[Path, Path], camera: CameraReader | None, camera_file: Path | None) -> View:
-    """A frame of TUM."""
-    source = [] if camera else ["intrinsics of TUM's tools"]
-    return View(*frame, camera or _make_tum_camera, camera_file, 5000.0, (f"TUM, {frame[0].name}", *source))
-
-
 def _make_tum_camera(width: int, height: int, _: str) -> Lens:
     """All three cameras, as TUM's tools have them for pictures of 640 x 480."""
     return Lens(scale_intrinsics(make_intrinsics(525.0, 525.0, 319.5, 239.5), width / 640, height / 480))
@@ -88,30 +96,7 @@ def _read_stamps(path: Path) -> list[tuple[float, Path]]:
     return [(float(stamp), path.parent / name) for stamp, name, *_ in lines]
 
 
-def _list_in_folders(path: Path, colours: Path) -> list[tuple[Path, Path]]:
-    """Frames of folders whose files have the same order."""
-    pictures, images = _list_files(colours, PICTURES), _list_files(path / "depth", DEPTH_FILES)
-    if len(pictures) != len(images):
-        what = f"has {len(pictures)} pictures, but {len(images)} depth images."
-        raise InputError(path, what, "one depth image for each picture", code="E-RECORDING-LAYOUT")
-    return list(zip(pictures, images, strict=True))
-
-
-def _find_in_folders(
-    path: Path, frame: tuple[Path, Path], camera: CameraReader | None, camera_file: Path | None
-) -> View:
-    """A frame of folders, with the intrinsics of a file beside them."""
-    own = [one for one in sorted(path.iterdir()) if one.is_file() and "intrinsic" in one.name.lower()]
-    own += [path / name for name in CAMERA_FILES if (path / name).is_file()]
-    notes = [f"{frame[0].name} and {frame[1].name}"]
-    if camera is None:
-        if not own:
-            raise InputError(path, "has no file of intrinsics.", "give --camera", code="E-CAMERA-MISSING")
-        camera = partial(read_lens, own[0])
-        notes.append(f"intrinsics of {own[0].name}")
-    return View(*frame, camera, camera_file or next(iter(own), None), None, tuple(notes))
-
-
 def _list_files(folder: Path, suffixes: tuple[str, ...]) -> list[Path]:
+    """Files in the order of the frames."""
     found = [file for file in folder.iterdir() if file.suffix.lower() in suffixes]
     return sorted(found, key=lambda file: (len(file.stem), file.stem))  # 10 after 9

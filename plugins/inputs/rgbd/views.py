@@ -11,11 +11,10 @@ from plugins.inputs.rgbd.camera_files import KNOWS
 from plugins.inputs.rgbd.cameras import check_intrinsics, intrinsics_of_camera, intrinsics_of_view
 from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
 from plugins.inputs.rgbd.depth_scale import find_stated_units
-from plugins.inputs.rgbd.frame import Frame, fit_frame
+from plugins.inputs.rgbd.frame import Frame, check_upright, fit_frame
 from plugins.inputs.rgbd.lens import Lens, read_lens, straighten_frame
 from plugins.inputs.rgbd.mask_files import read_labelled
 from plugins.inputs.rgbd.mask_shapes import list_remarks
-from plugins.inputs.rgbd.upright import check_upright
 from stages.contracts import InputError
 from stages.contracts.images import check_shown, read_rgb
 from stages.geometry.cameras import make_intrinsics

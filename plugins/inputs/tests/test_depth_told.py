@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
 from plugins.inputs import from_rgbd
-from plugins.inputs.rgbd.cut_range import find_cut_range
-from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
+from plugins.inputs.rgbd.depth_files import convert_to_metres, find_cut_range, read_raw
 from plugins.inputs.rgbd.depth_scale import find_stated_units
 from stages.contracts import Camera, read_json
 from stages.contracts.depth import read_depth

@@ -10,9 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from plugins.annotator import annotate
-from plugins.inputs import from_rgbd
 from plugins.inputs.photo.picture import read_photo
 from plugins.inputs.rgbd.lens import read_lens, straighten_picture
+from plugins.inputs.tests.test_rgbd_edges import frame_of
 from stages.contracts.scene_input import read_scene_input
 from stages.geometry.boxes import UprightBox
 from tests.refusals import refused
@@ -111,11 +111,8 @@ def test_a_photograph_is_straightened_before_everything(tmp_path: Path) -> None:
         annotate.run(tmp_path / "wide.png", lens=lens, depth=tmp_path / "depth.npz", browser=False)
 
 
-FILES = {"rgb": "rgb.png", "depth": "depth.png", "masks": "masks.png", "labels": "names.json"}
-
-
-def bent_frame(kind: str) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.uint16]]:
-    """Colour, depth and masks of a box on a floor as the lens shows them, without the mixing of pixels."""
+def bent_frame(kind: str) -> tuple[NDArray[np.float32], NDArray[np.uint16]]:
+    """Depth and masks of a box on a floor as the lens shows them, without the mixing of pixels."""
     depth, masks = trace([BOX], wall=False)
     u, v = np.meshgrid(np.arange(ROOM_WIDTH, dtype=float), np.arange(ROOM_HEIGHT, dtype=float))
     bent = (np.stack([u, v], axis=-1).reshape(-1, 2) - INTRINSICS[:2, 2]) / np.diag(INTRINSICS)[:2]
@@ -128,8 +125,7 @@ def bent_frame(kind: str) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArr
         rays = cv2.undistortPoints(bent[:, None], one, coefficients)
     pixels = (rays[:, 0] * np.diag(INTRINSICS)[:2] + INTRINSICS[:2, 2]).astype(np.float32)
     maps = pixels[:, 0].reshape(u.shape), pixels[:, 1].reshape(u.shape)
-    depth, masks = (cv2.remap(image, *maps, cv2.INTER_NEAREST) for image in (depth, masks))
-    return np.dstack([masks * 20] * 3).astype(np.uint8), depth, masks
+    return cv2.remap(depth, *maps, cv2.INTER_NEAREST), cv2.remap(masks, *maps, cv2.INTER_NEAREST)
 
 
 @pytest.mark.parametrize(
@@ -145,18 +141,8 @@ def bent_frame(kind: str) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArr
 )
 def test_rgbd_frames_are_straightened(tmp_path: Path, kind: str, said: dict[str, Any]) -> None:
     """Colour, depth and masks alike: what is written is what a pinhole camera with the written K sees of the room."""
-    rgb, depth, masks = bent_frame(kind)
-    cv2.imwrite(str(tmp_path / "rgb.png"), rgb)
-    cv2.imwrite(str(tmp_path / "depth.png"), np.rint(1000 * depth).astype(np.uint16))
-    cv2.imwrite(str(tmp_path / "masks.png"), masks)
-    (tmp_path / "names.json").write_text(json.dumps({str(FLOOR): "floor", str(OBJECT): "box"}))
-    (tmp_path / "K.json").write_text(json.dumps({"camera_matrix": INTRINSICS.tolist(), **said}))
-    from_rgbd.run(
-        out=tmp_path / "out",
-        camera=(str(tmp_path / "K.json"),),
-        **{name: tmp_path / file for name, file in FILES.items()},  # type: ignore[arg-type]
-    )
-    written = read_scene_input(tmp_path / "out")
+    depth, masks = bent_frame(kind)
+    written = read_scene_input(frame_of(tmp_path, depth, masks, {FLOOR: "floor", OBJECT: "box"}, **said))
     u, v = np.meshgrid(np.arange(ROOM_WIDTH), np.arange(ROOM_HEIGHT))
     rays = np.stack([u, v, np.ones_like(u)], axis=-1) @ np.linalg.inv(np.array(written.camera.intrinsics)).T
     x, y, _ = np.moveaxis(np.rint(rays @ INTRINSICS.T).astype(int), -1, 0)

@@ -18,8 +18,8 @@ from plugins.inputs.photo.networks import Detection, depth_of, detect, segment
 from plugins.inputs.photo.picture import Photo
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from plugins.vlm.ask import Asker, NoAnswerError
-from plugins.vlm.boxed import draw_box
 from plugins.vlm.config import VlmConfig
+from plugins.vlm.prompt import draw_box
 from plugins.vlm.tests.chat_server import KEY, ChatServer, says, serving
 from stages.contracts import InputError, Objects, read_json
 from stages.contracts.images import colour_of

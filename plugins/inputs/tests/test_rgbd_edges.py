@@ -1,4 +1,4 @@
-"""RGB-D frames as cameras and hands make them: masks some pixels off, smeared edges, from far above, before a wall."""
+"""RGB-D frames as cameras and hands make them: smeared, from far above, turned by EXIF data, bent by a lens."""
 
 import json
 from pathlib import Path
@@ -7,15 +7,18 @@ import cv2
 import numpy as np
 import pytest
 import yaml
+from PIL import Image
 
 from plugins.inputs import from_rgbd
 from plugins.inputs.rgbd.edges import remove_edges
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from plugins.inputs.rgbd.write import write_frame
 from plugins.inputs.tests.test_rgbd import BOX, CAN, TABLE, boxes_of
+from stages.contracts.scene_input import read_scene_input
 from stages.geometry.boxes import UprightBox
 from stages.geometry.levels import find_ground
-from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
+from tests.refusals import refused
+from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, trace, write_room
 
 
 def test_a_wall_is_not_level() -> None:
@@ -40,18 +43,21 @@ def test_extraction_is_told_that_cameras_in_hands_look_down_steeply(tmp_path: Pa
     assert told == {"crop": 1.0, "trim": 0.005, "max_tilt": 75.0}
 
 
-def frame_of(folder: Path, depth: np.ndarray, masks: np.ndarray, names: dict[int, str]) -> Path:
+def frame_of(folder: Path, depth: np.ndarray, masks: np.ndarray, names: dict[int, str], orientation: int = 1,
+             **lens: object) -> Path:  # fmt: skip
     """The input folder of a frame with masks."""
-    cv2.imwrite(str(folder / "rgb.png"), np.dstack([20 * masks] * 3).astype(np.uint8))
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    Image.fromarray(np.dstack([20 * masks] * 3).astype(np.uint8)).save(folder / "rgb.png", exif=exif.tobytes())
     cv2.imwrite(str(folder / "masks.png"), masks)
     np.savez(folder / "depth.npz", depth=depth)
-    (folder / "K.txt").write_text(" ".join(map(str, INTRINSICS.ravel())))
+    (folder / "K.json").write_text(json.dumps({"K": INTRINSICS.tolist(), **lens}))
     (folder / "names.json").write_text(json.dumps({str(value): name for value, name in names.items()}))
     from_rgbd.run(
         out=folder / "out",
         rgb=folder / "rgb.png",
         depth=folder / "depth.npz",
-        camera=(str(folder / "K.txt"),),
+        camera=(str(folder / "K.json"),),
         masks=folder / "masks.png",
         labels=folder / "names.json",
     )
@@ -95,3 +101,32 @@ def test_a_thin_handle_is_kept_and_what_is_behind_a_wide_mask_is_not() -> None:
     handle = clean[30:70, 80:87]
     assert (np.abs(handle - 1.1) < 0.03).sum() > 0.5 * handle.size
     assert (clean > 1.15).sum() < 10
+
+
+@pytest.mark.parametrize("orientation", [2, 3, 6])
+def test_a_picture_that_its_exif_data_turn_is_refused(tmp_path: Path, orientation: int) -> None:
+    with refused("E-PICTURE-TURNED", f"orientation {orientation}", "its depth"):
+        frame_of(tmp_path, *trace([BOX]), {OBJECT: "box"}, orientation)
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_input_folder_says_that_its_files_are_taken_to_be_upright(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_room(tmp_path, [BOX], ["box"])
+    exif = Image.Exif()
+    exif[0x0112] = 3
+    with Image.open(tmp_path / "rgb.png") as picture:
+        picture.save(tmp_path / "rgb.png", exif=exif.tobytes())
+    read_scene_input(tmp_path)
+    assert "is turned by its EXIF data (3); depth and masks are taken to be upright" in capsys.readouterr().out
+
+
+def test_what_is_lost_when_the_lens_is_taken_out_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    depth, masks = trace([TABLE])
+    masks[:3, :3] = 40
+    names = {FLOOR: "floor", OBJECT: "box", 40: "lamp", WALL: "ceiling"}
+    frame_of(tmp_path, depth, masks, names, D=[-0.3, 0.1, 0, 0, 0], width=WIDTH, height=HEIGHT)
+    told = capsys.readouterr().out
+    assert "made straight and fitted, 3 of 4 are left: 'lamp' has no pixels" in told
+    assert "left out: 'ceiling' is nothing to place" in told

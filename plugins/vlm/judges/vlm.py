@@ -1,23 +1,21 @@
 """Judge `vlm`: a language model that sees chooses among the nearest by distance (paper B.1, GPT selection)."""
 
 from collections.abc import Sequence
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, create_model
 
 from plugins.vlm.ask import Asker, NoAnswerError
-from plugins.vlm.boxed import draw_box
 from plugins.vlm.config import VlmConfig
-from plugins.vlm.prompt import Prompt
+from plugins.vlm.prompt import Prompt, draw_box
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
 from stages.geometry.masks import pixel_bounds
 from stages.matching.crop import darken_rest
 from stages.matching.question import AbstainedError, Question
 
-T = TypeVar("T")
 NONE = "none"
 FRAME_GAP = 4  # pixels between the object and its box
 SYSTEM = (

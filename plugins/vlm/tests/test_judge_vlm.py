@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from plugins.vlm.tests.chat_server import Handler, chooses, pictures, says, serving
-from stages.config.model import read_files
+from stages.config.model import complete, read_files
+from stages.config.reads import options_of
 from stages.contracts import InputError
 from stages.contracts.cousins import ObjectCousins
 from stages.plugins import shorten_name
@@ -152,3 +153,16 @@ def test_the_overlay_of_the_paper_has_its_variants() -> None:
     }
     near, again, model = "distance", "rerender", "vlm"
     assert judges == {"a": (near, model), "b": (near, again), "c": (model, model), "d": (model, again)}
+
+
+@pytest.mark.parametrize(("captions", "read"), [("labels", False), ("vlm", True)])
+def test_the_language_model_is_read_where_it_is_asked(captions: str, read: bool) -> None:
+    Config = complete()
+    config = Config.model_validate({"photo": {"captions": captions}, "vlm": {"model": "toy"}})
+    assert ("toy" in repr(options_of(config, "inputs", "estimate", {}))) == read
+    assert "toy" not in repr(options_of(config, "matching", "match", {"variant": "b"}))
+    judged = Config.model_validate({"matching": {"model_selection": "vlm"}, "vlm": {"model": "toy"}})
+    assert "toy" in repr(options_of(judged, "matching", "match", {"variant": "b"}))
+    other = {"variants": {"b": {"vlm": {"model": "other"}}}}
+    judged = Config.model_validate({"matching": {"model_selection": "vlm"}, "experiment": other})
+    assert options_of(judged, "matching", "match", {"variant": "b"})["vlm"]["model"] == "other"
