@@ -67,19 +67,8 @@ def fetch(folder: Path, hub: str) -> subprocess.CompletedProcess[str]:
     names = ("detector", "segmenter", "depth_anything")
     options = json.dumps(dict.fromkeys(names, str(folder / "net")))
     sources = json.dumps(dict.fromkeys(names, "toy/net"))
-    command = [
-        sys.executable,
-        "-m",
-        "plugins.inputs",
-        "fetch",
-        "--options",
-        options,
-        "--sources",
-        sources,
-        "--out",
-        str(folder / "all.json"),
-    ]
-    command += ["--lock", str(folder / "weights.lock.json")]
+    command = [sys.executable, "-m", "plugins.inputs", "fetch", "--options", options, "--sources", sources]
+    command += ["--out", str(folder / "all.json"), "--lock", str(folder / "weights.lock.json")]
     environment = os.environ | {
         "HF_ENDPOINT": hub,
         "HF_HOME": str(folder / "home"),
