@@ -41,12 +41,16 @@ def browser() -> Iterator[Any]:
         chromium.close()
 
 
+Opened = tuple[Any, Session, TrueRoom, Hand]
+
+
 @pytest.fixture
-def opened(browser: Any, tmp_path: Path) -> Iterator[tuple[Any, Session]]:
-    """The page with the room's picture, and the session behind it."""
+def opened(browser: Any, tmp_path: Path) -> Iterator[Opened]:
+    """The page with the room's picture, the session behind it, the room, and a hand that clicks where it points."""
     session = Session(read_photo(ROOM / "rgb.jpg"), "rgb.jpg", tmp_path / "room", ["bowl", "fridge"])
+    room = TrueRoom(ROOM)
     with watched(browser, session, "#over line") as page:
-        yield page, session
+        yield page, session, room, Hand(page, room, 0)
 
 
 def _saved(page: Any, session: Session) -> Project:
@@ -54,10 +58,9 @@ def _saved(page: Any, session: Session) -> Project:
     return read_json(Project, session.folder / PROJECT)
 
 
-def test_a_room_is_drawn_and_comes_out_as_it_is(opened: tuple[Any, Session], tmp_path: Path) -> None:
-    page, session = opened
-    room = TrueRoom(ROOM)
-    hand = Hand(page, room, NOISE)
+def test_a_room_is_drawn_and_comes_out_as_it_is(opened: Opened, tmp_path: Path) -> None:
+    page, session, room, hand = opened
+    hand.noise = NOISE
     items = sorted(room.truth.objects, key=lambda item: item.support not in ("floor", "wall"))
     hand.known_height(max((item for item in items if item.support == "floor"), key=lambda item: item.size[2]))
     hand.wall([0, -0.6, 0], [0, 0.6, 0])
@@ -91,10 +94,8 @@ def test_a_room_is_drawn_and_comes_out_as_it_is(opened: tuple[Any, Session], tmp
     assert read_json(Camera, session.folder / "camera.json").floor_from_camera is not None
 
 
-def test_undo_redo_keys_and_opening_again(opened: tuple[Any, Session]) -> None:
-    page, session = opened
-    room = TrueRoom(ROOM)
-    hand = Hand(page, room, 0)
+def test_undo_redo_keys_and_opening_again(opened: Opened) -> None:
+    page, session, room, hand = opened
     table, bowl = room.truth.objects[3], room.truth.objects[4]
     hand.object(table, "auto")
     hand.object(bowl, "auto")
@@ -134,11 +135,9 @@ def test_undo_redo_keys_and_opening_again(opened: tuple[Any, Session]) -> None:
 
 
 def test_what_a_click_stands_on_is_said_before_it_and_a_changed_support_keeps_the_marks(
-    opened: tuple[Any, Session],
+    opened: Opened,
 ) -> None:
-    page, session = opened
-    room = TrueRoom(ROOM)
-    hand = Hand(page, room, 0)
+    page, session, room, hand = opened
     table, bowl = room.truth.objects[3], room.truth.objects[4]
     hand.object(table, "auto")
     hand.key("b")
@@ -169,10 +168,8 @@ def test_what_a_click_stands_on_is_said_before_it_and_a_changed_support_keeps_th
     assert again.points[0] == pytest.approx(before[0], abs=3) and len(again.points) == len(before)
 
 
-def test_a_choice_of_what_the_next_one_is_on_is_for_that_one_alone(opened: tuple[Any, Session]) -> None:
-    page, session = opened
-    room = TrueRoom(ROOM)
-    hand = Hand(page, room, 0)
+def test_a_choice_of_what_the_next_one_is_on_is_for_that_one_alone(opened: Opened) -> None:
+    page, session, room, hand = opened
     table, bowl = room.truth.objects[3], room.truth.objects[4]
     hand.wall([0, -0.6, 0], [0, 0.6, 0])
     hand.key("3")
@@ -198,10 +195,8 @@ def test_a_choice_of_what_the_next_one_is_on_is_for_that_one_alone(opened: tuple
     assert mug.on == "floor" and mug.points[0][1] == pytest.approx(mug.points[1][1], abs=20)  # its foot again
 
 
-def test_an_absurd_size_and_a_camera_that_nobody_measured_are_mended_by_a_click(opened: tuple[Any, Session]) -> None:
-    page, session = opened
-    room = TrueRoom(ROOM)
-    hand = Hand(page, room, 0)
+def test_an_absurd_size_and_a_camera_that_nobody_measured_are_mended_by_a_click(opened: Opened) -> None:
+    page, session, room, hand = opened
     cabinet, table = room.truth.objects[0], room.truth.objects[3]
     for item in (cabinet, table):
         hand.object(item, "floor")
@@ -251,11 +246,9 @@ def test_an_absurd_size_and_a_camera_that_nobody_measured_are_mended_by_a_click(
 
 
 def test_what_was_marked_as_standing_but_taken_for_hanging_is_put_right_by_its_support(
-    opened: tuple[Any, Session],
+    opened: Opened,
 ) -> None:
-    page, session = opened
-    room = TrueRoom(ROOM)
-    hand = Hand(page, room, 0)
+    page, session, room, hand = opened
     table = room.truth.objects[3]
     hand.wall([0, -0.6, 0], [0, 0.6, 0])
     hand.key("b")
@@ -272,10 +265,9 @@ def test_what_was_marked_as_standing_but_taken_for_hanging_is_put_right_by_its_s
     page.wait_for_function(f"() => document.querySelector('#height').placeholder > {0.7 * table.size[2]}")
 
 
-def test_a_narrow_screen_shows_all_and_needs_no_keyboard(opened: tuple[Any, Session]) -> None:
-    page, session = opened
+def test_a_narrow_screen_shows_all_and_needs_no_keyboard(opened: Opened) -> None:
+    page, session, room, _ = opened
     page.set_viewport_size({"width": 390, "height": 844})
-    room = TrueRoom(ROOM)
     for tab in ("1 Camera", "2 Walls", "3 Objects"):
         page.get_by_role("tab", name=tab).click()
         assert page.evaluate(WIDE) == [], tab
@@ -294,10 +286,8 @@ def test_a_narrow_screen_shows_all_and_needs_no_keyboard(opened: tuple[Any, Sess
     assert page.evaluate(WIDE) == []
 
 
-def test_outlines_walls_camera_and_what_is_wrong(opened: tuple[Any, Session]) -> None:
-    page, session = opened
-    room = TrueRoom(ROOM)
-    hand = Hand(page, room, 0)
+def test_outlines_walls_camera_and_what_is_wrong(opened: Opened) -> None:
+    page, session, room, hand = opened
     hand.object(room.truth.objects[0], "auto")
     points, left, right = room.front(room.truth.objects[0])
     hand.key("o")
