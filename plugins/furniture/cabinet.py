@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from plugins.furniture.cabinet_recipe import CabinetRecipe
-from plugins.furniture.front_cells import CellKind, FrontCell, cells
+from plugins.furniture.front_cells import CellKind, FrontCell, Span, cells
 from plugins.furniture.handles import STYLES
 from plugins.furniture.model import Model, Moving, Part, Parts, Size, part
 from plugins.furniture.panels import Front, control_panel, make_pulled_panel
@@ -34,8 +34,7 @@ def _cabinet(p: CabinetRecipe, size: Size) -> Model:
     thick = min(p.front_thickness, 0.15 * depth)
     out = min(p.protrusion, 0.3 * depth) if p.handle != "none" else 0.0
     p = p.model_copy(update={"protrusion": out})
-    has_panel = any("panel" in line for line in p.layout)
-    out = max(out, 0.02 if has_panel else 0.0)
+    out = max(out, 0.02 if any("panel" in line for line in p.layout) else 0.0)
     overhang = min(p.top, 0.1 * width, out + thick) if p.handle != "edge" else 0.0  # would leave no room above the edge
     base = min(p.base_height, 0.3 * height) if p.base != "none" else 0.0
     top = 0.6 * p.top_thickness if overhang else 0.0
@@ -109,7 +108,7 @@ def _tray(front: Front, x_back: float, p: CabinetRecipe) -> list[Part]:
     return [part(mesh, p.inside_colour) for mesh in meshes]
 
 
-def _shell(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], board: float) -> list[Any]:
+def _shell(x: Span, y: Span, z: Span, board: float) -> list[Any]:
     back = min(board, 0.008)
     return [
         box(x, (y[0], y[0] + board), z),
@@ -120,14 +119,7 @@ def _shell(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float
     ]
 
 
-def _dividers(
-    cell: FrontCell,
-    x: tuple[float, float],
-    y: tuple[float, float],
-    z: tuple[float, float],
-    board: float,
-    p: CabinetRecipe,
-) -> list[Part]:
+def _dividers(cell: FrontCell, x: Span, y: Span, z: Span, board: float, p: CabinetRecipe) -> list[Part]:
     """Boards on a cell's low-y side and floor where they are not the carcass's own, and shelves inside."""
     thin = min(board, 0.016)
     meshes = []

@@ -55,7 +55,7 @@ def sized(generator: type[Generator], *ranges: tuple[Size, Size], digits: int = 
     """What samples models of a generator between a lowest and a highest size, of the first, second... range in turn."""
 
     def sample(rng: Rng, index: int) -> Sampled:
-        size = round_size(*rng.uniform(*ranges[index % len(ranges)]), digits=digits)
-        return Sampled(size, generator.sample_parameters(rng, index))
+        x, y, z = rng.uniform(*ranges[index % len(ranges)])
+        return Sampled(round_size(x, y, z, digits), generator.sample_parameters(rng, index))
 
     return sample

@@ -103,8 +103,3 @@ def change_material(material: str, surface: Surface) -> str:
     """The same colour on another material."""
     finish = finish_of(surface)
     return str(Finish(material, finish.colour, finish.pattern % MATERIALS[material].patterns))
-
-
-def brightness(surface: Surface) -> float:
-    """Mean of the colour's channels."""
-    return sum(finish_of(surface).colour) / 3

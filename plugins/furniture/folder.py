@@ -56,12 +56,8 @@ def generate(recipe: Recipe, size: Size | None = None) -> Model:
     from plugins.furniture.catalogue import GENERATORS
 
     if recipe.generator not in GENERATORS:
-        raise InputError(
-            "recipe",
-            f"unknown generator '{recipe.generator}'.",
-            f"one of {', '.join(sorted(GENERATORS))}",
-            code="E-RECIPE-PARAMETER",
-        )
+        names = f"one of {', '.join(sorted(GENERATORS))}"
+        raise InputError("recipe", f"unknown generator '{recipe.generator}'.", names, code="E-RECIPE-PARAMETER")
     wanted = _size(recipe, size)
     parameters = {key: value for key, value in recipe.parameters.items() if key != "size"}
     where = f"recipe of a {recipe.generator}"
@@ -82,9 +78,8 @@ def _size(recipe: Recipe, size: Size | None) -> Size:
     except (TypeError, ValueError):
         raise InputError("recipe", f"size {asked!r} is not three numbers.", code="E-RECIPE-PARAMETER") from None
     if not all(0 < extent <= LARGEST for extent in (x, y, z)):
-        raise InputError(
-            "recipe", f"size {(x, y, z)} is not positive, or larger than {LARGEST:g} m.", code="E-RECIPE-PARAMETER"
-        )
+        fault = f"size {(x, y, z)} is not positive, or larger than {LARGEST:g} m."
+        raise InputError("recipe", fault, code="E-RECIPE-PARAMETER")
     return (x, y, z)
 
 

@@ -26,12 +26,8 @@ def run(*, out: Path, shard: int = 0, shards: int = 1, options: str = "{}", seed
     config = read_options(LibraryOptions, options)
     unknown = sorted(set(config.counts) - set(ALL))
     if unknown:
-        raise InputError(
-            "assets.counts",
-            f"no category '{unknown[0]}'.",
-            f"one of {', '.join(ALL)}",
-            code="E-CATEGORY-UNKNOWN",
-        )
+        names = f"one of {', '.join(ALL)}"
+        raise InputError("assets.counts", f"no category '{unknown[0]}'.", names, code="E-CATEGORY-UNKNOWN")
     wanted = [(category, k) for category, count in sorted(config.counts.items()) for k in range(count)]
     if not wanted:
         raise InputError(

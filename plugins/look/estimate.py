@@ -8,10 +8,18 @@ import trimesh
 from numpy.typing import NDArray
 from trimesh import Trimesh
 
-from plugins.look.surfaces import LEAST_CORRELATION, Seen, estimate_light, find_bounds, find_grid, find_surfaces
+from plugins.look.surfaces import (
+    LEAST_CORRELATION,
+    USUAL_LIGHT,
+    Seen,
+    estimate_light,
+    find_bounds,
+    find_grid,
+    find_surfaces,
+)
 from plugins.pictures.painting import furnish
 from stages.contracts.generated import GeneratedScene
-from stages.contracts.look import GAMMA, ROOM_LIGHT, Look, Surface
+from stages.contracts.look import GAMMA, Look, Surface
 from stages.contracts.objects import Objects
 from stages.generation.models import read_collisions
 from stages.generation.placed import Placed
@@ -32,11 +40,9 @@ def estimate_look(
     seen = find_surfaces(*pictures, objects)
     direction, correlation = estimate_light(seen, merge_meshes(items))
     found = correlation >= LEAST_CORRELATION
-    light = direction if found else np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)
-    surfaces = []
-    for name, one in seen.items():
-        low, high = find_bounds(name, one)
-        surfaces.append(Surface(id=name, colour=(0.5, 0.5, 0.5), low=low, high=high))
+    light = direction if found else USUAL_LIGHT
+    bounds = {name: find_bounds(name, one) for name, one in seen.items()}
+    surfaces = [Surface(id=name, colour=(0.5, 0.5, 0.5), low=a, high=b) for name, (a, b) in bounds.items()]
     look = Look(
         light=(round(light[0], 6), round(light[1], 6), round(light[2], 6)),
         light_from="shadows" if found else "default",

@@ -27,6 +27,7 @@ TRIMMED = 0.002  # share of a surface's pixels beyond its bounds; chosen
 BEYOND_BORDER = 0.3  # metres that a surface goes on at the picture's border; chosen
 AZIMUTHS, ELEVATIONS = np.radians(np.arange(0, 360, 15)), np.radians(np.arange(25, 76, 10))  # of light; then half steps
 DARKEST_LOG = 0.5  # of the logarithm of brightness, more counts no more; chosen
+USUAL_LIGHT: Array = np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)  # where the picture says nothing
 LEAST_CORRELATION = 0.25  # below it the picture shows no shadows to go by; chosen
 
 
@@ -109,7 +110,7 @@ def estimate_light(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array,
     logarithm of brightness below the surface's median. Texture of a floor lowers it, but for every direction.
     """
     if not seen:
-        return _unit(np.array(ROOM_LIGHT)), 0.0
+        return USUAL_LIGHT, 0.0
     share = min(1.0, SAMPLED / sum(len(one.points) for one in seen.values()))
     origins, dark = [], []
     for one in seen.values():
@@ -143,7 +144,3 @@ def estimate_light(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array,
 def to_direction(azimuth: float, elevation: float) -> Array:
     """Unit direction of light that shines towards an azimuth from so far above the horizon."""
     return np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), -np.sin(elevation)])
-
-
-def _unit(vector: Array) -> Array:
-    return vector / np.linalg.norm(vector)

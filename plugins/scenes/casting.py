@@ -42,12 +42,11 @@ def choose_models(
     for item in room.items:
         able = [name for name, one in left.items() if one.category == item.category and item.model.accepts(one)]
         if not able:
-            raise InputError(
-                library,
-                f"has no model left for '{item.name}' of {room.name}: category {item.category}, {item.model.text()}.",
-                f"raise assets.counts.{item.category} (no model stands in two rooms)",
-                code="E-MODELS-SHORT",
+            fault = (
+                f"has no model left for '{item.name}' of {room.name}: category {item.category}, {item.model.text()}."
             )
+            fix = f"raise assets.counts.{item.category} (no model stands in two rooms)"
+            raise InputError(library, fault, fix, code="E-MODELS-SHORT")
         chosen[item.name] = left.pop(able[int(rng.integers(len(able)))])
     return chosen
 
@@ -72,12 +71,8 @@ def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Pa
             found = cast_room(room, models, able, rng, library)
             print(f"{room.name}: no models that are left fit its layout: some are of other rooms", file=sys.stderr)
         if found is None:
-            raise InputError(
-                library,
-                f"{room.name}: no choice of models fits its layout.",
-                "raise assets.counts",
-                code="E-MODELS-SHORT",
-            )
+            fault = f"{room.name}: no choice of models fits its layout."
+            raise InputError(library, fault, "raise assets.counts", code="E-MODELS-SHORT")
         result[room.name] = found
         free -= {asset.id for asset in found.assets.values()}
     return result

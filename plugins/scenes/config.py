@@ -1,7 +1,5 @@
 """Config section `scenes`: the sim-to-sim rooms (paper B.1, Table 2)."""
 
-from typing import ClassVar
-
 from pydantic import Field
 
 from stages.contracts.section import Section
@@ -13,5 +11,3 @@ class ScenesConfig(Section):
     width: int = Field(800, ge=64, description="Width of the photograph in pixels.")
     height: int = Field(600, ge=48, description="Height of the photograph in pixels.")
     supersampling: int = Field(2, ge=1, le=4, description="Colours are rendered so many times larger and averaged.")
-    # Whether the key light casts shadows.
-    shadows: ClassVar[bool] = True

@@ -14,7 +14,6 @@ Matrix = NDArray[np.float64]
 def _aim_camera(eye: Matrix, points: Matrix, intrinsics: Matrix) -> Matrix:
     """`world_from_camera` at `eye` that has the points' picture in its centre."""
     target = points.mean(axis=0)
-    centre = intrinsics[:2, 2]
     for _ in range(8):
         world_from_camera = look_at(eye, target)
         pixels = project(apply(inverse(world_from_camera), points), intrinsics)
@@ -23,7 +22,7 @@ def _aim_camera(eye: Matrix, points: Matrix, intrinsics: Matrix) -> Matrix:
         middle = (pixels.min(axis=0) + pixels.max(axis=0)) / 2
         ray = np.linalg.inv(intrinsics) @ [*middle, 1.0]
         target = eye + world_from_camera[:3, :3] @ ray
-        if np.abs(middle - centre).max() < 0.1:
+        if np.abs(middle - intrinsics[:2, 2]).max() < 0.1:
             break
     return world_from_camera
 

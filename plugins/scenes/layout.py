@@ -115,9 +115,9 @@ def is_valid_layout(layout: Layout, room: Room) -> bool:
     plans = {one.item.name: footprint(one.box) for one in standing}
     for one in standing:
         x0, y0, _, y1 = plans[one.item.name].bounds
-        outside = [x0 < -TOUCH, "left" in room.walls and y0 < -layout.half_width - TOUCH]
-        outside.append("right" in room.walls and y1 > layout.half_width + TOUCH)
-        if any(outside) or one.box.bottom < -TOUCH:
+        beyond_left = "left" in room.walls and y0 < -layout.half_width - TOUCH
+        beyond_right = "right" in room.walls and y1 > layout.half_width + TOUCH
+        if beyond_left or beyond_right or min(x0, one.box.bottom) < -TOUCH:
             return False
         if one.support in plans and not plans[one.support].buffer(TOUCH).covers(plans[one.item.name]):
             return False

@@ -94,7 +94,7 @@ def photograph(
     """The picture of a room from one camera; colours are smoothed by `supersampling`, depth and masks are not."""
     room = cast_room.room
     side = 1.0 if "right" in room.walls and "left" not in room.walls else -1.0  # light comes over the open side
-    scene = make_scene(shadows=options.shadows, light=look.light or (-0.55, 0.5 * side, -1.0))
+    scene = make_scene(shadows=True, light=look.light or (-0.55, 0.5 * side, -1.0))
     length = float(world_from_camera[0, 3]) + 1.0
     shell = _shell(scene, room, cast_room.layout.half_width, length, seed)
     bodies = furnish(scene, cast_room, folders, fixed=True, made=look.folders)
@@ -106,9 +106,8 @@ def photograph(
     for value, ids in enumerate(groups, start=1):
         masks[np.isin(plain.segmentation, ids)] = value
 
-    rgb = plain.rgb
-    if options.supersampling > 1:
-        n = options.supersampling
+    rgb, n = plain.rgb, options.supersampling
+    if n > 1:
         fine = np.diag([n, n, 1.0]) @ intrinsics
         fine[:2, 2] += (n - 1) / 2  # pixel centres are at integers
         large = RenderCamera(scene, fine, n * options.width, n * options.height).render(world_from_camera).rgb

@@ -37,12 +37,8 @@ def room_files(own: Iterable[str] = (), packages: Sequence[str] = ()) -> dict[st
         if not path.is_file():
             raise InputError("scenes.rooms", f"there is no file {path}.", "correct the path", code="E-ROOM-MISSING")
         if path.stem in files:
-            raise InputError(
-                "scenes.rooms",
-                f"room '{path.stem}' is in {files[path.stem]} and in {path}.",
-                "rename it",
-                code="E-ROOM-NAME",
-            )
+            fault = f"room '{path.stem}' is in {files[path.stem]} and in {path}."
+            raise InputError("scenes.rooms", fault, "rename it", code="E-ROOM-NAME")
         files[path.stem] = path
     return files
 
@@ -66,12 +62,8 @@ def read_room(path: Path) -> Room:
     except yaml.YAMLError as error:
         raise InputError(line_of(path, error), f"is no YAML: {fault_of(error)}.", fix, code="E-ROOM-FILE") from None
     if not isinstance(content, dict) or "name" in content:
-        raise InputError(
-            path,
-            "is no room: it needs keys like scale and items; its name is that of the file.",
-            fix,
-            code="E-ROOM-FILE",
-        )
+        fault = "is no room: it needs keys like scale and items; its name is that of the file."
+        raise InputError(path, fault, fix, code="E-ROOM-FILE")
     try:
         return Room.model_validate({"name": path.stem, **content})
     except ValidationError as error:

@@ -9,18 +9,7 @@ from plugins.furniture.category import category
 from plugins.furniture.colours import METALS, PAINTS, WOODS
 from plugins.furniture.finishes import DARK, shade
 from plugins.furniture.model import CERAMIC, FILLED, METAL, PLASTIC, Model, Parts, Size, move_model, part
-from plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    fixed,
-    in_turn,
-    of,
-    round_size,
-    uniform,
-)
+from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size, uniform
 from plugins.furniture.shapes import box, cushion, hull, lathe, rim, rod, rotate
 
 SILVER = (0.62, 0.68, 0.72)

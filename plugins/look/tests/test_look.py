@@ -27,7 +27,7 @@ FLOOR_COLOUR, WALL_COLOUR = (0.5, 0.3, 0.15), (0.3, 0.45, 0.6)
 
 
 @pytest.fixture(scope="module")
-def furniture(tmp_path_factory: pytest.TempPathFactory) -> list[Placed]:
+def items(tmp_path_factory: pytest.TempPathFactory) -> list[Placed]:
     """A cabinet at the wall, and before it a table."""
     folder = tmp_path_factory.mktemp("furniture")
     items = []
@@ -82,8 +82,7 @@ def taken(objects: Objects, items: list[Placed], look: Look) -> tuple[Any, Any, 
 
 
 @pytest.mark.parametrize(("azimuth", "elevation"), [(50, 50), (-35, 40), (10, 60)])
-def test_light_and_colours_are_found_again(furniture: Any, azimuth: float, elevation: float) -> None:
-    items = furniture
+def test_light_and_colours_are_found_again(items: Any, azimuth: float, elevation: float) -> None:
     objects, light = objects_of(items), to_direction(np.radians(azimuth), np.radians(elevation))
     pictures = taken(objects, items, true_look(light))
     look = estimate_look(objects, pictures, scene_of(objects), items)
@@ -96,8 +95,7 @@ def test_light_and_colours_are_found_again(furniture: Any, azimuth: float, eleva
     assert np.abs(again.astype(int) - pictures[0]).mean() < 2.5  # of 255
 
 
-def test_a_picture_without_shadows_gets_the_light_that_all_such_have(furniture: Any) -> None:
-    items = furniture
+def test_a_picture_without_shadows_gets_the_light_that_all_such_have(items: Any) -> None:
     objects = objects_of(items)
     rgb, masks, depth = taken(objects, items, true_look(to_direction(0.8, 0.8)))
     noise = np.random.default_rng(0).integers(150, 160, rgb.shape).astype(np.uint8)
@@ -106,8 +104,7 @@ def test_a_picture_without_shadows_gets_the_light_that_all_such_have(furniture: 
     assert np.cross(look.light, ROOM_LIGHT) == pytest.approx(np.zeros(3), abs=1e-5)
 
 
-def test_light_comes_through_no_wall(furniture: Any) -> None:
-    items = furniture
+def test_light_comes_through_no_wall(items: Any) -> None:
     objects = objects_of(items)
     pictures = taken(objects, items, true_look(to_direction(0.8, 0.8)))
     seen = find_surfaces(*pictures, objects)
@@ -120,8 +117,7 @@ def test_light_comes_through_no_wall(furniture: Any) -> None:
     assert estimate_light(seen, merge_meshes(items))[0][0] >= 0
 
 
-def test_only_what_lies_in_its_plane_is_a_surface(furniture: Any) -> None:
-    items = furniture
+def test_only_what_lies_in_its_plane_is_a_surface(items: Any) -> None:
     objects = objects_of(items)
     rgb, masks, depth = taken(objects, items, true_look(to_direction(0.8, 0.8)))
     whole = find_surfaces(rgb, masks, depth, objects)
@@ -134,9 +130,8 @@ def test_only_what_lies_in_its_plane_is_a_surface(furniture: Any) -> None:
     assert not find_surfaces(rgb, masks, np.zeros_like(depth), objects)  # no depth anywhere: nothing is known
 
 
-def test_shadows_fall_far_from_the_camera_too(furniture: Any) -> None:
+def test_shadows_fall_far_from_the_camera_too(items: Any) -> None:
     """The floor frame's origin is below the camera: the shadow map must follow the furniture."""
-    items = furniture
     moved = [item.shift([12, 0, 0]) for item in items]
     objects = objects_of(items).model_copy(update={"walls": []})
     objects.floor_from_camera = look_at([10, 0, 2.5], [15, 0, 0.2]).tolist()
