@@ -60,6 +60,7 @@ class MujocoTaskEnv(EnvWrapper):
         self._files = ModelFiles()
         self._known: tuple[Path, str] | None = None  # folder and joint of `target`
         self._camera: DepthCamera | None = None
+        self._surroundings: Surroundings | None = None  # of `target`
 
     @property
     def env(self) -> Any:
@@ -173,7 +174,7 @@ class MujocoTaskEnv(EnvWrapper):
         if self._known != (folder, self.joint):
             self.folder, self._model_asset = folder, read_json(Asset, folder / "asset.json")
             self.target = self._read_target()
-            self._surroundings: Surroundings | None = None
+            self._surroundings = None
             self._known = folder, self.joint
 
     def _read_target(self) -> Target:
