@@ -62,6 +62,7 @@ class MujocoTaskEnv(EnvWrapper):
         self._known: tuple[Path, str] | None = None  # folder and joint of `target`
         self._surroundings: Surroundings | None = None  # of `target`
         self._camera: DepthCamera | None = None
+        self._surroundings: Surroundings | None = None  # of `target`
 
     @property
     def env(self) -> Any:
