@@ -60,7 +60,6 @@ class MujocoTaskEnv(EnvWrapper):
         self.rig = CameraRig([shoulder(self.options)], self.options, self.sensing)
         self._files = ModelFiles()
         self._known: tuple[Path, str] | None = None  # folder and joint of `target`
-        self._surroundings: Surroundings | None = None  # of `target`
         self._camera: DepthCamera | None = None
         self._surroundings: Surroundings | None = None  # of `target`
 
