@@ -5,7 +5,7 @@
 Naive: in each of the top-k rounds a fresh `faiss.IndexFlatL2` of all patches of all candidates that remain, searched
 with k = 1 (paper A.6, read literally). Ours: `distance_table` and `vote`, as `stages.matching` calls them. Both in turn
 in one process, one thread, on the same synthetic features with many near ties: patches of all pictures crowd around
-shared centres.
+shared centers.
 """
 
 import os
@@ -29,18 +29,18 @@ from stages.matching.searches.torch import affine
 from stages.matching.voting import vote
 from stages.plugins import load
 
-CENTRES, SPREAD = 500, 0.6
+CENTERS, SPREAD = 500, 0.6
 Features = NDArray[np.float32]
 
 
 def features(count: int, patches: int, columns: int) -> tuple[Features, Features]:
-    """Query (P, D) and candidates (count, P, D): unit vectors around shared centres."""
+    """Query (P, D) and candidates (count, P, D): unit vectors around shared centers."""
     rng = np.random.default_rng(0)
-    centres = rng.standard_normal((CENTRES, columns), np.float32)
+    centers = rng.standard_normal((CENTERS, columns), np.float32)
 
     def picture() -> Features:
         noise = rng.standard_normal((patches, columns), np.float32)
-        rows = centres[rng.integers(CENTRES, size=patches)] + np.float32(SPREAD) * noise
+        rows = centers[rng.integers(CENTERS, size=patches)] + np.float32(SPREAD) * noise
         return rows / np.linalg.norm(rows, axis=1, keepdims=True)
 
     candidates = np.empty((count, patches, columns), np.float32)

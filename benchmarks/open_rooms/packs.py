@@ -120,7 +120,7 @@ class Model:
 
     @property
     def parts(self) -> list[Part]:
-        """Its meshes: z up, front towards +x, box centred in x and y, standing on z = 0."""
+        """Its meshes: z up, front towards +x, box centerd in x and y, standing on z = 0."""
         return _parts(self)
 
     @cached_property

@@ -33,7 +33,7 @@ class TrueThing:
     doors: int
     drawers: int
     symmetry: str
-    position: tuple[float, float, float]  # of the box's centre
+    position: tuple[float, float, float]  # of the box's center
     size: tuple[float, float, float]
     yaw: float
     support: str

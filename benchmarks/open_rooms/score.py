@@ -27,7 +27,7 @@ from stages.geometry.boxes import UprightBox, axis_aligned_iou, corners, oriente
 from stages.geometry.frames import angle_difference, wrap_angle
 
 JUDGES = ("geometry", "hog", "no-image")
-PLACE = 0.05  # metres between true and found centre
+PLACE = 0.05  # metres between true and found center
 YAW = np.deg2rad(15)
 FLOATS, BEHIND, TOO_LARGE = 0.03, 0.10, 2.0  # metres, metres, times the largest of its category
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from benchmarks.open_rooms.packs import Model, Part
 from benchmarks.open_rooms.rooms import HEIGHT, WALLS, Room, Thing
 from benchmarks.open_rooms.sensor import DARK, GLASS, MATT, MIRROR, Floats, Seen
-from stages.geometry.frames import rigid, yaw_matrix
+from stages.geometry.frames import make_transform, yaw_matrix
 
 WIDTH, HEIGHT_PX = 640, 480
 SCREENS = {"tv", "computer", "laptop"}
@@ -37,7 +37,7 @@ def look_at(eye: Sequence[float], look: Sequence[float], roll: float = 0.0) -> N
     right /= np.linalg.norm(right)
     down = np.cross(forward, right)
     turn = np.array([[np.cos(roll), -np.sin(roll), 0], [np.sin(roll), np.cos(roll), 0], [0, 0, 1]])
-    return rigid(np.column_stack([right, down, forward]) @ turn, eye)
+    return make_transform(np.column_stack([right, down, forward]) @ turn, eye)
 
 
 def intrinsics(focal: float) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-// The picture on the page, and how to look at it. Pixel centres are at integers, as in every file.
+// The picture on the page, and how to look at it. Pixel centers are at integers, as in every file.
 import { changed, state } from './state.js';
 
 const svg = document.getElementById('view');

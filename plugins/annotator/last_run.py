@@ -21,10 +21,10 @@ from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import SceneObject
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 
 GRAVE = ("affordance", "place", "size")  # causes of doubts that are listed before the others
-SHOWN = 24  # models that can be chosen, nearest first
+MAX_MODELS = 24  # models that can be chosen, nearest first
 
 
 def describe_doubt(doubt: Doubt | str) -> dict[str, Any]:
@@ -92,7 +92,10 @@ class LastRun:
             size = np.array([depth, width, height])
         center[:2] += np.subtract(correction.nudge or (0.0, 0.0), before)
         points = corners(UprightBox(center, size, placed.yaw if correction.front is None else correction.front))
-        pixels = project(apply(inverse(np.array(self.objects.floor_from_camera)), points), self.objects.intrinsics)
+        pixels = project(
+            transform_points(invert_transform(np.array(self.objects.floor_from_camera)), points),
+            self.objects.intrinsics,
+        )
         if not np.isfinite(pixels).all():
             return []
         return [np.round(pixels[face], 1).tolist() for face in map(list, (*FACES[1:], FACES[0]))]
@@ -115,7 +118,7 @@ class LastRun:
                 float(np.arctan2(*(camera[:2, 3] - item.box.center[:2])[::-1])) if item.front is None else item.front
             )
         points = front_corners(box, facing if stated is None else stated)
-        return project(apply(inverse(camera), points), self.objects.intrinsics), *extents(points)
+        return project(transform_points(invert_transform(camera), points), self.objects.intrinsics), *extents(points)
 
     def models(self, mask: int) -> list[dict[str, Any]]:
         """Models that can represent an object, nearest first, with pictures as they are placed or would be."""
@@ -125,7 +128,7 @@ class LastRun:
         ranks = {cousin.asset: cousin.rank for cousin in entry.cousins}
         nearest = [one for one in entry.by_distance if one.asset not in ranks]
         choosable = [(one.asset, one.distance) for one in entry.cousins]
-        choosable = [*choosable, *((one.asset, one.distance) for one in nearest)][:SHOWN]
+        choosable = [*choosable, *((one.asset, one.distance) for one in nearest)][:MAX_MODELS]
         placed = self.views.get(mask, {})
         views = {one.asset: one.orientation.yaw for one in entry.cousins} | placed
         other = next(iter((placed or views).values()))

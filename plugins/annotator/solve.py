@@ -28,7 +28,7 @@ from stages.geometry.frames import yaw_matrix
 
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
-FLAT = 0.03  # metres: depth of something on a wall whose kind is unknown
+FLAT_DEPTH = 0.03  # metres: depth of something on a wall whose kind is unknown
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def _list_guessed(item: DrawnObject, hangs: bool) -> str:
 def _usual_depth(label: str) -> float:
     """How deep things of a label are that hang on a wall."""
     sizes = sizes_of(label)
-    return float(np.median(sizes[:, 0])) if len(sizes) else FLAT
+    return float(np.median(sizes[:, 0])) if len(sizes) else FLAT_DEPTH
 
 
 def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]) -> WallPlane:
@@ -142,7 +142,7 @@ class _Room:
     def _box(self, item: DrawnObject, points: list[Pixel], above: tuple[str, ...]) -> UprightBox:
         sizes = item.sizes if self.typed else (None, None, None)
         if item.on in self.walls:
-            flat = _usual_depth(item.label) if self.typed else FLAT
+            flat = _usual_depth(item.label) if self.typed else FLAT_DEPTH
             return fit_hanging_box(self.view, self.walls[item.on], points[:3], sizes, flat)
         ground = self._ground(item, above)
         if item.round:

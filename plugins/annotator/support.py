@@ -8,7 +8,7 @@ from plugins.annotator.solve import Solved
 from plugins.inputs.photo.metrology import CLICK
 from stages.geometry.boxes import corners
 
-BEHIND = 0.05  # share of the picture's height: a base may be marked so far above the top that it stands on
+BASE_SLACK = 0.05  # share of the picture's height: a base may be marked so far above the top that it stands on
 WORKTOP = 0.05  # metres: how thick a worktop is, whose lower edge is easily marked in place of its upper one
 
 
@@ -45,7 +45,7 @@ def support_at(project: Project, solved: Solved, pixel: tuple[float, float], sta
         return best
     close = min(beside, key=lambda name: beside[name], default="floor")
     if stands:
-        return close if beside.get(close, np.inf) < BEHIND * solved.view.height else "floor"
+        return close if beside.get(close, np.inf) < BASE_SLACK * solved.view.height else "floor"
     if close == "floor":
         return best
     away = float(np.linalg.norm(solved.boxes[close].center - eye)) * (solved.factor or 1.0)

@@ -12,14 +12,14 @@ from stages.geometry.boxes import UprightBox
 
 CAMERA_HEIGHT = 1.5  # metres: assumed height of a camera whose height is unknown
 SURE = np.log(1.1)  # a person who stands holds a camera 1.35 to 1.65 m high: CAMERA_HEIGHT is never better than that
-LEAST = 0.02  # metres: what hangs is wider and higher, unless one edge of it was marked
+MIN_EXTENT = 0.02  # metres: what hangs is wider and higher, unless one edge of it was marked
 Sides = tuple[float | None, float | None, float | None]
 
 
 def is_edge_marked(box: UprightBox) -> str:
     """Whether an edge of a hanging object was marked instead of two opposite corners."""
     width, _, height = box.size
-    if min(width, height) >= LEAST:
+    if min(width, height) >= MIN_EXTENT:
         return ""
     side = f"{100 * width:.1f} cm wide" if width < height else f"{100 * height:.1f} cm high"
     return f"would be {side}: of what hangs mark two opposite corners of its front"

@@ -19,7 +19,7 @@ from stages.contracts.objects import Box, object_ids
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import apply, inverse, round_vector, wrap_angle, yaw_of_matrix
+from stages.geometry.frames import invert_transform, round_vector, transform_points, wrap_angle, yaw_of_matrix
 from stages.geometry.room_planes import STRAY, Plane, make_floor_frame
 
 SIDES = ("right", "rear", "left", "front")  # of a drawn box, counter-clockwise from its x axis
@@ -39,19 +39,19 @@ def floor_from_camera(view: View) -> NDArray[np.float64]:
 
 def floor_box(view: View, box: UprightBox) -> Box:
     """A box of the room frame in the floor frame; its x axis is the side nearest to that frame's."""
-    floor_from_room = floor_from_camera(view) @ inverse(view.room_from_camera)
+    floor_from_room = floor_from_camera(view) @ invert_transform(view.room_from_camera)
     yaw = box.yaw + yaw_of_matrix(floor_from_room[:3, :3])
     turned = wrap_angle(yaw, np.pi / 2)
     width, depth, height = box.size
     if round((yaw - turned) / (np.pi / 2)) % 2:
         width, depth = depth, width
     size = round_vector([width, depth, height])
-    return Box(center=round_vector(apply(floor_from_room, box.center)), size=size, yaw=round(turned, 6))
+    return Box(center=round_vector(transform_points(floor_from_room, box.center)), size=size, yaw=round(turned, 6))
 
 
 def front_of(view: View, box: UprightBox, side: str) -> float:
     """Direction about z, floor frame, of a side of a drawn box; its y axis goes back from what was drawn as front."""
-    floor_from_room = floor_from_camera(view) @ inverse(view.room_from_camera)
+    floor_from_room = floor_from_camera(view) @ invert_transform(view.room_from_camera)
     return round(wrap_angle(box.yaw + side_angle(side) + yaw_of_matrix(floor_from_room[:3, :3])), 6)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 
 from plugins.bowl.movable import CarryEnv, Movable
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 from stages.planning.clearance import CLEARANCE, Surroundings, arm_spheres, surface_points
 from stages.planning.rollout import TOLERANCE, Stretch, find_feasible, measure_deviation
 from stages.simulation.kinematics import MAX_JOINT_STEP, Array, Chain, track
@@ -24,8 +24,8 @@ def shift_pose(pose: Array, by: Array) -> Array:
 
 
 def make_held_spheres(mesh: trimesh.Trimesh, hand_from_object: Array) -> Array:
-    """(M, 4) centre in the tool frame and radius of spheres on an object that the hand holds."""
-    points = apply(hand_from_object, surface_points(mesh, 60))  # as spheres
+    """(M, 4) center in the tool frame and radius of spheres on an object that the hand holds."""
+    points = transform_points(hand_from_object, surface_points(mesh, 60))  # as spheres
     return np.column_stack([points, np.full(len(points), CLEARANCE)])
 
 
@@ -42,7 +42,7 @@ def can_hold(
     across = int(np.ceil(np.ptp([chain.lower, chain.upper], axis=0).max() / MAX_JOINT_STEP))  # of the widest range
     q = track(chain, np.tile(joints, (len(poses), 1)), poses, across)
     reached = (measure_deviation(poses, chain.pose(q)) < TOLERANCE).all(axis=1)
-    spheres = arm_spheres(inverse(base_from_asset) @ chain.frames(q), stretch.fingers, stretch.held)
+    spheres = arm_spheres(invert_transform(base_from_asset) @ chain.frames(q), stretch.fingers, stretch.held)
     gaps = surroundings.gaps(*spheres, np.full(len(poses), stretch.joint[0]))
     return np.asarray(reached & (gaps > CLEARANCE).all(axis=1))
 
@@ -60,7 +60,7 @@ class CarrySkill(RetryingSkill):
 
     def holds(self, hand_from_object: Array) -> bool:
         """Whether the hand still has the object about where it had it, at the pose (4, 4)."""
-        now = inverse(self.task.hand()) @ self.movable().base_from_object
+        now = invert_transform(self.task.hand()) @ self.movable().base_from_object
         return bool(np.linalg.norm(now[:3, 3] - hand_from_object[:3, 3]) < LOST)
 
     def can_hold_at(self, poses: Array, fingers: float | None, held: Array | None) -> Array:

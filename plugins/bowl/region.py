@@ -16,7 +16,7 @@ CELL = 0.005  # metres between rays; hits this close in height are one surface; 
 class Region:
     """The largest level surface that is seen from above, in the frame of its mesh; metres.
 
-    height: of the surface. origin: (2,) x, y of the first cell's centre. room: (X, Y) distance from each cell to the
+    height: of the surface. origin: (2,) x, y of the first cell's center. room: (X, Y) distance from each cell to the
     nearest one where the surface ends (a wall, an edge); 0 where there is no surface.
     """
 
@@ -35,7 +35,7 @@ class Region:
         return np.append(self.origin + CELL * (np.argwhere(self.room > 0).max(axis=0) + 0.5), self.height)
 
     def places(self, radius: float) -> Array:
-        """(N, 3) centres of the cells on which a disc of `radius` lies wholly within the surface."""
+        """(N, 3) centers of the cells on which a disc of `radius` lies wholly within the surface."""
         cells = np.argwhere(self.room >= radius + CELL / 2)
         return np.column_stack([self.origin + CELL * cells, np.full(len(cells), self.height)])
 

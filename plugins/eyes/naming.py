@@ -13,7 +13,7 @@ from stages.contracts.categories import known_categories
 from stages.extraction.contact import lowest_pixels
 
 # What may be flat on a wall, and how likely each is, before its looks are seen; chosen.
-FLAT = {"picture": 0.5, "mirror": 0.2, "television": 0.1, "clock": 0.05, "radiator": 0.05, "curtain": 0.05}
+FLAT_CATEGORIES = {"picture": 0.5, "mirror": 0.2, "television": 0.1, "clock": 0.05, "radiator": 0.05, "curtain": 0.05}
 MIRROR = {"mirror": 0.9, "picture": 0.1}  # likewise, if much is seen behind it; chosen
 THROUGH = 0.2  # share of a flat thing through which what is behind its wall is seen, from which on it is so; chosen
 DOOR = 0.3, 1.6  # metres above the ground to which a door or window reaches down, and its least height; chosen
@@ -85,7 +85,7 @@ def decide(view: RoomView, thing: Outlined, sure: float) -> Named:
     behind = known & surfaces.beyond & ~surfaces.on_wall
     names = name(view, thing, known & ~behind if thing.flat else known)
     if thing.flat:
-        names = keep_flat(names, MIRROR if behind.sum() > THROUGH * known.sum() else FLAT)
+        names = keep_flat(names, MIRROR if behind.sum() > THROUGH * known.sum() else FLAT_CATEGORIES)
     points = surfaces.points[known & ~behind if thing.flat else known]
     low, high = np.quantile(points, [TRIM, 1 - TRIM], axis=0)
     one = Named(thing, names, low, high)

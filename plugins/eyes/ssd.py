@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from plugins.eyes.weights import FOLDER, SSD, SSD_GRAPH, find_weights
 
 SIDE = 300  # pixels of the square input, as trained
-LEAST = 0.3  # score of a box; chosen: as the trials of COCO's boxes on real frames
+MIN_SCORE = 0.3  # score of a box; chosen: as the trials of COCO's boxes on real frames
 SAME = 0.6  # IoU from which two boxes are of one thing, as the graph's own suppression within a class
 # COCO's classes from 1 on; the numbers left empty were never published.
 _CLASSES = """
@@ -53,7 +53,7 @@ class Ssd:
         graph, text = find_weights(SSD, folder), find_weights(SSD_GRAPH, folder)
         self._network = cv2.dnn.readNetFromTensorflow(str(graph), str(text))
 
-    def detect(self, rgb: NDArray[np.uint8], least: float = LEAST) -> list[Box]:
+    def detect(self, rgb: NDArray[np.uint8], least: float = MIN_SCORE) -> list[Box]:
         """The things in a picture (H, W, 3) that score `least` or more, the surest first."""
         height, width = rgb.shape[:2]
         self._network.setInput(cv2.dnn.blobFromImage(rgb, size=(SIDE, SIDE)))

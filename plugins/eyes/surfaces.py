@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.geometry.cameras import back_project
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 from stages.geometry.gravity import CELLS, LEVEL, cell_normals
 from stages.geometry.levels import find_ground
 from stages.geometry.room_planes import GRAZING, PLANE_THRESHOLD, WALL_TILT, WallPlane, fit_wall, make_floor_frame
@@ -19,7 +19,9 @@ Mask = NDArray[np.bool_]
 STEP, NEAR = 0.02, 11  # metres between planes that are tried, and how many of them are one; chosen
 LEAST_WALL = 0.8  # square metres that are seen of a wall; chosen
 TOP = 1.5  # metres above the ground to which a wall reaches; chosen
-BEHIND = 0.12  # share of what is seen within a wall's width that may lie behind it: doors, windows, mirrors; chosen
+MAX_SHARE_BEHIND = (
+    0.12  # share of what is seen within a wall's width that may lie behind it: doors, windows, mirrors; chosen
+)
 FARTHER = 0.25  # metres: what is farther behind a plane is behind it, not its noise; chosen
 ALONG = np.cos(np.deg2rad(25))  # of a surface's normal with its wall's: brick and noise are allowed for; chosen
 LEAST_OFF, NOISE = (
@@ -71,14 +73,14 @@ def find_surfaces(depth: Array, intrinsics: Array, max_tilt: float) -> Surfaces 
     if ground is None:
         return None
     frame = make_floor_frame(ground)
-    points = apply(frame, in_camera)
+    points = transform_points(frame, in_camera)
     off = np.maximum(LEAST_OFF, NOISE * depth**2)
     floor = known & (points[..., 2] < off)
     on_ground = floor & (points[..., 2] > -off)
-    centres, normals = cell_normals(in_camera, known)
-    cells, facing = apply(frame, centres), normals @ frame[:3, :3].T
-    sight = np.abs((normals * centres).sum(axis=1)) / centres[:, 2]  # cosine between both, at the optical axis
-    side = depth.shape[1] // CELLS / intrinsics[0, 0] * centres[:, 2]
+    centers, normals = cell_normals(in_camera, known)
+    cells, facing = transform_points(frame, centers), normals @ frame[:3, :3].T
+    sight = np.abs((normals * centers).sum(axis=1)) / centers[:, 2]  # cosine between both, at the optical axis
+    side = depth.shape[1] // CELLS / intrinsics[0, 0] * centers[:, 2]
     walls = find_walls(points[known], cells, facing, side**2 / np.maximum(sight, GRAZING), float(frame[2, 3]))
     wall_masks, beyond = [], find_ceiling(points, cells, facing, off) & known
     for wall in walls:
@@ -94,7 +96,7 @@ def find_walls(points: Array, cells: Array, facing: Array, areas: Array, camera_
 
     Args:
         points: (N, 3) of all that is seen, floor frame.
-        cells, facing, areas: of flat cells: centres (M, 3), unit normals (M, 3) towards the camera, square metres (M,).
+        cells, facing, areas: of flat cells: centers (M, 3), unit normals (M, 3) towards the camera, square metres (M,).
         camera_height: metres above the ground.
     """
     upright = (np.abs(facing[:, 2]) < WALL_TILT) & (cells[:, 2] > PLANE_THRESHOLD)
@@ -158,7 +160,7 @@ def is_wall(wall: WallPlane, points: Array, cells: Array, areas: Array) -> bool:
         return False
     left, right = np.quantile(across[on], [0.03, 0.97])
     within = (across > left) & (across < right) & (points[:, 2] > off)
-    return bool((within & (seen < -FARTHER)).sum() < BEHIND * within.sum())
+    return bool((within & (seen < -FARTHER)).sum() < MAX_SHARE_BEHIND * within.sum())
 
 
 def find_ceiling(points: Array, cells: Array, facing: Array, off: Array) -> Mask:

@@ -32,46 +32,46 @@ def sample(category: str, index: int, seed: int, variations: bool = True) -> Rec
         category: one of `ALL`.
         index: number of the model.
         seed: of the library.
-        variations: whether models after the category's founders are variations of them; else each is a founder.
+        variations: whether models after the category's templates are variations of them; else each is a template.
     """
-    sampled, founder = _sample_indexed(category, index, seed, variations)
+    sampled, template = _sample_indexed(category, index, seed, variations)
     generator = next(name for name, kind in GENERATORS.items() if kind is type(sampled.recipe))
     parameters = {"size": list(sampled.size), **sampled.recipe.parameters()}
-    variation_of = None if founder is None else model_name(category, founder)
+    variation_of = None if template is None else model_name(category, template)
     return Recipe(generator=generator, parameters=parameters, variation_of=variation_of)
 
 
 def _sample_indexed(category: str, index: int, seed: int, variations: bool = True) -> tuple[Sampled, int | None]:
-    """A model of a category, and the number of its founder; None: it is one."""
+    """A model of a category, and the number of its template; None: it is one."""
     record, rng = ALL[category], _generator(category, index, seed)
-    founder = index % record.founders
-    if index < record.founders or not variations:
+    template = index % record.templates
+    if index < record.templates or not variations:
         return record.sample(rng, index), None
     if index in record.further:
-        return record.sample(rng, index), founder
+        return record.sample(rng, index), template
     in_turn = families.in_turn(record, index)
     if not in_turn:
-        founder = families.find_rarest_founder([_fronts(category, k, seed) for k in range(index)], record.founders)
+        template = families.find_rarest_template([_fronts(category, k, seed) for k in range(index)], record.templates)
     if not record.varied:
-        return record.sample(rng, founder), founder  # in the founder's style: styles go by number
-    first = record.sample(_generator(category, founder, seed), founder)
-    generation = index // record.founders if in_turn else index
-    return families.vary_founder(record, first, generation, rng, any_fronts=in_turn), founder
+        return record.sample(rng, template), template  # in the template's style: styles go by number
+    first = record.sample(_generator(category, template, seed), template)
+    generation = index // record.templates if in_turn else index
+    return families.vary_template(record, first, generation, rng, any_fronts=in_turn), template
 
 
 @cache
 def has_fronts(category: str) -> tuple[bool, bool]:
-    """Whether founders of a category have doors (or flaps), and whether they have drawers."""
+    """Whether templates of a category have doors (or flaps), and whether they have drawers."""
     record = ALL.get(category)
-    counts = [_fronts(category, k, 0) for k in range(record.founders)] if record else []
+    counts = [_fronts(category, k, 0) for k in range(record.templates)] if record else []
     return any(doors for doors, _ in counts), any(drawers for _, drawers in counts)
 
 
 @cache
 def leaves(category: str) -> tuple[int, int]:
-    """How many doors on upright hinges, and how many flaps, the founders of a category have."""
-    founders = range(ALL[category].founders if category in ALL else 0)
-    recipes = [_sample_indexed(category, index, 0)[0].recipe for index in founders]
+    """How many doors on upright hinges, and how many flaps, the templates of a category have."""
+    templates = range(ALL[category].templates if category in ALL else 0)
+    recipes = [_sample_indexed(category, index, 0)[0].recipe for index in templates]
     flaps = sum(line.count("flap") for recipe in recipes for line in getattr(recipe, "layout", []))
     return sum(recipe.fronts[0] for recipe in recipes) - flaps, flaps
 

@@ -18,15 +18,15 @@ class Category:
     Attributes:
         name: lower-case words joined by underscores.
         sample: the size and recipe of its `index`-th model, by a random generator.
-        founders: models that are sampled freely, and that rooms are furnished with; later ones are their variations.
+        templates: models that are sampled freely, and that rooms are furnished with; later ones are their variations.
         count: models in the default library; 0: it is made where `assets.counts` asks for it alone.
         names: what else it is called: file names and labels that say so mean it.
         like: words for similar things: a label that says so is nearest to it.
         kin: kinds of things that it is one of: a label of no category is nearest to its kin.
-        further: numbers of later models that are sampled freely as well, in styles that founders lack: those before
+        further: numbers of later models that are sampled freely as well, in styles that templates lack: those before
             them stay as they were drawn, and rooms are not furnished with them.
-        varied: later models vary a founder's recipe (cabinets) in place of being sampled anew in its style.
-        fronts: layouts that a variation may have; none: one cell more or less than its founder.
+        varied: later models vary a template's recipe (cabinets) in place of being sampled anew in its style.
+        fronts: layouts that a variation may have; none: one cell more or less than its template.
         growth: exponents of the ratios of cells side by side and one above the other, by which a variation with other
             fronts is wider and higher.
         appliance: of steel or enamel, its fronts flat.
@@ -34,7 +34,7 @@ class Category:
 
     name: str
     sample: Sampler
-    founders: int
+    templates: int
     count: int = 5
     names: str = ""
     like: str = ""

@@ -10,7 +10,7 @@ from stages.contracts import categories
 from stages.contracts.category import Category as Row
 from stages.contracts.files import write_text
 
-SAMPLES = 8  # models of a category that say how large it usually is: more than have founders
+SAMPLES = 8  # models of a category that say how large it usually is: more than have templates
 
 
 def describe_category(record: Category) -> Row:

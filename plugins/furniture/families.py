@@ -1,8 +1,8 @@
-"""Families of near relatives: variations of a category's first models, the founders (docs/assets.md).
+"""Families of near relatives: variations of a category's first models, the templates (docs/assets.md).
 
 Of cabinets every other generation is near (the same fronts and kind of handle in other proportions, finishes, panels),
 the others are farther: other fronts, handles and hinges. Relatives of
-all else are sampled anew in their founder's style.
+all else are sampled anew in their template's style.
 """
 
 import math
@@ -16,32 +16,32 @@ from plugins.furniture.finishes import shade
 from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
 from plugins.furniture.recipe import Rng, Sampled, round_size, uniform
 
-IN_TURN = 24  # models of a category that vary its founders in turn, at least
+IN_TURN = 24  # models of a category that vary its templates in turn, at least
 ABOUT = 2  # doors and drawers more or less, as matching's count_threshold (A.7)
 
 
 def in_turn(category: Category, index: int) -> bool:
-    """Whether a relative varies the founder whose turn it is; later ones go where models with such fronts are few."""
-    return not category.fronts or index < max(IN_TURN, 3 * category.founders // 2)
+    """Whether a relative varies the template whose turn it is; later ones go where models with such fronts are few."""
+    return not category.fronts or index < max(IN_TURN, 3 * category.templates // 2)
 
 
-def find_rarest_founder(fronts: list[tuple[int, int]], founders: int) -> int:
-    """Which founder has the fewest models with about as many doors and drawers as it; `fronts`: those of all models."""
-    alike = [sum(abs(a - c) + abs(b - d) <= ABOUT for c, d in fronts) for a, b in fronts[:founders]]
+def find_rarest_template(fronts: list[tuple[int, int]], templates: int) -> int:
+    """Which template has the fewest models with about its numbers of doors and drawers; `fronts`: of all models."""
+    alike = [sum(abs(a - c) + abs(b - d) <= ABOUT for c, d in fronts) for a, b in fronts[:templates]]
     return alike.index(min(alike))
 
 
-def vary_founder(category: Category, founder: Sampled, generation: int, rng: Rng, any_fronts: bool = True) -> Sampled:
-    """A variation of a founder that is a cabinet; odd generations are near, even ones farther from it: with any
+def vary_template(category: Category, template: Sampled, generation: int, rng: Rng, any_fronts: bool = True) -> Sampled:
+    """A variation of a template that is a cabinet; odd generations are near, even ones farther from it: with any
     fronts of their category, or with one cell more or less than it."""
-    recipe, far = founder.recipe, generation % 2 == 0
+    recipe, far = template.recipe, generation % 2 == 0
     assert isinstance(recipe, Cabinet)
     changes: dict[str, Any] = _sample_looks(category, rng)
-    # Wider and lower, or narrower and higher: a relative does not fit into its founder's box unchanged.
+    # Wider and lower, or narrower and higher: a relative does not fit into its template's box unchanged.
     spread = 0.22 if far else 0.14
     wider = float(rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.0))
     factors = rng.uniform(-1.0, 1.0), wider, -wider * rng.uniform(0.5, 1.0)
-    x, y, z = (extent * math.exp(spread * factor) for extent, factor in zip(founder.size, factors, strict=True))
+    x, y, z = (extent * math.exp(spread * factor) for extent, factor in zip(template.size, factors, strict=True))
     changes["handle_length"] = _clip_value(recipe.handle_length * rng.uniform(0.7, 1.5), 0.1, 0.6)
     changes["handle_at"] = _clip_value(recipe.handle_at + rng.uniform(-0.25, 0.25), -1.0, 1.0)
     changes["drawer_weight"] = _clip_value(recipe.drawer_weight * rng.uniform(0.8, 1.3), 0.15, 0.6)

@@ -12,7 +12,7 @@ from plugins.furniture.recipe import Generator
 from plugins.furniture.robot import robot_of
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.resizing import SizedModel
-from stages.articulated.urdf_tree import FLAT
+from stages.articulated.urdf_tree import THIN
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.library import Asset, Recipe
@@ -100,7 +100,7 @@ def _generate_model(generator: Generator, wanted: Size) -> Model:
 
 def _is_sound(model: Model) -> bool:
     """Whether every solid is one and everything that moves has somewhere to go."""
-    solids = all(np.ptp(mesh.vertices, axis=0).min() > FLAT for part in parts_of(model) for mesh in part.pieces)
+    solids = all(np.ptp(mesh.vertices, axis=0).min() > THIN for part in parts_of(model) for mesh in part.pieces)
     return solids and all(moving.upper > 0 for moving in model.moving)
 
 

@@ -42,7 +42,7 @@ def run(*, out: Path, shard: int = 0, shards: int = 1, options: str = "{}", seed
 
 
 def make(category: str, index: int, seed: int, folder: Path, variations: bool = True) -> Asset:
-    """Build the `index`-th procedural model of a category; without `variations` it is a founder."""
+    """Build the `index`-th procedural model of a category; without `variations` it is a template."""
     recipe = sample(category, index, seed, variations)
     name = model_name(category, index)
     provenance = f"procedural: {recipe.generator}, seed {seed}"

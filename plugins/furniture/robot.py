@@ -9,7 +9,7 @@ from stages.articulated.mesh_writer import is_box
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel, Visual
 from stages.contracts.images import GOLDEN
 from stages.contracts.parts import PARTS
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 from stages.geometry.solids import MINIMUM_INERTIA
 
 BASE = "base"
@@ -49,7 +49,7 @@ def _joint(moving: Moving) -> JointModel:
         type=PARTS[moving.part_type].joint,
         parent=BASE,
         child=moving.name,
-        origin=rigid(np.eye(3), moving.origin),
+        origin=make_transform(np.eye(3), moving.origin),
         axis=np.array(moving.axis),
         lower=0.0,
         upper=moving.upper,
@@ -65,7 +65,7 @@ def _shift_mesh(mesh: Trimesh, origin: Matrix) -> Trimesh:
 
 
 def mass_properties(parts: list[Part]) -> tuple[float, Matrix, Matrix]:
-    """Mass (kg), centre of mass (asset frame) and inertia about it, (3, 3), of solids of uniform density."""
+    """Mass (kg), center of mass (asset frame) and inertia about it, (3, 3), of solids of uniform density."""
     solids = [_solid(part.mesh) for part in parts]
     masses = np.array([solid[0] * part.density for solid, part in zip(solids, parts, strict=True)])
     centers = np.array([solid[1] for solid in solids])
@@ -80,7 +80,7 @@ def mass_properties(parts: list[Part]) -> tuple[float, Matrix, Matrix]:
 
 
 def _solid(mesh: Trimesh) -> tuple[float, Matrix, Matrix]:
-    """Volume, centre and second moments about it, (3, 3), of a solid of density 1."""
+    """Volume, center and second moments about it, (3, 3), of a solid of density 1."""
     if not is_box(mesh):
         return abs(mesh.volume), mesh.center_mass, mesh.moment_inertia
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)

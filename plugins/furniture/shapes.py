@@ -20,7 +20,7 @@ def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) 
 
 
 def slab(center: ArrayLike, size: ArrayLike) -> Trimesh:
-    """Axis-aligned box by its centre and extents."""
+    """Axis-aligned box by its center and extents."""
     return Trimesh(
         np.asarray(center, dtype=float) + CUBE.vertices * np.asarray(size, dtype=float), CUBE.faces, process=False
     )

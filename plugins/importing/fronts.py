@@ -20,11 +20,13 @@ from stages.articulated.attributes import list_moved_links, merge_visuals
 from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
 from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.contracts.parts import PARTS
-from stages.geometry.frames import rigid, yaw_matrix
+from stages.geometry.frames import make_transform, yaw_matrix
 
 SHORTEST = PARTS["drawer"].motion[0]  # metres; and extents of the smallest front
 ASKEW = np.deg2rad(10)  # by which a front may face another way than along an axis
-BEHIND = 0.3  # of its parent's extent along a slide: what is as far behind the front of that when closed is no drawer
+BEHIND_FRONT = (
+    0.3  # of its parent's extent along a slide: what is as far behind the front of that when closed is no drawer
+)
 
 
 class Front(NamedTuple):
@@ -51,7 +53,7 @@ def align_to_axes(robot: RobotModel) -> tuple[RobotModel, float]:
     turn = -float(np.angle(total)) / 4
     if abs(total) < ALONG * weights.sum() or abs(turn) < ASKEW:
         return robot, 0.0
-    return change_root(robot, rigid(yaw_matrix(turn), np.zeros(3))), turn
+    return change_root(robot, make_transform(yaw_matrix(turn), np.zeros(3))), turn
 
 
 def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
@@ -110,7 +112,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> F
         if around is not None:
             front, body = ((box @ outward).max() for box in (np.array([low, high]), around))
             reach, depth = joint.upper - joint.lower, np.ptp(around @ outward)
-            if front + reach - body < LEAST_OUT * reach or body - front > BEHIND * depth:
+            if front + reach - body < LEAST_OUT * reach or body - front > BEHIND_FRONT * depth:
                 return "slides along what it is in"
         if slides_from_narrower(robot, joint, frames):
             return "slides on something narrower than itself"
@@ -121,8 +123,8 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> F
             return f"turns by less than {np.rad2deg(LEAST_TURN):.0f} degrees"
         if abs(axis[way]) > 0.3 or extents[way] > THIN * extents[across]:
             return "turns no panel about its side"  # a stove's knob turns about the direction that it faces
-        centre = (low + high) / 2
-        swing = float(np.cross(axis, centre - frame[:3, 3])[way])
+        center = (low + high) / 2
+        swing = float(np.cross(axis, center - frame[:3, 3])[way])
         outward[way] = np.sign(swing)
     width, height = extents[1 - way], extents[2]
     if min(width, height) < SHORTEST:

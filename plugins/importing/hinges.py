@@ -8,7 +8,7 @@ import numpy as np
 from stages.articulated.forward_kinematics import link_frames, measure_closed_box
 from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.contracts.parts import PARTS
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 
 ALONG = 0.9  # cosine: a slide goes along a direction, a panel's hinge across it
 LEAST_TURN = PARTS["door"].motion[0]  # radians
@@ -125,5 +125,7 @@ def list_carried_links(joint: JointModel, joints: Iterable[JointModel]) -> list[
 
 def seen_points(robot: RobotModel, links: Iterable[str], frames: Mapping[str, Matrix]) -> Matrix:
     """Vertices (N, 3) of what is seen of some links, in the root frame."""
-    points = [apply(frames[link], visual.mesh.vertices) for link in links for visual in robot.links[link].visuals]
+    points = [
+        transform_points(frames[link], visual.mesh.vertices) for link in links for visual in robot.links[link].visuals
+    ]
     return np.concatenate(points) if points else np.zeros((0, 3))

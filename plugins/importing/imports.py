@@ -29,14 +29,14 @@ from stages.articulated.mesh_reader import thicken_piece
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.part_types import assign_part_types
 from stages.articulated.stretching import stretch_model
-from stages.articulated.urdf_tree import FLAT
+from stages.articulated.urdf_tree import THIN
 from stages.assets.snapshots import Look
 from stages.cli import progress
 from stages.contracts.errors import InputError, escape_control
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Placement, Symmetry
 from stages.contracts.types import LARGEST, Mass
-from stages.geometry.frames import rigid, yaw_matrix
+from stages.geometry.frames import make_transform, yaw_matrix
 from stages.geometry.solids import board_mass
 from stages.plugins import load, shorten_name
 
@@ -207,7 +207,7 @@ def check_believable(robot: RobotModel, path: Path) -> None:
     low, high = measure_closed_box(robot)
     extents = high - low
     size = " x ".join(f"{extent:.4g}" for extent in extents)
-    if extents.min() < FLAT:
+    if extents.min() < THIN:
         raise InputError(path, f"is flat: its extents are {size} m.", "0.1 mm at least", code="E-MODEL-FLAT")
     if extents.max() > LARGEST:
         raise InputError(
@@ -236,7 +236,7 @@ def turn_upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[s
     if notes.front is None and (facing := front_direction(robot)) is not None and facing[0][0] < 1:
         (x, y, _), count = facing
         lines += [f"turned to face +x, where {count} of its doors and drawers open (asset.json: front)"]
-        robot = change_root(robot, rigid(yaw_matrix(-float(np.arctan2(y, x))).round(9), np.zeros(3)))
+        robot = change_root(robot, make_transform(yaw_matrix(-float(np.arctan2(y, x))).round(9), np.zeros(3)))
     return robot, lines
 
 
@@ -247,7 +247,7 @@ def guess_front(up: Axis) -> Axis:
 
 def turn_to_axes(robot: RobotModel, up: Axis, front: Axis) -> RobotModel:
     """The model with the file's axis `up` as z, and `front` as x."""
-    return change_root(robot, rigid(_axes(front, up), np.zeros(3)))
+    return change_root(robot, make_transform(_axes(front, up), np.zeros(3)))
 
 
 def in_file(direction: np.ndarray, front: Axis, up: Axis) -> Axis:
@@ -277,8 +277,8 @@ def without_specks(robot: RobotModel) -> RobotModel:
     links = {
         name: replace(
             link,
-            visuals=[visual for visual in link.visuals if np.sort(visual.mesh.extents)[1] > FLAT],
-            collisions=[thicken_piece(piece) for piece in link.collisions if piece.extents.max() > FLAT],
+            visuals=[visual for visual in link.visuals if np.sort(visual.mesh.extents)[1] > THIN],
+            collisions=[thicken_piece(piece) for piece in link.collisions if piece.extents.max() > THIN],
         )
         for name, link in robot.links.items()
     }

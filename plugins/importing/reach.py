@@ -9,7 +9,7 @@ from sapien.physx import PhysxArticulation
 from stages.articulated.asset_folder import read_asset
 from stages.contracts.library import Asset
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import inverse, rigid
+from stages.geometry.frames import invert_transform, make_transform
 from stages.planning.articulation import choose_open_goals
 from stages.planning.clearance import Surroundings
 from stages.simulation.kinematics import Array
@@ -64,7 +64,7 @@ def _find_followed(
         return list(names)
     body.set_qpos(body.get_qlimits()[:, 0])
     nominal = nominal_root(asset, scale)
-    root = object_motion(state) @ rigid(np.eye(3), nominal)
+    root = object_motion(state) @ make_transform(np.eye(3), nominal)
     found = []
     for index, name in enumerate(joint.name for joint in body.get_active_joints()):
         if name not in names:
@@ -77,7 +77,7 @@ def _find_followed(
             followed = reachable_base(base, root, arm, around, opening) is not None
         else:
             goals = choose_open_goals(target, opening, MOTION.goal_margin)
-            followed = any(can_follow(inverse(base) @ root, arm, around, goal) for goal in goals)
+            followed = any(can_follow(invert_transform(base) @ root, arm, around, goal) for goal in goals)
         if followed:
             found.append(name)
     return found

@@ -11,7 +11,7 @@ from stages.articulated.model import Link, RobotModel, Visual
 from stages.contracts.errors import InputError
 from stages.geometry.solids import MINIMUM_INERTIA, board_mass
 
-FLAT = 1e-5  # of its largest extent: what is thinner, whichever way it lies, has no inside
+FLAT_SHARE = 1e-5  # of its largest extent: what is thinner, whichever way it lies, has no inside
 
 
 def read_mesh(path: Path, folder: Path) -> RobotModel:
@@ -31,7 +31,7 @@ def make_body(path: Path, meshes: Sequence[trimesh.Trimesh], remarks: Sequence[s
     """
     points = np.concatenate([mesh.vertices for mesh in meshes])
     across = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][2]
-    if np.ptp(points @ across) < FLAT * np.ptp(points, axis=0).max():
+    if np.ptp(points @ across) < FLAT_SHARE * np.ptp(points, axis=0).max():
         raise InputError(path, "is flat.", "a mesh with some thickness", code="E-MODEL-FLAT")
     hull = trimesh.convex.convex_hull(points)
     pieces = [piece for mesh in meshes for piece in convex_pieces(mesh)]

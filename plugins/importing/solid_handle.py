@@ -10,7 +10,7 @@ from stages.articulated.attributes import list_moved_links, merge_visuals
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.handle import GRID, Handle, find_handle
 from stages.articulated.model import RobotModel, transform_mesh
-from stages.articulated.urdf_tree import FLAT
+from stages.articulated.urdf_tree import THIN
 
 # VHACD's: 32 pieces show the handle of a drawer with its box and keep a gripper's clearance; one thread, so that the
 # same mesh gives the same pieces.
@@ -46,7 +46,7 @@ def cut(meshes: list[Trimesh]) -> list[Trimesh]:
     """Convex decomposition of some meshes (V-HACD)."""
     whole = trimesh.util.concatenate([Trimesh(mesh.vertices, mesh.faces, process=True) for mesh in meshes])
     pieces = trimesh.decomposition.convex_decomposition(whole, **CUT)
-    return [Trimesh(**piece).convex_hull for piece in pieces if np.ptp(piece["vertices"], axis=0).min() > FLAT]
+    return [Trimesh(**piece).convex_hull for piece in pieces if np.ptp(piece["vertices"], axis=0).min() > THIN]
 
 
 def _are_alike(seen: Handle | None, solid: Handle | None) -> bool:

@@ -6,7 +6,7 @@ from scipy.spatial import cKDTree
 
 from plugins.in_scene.room import GeneratedRoom
 from stages.articulated.asset_folder import read_asset
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 from stages.planning.clearance import BASE, arm_spheres
 from stages.simulation.robot import GRIPPER_OPEN
 from stages.tasks.api import EnvWrapper
@@ -27,7 +27,7 @@ def find_obstacle(task: EnvWrapper, room: GeneratedRoom) -> str | None:
     base = task.env.agent.robot.pose.sp.to_transformation_matrix()
     arm, radii = arm_spheres(task.chain.frames(task.joints()[None, :7]), GRIPPER_OPEN)
     plinth = [(0.0, 0.0, -depth) for depth in np.arange(0.1, base[2, 3], 0.1)]
-    centers = apply(base, np.concatenate([arm[0], BASE[:, :3], np.reshape(plinth, (-1, 3))]))
+    centers = transform_points(base, np.concatenate([arm[0], BASE[:, :3], np.reshape(plinth, (-1, 3))]))
     radii = np.concatenate([radii, BASE[:, 3], np.full(len(plinth), BASE[0, 3])])
     gaps = {name: float((cKDTree(points).query(centers)[0] - radii).min()) for name, points in things.items()}
     tightest = min(gaps, key=lambda name: gaps[name], default=None)
@@ -37,7 +37,7 @@ def find_obstacle(task: EnvWrapper, room: GeneratedRoom) -> str | None:
         asset = read_asset(prop.folder)
         low, high = np.array([asset.box_min, asset.box_max]) * prop.scale
         for name, points in things.items():
-            local = apply(inverse(pose), points)
+            local = transform_points(invert_transform(pose), points)
             if ((local > low) & (local < high)).all(axis=1).any():
                 return f"{name} is in the {asset.id}'s place"
     return None

@@ -20,7 +20,7 @@ from stages.contracts.library import Asset
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.look import Look
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
+from stages.geometry.frames import invert_transform, make_transform, transform_points, yaw_matrix
 from stages.simulation.backdrop import add_backdrop
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import load_asset, physics_scene, root_pose
@@ -58,11 +58,11 @@ class GeneratedRoom:
     def world_from_nominal(self) -> Array:
         """(4, 4) pose of the frame in which the target's box stands above the origin, on z = 0, and faces +x."""
         x, y, _ = self.target.box.center
-        return rigid(yaw_matrix(self.target.box.yaw), [x, y, self.target.box.bottom])
+        return make_transform(yaw_matrix(self.target.box.yaw), [x, y, self.target.box.bottom])
 
     def stand(self, base: Array) -> Array:
         """Where the robot stands, of its pose (4, 4) in the target's nominal frame: shifted, never below the floor."""
-        world: Array = self.world_from_nominal @ rigid(np.eye(3), [*self.shift, 0.0]) @ base
+        world: Array = self.world_from_nominal @ make_transform(np.eye(3), [*self.shift, 0.0]) @ base
         world[2, 3] = max(world[2, 3], 0.0)
         return world
 
@@ -95,7 +95,7 @@ def surface(body: Body, center: Array, reach: float) -> Array:
     points = [np.zeros((0, 3))]
     for link in links:
         pose = link.pose.to_transformation_matrix()
-        local = apply(inverse(pose), center)
+        local = transform_points(invert_transform(pose), center)
         for mesh in get_component_meshes(link):
             low, high = np.clip(mesh.bounds, local - reach, local + reach)
             if (low >= high).any():
@@ -104,7 +104,7 @@ def surface(body: Body, center: Array, reach: float) -> Array:
                 mesh = trimesh.creation.box(bounds=[low, high])
             count = int(mesh.area * 8000) + 1  # a little more than a centimetre apart
             some = trimesh.sample.sample_surface(mesh, count, seed=np.random.default_rng(0))[0]
-            points.append(apply(pose, some))
+            points.append(transform_points(pose, some))
     near = np.concatenate(points)
     return near[np.linalg.norm(near - center, axis=1) < reach]
 

@@ -15,7 +15,7 @@ from stages.contracts.look import ROOM_LIGHT
 from stages.contracts.objects import Objects
 from stages.contracts.types import LARGEST
 from stages.geometry.cameras import back_project
-from stages.geometry.frames import SAMPLED, apply
+from stages.geometry.frames import SAMPLED, transform_points
 from stages.geometry.masks import MIN_PIXELS
 from stages.simulation.backdrop import WALL_HEIGHT
 
@@ -67,7 +67,7 @@ def find_surfaces(
     rgb, free = rgb[::step, ::step], masks[::step, ::step] == 0
     world_from_camera = np.array(objects.floor_from_camera)
     camera = world_from_camera[:3, 3]
-    rays = apply(world_from_camera, back_project(np.ones(free.shape), intrinsics)) - camera
+    rays = transform_points(world_from_camera, back_project(np.ones(free.shape), intrinsics)) - camera
     planes = [("floor", np.array([0.0, 0, 1]), 0.0)]
     planes += [(wall.id, np.array(wall.normal), wall.offset) for wall in objects.walls]
     far = np.stack([_distance(rays, camera, normal, offset) for _, normal, offset in planes])

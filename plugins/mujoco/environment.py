@@ -26,7 +26,7 @@ from plugins.mujoco.world import (
 from stages.articulated.asset_folder import write_asset
 from stages.articulated.resizing import resize_model
 from stages.contracts import Asset, InputError, read_json
-from stages.geometry.frames import inverse
+from stages.geometry.frames import invert_transform
 from stages.planning.clearance import Surroundings
 from stages.simulation.controller import apply_delta, scale_action
 from stages.simulation.kinematics import IK_DAMPING, LIMIT_MARGIN, MAX_JOINT_STEP, Array
@@ -158,7 +158,7 @@ class MujocoTaskEnv(EnvWrapper):
 
     def base_from_asset(self) -> Array:
         """(4, 4) pose of the asset's root in the robot base frame."""
-        return np.asarray(inverse(self.base) @ self.root)
+        return np.asarray(invert_transform(self.base) @ self.root)
 
     def _scale_model(self, folder: Path, scale: Array) -> Path:
         if (scale == 1).all():

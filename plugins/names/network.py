@@ -7,7 +7,7 @@ from torch import Tensor, nn
 
 from plugins.names.shape import NUMBERS
 
-CENTRES, NEIGHBOURS = 64, 16  # neighbourhoods of a shape, and points of each; chosen
+CENTERS, NEIGHBOURS = 64, 16  # neighbourhoods of a shape, and points of each; chosen
 SCALE = 2.0  # by which metres are multiplied
 SPREAD = (2.0, 0.6, *[0.4] * 4, 0.3, 0.2)  # of `Shape.numbers`, about; and their middle
 MIDDLE = (2.5, 1.4, *[0.2] * 4, 0.8, 0.7)
@@ -34,22 +34,22 @@ class ShapeNetwork(nn.Module):
         """See the class."""
         box = measure_box(points)
         points, around = SCALE * points, SCALE * around
-        centres = points[:, :CENTRES]  # points come in no order: the first are as good as any
-        near, beside = (find_nearest(centres, each, NEIGHBOURS) for each in (points, around))
-        local = self.near(torch.cat([4 * near, near + centres[:, :, None]], dim=-1)).amax(dim=2)
+        centers = points[:, :CENTERS]  # points come in no order: the first are as good as any
+        near, beside = (find_nearest(centers, each, NEIGHBOURS) for each in (points, around))
+        local = self.near(torch.cat([4 * near, near + centers[:, :, None]], dim=-1)).amax(dim=2)
         touching = self.beside(4 * beside.clamp(-1, 1)).amax(dim=2)
-        whole = self.points(torch.cat([local, touching, centres], dim=-1))
+        whole = self.points(torch.cat([local, touching, centers], dim=-1))
         told = torch.cat([(numbers - self.middle) / self.spread, box], dim=-1)
         parts = [whole.amax(dim=1), whole.mean(dim=1), self.around(around).amax(dim=1), self.numbers(told)]
         logits: Tensor = self.head(torch.cat(parts, dim=-1))
         return logits
 
 
-def find_nearest(centres: Tensor, points: Tensor, count: int) -> Tensor:
-    """From each of some centres (B, C, 3) to its nearest points of (B, N, 3): (B, C, count, 3)."""
-    nearest = torch.cdist(centres, points).topk(count, largest=False).indices
+def find_nearest(centers: Tensor, points: Tensor, count: int) -> Tensor:
+    """From each of some centers (B, C, 3) to its nearest points of (B, N, 3): (B, C, count, 3)."""
+    nearest = torch.cdist(centers, points).topk(count, largest=False).indices
     found = points.gather(1, nearest.flatten(1)[..., None].expand(-1, -1, 3))
-    return found.unflatten(1, nearest.shape[1:]) - centres[:, :, None]
+    return found.unflatten(1, nearest.shape[1:]) - centers[:, :, None]
 
 
 def measure_box(points: Tensor) -> Tensor:

@@ -12,7 +12,7 @@ from plugins.efficientnet.network import INSTALL, SIZE, Classifier, fill, publis
 from plugins.names.shape import Shape, measure_shape
 from stages.contracts import InputError
 from stages.geometry.cameras import back_project
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 from stages.matching.crop import GREY, View, cut
 
 Array = NDArray[np.float64]
@@ -53,7 +53,7 @@ def observe(rgb: NDArray[np.uint8], depth: Array, mask: NDArray[np.bool_], intri
         intrinsics: (3, 3) pixels.
         frame: floor_from_camera (4, 4), z = 0: what things stand on.
     """
-    room = apply(frame, back_project(depth, intrinsics))
+    room = transform_points(frame, back_project(depth, intrinsics))
     return Observed(measure_shape(room, depth > 0, mask, float(frame[2, 3])), classify(rgb, mask))
 
 

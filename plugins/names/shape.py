@@ -10,7 +10,7 @@ Mask = NDArray[np.bool_]
 POINTS, AROUND, NUMBERS = 256, 128, 8  # points of the mask and of what is around it; what else is told
 REACH = 0.5  # metres around the mask's box from which those are; chosen
 TRIM = 0.02  # share of points left out at either end of a box; chosen
-LEAST = 20  # points that show a shape; chosen
+MIN_POINTS = 20  # points that show a shape; chosen
 FAR = -5.0  # metres, where the points around lie of a mask that has nothing around it
 
 
@@ -40,7 +40,7 @@ def measure_shape(room: Array, known: Mask, mask: Mask, camera_height: float) ->
         mask: (H, W).
     """
     rng, points = np.random.default_rng(0), room[mask & known]
-    if len(points) < LEAST:
+    if len(points) < MIN_POINTS:
         return None
     low, high = np.quantile(points, [TRIM, 1 - TRIM], axis=0)
     middle = (low + high) / 2
@@ -61,6 +61,6 @@ def measure_shape(room: Array, known: Mask, mask: Mask, camera_height: float) ->
     cut = (rows.min() <= 1, rows.max() >= height - 2, columns.min() <= 1, columns.max() >= width - 2)
     return Shape(
         sample(points, POINTS),
-        sample(near, AROUND) if len(near) >= LEAST else np.full((AROUND, 3), FAR, np.float32),
+        sample(near, AROUND) if len(near) >= MIN_POINTS else np.full((AROUND, 3), FAR, np.float32),
         np.array([far, camera_height, *cut, len(points) / mask.sum(), mask.sum() / box], np.float32),
     )

@@ -23,7 +23,7 @@ HEADS = {
 }
 KINDS = ("dish",)  # of these a kind of things
 FILES = (6, 10)  # noun.artifact, noun.communication
-LEAST = 3  # letters of a word
+MIN_LETTERS = 3  # letters of a word
 
 
 class Sense(NamedTuple):
@@ -82,7 +82,7 @@ def explain(
         found = [head_of(sense) for sense in senses_of(word)]
         if not found or found[0] is None or len(tokens) not in (1, 2) or not "".join(tokens).isalpha():
             continue
-        if "".join(tokens) in KNOWN or min(map(len, tokens)) < LEAST:
+        if "".join(tokens) in KNOWN or min(map(len, tokens)) < MIN_LETTERS:
             continue
         *_, last = tokens
         says = {head_of(sense) for sense in senses_of(last)[:1]}

@@ -13,7 +13,7 @@ from stages.articulated.surfaces import ColouredMesh, surfaces
 from stages.contracts import GeneratedScene, write_atomically
 from stages.generation.scene_models import CAMERA, Body, Room, surface_of
 from stages.geometry.cameras import OPENGL
-from stages.geometry.frames import Y_UP, rigid, yaw_matrix
+from stages.geometry.frames import Y_UP, make_transform, yaw_matrix
 
 
 def write(room: Room, out: Path, largest: int | None = None) -> None:
@@ -31,7 +31,10 @@ def write(room: Room, out: Path, largest: int | None = None) -> None:
         "radius": round(float(np.linalg.norm(high - low)) / 2, 4),
     }
     for block in room.blocks:
-        pose, kind = Y_UP @ rigid(yaw_matrix(block.yaw), block.center), "floor" if block.name == "floor" else "wall"
+        pose, kind = (
+            Y_UP @ make_transform(yaw_matrix(block.yaw), block.center),
+            "floor" if block.name == "floor" else "wall",
+        )
         mesh = _mesh(surface_of(block), largest)
         scene.add_geometry(mesh, node_name=block.name, geom_name=block.name, transform=pose, metadata={"surface": kind})
     for body in room.bodies:

@@ -14,7 +14,7 @@ from stages.contracts.images import Colour, check_size, colour_of, read_rgb
 from stages.contracts.objects import SceneObject
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 
 WIDTH = 1280  # pixels to which every picture is drawn: pages show it at about half of that, whatever its own size
 LINE, PADDING = 3, 5  # pixels
@@ -51,7 +51,7 @@ def _wireframe(canvas: ImageDraw.ImageDraw, item: SceneObject, objects: Objects,
     if item.box is None:
         return
     box = UprightBox(item.box.center, item.box.size, item.box.yaw)
-    in_camera = apply(inverse(np.array(objects.floor_from_camera)), corners(box))
+    in_camera = transform_points(invert_transform(np.array(objects.floor_from_camera)), corners(box))
     pixels = project(in_camera, np.array(objects.intrinsics)) * scale
     ring = [(k, (k + 1) % 4) for k in range(4)]  # of its lower face; the upper one is 4 corners on
     for a, b in [*ring, *((a + 4, b + 4) for a, b in ring), *((a, a + 4) for a, _ in ring)]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stages.contracts.objects import DepthError
 from stages.geometry.cameras import back_project
 from stages.geometry.estimate import REACH
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 from stages.geometry.masks import OUTLINE, pixel_bounds
 from stages.matching.crop import View
 
@@ -53,7 +53,7 @@ class Observation:
     @cached_property
     def camera_from_floor(self) -> Array:
         """The camera's pose, inverted."""
-        return inverse(self.floor_from_camera)
+        return invert_transform(self.floor_from_camera)
 
     @cached_property
     def rays(self) -> Array:
@@ -68,7 +68,7 @@ class Observation:
 
     def pixels(self, points: Array) -> Array:
         """Pixels (N, 2) of points (N, 3), floor frame; what lies behind the camera is taken as just before it."""
-        image = apply(self.camera_from_floor, points) @ self.intrinsics.T
+        image = transform_points(self.camera_from_floor, points) @ self.intrinsics.T
         return image[:, :2] / np.maximum(image[:, 2:], 1e-3)
 
     def find_hidden(self, depth: NDArray[np.floating]) -> NDArray[np.bool_]:
@@ -127,7 +127,7 @@ def _cloud(view: View, floor_from_camera: Array) -> Array:
     known = view.mask & (view.depth > 0)
     inner = cv2.erode(view.mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
     chosen = known & inner if (known & inner).any() else known
-    points = apply(floor_from_camera, back_project(view.depth, view.intrinsics)[chosen])
+    points = transform_points(floor_from_camera, back_project(view.depth, view.intrinsics)[chosen])
     return points[:: max(1, len(points) // CLOUD_POINTS)]
 
 

@@ -18,7 +18,7 @@ from stages.contracts.library import Asset
 from stages.contracts.look import GAMMA
 from stages.generation.solid import find_outermost
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import apply, yaw_matrix
+from stages.geometry.frames import transform_points, yaw_matrix
 
 UNPAINTED = (0.6, 0.6, 0.6)  # linear; chosen
 Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ class Solid:
         if reader.remarks:
             raise InputError(reader.path, reader.remarks[0], code="E-MODEL-BROKEN")
         low, size = np.array(self.asset.box_min), np.maximum(self.asset.size, 1e-6)
-        points = [(apply(frame, visual.mesh.vertices) - low) / size - 0.5 for frame, visual in pieces]
+        points = [(transform_points(frame, visual.mesh.vertices) - low) / size - 0.5 for frame, visual in pieces]
         faces = [np.asarray(visual.mesh.faces) for _, visual in pieces]
         starts = np.cumsum([0, *map(len, points[:-1])])
         vertices = np.concatenate(points)

@@ -24,7 +24,7 @@ class CastRoom:
     assets: dict[str, Asset]
 
 
-def founders(models: dict[str, Asset]) -> set[str]:
+def templates(models: dict[str, Asset]) -> set[str]:
     """Ids of the models that may furnish rooms; near relatives of another model are left out."""
     return {name for name, asset in models.items() if asset.recipe is None or asset.recipe.variation_of is None}
 
@@ -62,7 +62,7 @@ def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Pa
         InputError: a category is short, or its models are too large for the room.
     """
     rng = np.random.default_rng(np.random.SeedSequence((seed, SALT)))
-    able = founders(models)
+    able = templates(models)
     free = set(able)
     result = {}
     for room in rooms:

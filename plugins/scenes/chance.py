@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.scenes.casting import ATTEMPTS, CastRoom, choose_models, founders
+from plugins.scenes.casting import ATTEMPTS, CastRoom, choose_models, templates
 from plugins.scenes.config import ScenesConfig
 from plugins.scenes.framing import frame
 from plugins.scenes.layout import arrange
@@ -38,7 +38,7 @@ def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, op
     rng = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(room.name.encode()))))
     for attempt in range(ATTEMPTS):
         drawn = redraw_recipe(room, rng, 1 - attempt / ATTEMPTS)
-        assets = choose_models(drawn, models, founders(models), rng, library)
+        assets = choose_models(drawn, models, templates(models), rng, library)
         layout = arrange(drawn, {name: asset.size for name, asset in assets.items()})
         if layout is None:
             continue

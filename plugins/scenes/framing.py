@@ -6,17 +6,17 @@ from scipy.optimize import brentq
 
 from plugins.scenes.recipe import CameraStand
 from stages.geometry.cameras import intrinsics_from_fov, look_at, project
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 
 Matrix = NDArray[np.float64]
 
 
 def _aim_camera(eye: Matrix, points: Matrix, intrinsics: Matrix) -> Matrix:
-    """`world_from_camera` at `eye` that has the points' picture in its centre."""
+    """`world_from_camera` at `eye` that has the points' picture in its center."""
     target = points.mean(axis=0)
     for _ in range(8):
         world_from_camera = look_at(eye, target)
-        pixels = project(apply(inverse(world_from_camera), points), intrinsics)
+        pixels = project(transform_points(invert_transform(world_from_camera), points), intrinsics)
         if not np.isfinite(pixels).all():
             break
         middle = (pixels.min(axis=0) + pixels.max(axis=0)) / 2
@@ -47,7 +47,7 @@ def frame(points: Matrix, stand: CameraStand, width: int, height: int, margin: f
 
     def measure_excess(distance: float) -> float:
         """By how much of the picture's size the points stick out of the margins."""
-        pixels = project(apply(inverse(pose(distance)), points), intrinsics)
+        pixels = project(transform_points(invert_transform(pose(distance)), points), intrinsics)
         if not np.isfinite(pixels).all():
             return 10.0
         size = np.array([width - 1, height - 1])

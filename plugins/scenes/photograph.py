@@ -109,7 +109,7 @@ def photograph(
     rgb, n = plain.rgb, options.supersampling
     if n > 1:
         fine = np.diag([n, n, 1.0]) @ intrinsics
-        fine[:2, 2] += (n - 1) / 2  # pixel centres are at integers
+        fine[:2, 2] += (n - 1) / 2  # pixel centers are at integers
         large = RenderCamera(scene, fine, n * options.width, n * options.height).render(world_from_camera).rgb
         rgb = np.asarray(cv2.resize(large, (options.width, options.height), interpolation=cv2.INTER_AREA))
     if look.gain is not None:

@@ -57,7 +57,7 @@ class On(RecipePart):
 
 
 class Hung(RecipePart):
-    """Fixed to a wall, the centre of its box at height `z`."""
+    """Fixed to a wall, the center of its box at height `z`."""
 
     hung: WallName
     along: float
@@ -133,7 +133,7 @@ class Room(RecipePart):
     """A room of Table 2, or one of a user's."""
 
     name: str = Field(description="that of the file")
-    scale: Positive = Field(description="largest distance between two box centres, metres")
+    scale: Positive = Field(description="largest distance between two box centers, metres")
     items: Annotated[tuple[Item, ...], Field(min_length=2)]
     walls: tuple[WallName, ...] = ("back",)
     half_width: Positive = Field(1.8, description="of the floor, before it is stretched")

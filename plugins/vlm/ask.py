@@ -7,7 +7,7 @@ from pydantic import BaseModel, ValidationError
 
 from plugins.vlm.answers import LONGEST, UnusableError, parse_answer, response_format, text_of, usage_of
 from plugins.vlm.config import VlmConfig
-from plugins.vlm.endpoint import SHOWN, Endpoint, RefusedError, UnreachedError
+from plugins.vlm.endpoint import MAX_QUOTED, Endpoint, RefusedError, UnreachedError
 from plugins.vlm.ledger import AGAIN, Entry, Exchange, Ledger
 from plugins.vlm.prompt import DETAIL, TOKENS, Prompt, digest
 from stages.contracts.errors import InputError
@@ -105,7 +105,7 @@ class Asker:
             if entry.outcome != "open":
                 return
             again = f"This cannot be used: {exchange.problem}. Answer with nothing but the JSON object asked for."
-            before = exchange.text[:SHOWN] or "(nothing)"
+            before = exchange.text[:MAX_QUOTED] or "(nothing)"
             messages = [*messages, {"role": "assistant", "content": before}, {"role": "user", "content": again}]
 
     def _exchange(self, messages: list[dict[str, Any]], answer: type[A], size: int) -> tuple[Exchange, A | None]:

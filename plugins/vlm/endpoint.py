@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 RETRIES = 4  # after a busy server or no reply, at longer and longer pauses, or when the server says
 BUSY = (408, 409, 429)
-SHOWN = 300  # characters of a message or of a bad answer that are repeated
+MAX_QUOTED = 300  # characters of a message or of a bad answer that are repeated
 HIDDEN = "***"
 ESCAPED = re.compile(r"\\u([0-9a-fA-F]{4})")  # a letter in JSON
 
@@ -113,7 +113,7 @@ class Endpoint:
 
     def quote_server(self, text: str) -> str:
         """What a server says, in one line that may be shown."""
-        return escape_control(self.hide_key(" ".join(text.split()))[:SHOWN])
+        return escape_control(self.hide_key(" ".join(text.split()))[:MAX_QUOTED])
 
     def hide_key(self, text: str) -> str:
         """Text without the key, should a server repeat it, and without halves of characters, which no file holds."""

@@ -15,7 +15,7 @@ FLAPS: tuple[HingeSide, ...] = ("bottom",)
 class Affordance(NamedTuple):
     """A joint that a task can open, and what tells it from others.
 
-    height, width, tall: of its front's centre and its extents, as shares of the asset's box, so that assets which are
+    height, width, tall: of its front's center and its extents, as shares of the asset's box, so that assets which are
     loaded in the same box compare.
     """
 

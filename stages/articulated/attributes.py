@@ -6,7 +6,16 @@ import numpy as np
 import trimesh
 
 from stages.articulated.forward_kinematics import visual_bounds
-from stages.articulated.handle import BEHIND, GRID, PROTRUSION, WIDEST, Handle, exact_width, find_handle, front_hits
+from stages.articulated.handle import (
+    GRID,
+    PROTRUSION,
+    SURFACE_GAP,
+    WIDEST,
+    Handle,
+    exact_width,
+    find_handle,
+    front_hits,
+)
 from stages.articulated.model import JointModel, Matrix, RobotModel, Visual
 from stages.contracts.library import FrontPanel, HandleKind
 from stages.contracts.parts import HingeSide
@@ -65,7 +74,9 @@ def _find_handle(
     others = merge_visuals(robot, robot.links.keys() - set(moving), frames)
     ahead = np.array([1.0, 0.0, 0.0])
     if others is not None:
-        hits, _, _ = others.ray.intersects_location([handle.position + BEHIND * ahead], [ahead], multiple_hits=False)
+        hits, _, _ = others.ray.intersects_location(
+            [handle.position + SURFACE_GAP * ahead], [ahead], multiple_hits=False
+        )
         if len(hits) and (room := float(hits[0, 0] - handle.position[0])) < ROOM:
             return f"{100 * room:.2g} cm before its handle stands something else"
     return handle, mesh

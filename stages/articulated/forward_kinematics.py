@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel, Visual
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 
 
 def link_frames(robot: RobotModel, opened: float = 0.0) -> dict[str, Matrix]:
@@ -32,7 +32,7 @@ def visual_bounds(visuals: list[Visual], frame: Matrix) -> Matrix | None:
     """Lowest and highest corner (2, 3) of what is seen of a link that stands at `frame`; None if that is nothing."""
     if not visuals:
         return None
-    corners = np.concatenate([apply(frame, visual.mesh.vertices) for visual in visuals])
+    corners = np.concatenate([transform_points(frame, visual.mesh.vertices) for visual in visuals])
     return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 

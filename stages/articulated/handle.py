@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 GRID = 0.004  # metres between rays
 NEAREST = 0.005  # rays that end this close behind the nearest hit make up the mean handle location (official code)
 FRONT = 0.015  # the foremost slice that tells the handle's direction and extents
-BEHIND = 0.001  # metres: what is nearer to a surface along a ray belongs to it
+SURFACE_GAP = 0.001  # metres: what is nearer to a surface along a ray belongs to it
 PROTRUSION = 0.012  # a handle sticks out at least this far from its panel
 WIDEST = 0.07  # across a handle that a gripper of 8 cm closes on
 
@@ -20,7 +20,7 @@ WIDEST = 0.07  # across a handle that a gripper of 8 cm closes on
 class Handle:
     """A graspable handle, in the asset frame with all joints closed. The front faces +x; metres.
 
-    position: (3,) centre of its foremost surface. axis: (3,) long direction, in the y-z plane.
+    position: (3,) center of its foremost surface. axis: (3,) long direction, in the y-z plane.
     protrusion: distance from the panel to the foremost surface. length, width: extents along and across `axis`.
     """
 
@@ -62,7 +62,7 @@ def find_handle(mesh: trimesh.Trimesh) -> Handle | None:
     if handle is None or handle.width <= WIDEST + GRID:
         return handle
     frame = _panel_depth(hits[hits[:, 0] > (panel + handle.position[0]) / 2, 0])
-    others = _find_protrusion(hits, frame), _find_protrusion(hits[hits[:, 0] < frame - BEHIND], panel)
+    others = _find_protrusion(hits, frame), _find_protrusion(hits[hits[:, 0] < frame - SURFACE_GAP], panel)
     return next((other for other in others if other is not None and other.width <= WIDEST + GRID), handle)
 
 

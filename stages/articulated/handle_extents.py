@@ -9,9 +9,9 @@ from stages.articulated.attributes import list_moved_links
 from stages.articulated.forward_kinematics import frames_of
 from stages.articulated.model import Matrix
 from stages.articulated.urdf_reader import UrdfReader
-from stages.articulated.urdf_tree import FLAT
+from stages.articulated.urdf_tree import THIN
 from stages.contracts.library import Asset
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 
 COVERED = 0.4  # share of the front's area: more than a handle covers, less than its panel
 
@@ -32,7 +32,7 @@ def handle_extents(folder: Path, asset: Asset, joint: str) -> Matrix:
     moving = list_moved_links(next(model for model in reader.joints if model.name == joint), reader.joints)
     triangles = np.concatenate(
         [
-            apply(frames[link], mesh.vertices)[mesh.faces]
+            transform_points(frames[link], mesh.vertices)[mesh.faces]
             for link in moving
             for mesh in (visual.mesh for visual in reader.visuals(link))
         ]
@@ -44,6 +44,6 @@ def handle_extents(folder: Path, asset: Asset, joint: str) -> Matrix:
     order = np.argsort(-depths, kind="stable")
     covered = np.cumsum(facing[order]) / np.prod((high - low)[1:])
     panel = depths[order][min(np.searchsorted(covered, COVERED), len(order) - 1)]
-    middle = (panel + high[0]) / 2 if high[0] - panel > FLAT else high[0] - FLAT
+    middle = (panel + high[0]) / 2 if high[0] - panel > THIN else high[0] - THIN
     handle = points[points[:, 0] > middle]
     return np.array([handle.min(axis=0), handle.max(axis=0)])

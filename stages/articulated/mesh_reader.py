@@ -13,7 +13,7 @@ from trimesh import Trimesh
 
 from stages.articulated.mesh_files import MeshReader
 from stages.articulated.mesh_resolver import MeshResolver
-from stages.articulated.urdf_tree import FLAT, MAX_NUMBER
+from stages.articulated.urdf_tree import MAX_NUMBER, THIN
 from stages.contracts.errors import InputError
 from stages.plugins import list_available, load
 
@@ -128,14 +128,14 @@ def convex_pieces(mesh: Trimesh) -> list[Trimesh]:
 
 def thicken_piece(mesh: Trimesh) -> Trimesh:
     """The convex piece, or the box around it if it is too thin to collide."""
-    if mesh.extents.min() >= FLAT:
+    if mesh.extents.min() >= THIN:
         return mesh
-    center, size = mesh.bounds.mean(axis=0), np.maximum(mesh.extents, FLAT)
+    center, size = mesh.bounds.mean(axis=0), np.maximum(mesh.extents, THIN)
     return trimesh.creation.box(bounds=np.array([center - size / 2, center + size / 2]))
 
 
 def _hull(mesh: Trimesh) -> Trimesh:
-    if mesh.extents.min() < FLAT:
+    if mesh.extents.min() < THIN:
         return thicken_piece(mesh)
     try:
         return mesh.convex_hull

@@ -13,7 +13,7 @@ from trimesh import Trimesh
 
 from stages.contracts.library import HandleKind
 from stages.contracts.parts import PartType
-from stages.geometry.frames import apply, rigid
+from stages.geometry.frames import make_transform, transform_points
 
 Matrix = NDArray[np.float64]
 RGBA = tuple[float, float, float, float]  # linear, 0 to 1
@@ -57,7 +57,7 @@ class Visual:
 
 @dataclass(frozen=True)
 class Link:
-    """A body: what is seen of it, convex pieces that collide, mass, centre of mass, inertia (3, 3) about that."""
+    """A body: what is seen of it, convex pieces that collide, mass, center of mass, inertia (3, 3) about that."""
 
     name: str
     visuals: list[Visual]
@@ -73,7 +73,7 @@ class Link:
             self,
             visuals=[visual.transform(transform) for visual in self.visuals],
             collisions=[transform_mesh(mesh, transform) for mesh in self.collisions],
-            center=apply(transform, self.center),
+            center=transform_points(transform, self.center),
         )
 
 
@@ -104,7 +104,7 @@ class JointModel:
         if self.type == "revolute":
             return np.asarray(trimesh.transformations.rotation_matrix(value, self.axis))
         if self.type == "prismatic":
-            return rigid(np.eye(3), value * self.axis)
+            return make_transform(np.eye(3), value * self.axis)
         return np.eye(4)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.model import Link, Matrix, RobotModel
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 
 
 def stretch_model(robot: RobotModel, scale: tuple[float, float, float]) -> RobotModel:
@@ -36,4 +36,4 @@ def _stretched_link(link: Link, A: Matrix) -> Link:
     moments = 0.5 * np.trace(link.inertia) * np.eye(3) - link.inertia
     moments = volume * A @ moments @ A.T
     inertia = np.trace(moments) * np.eye(3) - moments
-    return replace(link.map_linearly(rigid(A, np.zeros(3))), mass=link.mass * volume, inertia=inertia)
+    return replace(link.map_linearly(make_transform(A, np.zeros(3))), mass=link.mass * volume, inertia=inertia)

@@ -177,7 +177,7 @@ class UrdfReader:
     def _inertial(
         self, element: ET.Element | None, pieces: list[Trimesh], mass: float, where: str
     ) -> tuple[float, Matrix, Matrix, bool]:
-        """Mass (the given one, if the file says none), centre, inertia, and whether the file says the mass.
+        """Mass (the given one, if the file says none), center, inertia, and whether the file says the mass.
 
         What it does not say, or says impossibly, is that of a solid box.
         """

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from stages.articulated.model import JointModel, Matrix
 from stages.contracts.errors import InputError
 from stages.contracts.types import RIGID_TOLERANCE
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 
 MOST_LINKS = 1000
 MOST_SHAPES = 10_000  # of all links together: MuJoCo takes 3 s for so many, and four times that for twice as many
@@ -22,7 +22,7 @@ WORLD = "world"
 AROUND = " \t\r\n\0\x1a"  # the document, in files of other programs: XML allows nothing before it
 MAX_NUMBER = 1e6  # of any number: beyond it is a slip, in whatever unit
 WIDEST_ANGLE = 4 * np.pi  # limits of a hinge; beyond them, up to a turn in degrees, they are degrees
-FLAT = 1e-4  # metres, or radians of a joint: a piece this thin is thickened, a joint that moves less is fixed
+THIN = 1e-4  # metres, or radians of a joint: a piece this thin is thickened, a joint that moves less is fixed
 LOOSE = ("continuous", "floating", "planar")  # types of joints that are fixed
 
 
@@ -149,7 +149,7 @@ class UrdfTree:
         found = element.find("origin")
         xyz = self.numbers(found, "xyz", "0 0 0", 3, where)
         rpy = self.numbers(found, "rpy", "0 0 0", 3, where)
-        return rigid(Rotation.from_euler("xyz", rpy).as_matrix(), xyz)
+        return make_transform(Rotation.from_euler("xyz", rpy).as_matrix(), xyz)
 
     def _joint(self, element: ET.Element, name: str) -> JointModel:
         where, kind = f"joint '{name}'", element.get("type", "")
@@ -213,7 +213,7 @@ class UrdfTree:
                 )
             self.remarks.append(f"{where}: limits {lower:g} and {upper:g}, taken for degrees")
             lower, upper = np.deg2rad([lower, upper]).tolist()
-        if upper - lower < FLAT:
+        if upper - lower < THIN:
             raise InputError(self.path, f"{where}: has no range ({lower:g} to {upper:g}).", code="E-URDF-JOINT")
         moving = replace(
             fixed, type="revolute" if kind == "revolute" else "prismatic", lower=lower, upper=upper, axis=axis

@@ -26,7 +26,7 @@ from stages.articulated.mesh_writer import (
 )
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel, transform_mesh
 from stages.contracts.parts import PARTS
-from stages.geometry.frames import ROUNDING, rigid
+from stages.geometry.frames import ROUNDING, make_transform
 
 DAMPING, FRICTION = 2.0, 0.1  # N m s or N s / m, and SAPIEN's friction coefficient
 SURFACE_FRICTION = 0.6  # coefficient of what collides, which URDF cannot say
@@ -55,7 +55,8 @@ def as_written(robot: RobotModel) -> RobotModel:
         name: replace(link, collisions=list(map(_round_piece, link.collisions))) for name, link in robot.links.items()
     }
     joints = [
-        replace(joint, origin=rigid(joint.origin[:3, :3], joint.origin[:3, 3].round(5))) for joint in robot.joints
+        replace(joint, origin=make_transform(joint.origin[:3, :3], joint.origin[:3, 3].round(5)))
+        for joint in robot.joints
     ]
     return replace(robot, links=links, joints=joints)
 
@@ -64,7 +65,7 @@ def _round_piece(piece: Trimesh) -> Trimesh:
     if not is_box(piece):
         return Trimesh(piece.vertices.round(5), piece.faces, process=False)
     box = trimesh.creation.box(np.maximum(piece.extents, 1e-5).round(5))
-    return transform_mesh(box, rigid(np.eye(3), piece.bounds.mean(axis=0).round(5)))
+    return transform_mesh(box, make_transform(np.eye(3), piece.bounds.mean(axis=0).round(5)))
 
 
 def write_srdf(robot: RobotModel, folder: Path) -> None:

@@ -44,7 +44,7 @@ class SnapshotOptions(Section):
     representative_yaw: ClassVar[float] = -0.5236
     # Horizontal distance of the snapshot camera, in units of the asset's largest extent.
     camera_distance: ClassVar[float] = 2.3
-    # Height of the snapshot camera above the asset's centre, in units of its largest extent.
+    # Height of the snapshot camera above the asset's center, in units of its largest extent.
     camera_height: ClassVar[float] = 0.65
     # Field of view of the snapshot camera, radians.
     field_of_view: ClassVar[float] = 0.68

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from difflib import get_close_matches
 
-SHOWN = 40  # names at most that an error lists
+MAX_LISTED = 40  # names at most that an error lists
 
 
 class InputError(Exception):
@@ -31,6 +31,6 @@ def escape_control(text: str) -> str:
 def suggest_nearest(name: object, names: Collection[str]) -> str:
     """The mend of a name that does not exist: the nearest that does, else all of them."""
     near = get_close_matches(str(name), names, n=1, cutoff=0.5)
-    shown = [*names][:SHOWN]
-    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    shown = [*names][:MAX_LISTED]
+    more = f" and {len(names) - MAX_LISTED} more" if len(names) > MAX_LISTED else ""
     return f"did you mean '{near[0]}'?" if near else f"there are: {', '.join(shown)}{more}"

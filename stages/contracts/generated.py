@@ -41,7 +41,7 @@ class PlacedObject(Contract):
     reason: str = ""
     asset: str = ""
     category: str = ""
-    position: Position = Field((0.0, 0.0, 0.0), description="centre of the asset's box, metres")
+    position: Position = Field((0.0, 0.0, 0.0), description="center of the asset's box, metres")
     yaw: Angle = Field(0.0, description="turn of the asset about z, radians")
     size: Vector = Field((0.0, 0.0, 0.0), description="box extents along the asset's own axes, metres")
     size_spread: Vector | None = Field(

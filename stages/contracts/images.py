@@ -13,10 +13,10 @@ from PIL import ExifTags, Image, ImageOps
 from stages.contracts.errors import InputError
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")  # by content: a JPEG may be called rgb.png
-LEAST, MAX_PIXELS = 16, 60_000_000  # pixels of a side, and in all
+MIN_SIDE, MAX_PIXELS = 16, 60_000_000  # pixels of a side, and in all
 SAVE = "save it again as PNG"
 FOLDER = "`python -m plugins.annotator annotate PICTURE` makes an input folder, docs/scenes.md says what it holds"
-FLAT = 2.0  # standard deviation of the brightness below which nothing is to be seen
+MIN_CONTRAST = 2.0  # standard deviation of the brightness below which nothing is to be seen
 COLUMNS, TILE, LETTERS = 6, 192, 16  # of a sheet of small pictures: in a row; pixels of a side, and of letters
 GOLDEN = 0.618034  # golden ratio: steps of hue that keep neighbours apart
 DEEP = ("I;16", "I;16B", "I;16L", "I;16N", "I")  # modes of one channel with more than 8 bits
@@ -40,8 +40,8 @@ def read_upright(path: Path) -> Image.Image:
                 size = f"is {width}x{height} pixels: too"
                 if width * height > MAX_PIXELS:
                     raise InputError(path, f"{size} large.", f"at most {MAX_PIXELS:,} pixels", code="E-IMAGE-SIZE")
-                if min(width, height) < LEAST:
-                    raise InputError(path, f"{size} small.", f"at least {LEAST} each way", code="E-IMAGE-SIZE")
+                if min(width, height) < MIN_SIDE:
+                    raise InputError(path, f"{size} small.", f"at least {MIN_SIDE} each way", code="E-IMAGE-SIZE")
                 image.load()
                 turned = ImageOps.exif_transpose(image)
                 turned.format = image.format
@@ -104,7 +104,7 @@ def check_shown(path: Path, rgb: NDArray[np.uint8]) -> None:
     Raises:
         InputError: it is all of one colour.
     """
-    if float(rgb.std(axis=(0, 1)).max()) < FLAT:
+    if float(rgb.std(axis=(0, 1)).max()) < MIN_CONTRAST:
         raise InputError(
             path, "shows nothing: it is all of one colour.", "take another photograph", code="E-PICTURE-BLANK"
         )

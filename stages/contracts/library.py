@@ -38,8 +38,8 @@ class FrontPanel(Contract):
     """The front that a joint moves, closed, with its handle. Metres; left and right are those of whoever faces it."""
 
     hinge: HingeSide = Field(description="side on which it hangs; slide: a drawer")
-    across: Finite | None = Field(None, description="of its centre from the asset's left side; null: not known")
-    height: Finite = Field(description="of its centre above the asset's bottom")
+    across: Finite | None = Field(None, description="of its center from the asset's left side; null: not known")
+    height: Finite = Field(description="of its center above the asset's bottom")
     size: tuple[Extent, Extent] = Field(description="width and height")
 
     def measure_on_front(self, kind: FrontType, box: Vector) -> Panel | None:

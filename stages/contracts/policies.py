@@ -28,11 +28,11 @@ class TaskAsset(Contract):
     distance: NonNegative = Field(description="DINO distance to the twin between representative snapshots (Table 3)")
     handle: HandleKind
     hinge: HingeSide = Field(description="side on which the front hangs, seen from before it; slide: a drawer")
-    panel_height: Finite = Field(description="of the front's centre above the asset's bottom at this size, metres")
+    panel_height: Finite = Field(description="of the front's center above the asset's bottom at this size, metres")
     panel_size: tuple[Extent, Extent] = Field(description="width and height of the front at this size, metres")
     handle_length: NonNegative = Field(description="longest extent of the handle at this size, metres")
     handle_height: Finite = Field(
-        description="of the handle's centre on the front: 0 at its lower edge, 1 at its upper"
+        description="of the handle's center on the front: 0 at its lower edge, 1 at its upper"
     )
 
 
@@ -40,7 +40,7 @@ class TaskAssets(Document):
     """`assets.json`: the assets of a policy experiment about a named object of a named room.
 
     The twin is the object's true model where that is known, else what matching chose; `matched` is what matching chose
-    where that is another one. Every family (founder and variations) is on one side alone: what may be trained on, or
+    where that is another one. Every family (template and variations) is on one side alone: what may be trained on, or
     the held-out cousins and the dissimilar asset, or `validation_assets`, or `test_assets`.
     """
 

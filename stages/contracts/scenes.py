@@ -35,7 +35,7 @@ __all__ = ["Annotation", "Annotations", "Camera", "Held", "Matrix", "TrueObject"
 
 
 class Camera(Document):
-    """`camera.json`: a pinhole camera. Pixel centres are at integer coordinates."""
+    """`camera.json`: a pinhole camera. Pixel centers are at integer coordinates."""
 
     width: Side = Field(description="of the upright picture, as a viewer shows it")
     height: Side
@@ -147,7 +147,7 @@ class TrueObject(Contract):
     mask: MaskValue
     asset: Id
     category: Id
-    position: Position = Field(description="box centre in the room's world frame, metres")
+    position: Position = Field(description="box center in the room's world frame, metres")
     yaw: Angle = Field(description="rotation of the asset about z, radians")
     size: Size = Field(description="box extents along the asset's axes, metres")
     symmetry: Symmetry
@@ -158,7 +158,7 @@ class Truth(Document):
     """`truth.json`: read by `evaluation`, and by the policy experiment, whose twin is the true model of its object."""
 
     scene: Id
-    scale: Extent = Field(description="largest distance between two box centres, metres (Table 2, 'Scale')")
+    scale: Extent = Field(description="largest distance between two box centers, metres (Table 2, 'Scale')")
     world_from_camera: RigidTransform
     objects: list[TrueObject] = Field(min_length=1)
 

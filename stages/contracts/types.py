@@ -113,7 +113,7 @@ RigidTransform = Annotated[Matrix, AfterValidator(_rigid)]
 CameraMatrix = Annotated[Matrix, AfterValidator(_camera_matrix)]
 
 
-ALIKE, SMALLER = 0.1, 0.25  # shares of a picture's sides by which the centre of a picture of another size may be off
+ALIKE, SMALLER = 0.1, 0.25  # shares of a picture's sides by which the center of a picture of another size may be off
 
 
 def check_view(width: int, height: int, intrinsics: Matrix) -> None:

@@ -11,19 +11,21 @@ from stages.contracts.generated import PlacedObject
 from stages.contracts.scenes import TrueObject
 from stages.evaluation.shapes import measure_likeness
 from stages.geometry.boxes import UprightBox, axis_aligned_iou, oriented_iou
-from stages.geometry.frames import angle_difference, apply, inverse, yaw_of_matrix
+from stages.geometry.frames import angle_difference, invert_transform, transform_points, yaw_of_matrix
 
 MEASURED = ["asset", "l2_cm", "orientation_rad", "orientation_paper_rad", "iou", "oriented_iou", "stable"]
 
 
 def world_from_floor(world_from_camera: ArrayLike, floor_from_camera: ArrayLike) -> NDArray[np.float64]:
     """4x4 transform from the floor frame that extraction found to the room's world frame, through the camera."""
-    return np.asarray(world_from_camera, dtype=float) @ inverse(floor_from_camera)
+    return np.asarray(world_from_camera, dtype=float) @ invert_transform(floor_from_camera)
 
 
 def box_in_world(item: PlacedObject, transform: NDArray[np.float64]) -> UprightBox:
     """The placed box in the world; a floor that was found a little tilted moves boxes, but does not tilt them."""
-    return UprightBox(apply(transform, item.position), item.size, item.yaw + yaw_of_matrix(transform[:3, :3]))
+    return UprightBox(
+        transform_points(transform, item.position), item.size, item.yaw + yaw_of_matrix(transform[:3, :3])
+    )
 
 
 def score_object(

@@ -14,10 +14,10 @@ from stages.contracts.objects import USUAL_ERROR, DepthError, Mounting, Wall
 from stages.contracts.scenes import Held
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import PointMap, project
-from stages.geometry.frames import Array, apply, inverse, yaw_matrix
+from stages.geometry.frames import Array, invert_transform, transform_points, yaw_matrix
 from stages.geometry.masks import OUTLINE, Mask
 
-CONTACT = 0.045  # metres, besides the error of depth: what is less apart touches, and hides nothing; chosen
+CONTACT_DISTANCE = 0.045  # metres, besides the error of depth: what is less apart touches, and hides nothing; chosen
 BLOCKED = 0.3  # share of the gap that another object fills, from which on that one stands at the wall instead; chosen
 MAX_HIDDEN_DEPTH = 0.8  # metres: deepest hidden gap that an object fills, as a deep wardrobe is; chosen
 FREE_SHARE = 0.35  # of a gap that is seen to be empty, from which on it is one; chosen
@@ -36,7 +36,7 @@ class DepthView(PointMap):
 
     def tolerance(self, point: ArrayLike) -> float:
         """Gap in metres that counts as touching at a point of the floor frame."""
-        return CONTACT + self.error.predict(self.distance(point))
+        return CONTACT_DISTANCE + self.error.predict(self.distance(point))
 
     def outline(self, point: ArrayLike) -> float:
         """Metres by which the outline of a mask may be off at a point of the floor frame."""
@@ -48,14 +48,14 @@ class DepthView(PointMap):
         Were the point part of the object, its pixel would show the object, or something nearer that
         hides it. A pixel that shows neither tells that the point is empty. 0 if no point is in the picture.
         """
-        in_camera = apply(inverse(self.frame), points)
+        in_camera = transform_points(invert_transform(self.frame), points)
         pixels = project(in_camera, self.intrinsics)
         height, width = self.depth.shape
         columns, rows = np.rint(np.where(np.isfinite(pixels), pixels, -1)).astype(int).T
         inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
         columns, rows, z = columns[inside], rows[inside], in_camera[inside, 2]
         shown = self.depth[rows, columns]
-        hidden = own[rows, columns] | (shown < z - CONTACT - self.error.a - self.error.b * z**2)
+        hidden = own[rows, columns] | (shown < z - CONTACT_DISTANCE - self.error.a - self.error.b * z**2)
         return float((~hidden[shown > 0]).mean()) if (shown > 0).any() else 0.0
 
     def intersect_level(self, columns: NDArray[np.integer], rows: NDArray[np.integer], height: float) -> Array:
@@ -100,7 +100,7 @@ class Gap:
         low = np.array([along[0], height[0], 0.2 * self.depth])
         high = np.array([along[1], height[1], self.depth])
         tangent = [-self.normal[1], self.normal[0], 0.0]
-        local = cell_centres(low, high, (*counts, 5))
+        local = cell_centers(low, high, (*counts, 5))
         return local @ np.stack([tangent, [0.0, 0.0, 1.0], self.normal]) + self.offset * self.normal
 
     def free_share(self, view: DepthView, own: NDArray[np.bool_], inset: float) -> float:
@@ -193,7 +193,7 @@ def is_hanging(box: UprightBox, beneath: float, view: DepthView, own: Mask) -> b
         return False
     half = box.size[:2] / 2
     low = max(beneath, box.bottom - JUST_BELOW)
-    local = cell_centres(np.array([*-half, low]), np.array([*half, box.bottom]), (6, 6, 8))
+    local = cell_centers(np.array([*-half, low]), np.array([*half, box.bottom]), (6, 6, 8))
     return view.share_free(local @ yaw_matrix(box.yaw).T + [*box.center[:2], 0.0], own) >= FREE_SHARE
 
 
@@ -230,7 +230,7 @@ def _is_over(points: NDArray[np.float64], box: UprightBox, margin: float) -> Mas
     return np.asarray((np.abs(local[:, :2]) <= box.size[:2] / 2 + margin).all(axis=1))
 
 
-def cell_centres(low: Array, high: Array, counts: tuple[int, ...]) -> Array:
-    """Cell centres (N, d) of a regular grid between two corners (d,)."""
+def cell_centers(low: Array, high: Array, counts: tuple[int, ...]) -> Array:
+    """Cell centers (N, d) of a regular grid between two corners (d,)."""
     axes = [lo + (np.arange(n) + 0.5) / n * (hi - lo) for lo, hi, n in zip(low, high, counts, strict=True)]
     return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)

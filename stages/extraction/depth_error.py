@@ -16,7 +16,7 @@ from stages.geometry.masks import erode
 from stages.geometry.room_planes import GRAZING, PLANE_THRESHOLD
 
 PARTS = 8  # of a plane, by distance; chosen
-LEAST = 100  # points of a part: their median deviation errs by 12 %
+MIN_POINTS = 100  # points of a part: their median deviation errs by 12 %
 
 
 class Surface(NamedTuple):
@@ -62,7 +62,7 @@ def measure_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> Dept
         seen = np.abs(slope) > GRAZING  # else its own unevenness looks like an error of depth
         off, ranges = np.abs((points @ normal - offset)[seen] / slope[seen]), ranges[seen]
         for part in np.array_split(np.argsort(ranges), PARTS):
-            if len(part) >= LEAST:
+            if len(part) >= MIN_POINTS:
                 distances.append(float(np.mean(ranges[part])))
                 deviations.append(float(np.median(off[part]) / norm.ppf(0.75)))
     if not distances or np.median(np.divide(deviations, distances)) > ROUGH:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stages.contracts.objects import Box, Mounting, Wall
 from stages.contracts.types import FLOOR, UNNAMED, WALL
 from stages.extraction.contact import (
-    CONTACT,
+    CONTACT_DISTANCE,
     MAX_HIDDEN_DEPTH,
     DepthView,
     extend_to_wall,
@@ -107,7 +107,7 @@ def find_carrier(
         share: least share of the box's footprint that lies over the carrier's, or within touching distance of it.
     """
     inside = max(sunk, float(box.size[2]) / 2)
-    plan, touching = footprint(box), min(CONTACT, float(np.min(box.size[:2])) / 4)
+    plan, touching = footprint(box), min(CONTACT_DISTANCE, float(np.min(box.size[:2])) / 4)
     tops = [
         (carrier.top if carrier.top <= box.bottom + inside else box.bottom, name)
         for name, carrier in carriers.items()

@@ -47,7 +47,7 @@ class _Scene:
         return self.items[name].collision_prisms
 
 
-def separate(items: list[Placed], walls: list[Wall], options: GenerationConfig) -> Freed:
+def resolve_collisions(items: list[Placed], walls: list[Wall], options: GenerationConfig) -> Freed:
     """Move items apart until no pair overlaps, as far as possible.
 
     Each round frees one stack from everything around it, so that a push makes no new collision.

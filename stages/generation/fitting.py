@@ -1,6 +1,6 @@
 """The box in which a model agrees best with all that is known of an object: seen, bounded, usual.
 
-Least squares over the centre and the logarithms of the extents, every term in its own standard deviations:
+Least squares over the center and the logarithms of the extents, every term in its own standard deviations:
 * seen: the outline in the picture, and the object's points on the model's surface along their rays, or nearest to it
   where their rays miss it;
 * bounded: an outline that the picture cuts or something nearer hides ends there or later;
@@ -22,7 +22,7 @@ from stages.contracts.objects import DepthError, Wall
 from stages.generation.solid import Correspondences, Solid
 from stages.geometry.boxes import THINNEST, UprightBox
 from stages.geometry.cameras import project
-from stages.geometry.frames import apply, inverse, yaw_matrix
+from stages.geometry.frames import invert_transform, transform_points, yaw_matrix
 from stages.geometry.masks import OUTLINE
 from stages.geometry.outlines import DIRECTIONS, Outline
 
@@ -32,7 +32,7 @@ INDEPENDENT_ENDS, INDEPENDENT_POINTS = 8, 20  # of an outline, of points: neighb
 SHAPE = 0.02  # of the diagonal: how far the surfaces of cousins are apart; chosen on `work`
 PROPORTIONS = 0.3  # deviation of the logarithm of one axis' scale over another's; chosen on `work`
 ROUND = 0.03  # the same of the level ones of what is round; chosen
-CONTACT = 0.01  # metres: of what stands on something, or touches a wall
+CONTACT_SPREAD = 0.01  # metres: of what stands on something, or touches a wall
 UNUSUAL = 2.0  # deviations from which on seen terms count less, and prior ones from half of that on; chosen on `work`
 TOO_SURE = 2.0  # by which the terms, which err alike, understate the spread; calibrated on `work`
 LARGEST_STEP = (0.2, 0.3)  # metres, logarithm: of one step
@@ -58,7 +58,7 @@ class Observation:
     @cached_property
     def camera_from_floor(self) -> Array:
         """The camera's pose, inverted."""
-        return inverse(self.floor_from_camera)
+        return invert_transform(self.floor_from_camera)
 
     @cached_property
     def rays(self) -> Array:
@@ -69,11 +69,11 @@ class Observation:
     @cached_property
     def noise(self) -> Array:
         """Standard deviation (N,), metres, of the points along their rays."""
-        return np.asarray(self.error.predict(apply(self.camera_from_floor, self.points)[:, 2]))
+        return np.asarray(self.error.predict(transform_points(self.camera_from_floor, self.points)[:, 2]))
 
     def project(self, points: Array) -> Array:
         """Pixels (N, 2) of points (N, 3); those behind the camera as just before it."""
-        in_camera = apply(self.camera_from_floor, points)
+        in_camera = transform_points(self.camera_from_floor, points)
         in_camera[:, 2] = np.maximum(in_camera[:, 2], THINNEST)
         return project(in_camera, self.intrinsics)
 
@@ -187,10 +187,10 @@ def compare(
         root = np.linalg.cholesky(np.linalg.inv(known.usual.covariance)).T
         terms.append((root @ (np.log(box.size) - known.usual.mean), 1.0, UNUSUAL / 2))
     if known.bottom is not None:
-        terms.append((np.array([box.bottom - known.bottom]) / CONTACT, 1.0, np.inf))
-    behind = np.array([_measure_behind(box, turn, wall) for wall in known.walls]) / CONTACT
+        terms.append((np.array([box.bottom - known.bottom]) / CONTACT_SPREAD, 1.0, np.inf))
+    behind = np.array([_measure_behind(box, turn, wall) for wall in known.walls]) / CONTACT_SPREAD
     terms.append((np.maximum(behind, 0), 1.0, np.inf))
-    before = np.array([_measure_behind(box, turn, wall) for wall in known.touched]) / CONTACT
+    before = np.array([_measure_behind(box, turn, wall) for wall in known.touched]) / CONTACT_SPREAD
     terms.append((np.minimum(before, 0), 1.0, UNUSUAL))
     counts = [len(off) for off, _, _ in terms]
     return Terms(

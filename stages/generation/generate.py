@@ -7,13 +7,13 @@ from stages.config.generation import GenerationConfig
 from stages.config.provenance import record_provenance
 from stages.contracts import InputError, read_options, write_json
 from stages.generation.choosing import choose_models
-from stages.generation.collisions import separate
+from stages.generation.collisions import resolve_collisions
 from stages.generation.doubts import doubt_placements
 from stages.generation.inputs import read_inputs
 from stages.generation.placing import Places
 from stages.generation.scene_file import summarise, to_contract
-from stages.generation.settling import settle
-from stages.generation.stacking import carry
+from stages.generation.settling import simulate
+from stages.generation.stacking import assign_supports
 
 
 def run(
@@ -50,9 +50,11 @@ def run(
         if not items:
             what = "has no object that could be placed."
             raise InputError(objects, what, "see the reasons in it and in cousins.json", code="E-SCENE-EMPTY")
-        freed = separate(carry(items, inputs.supports, inputs.nudges, config), inputs.objects.walls, config)
+        freed = resolve_collisions(
+            assign_supports(items, inputs.supports, inputs.nudges, config), inputs.objects.walls, config
+        )
         doubted = doubt_placements(freed.items, inputs)
-        settled = settle(doubted, inputs.objects, len(freed.left), config)
+        settled = simulate(doubted, inputs.objects, len(freed.left), config)
         scenes.append(to_contract(doubted, failed, settled, inputs.objects, variant, rank))
         print("\n".join(summarise(scenes[-1], freed.left)))
     seed = inputs.objects.made.seed if inputs.objects.made else None

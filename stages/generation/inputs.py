@@ -19,7 +19,7 @@ from stages.generation.finishing import RGB, measure_colours
 from stages.geometry.boxes import THINNEST
 from stages.geometry.cameras import back_project
 from stages.geometry.estimate import REACH
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 from stages.geometry.masks import central_crop
 from stages.geometry.outlines import Outline, measure_outline
 from stages.geometry.viewing import view_angle
@@ -165,7 +165,7 @@ def measure_outlines(
     if depth is None:
         shown = np.zeros(masks.shape, np.float32)
     else:  # the floor before a thing is nearer, and hides nothing
-        points = apply(np.array(objects.floor_from_camera), back_project(depth, objects.intrinsics))
+        points = transform_points(np.array(objects.floor_from_camera), back_project(depth, objects.intrinsics))
         shown = np.where((depth > 0) & (points[..., 2] < THINNEST + noise(depth)), np.inf, depth)
 
     return {

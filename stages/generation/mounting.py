@@ -10,7 +10,7 @@ from stages.generation.turning import ALONG_SIDE
 from stages.geometry.boxes import THINNEST, UprightBox, corners, depth_behind, volume
 from stages.geometry.frames import yaw_matrix
 
-CONTACT = 0.05  # metres by which a place may be missed: of the floor, of a wall; chosen
+PLACE_TOLERANCE = 0.05  # metres by which a place may be missed: of the floor, of a wall; chosen
 
 
 def fit_stated_box(box: UprightBox, yaw: float, walls: Sequence[Wall]) -> UprightBox:
@@ -46,11 +46,11 @@ def extend_to_wall(box: UprightBox, wall: Wall) -> UprightBox:
 def move_to_wall(box: UprightBox, wall: Wall) -> UprightBox:
     """The box moved so that it ends at a wall, if it nearly does."""
     depth = depth_behind(box, wall.normal, wall.offset)
-    return replace(box, center=box.center + depth * np.asarray(wall.normal)) if abs(depth) < CONTACT else box
+    return replace(box, center=box.center + depth * np.asarray(wall.normal)) if abs(depth) < PLACE_TOLERANCE else box
 
 
 def move_out_of_walls(box: UprightBox, walls: list[Wall]) -> UprightBox:
-    """The box moved out of the walls that it reaches into, if its centre is in front of them."""
+    """The box moved out of the walls that it reaches into, if its center is in front of them."""
     for wall in walls:
         normal, depth = np.asarray(wall.normal, dtype=float), depth_behind(box, wall.normal, wall.offset)
         if depth > 0 and box.center @ normal > wall.offset:

@@ -13,7 +13,7 @@ from stages.contracts.doubt import Doubt
 from stages.contracts.library import Finish
 from stages.contracts.objects import Mounting
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
+from stages.geometry.frames import make_transform, wrap_angle, yaw_matrix
 
 FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"
 
@@ -60,7 +60,7 @@ class Placed:
 
     @property
     def center(self) -> NDArray[np.float64]:
-        """Box centre (3,)."""
+        """Box center (3,)."""
         return self.box.center
 
     @property
@@ -90,14 +90,14 @@ class Placed:
 
     @property
     def middle(self) -> NDArray[np.float64]:
-        """Box centre (3,) in the asset frame."""
+        """Box center (3,) in the asset frame."""
         return (np.asarray(self.asset.box_min) + np.asarray(self.asset.box_max)) / 2
 
     @property
     def pose(self) -> NDArray[np.float64]:
         """floor_from_asset (4, 4)."""
         turn = yaw_matrix(self.box.yaw)
-        return rigid(turn, self.center - turn @ self.middle)
+        return make_transform(turn, self.center - turn @ self.middle)
 
     @property
     def collision_prisms(self) -> list[Prism]:

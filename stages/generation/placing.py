@@ -10,7 +10,7 @@ from stages.contracts.cousins import Cousin
 from stages.contracts.doubt import DoubtKind
 from stages.contracts.objects import Mounting
 from stages.generation.inputs import Inputs, MatchedObject
-from stages.generation.mounting import CONTACT, fit_stated_box, move_out_of_walls
+from stages.generation.mounting import PLACE_TOLERANCE, fit_stated_box, move_out_of_walls
 from stages.generation.placed import FLOOR, Placed
 from stages.generation.sizing import size
 from stages.generation.turning import find_yaw
@@ -68,4 +68,4 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
 def reaches_walls(mounting: Mounting, box: UprightBox, is_round: bool) -> bool:
     """Whether a model is extended to the walls that the object touches. Not if it stands on furniture or is as deep
     as it is wide."""
-    return mounting.type != 3 or not (is_round or box.bottom > CONTACT)
+    return mounting.type != 3 or not (is_round or box.bottom > PLACE_TOLERANCE)

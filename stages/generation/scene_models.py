@@ -16,7 +16,7 @@ from stages.articulated.surfaces import ColouredMesh
 from stages.contracts import Asset, GeneratedScene
 from stages.contracts.look import ROOM_LIGHT, Look
 from stages.generation.placed import Placed
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 from stages.simulation.backdrop import Block, make_backdrop
 
 Matrix = NDArray[np.float64]
@@ -44,7 +44,7 @@ class Body:
     def corners(self) -> Matrix:
         """Of the closed box (8, 3), in the world."""
         low, high = self.asset.box_min, self.asset.box_max
-        return apply(self.pose, np.array(list(product(*zip(low, high, strict=True)))))
+        return transform_points(self.pose, np.array(list(product(*zip(low, high, strict=True)))))
 
     @property
     def moving(self) -> list[JointModel]:
@@ -79,7 +79,7 @@ def room_of(generated: GeneratedScene, items: list[Placed], look: Look | None) -
 
 
 def surface_of(block: Block) -> ColouredMesh:
-    """A block of the backdrop, about its own centre."""
+    """A block of the backdrop, about its own center."""
     generated = split_sharp_edges(Visual(trimesh.creation.box(block.size), flat=True))
     assert generated.normals is not None
     return ColouredMesh(generated.vertices, generated.faces, generated.normals, (*block.colour, 1.0))

@@ -21,7 +21,7 @@ from stages.contracts.objects import Wall
 from stages.generation.placed import UNNAMED, Placed
 from stages.geometry.boxes import depth_behind, is_behind
 from stages.simulation.backdrop import add_backdrop
-from stages.simulation.loading import box_centre, load_asset, physics_scene, root_pose
+from stages.simulation.loading import box_center, load_asset, physics_scene, root_pose
 
 OVERLAP = 0.005  # metres that push things: 5 mm threw light things over (GenerationConfig.touch)
 Body: TypeAlias = PhysxArticulation | sapien.Entity
@@ -35,7 +35,7 @@ class Settled:
     shifts: dict[str, float]
 
 
-def settle(items: list[Placed], room: Objects, collisions: int, options: GenerationConfig) -> Settled:
+def simulate(items: list[Placed], room: Objects, collisions: int, options: GenerationConfig) -> Settled:
     """Let a scene settle with floor and walls. `collisions`: pairs that the pushes could not free."""
     scene = physics_scene()
     add_backdrop(scene, [item.box for item in items], room.walls, np.array(room.floor_from_camera)[:3, 3])
@@ -169,7 +169,7 @@ def deepest_contact(scene: sapien.Scene) -> float:
 
 
 def _box_center(item: Placed, pose: sapien.Pose) -> NDArray[np.float64]:
-    return np.asarray((pose * sapien.Pose(box_centre(item.asset))).p, dtype=float)
+    return np.asarray((pose * sapien.Pose(box_center(item.asset))).p, dtype=float)
 
 
 def _tilt(pose: sapien.Pose) -> float:

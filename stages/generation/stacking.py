@@ -13,7 +13,7 @@ from stages.generation.surfaces import find_surface
 from stages.geometry.boxes import footprint
 
 
-def carry(
+def assign_supports(
     items: list[Placed],
     stated: Mapping[str, str],
     nudges: Mapping[str, Sequence[float] | None],
@@ -32,7 +32,7 @@ def carry(
 
 
 def sort_by_height(items: list[Placed]) -> list[Placed]:
-    """From low to high by the height of the box centre (A.3); ties by id, so that the order is always the same."""
+    """From low to high by the height of the box center (A.3); ties by id, so that the order is always the same."""
     return sorted(items, key=lambda item: (item.center[2], item.id))
 
 

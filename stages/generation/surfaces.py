@@ -13,7 +13,7 @@ from stages.geometry.boxes import THINNEST, footprint
 
 HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing; chosen
 OVERLAY_GRID = 1e-6  # metres to which outlines are cut and joined: overlays of floating point numbers may fail
-STEADY = 0.1  # of the width of what stands near an edge: the least distance of its centre from that edge; chosen
+STEADY = 0.1  # of the width of what stands near an edge: the least distance of its center from that edge; chosen
 
 
 class SupportSurface(NamedTuple):
@@ -23,7 +23,7 @@ class SupportSurface(NamedTuple):
     area: BaseGeometry  # within the hull of what is highest: a raised rim carries what is inside it
 
     def steady_region(self, item: Placed) -> BaseGeometry:
-        """Where the centre of an item may be that stands on it: over it, and not just above its edge."""
+        """Where the center of an item may be that stands on it: over it, and not just above its edge."""
         side = min(measure_shorter_side(footprint(item.box)), measure_shorter_side(self.area.convex_hull))
         inset = self.area.buffer(-STEADY * side)
         return self.area if inset.is_empty else inset
@@ -80,7 +80,7 @@ def keep_polygons(geometry: BaseGeometry) -> MultiPolygon:
 
 
 def keep_balanced(item: Placed, lower: Placed, pieces: list[Prism], surface: BaseGeometry) -> BaseGeometry:
-    """The part of a surface where an item does not tip its support over: their common centre of mass is above its
+    """The part of a surface where an item does not tip its support over: their common center of mass is above its
     feet.
 
     All of it if there is no such part, or the support cannot fall.

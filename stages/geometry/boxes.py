@@ -14,7 +14,7 @@ _SIGNS = np.array([(x, y, z) for z in (-0.5, 0.5) for x, y in ((-0.5, -0.5), (0.
 
 @dataclass(frozen=True, init=False, eq=False)
 class UprightBox:
-    """A box turned about z: centre (3,), extents (3,) along its own axes, yaw in radians. Its arrays are read-only."""
+    """A box turned about z: center (3,), extents (3,) along its own axes, yaw in radians. Its arrays are read-only."""
 
     center: NDArray[np.float64]
     size: NDArray[np.float64]

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stages.geometry.frames import apply, rigid
+from stages.geometry.frames import make_transform, transform_points
 
 OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # OpenGL's camera axes (x right, y up, z backward) from OpenCV's, and back
 # OpenCV's camera axes -> SAPIEN's (x forward, y left, z up)
@@ -15,7 +15,7 @@ MARGIN = 0.06  # share of a picture left free around what it frames; chosen
 
 
 def intrinsics_from_fov(width: int, height: int, fov_y: float) -> NDArray[np.float64]:
-    """3x3 matrix K for a vertical field of view in radians; square pixels, pixel centres at integers."""
+    """3x3 matrix K for a vertical field of view in radians; square pixels, pixel centers at integers."""
     focal = height / 2 / np.tan(fov_y / 2)
     return make_intrinsics(focal, focal, (width - 1) / 2, (height - 1) / 2)
 
@@ -26,7 +26,7 @@ def make_intrinsics(fx: float, fy: float, cx: float, cy: float) -> NDArray[np.fl
 
 
 def scale_intrinsics(intrinsics: NDArray[np.float64], width: float, height: float) -> NDArray[np.float64]:
-    """K of the picture scaled by the factors `width` and `height`; pixel centres are at integer coordinates."""
+    """K of the picture scaled by the factors `width` and `height`; pixel centers are at integer coordinates."""
     (fx, _, cx), (_, fy, cy), _ = intrinsics
     return make_intrinsics(fx * width, fy * height, (cx + 0.5) * width - 0.5, (cy + 0.5) * height - 0.5)
 
@@ -38,7 +38,7 @@ def look_at(eye: ArrayLike, target: ArrayLike) -> NDArray[np.float64]:
     forward /= np.linalg.norm(forward)
     right = np.cross(forward, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
-    return rigid(np.column_stack([right, np.cross(forward, right), forward]), eye)
+    return make_transform(np.column_stack([right, np.cross(forward, right), forward]), eye)
 
 
 def back_project(depth: NDArray[np.floating], intrinsics: ArrayLike) -> NDArray[np.float64]:
@@ -77,7 +77,7 @@ class PointMap:
     def points(self) -> NDArray[np.float64]:
         """(H, W, 3) of the pixels; NaN where depth is unknown."""
         known = self.known[..., None]
-        return np.where(known, apply(self.frame, back_project(self.depth, self.intrinsics)), np.nan)
+        return np.where(known, transform_points(self.frame, back_project(self.depth, self.intrinsics)), np.nan)
 
     def of(self, mask: NDArray[np.bool_]) -> NDArray[np.float64]:
         """Points (N, 3) of the pixels of a mask (H, W), as far as their depth is known."""

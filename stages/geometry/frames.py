@@ -59,7 +59,7 @@ def quaternion_from_matrix(rotation: ArrayLike) -> NDArray[np.float64]:
     return Rotation.from_matrix(np.asarray(rotation)).as_quat(canonical=True, scalar_first=True)
 
 
-def rigid(rotation: ArrayLike, translation: ArrayLike) -> NDArray[np.float64]:
+def make_transform(rotation: ArrayLike, translation: ArrayLike) -> NDArray[np.float64]:
     """4x4 transform of a 3x3 rotation and a translation."""
     transform = np.eye(4)
     transform[:3, :3] = rotation
@@ -67,14 +67,14 @@ def rigid(rotation: ArrayLike, translation: ArrayLike) -> NDArray[np.float64]:
     return transform
 
 
-def inverse(transform: ArrayLike) -> NDArray[np.float64]:
+def invert_transform(transform: ArrayLike) -> NDArray[np.float64]:
     """Inverse of a rigid 4x4 transform."""
     transform = np.asarray(transform, dtype=float)
     rotation = transform[:3, :3].T
-    return rigid(rotation, -rotation @ transform[:3, 3])
+    return make_transform(rotation, -rotation @ transform[:3, 3])
 
 
-def apply(transform: ArrayLike, points: ArrayLike) -> NDArray[np.float64]:
+def transform_points(transform: ArrayLike, points: ArrayLike) -> NDArray[np.float64]:
     """Transform points (..., 3)."""
     transform = np.asarray(transform, dtype=float)
     return np.asarray(points) @ transform[:3, :3].T + transform[:3, 3]

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 def cell_normals(points: Array, known: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Centres (N, 3) and unit normals (N, 3), towards the camera, of the picture's flat cells.
+    """Centers (N, 3) and unit normals (N, 3), towards the camera, of the picture's flat cells.
 
     Args:
         points: (H, W, 3) camera frame, metres.

@@ -38,8 +38,8 @@ def find_levels(points: Array, known: NDArray[np.bool_], up: Array) -> list[Plan
         known: (H, W) pixels that count.
         up: (3,) as of `find_up`.
     """
-    centres, normals = cell_normals(points, known)
-    cells, cloud = centres[normals @ up > LEVEL], points[known]
+    centers, normals = cell_normals(points, known)
+    cells, cloud = centers[normals @ up > LEVEL], points[known]
     off = OFF_LEVEL * float(np.median(cloud[:, 2])) if len(cells) else 0.0
     levels: list[Plane] = []
     least: float = FEWEST

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 from stages.geometry.gravity import IMAGE_UP
 
 MAX_POINTS = 20_000  # of a fit; chosen for time
@@ -42,9 +42,9 @@ class WallPlane(NamedTuple):
 
 def least_squares_plane(points: NDArray[np.floating]) -> tuple[NDArray[np.float64], float]:
     """Unit normal and offset of the plane with the least sum of squared distances to the points (N >= 3, 3)."""
-    centre = points.mean(axis=0)
-    _, _, axes = np.linalg.svd(points - centre, full_matrices=False)
-    return axes[2], float(axes[2] @ centre)
+    center = points.mean(axis=0)
+    _, _, axes = np.linalg.svd(points - center, full_matrices=False)
+    return axes[2], float(axes[2] @ center)
 
 
 def fit_plane(
@@ -131,7 +131,7 @@ def make_floor_frame(floor: Plane) -> Array:
         x = IMAGE_UP - (IMAGE_UP @ up) * up
     x /= np.linalg.norm(x)
     rotation = np.stack([x, np.cross(up, x), up])
-    return rigid(rotation, [0.0, 0.0, -floor.offset])
+    return make_transform(rotation, [0.0, 0.0, -floor.offset])
 
 
 def fit_wall(points: Array, camera_height: float, rng: np.random.Generator) -> WallPlane | None:

@@ -12,7 +12,7 @@ from stages.contracts.objects import SceneObject
 from stages.matching.text_encoders import TextEncoder, find_doubt, find_nearest_categories
 
 UNLIKELY = 0.1  # distance of a name that is e times less likely than the first; chosen
-LEAST = 1e-3  # probability of a name, below which it is as unlikely as this
+MIN_PROBABILITY = 1e-3  # probability of a name, below which it is as unlikely as this
 
 
 class Candidates(NamedTuple):
@@ -65,9 +65,9 @@ def list_likely(item: SceneObject, near: list[tuple[str, float]], text: TextEnco
     """
     distances = dict(near)
     if item.names:
-        categories, first = sorted(distances), max(item.names[0].probability, LEAST)
+        categories, first = sorted(distances), max(item.names[0].probability, MIN_PROBABILITY)
         for one in item.names[1:]:
-            more = UNLIKELY * float(np.log(first / max(one.probability, LEAST)))
+            more = UNLIKELY * float(np.log(first / max(one.probability, MIN_PROBABILITY)))
             for name, distance in find_nearest_categories(one.name, categories, len(categories), text):
                 distances[name] = min(distances[name], round(distance + more, 6))
     return [

@@ -60,7 +60,7 @@ def masked_square(view: View, width: int, height: int) -> tuple[NDArray[np.uint8
 
 
 def patch_positions(rows: int, columns: int) -> NDArray[np.float32]:
-    """Centres (rows, columns, 2) of the patches as (x, y) in [-1, 1] of the crop."""
+    """Centers (rows, columns, 2) of the patches as (x, y) in [-1, 1] of the crop."""
     y = (np.arange(rows) + 0.5) / rows * 2 - 1
     x = (np.arange(columns) + 0.5) / columns * 2 - 1
     return np.stack(np.meshgrid(x, y), axis=-1).astype(np.float32)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.geometry.frames import inverse
+from stages.geometry.frames import invert_transform
 from stages.planning.clearance import Surroundings
 from stages.planning.handle_grasp import Grasp, grasp_pose, list_grasps, list_last_resorts
 from stages.planning.path import join_lines, make_handle_path, make_line, measure_distance
@@ -96,7 +96,7 @@ def _plans(
 ) -> Iterator[tuple[Plan, float]]:
     """The paths by each grasp and way to it, with the slack of that way."""
     assert target.handle is not None
-    asset_hand = inverse(base_from_asset) @ chain.pose(joints[None])[0]
+    asset_hand = invert_transform(base_from_asset) @ chain.pose(joints[None])[0]
     for grasp in choice:
         pose = grasp_pose(target.handle, grasp, asset_hand)
         motion = base_from_asset @ make_handle_path(target, pose, start, goal, grasp.follow)

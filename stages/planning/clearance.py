@@ -13,8 +13,8 @@ SURFACE_POINTS = 20_000  # on either part of an object: one about every centimet
 INNER_POINTS = 500  # within each of their convex pieces; chosen for time
 CLEARANCE = 0.005  # metres of air between the arm and what it must not touch; chosen
 
-# Spheres around the meshes of Franka's Panda: frame, centre in that frame, radius; metres. Frame j is that of joint
-# j + 1, -1 the tool centre point. Fingers move with their joints: y is outwards of the pad.
+# Spheres around the meshes of Franka's Panda: frame, center in that frame, radius; metres. Frame j is that of joint
+# j + 1, -1 the tool center point. Fingers move with their joints: y is outwards of the pad.
 ARM = np.array(
     [
         (3, 0.0, 0.0, 0.0, 0.07),
@@ -52,7 +52,7 @@ class Surroundings:
     def gaps(self, centers: Array, radii: Array, values: Array) -> Array:
         """(K, S) free distance around spheres (K, S, 3), (S,) in the asset frame with the joint at `values` (K,).
 
-        Distances of centres are cut off at the largest radius plus twice `CLEARANCE`.
+        Distances of centers are cut off at the largest radius plus twice `CLEARANCE`.
         """
         motions = self.target.motions(values)
         in_moving = (centers - motions[:, None, :3, 3]) @ motions[:, :3, :3]
@@ -85,12 +85,12 @@ def solid_points(mesh: trimesh.Trimesh) -> Array:
 
 
 def arm_spheres(frames: Array, fingers: float | None, held: Array | None = None) -> tuple[Array, Array]:
-    """Spheres of an arm with joint frames (K, 8, 4, 4): centres (K, S, 3) in the frame of `frames`, radii (S,).
+    """Spheres of an arm with joint frames (K, 8, 4, 4): centers (K, S, 3) in the frame of `frames`, radii (S,).
 
     Args:
-        frames: of the joints and, last, of the tool centre point (`Chain.frames`).
+        frames: of the joints and, last, of the tool center point (`Chain.frames`).
         fingers: position of the finger joints in metres; None leaves the fingers out (they hold something).
-        held: (M, 4) centre in the tool frame and radius of spheres on a held object.
+        held: (M, 4) center in the tool frame and radius of spheres on a held object.
     """
     spheres = _spheres(fingers, held)
     owners = frames[:, spheres[:, 0].astype(int)]
@@ -99,7 +99,7 @@ def arm_spheres(frames: Array, fingers: float | None, held: Array | None = None)
 
 
 def gripper_spheres(fingers: float) -> tuple[Array, Array]:
-    """Spheres of hand and fingers: centres (S, 3) in the tool frame, radii (S,); `fingers` as of `arm_spheres`."""
+    """Spheres of hand and fingers: centers (S, 3) in the tool frame, radii (S,); `fingers` as of `arm_spheres`."""
     spheres = _spheres(fingers)
     gripper = spheres[spheres[:, 0] < 0]
     return gripper[:, 1:4], gripper[:, 4]

@@ -7,12 +7,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from stages.articulated.handle import Handle
-from stages.geometry.frames import rigid, yaw_matrix
+from stages.geometry.frames import make_transform, yaw_matrix
 from stages.planning.clearance import CLEARANCE
 from stages.simulation.kinematics import Array
 from stages.simulation.target import Target
 
-HALF_PAD = 0.009  # from the middle of a finger's pad, which is the tool centre point, to the fingertip, metres
+HALF_PAD = 0.009  # from the middle of a finger's pad, which is the tool center point, to the fingertip, metres
 
 # Tilt and pitch for the horizontal bar of a drawer where nothing else will do, or only with the arm at its limits: from
 # above, with the fingertips, as the upper finger comes near the panel.
@@ -24,7 +24,7 @@ class Grasp:
     """A way to hold a handle. Angles in radians.
 
     tilt: turn of the approach about the closing axis. pitch: turn from above, about a horizontal handle. follow: share
-    of a door's turn that the hand makes. depth: of the tool centre point behind the foremost surface, metres. over:
+    of a door's turn that the hand makes. depth: of the tool center point behind the foremost surface, metres. over:
     fingers above and below a knob, not at its sides. swing: turn of the approach about the vertical.
     """
 
@@ -64,7 +64,7 @@ def list_last_resorts(target: Target, handle: Handle) -> Iterator[Grasp]:
 
 
 def grasp_pose(handle: Handle, grasp: Grasp, hand: Array) -> Array:
-    """(4, 4) pose of the tool centre point on a handle, asset frame, closed.
+    """(4, 4) pose of the tool center point on a handle, asset frame, closed.
 
     The fingers close across the handle's long direction (on a knob sideways, or from above and below). Of the two
     ways it is the one nearer to the present pose `hand` (4, 4); for a horizontal bar, which is equally far from both,
@@ -85,4 +85,4 @@ def grasp_pose(handle: Handle, grasp: Grasp, hand: Array) -> Array:
     depth = float(np.clip(handle.protrusion - HALF_PAD - CLEARANCE, 0.0, depth))
     rotation = np.stack([np.cross(closing, approach), closing, approach], axis=1)
     from_above = Rotation.from_rotvec([0.0, -grasp.pitch, 0.0]).as_matrix()
-    return rigid(yaw_matrix(grasp.swing) @ from_above @ rotation, handle.position + depth * straight_in)
+    return make_transform(yaw_matrix(grasp.swing) @ from_above @ rotation, handle.position + depth * straight_in)

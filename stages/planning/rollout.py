@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.geometry.frames import inverse
+from stages.geometry.frames import invert_transform
 from stages.planning.clearance import Surroundings, arm_spheres
 from stages.planning.path import make_line, measure_distance
 from stages.simulation.kinematics import Array, Chain, pose_error, track
@@ -125,7 +125,7 @@ def _is_clear(
     chain: Chain, rollout: Array, stretch: Stretch, base_from_asset: Array, surroundings: Surroundings
 ) -> bool:
     """Whether arm, hand, fingers and what they hold stay clear along a rollout (K, 7) of a stretch."""
-    frames = inverse(base_from_asset) @ chain.frames(rollout)
+    frames = invert_transform(base_from_asset) @ chain.frames(rollout)
     start, end = stretch.joint
     values = start + (end - start) * np.arange(1, len(rollout) + 1) / len(rollout)
     return surroundings.clear(*arm_spheres(frames, stretch.fingers, stretch.held), values)

@@ -36,8 +36,8 @@ def _segment(clouds: Tensor) -> tuple[Tensor, Tensor]:
     weight = handle.float()[..., None]
     count = weight.sum(1).clamp_min(1)
     middle = (xyz * weight).sum(1) / count
-    centred = (xyz - middle[:, None]) * weight
-    spread = torch.linalg.eigvalsh(centred.mT @ centred / count[..., None])[:, 0]
+    centerd = (xyz - middle[:, None]) * weight
+    spread = torch.linalg.eigvalsh(centerd.mT @ centerd / count[..., None])[:, 0]
     handle &= (spread < THIN**2)[:, None]
     flags = torch.where(handle, -1.0, clouds[..., 3])
     return torch.cat([clouds[..., :3], flags[..., None].to(clouds.dtype)], dim=-1), planes

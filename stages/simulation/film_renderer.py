@@ -16,7 +16,7 @@ from sapien.physx import PhysxArticulationLinkComponent as Link
 from sapien.render import RenderDirectionalLightComponent as DirectionalLight
 from trimesh.bounds import corners
 
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 from stages.simulation.framing import frame_all, intrinsics_of
 from stages.simulation.loading import load_asset, move, remove
 from stages.simulation.recording import Moment, Recording
@@ -140,7 +140,7 @@ class Shot:
         shown, (width, height) = self.renderer.finder.render(view), self.renderer.glance
         parts = ("panda_hand", "panda_leftfinger", "panda_rightfinger")
         links = [link for link in self.renderer.robot.links if link.name in parts]
-        points = apply(inverse(view), np.array([link.pose.p for link in links], float))
+        points = transform_points(invert_transform(view), np.array([link.pose.p for link in links], float))
         columns, rows = np.rint((points @ intrinsics_of(width, height).T)[:, :2] / points[:, 2:]).astype(int).T
         depths = shown.depth[rows.clip(0, height - 1), columns.clip(0, width - 1)]
         asset = (shown.segmentation == instance_id(self.asset)).any()

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.geometry.cameras import MARGIN
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 
 Array = NDArray[np.float64]
 
@@ -39,4 +39,4 @@ def frame_all(points: Array, direction: Array, aspect: float) -> Array:
         high, low = (offset - limit * depth).max(), (offset + limit * depth).min()
         place += axis * (high + low) / 2
         needed.append((high - low) / (2 * limit))
-    return rigid(np.stack([right, down, forward], axis=1), place - max(needed) * forward)
+    return make_transform(np.stack([right, down, forward], axis=1), place - max(needed) * forward)

@@ -34,14 +34,14 @@ def physics_scene(timestep: float = 0.01) -> sapien.Scene:
     return scene
 
 
-def box_centre(asset: Asset) -> NDArray[np.float64]:
-    """Centre of the closed box in the asset frame."""
+def box_center(asset: Asset) -> NDArray[np.float64]:
+    """Center of the closed box in the asset frame."""
     return (np.array(asset.box_min) + np.array(asset.box_max)) / 2
 
 
 def root_pose(asset: Asset, position: Sequence[float], yaw: float, scale: float = 1.0) -> sapien.Pose:
-    """Pose of the URDF root that puts the closed box's centre at `position`, turned by `yaw` about z."""
-    return sapien.Pose(np.asarray(position) - scale * yaw_matrix(yaw) @ box_centre(asset), yaw_quaternion(yaw))
+    """Pose of the URDF root that puts the closed box's center at `position`, turned by `yaw` about z."""
+    return sapien.Pose(np.asarray(position) - scale * yaw_matrix(yaw) @ box_center(asset), yaw_quaternion(yaw))
 
 
 class ParsedAsset:

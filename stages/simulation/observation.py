@@ -16,9 +16,9 @@ Float = NDArray[np.float32]
 OVERSAMPLED = 5  # times the points asked for: pixels kept before farthest point sampling, whose time grows with them
 # Camera axes of SAPIEN's position image (x right, y up, z backward) in its camera pose (x forward, y left, z up).
 CAMERA_FROM_IMAGE = SAPIEN_FROM_OPENCV @ OPENGL[:3, :3]
-# (centre, extents) of the finger's collision boxes that lie furthest out, in its own frame; y towards the other finger
+# (center, extents) of the finger's collision boxes that lie furthest out, in its own frame; y towards the other finger
 FINGER_BOXES = (((0.0, 0.0076, 0.0453), (0.0175, 0.0152, 0.0185)), ((0.0, 0.0159, 0.0284), (0.0175, 0.007, 0.0235)))
-FINGER_OFFSET = 0.0584 - 0.1034  # finger frame along the approach axis, seen from the tool centre point
+FINGER_OFFSET = 0.0584 - 0.1034  # finger frame along the approach axis, seen from the tool center point
 
 
 def object_points(
@@ -47,7 +47,7 @@ def thin_points(points: Float, most: int) -> Float:
 
 @cache
 def finger_surface(count: int) -> tuple[Array, Array]:
-    """Points on the left and right finger, in the frame of the tool centre point with the gripper closed."""
+    """Points on the left and right finger, in the frame of the tool center point with the gripper closed."""
     rng = np.random.default_rng(0)
     boxes = []
     for center, extents in FINGER_BOXES:

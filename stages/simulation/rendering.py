@@ -46,7 +46,7 @@ def make_scene(
 
     Args:
         light: direction in which the key light shines, world frame.
-        shaded: centre (3,) and radius, metres, of the region that casts shadows.
+        shaded: center (3,) and radius, metres, of the region that casts shadows.
 
     Raises:
         InputError: there is no Vulkan device to render with.
@@ -85,14 +85,14 @@ class RenderCamera:
     def __init__(
         self, scene: sapien.Scene, intrinsics: ArrayLike, width: int, height: int, pack: Pack = "default"
     ) -> None:
-        """`intrinsics`: 3x3 matrix K in pixels, pixel centres at integers. `pack`: see `shaders.use`; with `minimal`
+        """`intrinsics`: 3x3 matrix K in pixels, pixel centers at integers. `pack`: see `shaders.use`; with `minimal`
         depth is cut off to millimetres, and nothing may be farther than 32 m."""
         use(pack)
         k = np.asarray(intrinsics, dtype=float)
         self._pack = pack
         self.scene = scene
         self._component = sapien.render.RenderCameraComponent(width, height)
-        # SAPIEN counts pixel centres at half integers
+        # SAPIEN counts pixel centers at half integers
         near, far = 0.02, 60.0  # metres
         self._component.set_perspective_parameters(near, far, k[0, 0], k[1, 1], k[0, 2] + 0.5, k[1, 2] + 0.5, k[0, 1])
         self._entity = sapien.Entity()

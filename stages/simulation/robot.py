@@ -62,7 +62,7 @@ def low_poly_urdf() -> Path:
 
 @cache
 def panda_chain() -> Chain:
-    """Kinematics of the arm from its root link to the tool centre point between the finger pads."""
+    """Kinematics of the arm from its root link to the tool center point between the finger pads."""
     return read_chain(PANDA, TCP)
 
 

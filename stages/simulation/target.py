@@ -10,7 +10,7 @@ from sapien.physx import PhysxArticulation
 from scipy.spatial.transform import Rotation
 
 from stages.articulated.handle import Handle, find_handle
-from stages.geometry.frames import inverse
+from stages.geometry.frames import invert_transform
 
 Array = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ class Target:
 
 def read_target(raw: PhysxArticulation, index: int) -> Target:
     """Measure the target joint of a loaded asset, the active joint of that index; its joints must be closed."""
-    root_inverse = inverse(raw.root.pose.to_transformation_matrix())
+    root_inverse = invert_transform(raw.root.pose.to_transformation_matrix())
     joint = raw.active_joints[index]
     joint_frame = root_inverse @ joint.get_global_pose().to_transformation_matrix()
     moving: list[trimesh.Trimesh] = []

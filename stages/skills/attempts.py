@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 from stages.planning.clearance import Surroundings
 from stages.skills import Act, Outcome
 from stages.skills.motion import Motion
@@ -47,7 +47,9 @@ class RetryingSkill(ABC):
     def surroundings(self) -> Surroundings:
         """Points on the task's object and on the obstacles around it; the object's are sampled once per size."""
         env = self.task.env
-        return env.sample_surroundings().with_obstacles(apply(inverse(env.base_from_asset()), env.obstacles()))
+        return env.sample_surroundings().with_obstacles(
+            transform_points(invert_transform(env.base_from_asset()), env.obstacles())
+        )
 
     def joint(self) -> float:
         """The value of the target joint as it stands."""

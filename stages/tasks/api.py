@@ -165,7 +165,7 @@ class EnvWrapper:
         return joints
 
     def hand(self) -> Array:
-        """(4, 4) measured pose of the tool centre point in the base frame."""
+        """(4, 4) measured pose of the tool center point in the base frame."""
         return np.asarray(self.chain.pose(self.joints()[None, :7])[0])
 
     def reference(self) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import apply, inverse, rigid
+from stages.geometry.frames import invert_transform, make_transform, transform_points
 from stages.planning.articulation import choose_open_goals, plan_articulation
 from stages.planning.clearance import BASE, Surroundings
 from stages.simulation.kinematics import Array
@@ -45,7 +45,7 @@ def place_robot_and_asset(
     """
     at = np.add(target.reference + nominal, shift)
     base = base_pose(at, target.side, setup, options, target.flap)
-    root = object_motion(setup) @ rigid(np.eye(3), nominal)
+    root = object_motion(setup) @ make_transform(np.eye(3), nominal)
     if surroundings is not None and target.side and target.handle is not None:
         reached = reachable_base(base, root, REST + setup.joints, surroundings(), find_success_opening(target, options))
         base = base if reached is None else reached
@@ -64,7 +64,7 @@ def reachable_base(base: Array, root: Array, joints: Array, surroundings: Surrou
     """
     for goal in choose_open_goals(surroundings.target, opening, MOTION.goal_margin):
         for place in nearby_bases(base, surroundings.target):
-            base_from_asset = inverse(place) @ root
+            base_from_asset = invert_transform(place) @ root
             if place is not base and not _passes(base_from_asset, surroundings, goal):
                 continue
             if can_follow(base_from_asset, joints, surroundings, goal):
@@ -82,11 +82,11 @@ def nearby_bases(base: Array, target: Target) -> Iterator[Array]:
     """Where the robot may stand, first where it always does."""
     yield base
     for out, towards in NEARBY:
-        yield rigid(np.eye(3), [out, -target.side * towards, 0.0]) @ base
+        yield make_transform(np.eye(3), [out, -target.side * towards, 0.0]) @ base
 
 
 def _passes(base_from_asset: Array, surroundings: Surroundings, goal: float) -> bool:
     """Whether the door passes by the robot's base."""
     values = np.linspace(surroundings.target.lower, goal, 20)
-    centers = np.tile(apply(inverse(base_from_asset), BASE[:, :3]), (len(values), 1, 1))
+    centers = np.tile(transform_points(invert_transform(base_from_asset), BASE[:, :3]), (len(values), 1, 1))
     return surroundings.clear(centers, BASE[:, 3], values)

@@ -9,7 +9,7 @@ from mani_skill.sensors.camera import CameraConfig
 from scipy.spatial.transform import Rotation
 
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 from stages.simulation.depth_shaders import depth_shaders
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import AcdcPanda
@@ -20,7 +20,7 @@ Place = tuple[float, float, float]
 @dataclass(frozen=True)
 class Camera:
     """A camera at `eye` that looks at `target`, in the frame of what it is mounted on: the robot's base or its hand
-    (tool centre point: z towards the object, y from finger to finger). Metres; `up` is up in its picture."""
+    (tool center point: z towards the object, y from finger to finger). Metres; `up` is up in its picture."""
 
     name: str
     eye: Place
@@ -34,7 +34,7 @@ class Camera:
         forward = forward / np.linalg.norm(forward)
         left = np.cross(self.up, forward)
         left /= np.linalg.norm(left)
-        return rigid(np.stack([forward, left, np.cross(forward, left)], axis=1), self.eye)
+        return make_transform(np.stack([forward, left, np.cross(forward, left)], axis=1), self.eye)
 
     def config(self, robot: AcdcPanda, options: TaskConfig) -> CameraConfig:
         """What ManiSkill makes it from; it is posed when an episode starts."""
@@ -72,7 +72,7 @@ def jitter(seed: int, number: int, options: TaskConfig) -> Array:
     metres, radians = options.camera_jitter
     turn = rng.standard_normal(3)
     rotation = Rotation.from_rotvec(turn / np.linalg.norm(turn) * rng.uniform(0, radians))
-    return rigid(rotation.as_matrix(), rng.uniform(-1, 1, 3) * metres)
+    return make_transform(rotation.as_matrix(), rng.uniform(-1, 1, 3) * metres)
 
 
 def displace_pose(pose: Array, seed: int, number: int, error: tuple[float, float]) -> Array:

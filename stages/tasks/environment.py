@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stages.config.demonstrations import RandomiseOptions
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 from stages.planning.clearance import Surroundings
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, set_joint_dynamics
@@ -284,9 +284,11 @@ class OpenTaskEnv(FilmedEnv):
         if self.room is None:
             return np.zeros((0, 3))
         base = self.agent.robot.pose.sp.to_transformation_matrix()
-        return apply(inverse(base), np.concatenate(list(self.room.obstacles.values())))
+        return transform_points(invert_transform(base), np.concatenate(list(self.room.obstacles.values())))
 
     def base_from_asset(self) -> Array:
         """(4, 4) pose of the asset's root in the robot base frame, in the first environment."""
         base, root = self.agent.robot.pose[0].sp, self.object.pose[0].sp
-        return np.asarray(inverse(base.to_transformation_matrix()) @ root.to_transformation_matrix(), dtype=float)
+        return np.asarray(
+            invert_transform(base.to_transformation_matrix()) @ root.to_transformation_matrix(), dtype=float
+        )

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from stages.contracts.library import Asset
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import rigid, yaw_matrix
+from stages.geometry.frames import make_transform, yaw_matrix
 
 Array = NDArray[np.float64]
 
@@ -61,15 +61,15 @@ def base_pose(handle: Array, side: float, setup: InitialState, options: TaskConf
     nominal = np.array([options.base_distance, side * options.base_side, -height])
     if flap:
         nominal = np.array([options.flap_base[0], options.flap_base[1], -options.flap_base[2]])
-    return rigid(yaw_matrix(np.pi + setup.base_yaw), handle + nominal + setup.base_offset)
+    return make_transform(yaw_matrix(np.pi + setup.base_yaw), handle + nominal + setup.base_offset)
 
 
 def nominal_root(asset: Asset, scale: Array) -> Array:
-    """(3,) where the root of an asset at a scale (3,) nominally is: the box's centre above the origin, it on z = 0."""
+    """(3,) where the root of an asset at a scale (3,) nominally is: the box's center above the origin, it on z = 0."""
     box = np.array([asset.box_min, asset.box_max]) * scale
     return np.array([*-box[:, :2].mean(axis=0), -box[0, 2]])
 
 
 def object_motion(setup: InitialState) -> Array:
     """(4, 4) small turn about z and shift of the object away from its nominal pose."""
-    return rigid(yaw_matrix(setup.object_yaw), [*setup.object_offset, 0.0])
+    return make_transform(yaw_matrix(setup.object_yaw), [*setup.object_offset, 0.0])

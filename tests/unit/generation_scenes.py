@@ -10,12 +10,12 @@ from stages.config.generation import GenerationConfig
 from stages.contracts import Asset
 from stages.contracts.objects import Mounting, Wall
 from stages.generation.choosing import choose_models
-from stages.generation.collisions import separate
+from stages.generation.collisions import resolve_collisions
 from stages.generation.doubts import doubt_placements
 from stages.generation.inputs import Inputs
 from stages.generation.placed import Placed, Prism
 from stages.generation.placing import Places
-from stages.generation.stacking import carry
+from stages.generation.stacking import assign_supports
 from stages.geometry.boxes import UprightBox
 
 BACK = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)  # the plane x = 4, seen from x < 4
@@ -32,7 +32,9 @@ class Built(NamedTuple):
 def build(inputs: Inputs, rank: int, options: GenerationConfig) -> Built:
     """The scene of a rank before physics runs."""
     items, failed = choose_models(inputs, rank, Places(inputs, options))
-    freed = separate(carry(items, inputs.supports, inputs.nudges, options), inputs.objects.walls, options)
+    freed = resolve_collisions(
+        assign_supports(items, inputs.supports, inputs.nudges, options), inputs.objects.walls, options
+    )
     return Built(doubt_placements(freed.items, inputs), failed, freed.left)
 
 

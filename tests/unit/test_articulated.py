@@ -32,7 +32,7 @@ from stages.articulated.urdf_tree import UrdfTree
 from stages.articulated.urdf_writer import write_urdf
 from stages.config.code import closure, source
 from stages.contracts.errors import InputError
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 from tests.unit.articulated_models import CABINET, textured_box, write_cabinet
 from tests.unit.demo_assets import cabinet
 
@@ -73,7 +73,7 @@ def test_inertia_of_a_turned_tensor_reaches_the_written_file(tmp_path: Path) -> 
     assert np.allclose(again.inertia, body.inertia, rtol=1e-4)
     assert (again.mass, again.center.tolist()) == (7.0, [0.1, 0.2, 0.3])
     quarter = Rotation.from_euler("z", np.pi / 2).as_matrix()
-    turned = change_root(robot, rigid(quarter, np.zeros(3))).links["body"]
+    turned = change_root(robot, make_transform(quarter, np.zeros(3))).links["body"]
     assert np.allclose(turned.inertia, quarter @ body.inertia @ quarter.T)
     assert np.allclose(turned.center, [-0.2, 0.1, 0.3])
 
@@ -230,7 +230,7 @@ def test_flat_visuals_show_every_edge_and_others_the_sharp_ones(tmp_path: Path, 
         ('<mesh filename="cube.obj" scale="1 2 3"/>', (1.0, 2.0, 3.0)),
     ],
 )
-def test_shapes_are_centred_and_have_their_size(tmp_path: Path, geometry: str, size: tuple[float, ...]) -> None:
+def test_shapes_are_centerd_and_have_their_size(tmp_path: Path, geometry: str, size: tuple[float, ...]) -> None:
     trimesh.creation.box().export(tmp_path / "cube.obj")
     shape = f'<origin xyz="1 0 0"/><geometry>{geometry}</geometry>'
     link = f'<link name="a"><visual>{shape}</visual><collision>{shape}</collision></link>'

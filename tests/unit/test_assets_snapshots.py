@@ -18,7 +18,7 @@ from stages.contracts.files import read_json, write_json
 from stages.contracts.library import SnapshotShard
 from stages.contracts.library_folder import write_part
 from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 from stages.simulation import shaders
 from stages.simulation.loading import load_asset, root_pose
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
@@ -142,7 +142,7 @@ def test_depth_and_ids_of_a_room(tmp_path: Path) -> None:
     picture = RenderCamera(scene, k, 160, 120).render(pose)
     ids = {instance_id(body) for body in bodies.values()} | {instance_id(floor)}
     assert ids <= set(np.unique(picture.segmentation)) <= ids | {0}
-    points = apply(pose, back_project(picture.depth, k))
+    points = transform_points(pose, back_project(picture.depth, k))
     on_floor = points[picture.segmentation == instance_id(floor)]
     assert np.abs(on_floor[:, 2]).max() < 5e-3, "metric depth along the optical axis"
     cabinet = points[picture.segmentation == instance_id(bodies["bottom_cabinet_01"])]

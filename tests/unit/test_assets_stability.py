@@ -17,7 +17,7 @@ STEPS, DRIFT, OPENING = 100, 0.01, 0.01
 
 @pytest.mark.parametrize("category", CATEGORIES)
 def test_nothing_explodes(category: str, tmp_path: Path) -> None:
-    for index in {*range(RECORDS[category].founders), AssetsConfig().counts[category] - 1}:
+    for index in {*range(RECORDS[category].templates), AssetsConfig().counts[category] - 1}:
         asset = make(category, index, 0, tmp_path)
         scene = physics_scene()
         add_ground(scene)

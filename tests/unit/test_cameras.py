@@ -12,7 +12,7 @@ from mani_skill.utils.wrappers.gymnasium import CPUGymWrapper
 import stages.tasks  # noqa: F401
 from stages.contracts.errors import InputError
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 from stages.simulation.depth_shaders import PICTURE, depth_shaders
 from stages.simulation.loading import load_asset
 from stages.simulation.rendering import make_scene
@@ -74,7 +74,7 @@ def test_every_camera_adds_points_of_the_target_where_it_is(folder: Path) -> Non
         cloud = env.rig.observation(joints, alone, env.seen_ids(), 0)["point_cloud"]
         points = cloud[cloud[:, 3] == 0, :3]
         assert len(np.unique(points, axis=0)) > 40, camera.name
-        local = apply(inverse(env.base_from_asset()), points)
+        local = transform_points(invert_transform(env.base_from_asset()), points)
         assert ((local > bounds[0]) & (local < bounds[1])).all(), camera.name
     (merged,) = env.observe()
     scene = merged["point_cloud"][merged["point_cloud"][:, 3] == 0, :3]

@@ -17,7 +17,7 @@ from stages.contracts.policies import TaskAsset
 from stages.contracts.scenes import TrueObject
 from stages.experiment.cousins import choose_cousins, choose_dissimilar
 from stages.experiment.select import run as select
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 from stages.matching.distances import measure_distances
 from stages.matching.distances import run as distances
 from stages.matching.encoders import column_weights, make_encoder, settings_digest
@@ -32,7 +32,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> World:
     return World(tmp_path_factory.mktemp("experiment"))
 
 
-Door = tuple[str | None, float, float, str]  # handle, width, height of the centre, hinge
+Door = tuple[str | None, float, float, str]  # handle, width, height of the center, hinge
 
 
 def write_asset(world: World, name: str, doors: list[Door], tall: float = 0.4, role: str = "door") -> Path:
@@ -135,7 +135,7 @@ def experiment(world: World) -> dict[str, Any]:
         width=8,
         height=8,
         intrinsics=[[8.0, 0.0, 3.5], [0.0, 8.0, 3.5], [0.0, 0.0, 1.0]],
-        floor_from_camera=rigid(np.eye(3), [0.0, 0.0, 1.5]).tolist(),
+        floor_from_camera=make_transform(np.eye(3), [0.0, 0.0, 1.5]).tolist(),
         walls=[],
         objects=placed,
     )

@@ -19,7 +19,7 @@ from stages.contracts.objects import Mounting
 from stages.extraction.extract import merge_own_options, run
 from stages.extraction.observation import read_folder
 from stages.geometry.boxes import UprightBox, oriented_iou
-from stages.geometry.frames import apply, inverse, wrap_angle, yaw_of_matrix
+from stages.geometry.frames import invert_transform, transform_points, wrap_angle, yaw_of_matrix
 from tests.packages import needs
 from tests.refusals import refused
 from tests.unit.synthetic_room import BACK_WALL, INTRINSICS, OBJECT, WALL, WORLD_FROM_CAMERA, write_room
@@ -51,7 +51,7 @@ def furnished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Objects]:
 
 
 def test_floor_and_wall_are_found(furnished: tuple[Path, Objects]) -> None:
-    floor_from_world = np.array(furnished[1].floor_from_camera) @ inverse(WORLD_FROM_CAMERA)
+    floor_from_world = np.array(furnished[1].floor_from_camera) @ invert_transform(WORLD_FROM_CAMERA)
     np.testing.assert_allclose(floor_from_world[2], [0, 0, 1, 0], atol=1e-3)
     np.testing.assert_allclose(floor_from_world[:2, 3], 0, atol=1e-3)  # the origin is below the camera
     view = floor_from_world[:3, :3] @ WORLD_FROM_CAMERA[:3, 2]
@@ -64,7 +64,7 @@ def test_floor_and_wall_are_found(furnished: tuple[Path, Objects]) -> None:
 @pytest.mark.parametrize("name", BOXES)
 def test_boxes_and_mounting(furnished: tuple[Path, Objects], name: str) -> None:
     objects = furnished[1]
-    floor_from_world = np.array(objects.floor_from_camera) @ inverse(WORLD_FROM_CAMERA)
+    floor_from_world = np.array(objects.floor_from_camera) @ invert_transform(WORLD_FROM_CAMERA)
     item = next(item for item in objects.objects if item.label == name)
     true, mounting = BOXES[name]
     assert item.box is not None and item.mounting is not None
@@ -73,7 +73,9 @@ def test_boxes_and_mounting(furnished: tuple[Path, Objects], name: str) -> None:
     assert item.box.center[2] - item.box.size[2] / 2 == pytest.approx(true.bottom, abs=0.03)
     if mounting == 2:  # seen from two sides and above: the whole box is there
         here = UprightBox(
-            apply(floor_from_world, true.center), true.size, true.yaw + yaw_of_matrix(floor_from_world[:3, :3])
+            transform_points(floor_from_world, true.center),
+            true.size,
+            true.yaw + yaw_of_matrix(floor_from_world[:3, :3]),
         )
         box = UprightBox(item.box.center, item.box.size, item.box.yaw)
         assert oriented_iou(box, here) > (0.8 if name == "box" else 0.55)
@@ -146,7 +148,7 @@ def test_measured_depth_is_not_disturbed(furnished: tuple[Path, Objects], tmp_pa
 def test_no_floor_mask_and_no_wall(tmp_path: Path) -> None:
     objects = _extract(_write(tmp_path / "in", ["box", "mug"], wall=False, floor=False), tmp_path / "out")
     np.testing.assert_allclose(
-        (np.array(objects.floor_from_camera) @ inverse(WORLD_FROM_CAMERA))[2], [0, 0, 1, 0], atol=0.01
+        (np.array(objects.floor_from_camera) @ invert_transform(WORLD_FROM_CAMERA))[2], [0, 0, 1, 0], atol=0.01
     )
     assert objects.walls == []
     assert [item.mounting.type for item in objects.objects if item.mounting] == [2, 2]

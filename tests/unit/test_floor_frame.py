@@ -10,7 +10,7 @@ from stages.extraction.camera_height import doubt_height
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 from stages.geometry.room_planes import WallPlane
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, WORLD_FROM_CAMERA, trace
@@ -30,7 +30,7 @@ def extracted(frame: np.ndarray | None, depth: np.ndarray | None = None, floor: 
 
 
 def turned(rotation: np.ndarray, height: float = 1.6) -> np.ndarray:
-    return rigid(rotation @ WORLD_FROM_CAMERA[:3, :3], [0, 0, height])
+    return make_transform(rotation @ WORLD_FROM_CAMERA[:3, :3], [0, 0, height])
 
 
 def about_y(degrees: float) -> np.ndarray:

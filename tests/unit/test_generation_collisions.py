@@ -7,7 +7,7 @@ import pytest
 from shapely import Point
 
 from stages.config.generation import GenerationConfig
-from stages.generation.collisions import forbidden_shifts, separate
+from stages.generation.collisions import forbidden_shifts, resolve_collisions
 from stages.generation.mounting import move_out_of_walls
 from stages.geometry.boxes import UprightBox, corners
 from tests.unit.generation_scenes import BACK, solid, thing, upright
@@ -17,7 +17,7 @@ OPTIONS = GenerationConfig().model_copy(update={"touch": 0.0})
 
 def solve(items, walls=(), **options):
     items = [item if item.prisms else solid(item) for item in items]
-    result = separate(items, list(walls), OPTIONS.model_copy(update=options))
+    result = resolve_collisions(items, list(walls), OPTIONS.model_copy(update=options))
     return {item.id: item for item in result.items}, result.left
 
 

@@ -12,7 +12,7 @@ from stages.generation.fitting import TOO_SURE, Observation, Prior, SizePrior, f
 from stages.generation.solid import Solid, find_outermost
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import back_project, intrinsics_from_fov
-from stages.geometry.frames import Array, apply, rigid, yaw_matrix
+from stages.geometry.frames import Array, make_transform, transform_points, yaw_matrix
 from stages.geometry.outlines import Outline, measure_outline
 from tests.unit.generation_scenes import BACK
 
@@ -20,7 +20,7 @@ WIDTH, HEIGHT = 320, 240
 K = intrinsics_from_fov(WIDTH, HEIGHT, 1.0)
 AXES = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # camera x right, y down, z ahead; floor x ahead, z up
 DOWN = np.array([[np.cos(0.35), 0, np.sin(0.35)], [0, 1, 0], [-np.sin(0.35), 0, np.cos(0.35)]])
-POSE = rigid(DOWN @ AXES, [0, 0, 1.5])
+POSE = make_transform(DOWN @ AXES, [0, 0, 1.5])
 ERROR = DepthError(0.001, 0.001)
 TRUE = UprightBox([3.2, 0.2, 0.35], [0.5, 0.9, 0.7], np.pi - 0.3)
 BLOCK = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
@@ -67,13 +67,13 @@ def draw(box: UprightBox = TRUE) -> Picture:
 
 def outline_of(mask: np.ndarray, depth: Array, inside: np.ndarray) -> Outline:
     """The outline where the floor hides nothing."""
-    floor = apply(POSE, back_project(depth, K))[..., 2] < 0.01
+    floor = transform_points(POSE, back_project(depth, K))[..., 2] < 0.01
     return measure_outline(mask, np.where(floor, np.inf, depth), inside, lambda far: 3 * ERROR.predict(far))
 
 
 def see(picture: Picture, mask: np.ndarray | None = None) -> Observation:
     mask = picture.mask if mask is None else mask
-    points = apply(POSE, back_project(picture.depth, K)[mask])[::7]
+    points = transform_points(POSE, back_project(picture.depth, K)[mask])[::7]
     outline = outline_of(mask, picture.depth, np.ones_like(mask))
     return Observation(outline, points, POSE, K, ERROR)
 
@@ -113,7 +113,7 @@ def test_what_the_border_cuts_is_as_large_as_usual_and_its_spread_says_so() -> N
     left[:, : int(columns.mean())] = True
     whole = see(picture)
     inside = outline_of(picture.mask & left, picture.depth, left)
-    points = apply(POSE, back_project(picture.depth, K)[picture.mask & left])[::7]
+    points = transform_points(POSE, back_project(picture.depth, K)[picture.mask & left])[::7]
     cut = Observation(inside, points, POSE, K, ERROR)
     usual = SizePrior(np.log([0.5, 0.9, 0.7]), 0.15**2 * np.eye(3))
     seen_half = UprightBox(points.mean(axis=0) * [1, 1, 0] + [0, 0, 0.35], [0.5, 0.45, 0.7], TRUE.yaw)

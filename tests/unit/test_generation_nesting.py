@@ -10,12 +10,12 @@ from plugins.furniture.folder import build
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, read_json
 from stages.contracts.objects import Mounting
-from stages.generation.collisions import separate
+from stages.generation.collisions import resolve_collisions
 from stages.generation.models import read_collisions, to_prisms
 from stages.generation.nesting import find_landing
 from stages.generation.placed import Placed
 from stages.generation.settling import load_items, run_physics
-from stages.generation.stacking import carry
+from stages.generation.stacking import assign_supports
 from stages.geometry.boxes import UprightBox
 from stages.simulation.loading import physics_scene
 from tests.unit.physics import add_ground
@@ -71,7 +71,7 @@ def test_a_can_lies_in_a_bowl_and_stays(index: int, aside: float, tmp_path: Path
         for name, folder in folders.items()
     ]
     options = GenerationConfig()
-    result = separate(carry(items, {}, {}, options), [], options)
+    result = resolve_collisions(assign_supports(items, {}, {}, options), [], options)
     assert not result.left
     physics = physics_scene()
     add_ground(physics)

@@ -27,10 +27,10 @@ from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.models import read_collisions, read_links
 from stages.generation.placed import Placed
 from stages.generation.scene_file import summarise, to_contract
-from stages.generation.settling import describe_fall, find_behind, load_items, run_physics, settle, write_models
+from stages.generation.settling import describe_fall, find_behind, load_items, run_physics, simulate, write_models
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import intrinsics_from_fov, look_at, project
-from stages.geometry.frames import apply, inverse, yaw_matrix
+from stages.geometry.frames import invert_transform, transform_points, yaw_matrix
 from stages.geometry.masks import polygon
 from stages.simulation.loading import physics_scene
 from tests.packages import needs
@@ -39,7 +39,7 @@ from tests.unit.generation_scenes import build, thing
 from tests.unit.physics import add_ground
 
 WIDTH, HEIGHT = 160, 120
-CABINET = ((3.0, 0.2, 0.4), (0.5, 0.9, 0.8))  # centre and extents; its rear 5 cm from the wall x = 3.3
+CABINET = ((3.0, 0.2, 0.4), (0.5, 0.9, 0.8))  # center and extents; its rear 5 cm from the wall x = 3.3
 MUG = ((2.95, 0.3, 0.85), (0.1, 0.1, 0.1))
 
 
@@ -115,7 +115,9 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     Image.new("RGB", (WIDTH, HEIGHT), (9, 9, 9)).save(folder / "rgb.png")
     masks = np.zeros((HEIGHT, WIDTH), np.uint16)
     for value, (center, size) in ((1, CABINET), (2, MUG)):
-        seen = apply(inverse(np.array(objects.floor_from_camera)), corners(UprightBox(center, size, 0.0)))
+        seen = transform_points(
+            invert_transform(np.array(objects.floor_from_camera)), corners(UprightBox(center, size, 0.0))
+        )
         outline = cv2.convexHull(project(seen, objects.intrinsics).astype(np.float32))[:, 0]
         masks[polygon(outline, masks.shape)] = value
     Image.fromarray(masks).save(folder / "masks.png")
@@ -304,7 +306,7 @@ def test_what_stands_on_something_unnamed_is_held_and_said(scene: dict[str, Path
     inputs.matched[1] = replace(inputs.matched[1], object=raised, cloud=cloud)
     built = build(inputs, 1, options)
     made = to_contract(
-        built.items, built.failed, settle(built.items, inputs.objects, 0, options), inputs.objects, "b", 1
+        built.items, built.failed, simulate(built.items, inputs.objects, 0, options), inputs.objects, "b", 1
     )
     held = next(item for item in made.objects if item.id == "mug_1")
     assert held.support == "unnamed" and held.position[2] == pytest.approx(z + 1, abs=0.03)
@@ -324,7 +326,7 @@ def test_what_overlaps_a_wall_is_pushed_and_not_said_to_have_dropped(scene: dict
     far = max(corners(cabinet.box)[:, 0])
     wall = Wall(id="wall_1", normal=(-1.0, 0.0, 0.0), offset=-far + 0.08, points=9)
     room = inputs.objects.model_copy(update={"walls": [wall]})
-    check = settle([cabinet], room, 0, options).plausibility
+    check = simulate([cabinet], room, 0, options).plausibility
     assert check is not None and check.behind == ["cabinet_1"]
     assert check.how == {"cabinet_1": "was pushed 8 cm, for it overlapped wall_1"}
     assert check.verdict == "does not stand: cabinet_1 was pushed 8 cm, for it overlapped wall_1; " + check.kept
@@ -404,7 +406,7 @@ def test_the_place_of_what_has_hardly_any_depth_is_doubted(known: float | None, 
 def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path], tmp_path: Path) -> None:
     options = GenerationConfig().model_copy(update={"fallen_distance": 9.0})  # only the tilt can tell
     built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)
-    edge = built.items[0].center[0] - built.items[0].size[0] / 2 - 0.01  # its centre 1 cm beyond
+    edge = built.items[0].center[0] - built.items[0].size[0] / 2 - 0.01  # its center 1 cm beyond
     items = [item.shift([edge - item.center[0], 0, 0]) if item.id == "mug_1" else item for item in built.items]
     physics = physics_scene()
     add_ground(physics)

@@ -8,7 +8,7 @@ import pytest
 from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
 from stages.generation import stacking
-from stages.generation.collisions import separate
+from stages.generation.collisions import resolve_collisions
 from stages.generation.mounting import extend_to_wall
 from stages.generation.placed import Placed
 from stages.generation.stacking import find_stack, find_supports, put_on_supports, sort_by_height
@@ -28,7 +28,7 @@ def tree(items, overlap=0.7, tolerance=0.15):
 
 
 def stacked(items, options=GenerationConfig()):  # noqa: B008
-    return stacking.carry(items, {}, {}, options)
+    return stacking.assign_supports(items, {}, {}, options)
 
 
 def test_a_stack_is_found_whatever_the_order():
@@ -48,7 +48,7 @@ def test_a_large_thing_on_a_small_one_counts_the_smaller_footprint():
 
 
 def test_a_chair_under_a_table_is_not_on_it():
-    chair = thing("chair", (2, 0, 0.45), (0.5, 0.5, 0.9))  # its centre is higher than the table's
+    chair = thing("chair", (2, 0, 0.45), (0.5, 0.5, 0.9))  # its center is higher than the table's
     assert tree([TABLE, chair])["chair"] == "floor"
     assert tree([TABLE, chair], tolerance=None)["chair"] == "table"  # the paper's rule alone
 
@@ -168,7 +168,7 @@ CHAIR = replace(CHAIR, prisms=tuple(PIECES))
 @pytest.mark.parametrize("x", [1.8, 1.83, 2.1])  # in the back, half in it, clear of it
 def test_what_stands_on_a_chair_stands_on_its_seat_clear_of_the_back(x, bottom):
     bottle = thing("bottle", (x, 0.05, bottom + 0.15), (0.08, 0.08, 0.3))
-    result = separate(stacked([solid(bottle), CHAIR]), [], GenerationConfig())
+    result = resolve_collisions(stacked([solid(bottle), CHAIR]), [], GenerationConfig())
     items = {item.id: item for item in result.items}
     assert items["bottle"].support == "chair" and not result.left
     assert items["bottle"].bottom == pytest.approx(0.46)
@@ -233,6 +233,6 @@ def test_what_stands_on_a_light_thing_stays_over_its_feet(mass, to, mounting):
 def test_what_is_pushed_on_a_cabinet_stays_behind_its_handles():
     pot = thing("pot", (1.85, 0, 0.9), (0.2, 0.2, 0.2), support="cabinet")
     box = thing("box", (2.0, 0, 0.95), (0.25, 0.5, 0.3), support="cabinet")  # larger, so it stays
-    result = separate([CABINET, solid(pot), solid(box)], [], GenerationConfig())
+    result = resolve_collisions([CABINET, solid(pot), solid(box)], [], GenerationConfig())
     items = {item.id: item for item in result.items}
     assert items["pot"].center[0] >= 1.8 - 1e-6 and items["pot"].moved > 0

@@ -16,10 +16,10 @@ from stages.geometry.cameras import PointMap, back_project, intrinsics_from_fov,
 from stages.geometry.clouds import dbscan, farthest_points, statistical_inliers
 from stages.geometry.frames import (
     angle_difference,
-    apply,
-    inverse,
+    invert_transform,
+    make_transform,
     quaternion_from_matrix,
-    rigid,
+    transform_points,
     wrap_angle,
     yaw_matrix,
     yaw_of_matrix,
@@ -57,9 +57,11 @@ def test_quaternions_are_wxyz() -> None:
 
 
 def test_rigid_inverse() -> None:
-    transform = rigid(yaw_matrix(0.4), [1.0, 2.0, 3.0])
-    np.testing.assert_allclose(inverse(transform) @ transform, np.eye(4), atol=1e-12)
-    np.testing.assert_allclose(apply(rigid(yaw_matrix(np.pi / 2), [0, 0, 1]), [[1.0, 0, 0]]), [[0, 1, 1]], atol=1e-12)
+    transform = make_transform(yaw_matrix(0.4), [1.0, 2.0, 3.0])
+    np.testing.assert_allclose(invert_transform(transform) @ transform, np.eye(4), atol=1e-12)
+    np.testing.assert_allclose(
+        transform_points(make_transform(yaw_matrix(np.pi / 2), [0, 0, 1]), [[1.0, 0, 0]]), [[0, 1, 1]], atol=1e-12
+    )
 
 
 def test_projection_undoes_back_projection() -> None:
@@ -202,7 +204,9 @@ def test_rays_meet_boxes_before_them_alone() -> None:
 
 def test_points_are_in_its_frame_where_depth_is_known() -> None:
     depth = np.array([[2.0, 0.0], [1.0, 4.0]], np.float32)
-    seen = PointMap(depth, make_intrinsics(2, 2, 0, 0), rigid([[0, 0, 1], [-1, 0, 0], [0, -1, 0]], [0, 0, 1.5]))
+    seen = PointMap(
+        depth, make_intrinsics(2, 2, 0, 0), make_transform([[0, 0, 1], [-1, 0, 0], [0, -1, 0]], [0, 0, 1.5])
+    )
     np.testing.assert_allclose(seen.points[1, 1], [4, -2, -0.5])
     assert np.isnan(seen.points[0, 1]).all()
     np.testing.assert_allclose(seen.of(np.array([[True, True], [False, True]])), [[2, 0, 1.5], [4, -2, -0.5]])

@@ -12,7 +12,7 @@ from plugins.mujoco.environment import MujocoTaskEnv
 from plugins.mujoco.world import MODEL
 from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import inverse, rigid
+from stages.geometry.frames import invert_transform, make_transform
 from stages.planning.path import make_handle_path
 from stages.simulation.target import Target
 from stages.tasks.api import EnvWrapper
@@ -30,7 +30,7 @@ def shifted(folder: Path, role: str) -> Path:
     for joint in model.joints:
         if joint.type != "fixed":
             by = SHIFT[role]
-            origin = joint.origin @ joint.motion(joint.lower) @ inverse(joint.motion(joint.lower + by))
+            origin = joint.origin @ joint.motion(joint.lower) @ invert_transform(joint.motion(joint.lower + by))
             joint = replace(joint, origin=origin, lower=joint.lower + by, upper=joint.upper + by)
         joints.append(joint)
     out = folder.with_name(f"{folder.name}_shifted")
@@ -83,7 +83,7 @@ def test_success_and_openings_are_the_same(both: tuple[EnvWrapper, EnvWrapper]) 
 
 
 def test_the_hand_follows_the_handle_alike(both: tuple[EnvWrapper, EnvWrapper]) -> None:
-    grasp = rigid(np.eye(3), [0.3, 0.1, 0.4])
+    grasp = make_transform(np.eye(3), [0.3, 0.1, 0.4])
     ways = []
     for task in both:
         target = task.env.unwrapped.target

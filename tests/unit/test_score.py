@@ -20,12 +20,12 @@ from stages.evaluation.score import run
 from stages.evaluation.scoring import score_scene
 from stages.evaluation.shapes import measure_likeness
 from stages.geometry.cameras import look_at
-from stages.geometry.frames import apply, inverse, yaw_of_matrix
+from stages.geometry.frames import invert_transform, transform_points, yaw_of_matrix
 from tests.refusals import refused
 
 WORLD_FROM_CAMERA = look_at([5.0, 1.0, 1.6], [0.0, 0.0, 0.6])  # the room's frame
 FLOOR_FROM_CAMERA = look_at([0.0, 0.0, 1.6], [np.hypot(5.0, 1.0), 0.0, 0.6])  # the floor frame of extraction
-FLOOR_FROM_WORLD = FLOOR_FROM_CAMERA @ inverse(WORLD_FROM_CAMERA)
+FLOOR_FROM_WORLD = FLOOR_FROM_CAMERA @ invert_transform(WORLD_FROM_CAMERA)
 YAW = yaw_of_matrix(FLOOR_FROM_WORLD[:3, :3])
 
 
@@ -46,7 +46,7 @@ TRUTH = Truth(
 
 def placed(name: str, of: TrueObject, asset: str, shift: tuple = (0, 0, 0), turn: float = 0.0) -> PlacedObject:
     """The true object as it would be in the floor frame, shifted (world frame) and turned."""
-    position = apply(FLOOR_FROM_WORLD, np.array(of.position) + shift)
+    position = transform_points(FLOOR_FROM_WORLD, np.array(of.position) + shift)
     about = {"label": name, "asset": asset, "category": asset[:-2], "size": of.size}
     return PlacedObject(id=name, position=tuple(position.tolist()), yaw=of.yaw + YAW + turn, **about)
 

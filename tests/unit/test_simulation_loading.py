@@ -34,7 +34,7 @@ def collision_box(body: sapien.physx.PhysxArticulation | sapien.Entity) -> np.nd
     return np.array([np.min([low for low, _ in parts], axis=0), np.max([high for _, high in parts], axis=0)])
 
 
-def test_root_pose_centres_the_box(models: Path) -> None:
+def test_root_pose_centers_the_box(models: Path) -> None:
     asset = read_asset(models / "bottom_cabinet_01")
     turned = Asset.model_validate(asset.model_dump() | {"box_min": (0, 0, 0), "box_max": (2, 1, 1)})
     pose = root_pose(turned, (5.0, 6.0, 0.5), np.pi / 2)

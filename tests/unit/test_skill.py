@@ -13,7 +13,7 @@ from stages.articulated.handle import Handle
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.errors import InputError
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import inverse, rigid, yaw_matrix
+from stages.geometry.frames import invert_transform, make_transform, yaw_matrix
 from stages.planning.articulation import plan_articulation
 from stages.planning.clearance import Surroundings
 from stages.planning.handle_grasp import Grasp, grasp_pose
@@ -143,17 +143,17 @@ def test_the_cloud_shows_the_target_or_the_object(tmp_path: Path) -> None:
 
 
 def test_a_straight_path_keeps_its_ends_and_spacing() -> None:
-    start, end = np.eye(4), rigid(yaw_matrix(1.0), [0.1, 0.0, 0.0])
+    start, end = np.eye(4), make_transform(yaw_matrix(1.0), [0.1, 0.0, 0.0])
     path = make_line(start, end)
     assert path[0] == pytest.approx(start) and path[-1] == pytest.approx(end)
     assert measure_distance(path[1:], path[:-1]).max() < 0.006
 
 
 def test_pursuit_aims_ahead_and_never_back() -> None:
-    path = make_line(np.eye(4), rigid(np.eye(3), [1.0, 0.0, 0.0]))
+    path = make_line(np.eye(4), make_transform(np.eye(3), [1.0, 0.0, 0.0]))
     pursuit = Pursuit(path, lookahead=0.1)
-    assert pursuit.aim(rigid(np.eye(3), [0.05, 0.02, 0.0]))[0, 3] == pytest.approx(0.15, abs=0.01)
-    assert pursuit.aim(rigid(np.eye(3), [0.0, 0.0, 0.0]))[0, 3] >= 0.14
+    assert pursuit.aim(make_transform(np.eye(3), [0.05, 0.02, 0.0]))[0, 3] == pytest.approx(0.15, abs=0.01)
+    assert pursuit.aim(make_transform(np.eye(3), [0.0, 0.0, 0.0]))[0, 3] >= 0.14
     assert pursuit.progress == pytest.approx(0.05, abs=0.006)
 
 
@@ -176,7 +176,10 @@ def test_a_horizontal_bar_is_held_one_way_whichever_way_the_hand_is_turned(door:
     assert handle is not None
     for axis, along in (([0.0, 1.0, 0.0], 2), ([0.0, -1.0, 0.0], 2), ([0.0, 0.0, 1.0], 1)):
         bar = replace(handle, axis=np.array(axis), length=0.2, width=0.01)
-        hands = [rigid(yaw_matrix(np.pi) @ Rotation.from_euler("x", turn).as_matrix(), np.zeros(3)) for turn in (-1, 1)]
+        hands = [
+            make_transform(yaw_matrix(np.pi) @ Rotation.from_euler("x", turn).as_matrix(), np.zeros(3))
+            for turn in (-1, 1)
+        ]
         closing = [grasp_pose(bar, Grasp(0.0, 0.0, 1.0), hand)[along, 1] for hand in hands]
         assert closing == pytest.approx([1.0, 1.0] if along == 2 else [-1.0, -1.0])
 
@@ -292,7 +295,7 @@ def test_a_heavy_flap_is_opened_from_beside_it(tmp_path: Path) -> None:
     cabinet(tmp_path / "oven", layout=[["panel"], ["flap"]], major="rows", handle_length=0.6, density=1500.0)
     flap = EnvWrapper("door", tmp_path / "oven", "door_0_joint", None, OPTIONS, render=False)
     assert sum(attempt(flap, seed).success for seed in range(3)) >= 2
-    beside = inverse(flap.env.base_from_asset())[:3, 3] - flap.env.target.reference
+    beside = invert_transform(flap.env.base_from_asset())[:3, 3] - flap.env.target.reference
     assert flap.env.target.flap and abs(beside[1]) > 0.2
     flap.close()
 

@@ -25,7 +25,7 @@ SCALE = np.array([1.25, 0.75, 1.1])
 
 
 def inertia(link: sapien.physx.PhysxArticulationLinkComponent) -> np.ndarray:
-    """(3, 3) about the centre of mass, in the link's axes."""
+    """(3, 3) about the center of mass, in the link's axes."""
     axes = link.cmass_local_pose.to_transformation_matrix()[:3, :3]
     return np.asarray(axes @ np.diag(link.inertia) @ axes.T)
 

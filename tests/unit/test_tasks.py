@@ -9,7 +9,7 @@ import trimesh
 
 from stages.articulated.handle import find_handle
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import rigid, yaw_matrix
+from stages.geometry.frames import make_transform, yaw_matrix
 from stages.simulation import observation
 from stages.simulation.controller import apply_delta, scale_action
 from stages.simulation.kinematics import jacobian, pose_error, track
@@ -118,7 +118,7 @@ def test_an_action_is_clipped_per_axis_and_by_its_turn() -> None:
 
 
 def panel(*parts: tuple[tuple[float, float, float], tuple[float, float, float]]) -> trimesh.Trimesh:
-    """A 2 cm panel, 0.4 x 0.6 m, its front at x = 0, with boxes (extents, centre) on it."""
+    """A 2 cm panel, 0.4 x 0.6 m, its front at x = 0, with boxes (extents, center) on it."""
     boxes = [((0.02, 0.4, 0.6), (-0.01, 0.0, 0.0)), *parts]
     return trimesh.util.concatenate([trimesh.creation.box(extents).apply_translation(at) for extents, at in boxes])
 
@@ -145,7 +145,7 @@ def test_only_the_object_is_in_the_cloud() -> None:
     image = np.zeros((4, 4, 4), np.int16)
     image[1, 2] = [100, 200, -1000, 7]  # 10 cm right, 20 cm up, 1 m ahead; the object
     image[2, 2] = [0, 0, -500, 3]  # the robot
-    pose = rigid(yaw_matrix(np.pi / 2), [0.0, 0.0, 1.0])  # the camera looks along y
+    pose = make_transform(yaw_matrix(np.pi / 2), [0.0, 0.0, 1.0])  # the camera looks along y
     points = observation.object_points(image, np.array([7, 8], np.int16), pose, np.full(3, -2.0), np.full(3, 2.0))
     assert points == pytest.approx(np.array([[0.1, 1.0, 1.2]]), abs=1e-5)
     assert len(observation.object_points(image, np.array([7], np.int16), pose, np.full(3, -2.0), np.zeros(3))) == 0
@@ -190,7 +190,7 @@ def test_the_scene_has_fewer_points_where_the_fingers_are() -> None:
 def test_orientation_does_not_jump_at_the_rest_pose() -> None:
     rest = panda_chain().pose(REST[None])[0]
     quaternions = [
-        observation.proprioception(rigid(yaw_matrix(yaw) @ rest[:3, :3], [0, 0, 0]), np.zeros(2), rest)[3:7]
+        observation.proprioception(make_transform(yaw_matrix(yaw) @ rest[:3, :3], [0, 0, 0]), np.zeros(2), rest)[3:7]
         for yaw in (-0.02, 0.02)
     ]
     assert np.abs(quaternions[0] - quaternions[1]).max() < 0.05

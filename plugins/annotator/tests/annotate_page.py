@@ -16,7 +16,7 @@ from stages.contracts import Annotations, Camera, Truth, read_json
 from stages.contracts.scenes import TrueObject
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
-from stages.geometry.frames import apply, inverse, wrap_angle
+from stages.geometry.frames import invert_transform, transform_points, wrap_angle
 
 
 @dataclass
@@ -34,7 +34,7 @@ class TrueRoom:
         self.eye = self.world_from_camera[:3, 3]
 
     def pixels(self, points: Any) -> NDArray[np.float64]:
-        return project(apply(inverse(self.world_from_camera), points), self.intrinsics)
+        return project(transform_points(invert_transform(self.world_from_camera), points), self.intrinsics)
 
     def front(self, item: TrueObject) -> tuple[NDArray[np.float64], int, int]:
         """Corners of an object, and the lower ones, left and right, of the side that faces the camera most."""

@@ -16,7 +16,7 @@ from plugins.inputs.photo.picture import read_photo
 from plugins.report.tests.test_report_browser import CONTRAST, FLAGS
 from stages.contracts import Annotations, Camera, Objects, read_json
 from stages.extraction.extract import run as extract
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 
 WIDE = """
 () => [...document.querySelectorAll('main *, header *')]
@@ -26,7 +26,7 @@ WIDE = """
 
 ROOM = Path(__file__).parents[3] / "tests/data/photographed_room"
 NOISE = 1.5  # pixels: how far clicks are beside the truth
-NEAR = 0.05  # of the distance from the camera: how far a box's centre may be off
+NEAR = 0.05  # of the distance from the camera: how far a box's center may be off
 
 
 @pytest.fixture(scope="module")
@@ -81,14 +81,14 @@ def test_a_room_is_drawn_and_comes_out_as_it_is(opened: Opened, tmp_path: Path) 
 
     extract(input=session.folder, scene="drawn", out=tmp_path / "out" / "objects.json")
     objects = read_json(Objects, tmp_path / "out" / "objects.json")
-    found = np.array(objects.floor_from_camera) @ inverse(room.world_from_camera)
+    found = np.array(objects.floor_from_camera) @ invert_transform(room.world_from_camera)
     for item, drawn in zip(items, objects.objects, strict=True):
         said = room.said[item.mask]
         assert (drawn.label, drawn.doors, drawn.drawers) == (said.label, said.doors, said.drawers)
         assert len(drawn.panels) == (panels if item is opens else 0)
         assert drawn.box is not None and drawn.mounting is not None, drawn.reason
         away = np.linalg.norm(np.subtract(item.position, room.eye))
-        miss = np.linalg.norm(apply(found, item.position) - drawn.box.center)
+        miss = np.linalg.norm(transform_points(found, item.position) - drawn.box.center)
         assert miss < NEAR * away, f"{drawn.id}: {miss:.3f} m off at {away:.2f} m"
         assert (drawn.mounting.type == 1) == (item.support == "wall"), drawn.id
     assert read_json(Camera, session.folder / "camera.json").floor_from_camera is not None

@@ -30,7 +30,7 @@ from stages.contracts.categories import sizes_of
 from stages.contracts.scenes import Annotation
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox, corners, oriented_iou
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 from tests.refusals import refused
 
 WIDTH, HEIGHT = 320, 240
@@ -371,7 +371,7 @@ def test_a_known_camera_alone_frames_a_picture_without_floor(tmp_path: Path) -> 
     write_json(tmp_path / "annotations.json", {**said, "floor": None})
     extract(input=tmp_path, scene="x", out=tmp_path / "out" / "objects.json")
     objects = read_json(Objects, tmp_path / "out" / "objects.json")
-    assert apply(objects.floor_from_camera, [0, 0, 0])[2] == pytest.approx(1.5)
+    assert transform_points(objects.floor_from_camera, [0, 0, 0])[2] == pytest.approx(1.5)
     assert objects.objects[0].box is not None and objects.objects[0].box.size[2] == pytest.approx(0.9, abs=0.03)
 
 

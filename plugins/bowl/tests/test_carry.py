@@ -7,7 +7,7 @@ import pytest
 
 from plugins.bowl.carry import can_hold
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import inverse
+from stages.geometry.frames import invert_transform
 from stages.planning.clearance import Surroundings
 from stages.planning.rollout import Stretch
 from stages.tasks.api import EnvWrapper
@@ -34,6 +34,8 @@ def test_a_hand_can_be_held_where_the_arm_reaches_and_nothing_is(door: EnvWrappe
     state = Stretch(poses, 0.04, (door.env.target.lower,) * 2)
     free = can_hold(door.chain, door.joints()[:7], poses, state, where, around)
     assert free.tolist() == [True, False, False]
-    on_the_way = np.array([[*(inverse(here) @ np.append((where @ np.append(middle, 1.0))[:3], 1.0))[:3], 0.02]])
+    on_the_way = np.array(
+        [[*(invert_transform(here) @ np.append((where @ np.append(middle, 1.0))[:3], 1.0))[:3], 0.02]]
+    )
     state = replace(state, held=on_the_way)  # a held thing that reaches into the door
     assert not can_hold(door.chain, door.joints()[:7], poses, state, where, around)[0]

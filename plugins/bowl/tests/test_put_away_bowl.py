@@ -16,7 +16,7 @@ from plugins.bowl.tasks.put_away_bowl.environment import with_stand_in_view
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
-from stages.geometry.frames import apply, rigid, yaw_matrix
+from stages.geometry.frames import make_transform, transform_points, yaw_matrix
 from stages.planning.path import ANGLE_WEIGHT
 from stages.tasks.api import EnvWrapper
 from tests.refusals import refused
@@ -61,7 +61,7 @@ def test_a_mesh_without_a_level_surface_has_none_worth_standing_on() -> None:
 def test_a_wall_is_gripped_across_and_never_through_the_floor() -> None:
     """A board on edge, 2 cm thick: the fingers close along its normal, the hand comes from above."""
     board = trimesh.creation.box((0.02, 0.2, 0.1)).apply_translation((0, 0, 0.05))
-    pose = rigid(yaw_matrix(0.5), [0.3, 0.1, 0.2])
+    pose = make_transform(yaw_matrix(0.5), [0.3, 0.1, 0.2])
     grasps = sample_grasps(sample_object_cloud(board), pose, 0.2, 0.04, seed=0)
     assert len(grasps) > 20
     across = np.abs(grasps[:, :3, 1] @ pose[:3, 0])
@@ -83,7 +83,7 @@ def test_what_is_too_wide_or_walled_in_is_not_gripped() -> None:
 
 
 def test_grasps_are_ordered_by_the_turn_of_the_hand_and_taken_the_near_way_round() -> None:
-    turned = [rigid(yaw_matrix(angle), [0, 0, 0]) @ DOWN for angle in (1.0, 0.2, np.pi - 0.1)]
+    turned = [make_transform(yaw_matrix(angle), [0, 0, 0]) @ DOWN for angle in (1.0, 0.2, np.pi - 0.1)]
     ordered = sort_by_turn(np.array(turned), DOWN)
     assert measure_turn(ordered, DOWN)[2] == pytest.approx(1.0, abs=1e-6)
     assert measure_turn(ordered, DOWN)[:2].max() == pytest.approx(0.2, abs=1e-6)
@@ -91,8 +91,8 @@ def test_grasps_are_ordered_by_the_turn_of_the_hand_and_taken_the_near_way_round
 
 def test_of_grasps_that_turn_alike_the_nearest_to_the_hand_comes_first() -> None:
     """A bowl is gripped at the same rim whichever contacts were drawn: with two in the data a policy closes between."""
-    rest = rigid(DOWN[:3, :3], [0.4, 0.0, 0.4])
-    pose = rigid(np.eye(3), [0.45, 0.4, 0.2])
+    rest = make_transform(DOWN[:3, :3], [0.4, 0.0, 0.4])
+    pose = make_transform(np.eye(3), [0.45, 0.4, 0.2])
     cloud = sample_object_cloud(load_visual_mesh(default_bowl()))
     sides = []
     for seed in range(6):
@@ -110,8 +110,8 @@ def test_placements_are_upright_inside_the_walls_and_turn_and_fall_least_first()
     places = find_places_inside(region, bowl)
     radius = bowl.extents[0] / 2
     assert np.abs(places[:, 1]).max() + radius < 0.19
-    hand = rigid(yaw_matrix(0.3), [0.1, 0.2, 0.5]) @ DOWN
-    tipped = rigid(trimesh.transformations.rotation_matrix(0.2, [1, 0, 0])[:3, :3], [0.0, 0.06, 0.03])
+    hand = make_transform(yaw_matrix(0.3), [0.1, 0.2, 0.5]) @ DOWN
+    tipped = make_transform(trimesh.transformations.rotation_matrix(0.2, [1, 0, 0])[:3, :3], [0.0, 0.06, 0.03])
     poses = sample_placements(places, bowl, hand, tipped, 50, seed=0)
     objects = poses @ tipped
     assert objects[:, 2, 2] == pytest.approx(np.ones(50))
@@ -138,7 +138,9 @@ def put(task: EnvWrapper, opened: float, at: np.ndarray) -> None:
     value = target.lower + opened * (target.upper - target.lower)
     env.object.set_qpos(torch.tensor([[value]], dtype=torch.float32))
     world = env.object.pose[0].sp.to_transformation_matrix() @ target.motions(np.array([value]))[0]
-    env.bowl.set_pose(env.bowl.pose.create_from_pq(torch.as_tensor(apply(world, at), dtype=torch.float32)[None]))
+    env.bowl.set_pose(
+        env.bowl.pose.create_from_pq(torch.as_tensor(transform_points(world, at), dtype=torch.float32)[None])
+    )
 
 
 def test_success_is_the_bowl_in_the_drawer_and_the_drawer_shut(

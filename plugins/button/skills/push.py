@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from stages.geometry.frames import inverse, rigid
+from stages.geometry.frames import invert_transform, make_transform
 from stages.planning.articulation import list_approaches
 from stages.planning.handle_grasp import HALF_PAD
 from stages.planning.path import Pursuit, make_line
@@ -29,7 +29,7 @@ def list_pushes(target: Target, hand: Array) -> Iterator[Array]:
     for axis in (0, 1):
         for tilt in TILTS[axis:]:  # 0 once
             rotation = straight @ Rotation.from_rotvec(tilt * np.eye(3)[axis]).as_matrix()
-            yield rigid(rotation, face - HALF_PAD * rotation[:, 2])
+            yield make_transform(rotation, face - HALF_PAD * rotation[:, 2])
 
 
 class Skill(RetryingSkill):
@@ -66,7 +66,7 @@ class Skill(RetryingSkill):
         task, around, start = self.task, self.surroundings(), self.joint()
         target, chain, joints, base = around.target, self.task.chain, self.task.joints()[:7], task.env.base_from_asset()
         plans, candidates = [], []
-        for touch in list_pushes(target, inverse(base) @ task.hand()):
+        for touch in list_pushes(target, invert_transform(base) @ task.hand()):
             end, before = touch.copy(), touch.copy()
             end[:3, 3] += target.axis * (target.upper - target.lower)
             before[:3, 3] -= BEFORE * target.axis

@@ -15,7 +15,7 @@ from stages.articulated.model import Matrix
 from stages.contracts.look import GAMMA
 from stages.contracts.system import sync
 from stages.generation.scene_models import CAMERA, Body, Room
-from stages.geometry.frames import quaternion_from_matrix, rigid, yaw_matrix
+from stages.geometry.frames import make_transform, quaternion_from_matrix, yaw_matrix
 from stages.simulation.backdrop import Block
 
 WORLD = "world"
@@ -70,7 +70,7 @@ def _index(room: Room) -> dict[str, object]:
 def _add_block(world: ET.Element, block: Block) -> None:
     for kind in ("visual", "collision"):
         element = ET.SubElement(world, kind, name=block.name)
-        ET.SubElement(element, "origin", _origin(rigid(yaw_matrix(block.yaw), block.center)))
+        ET.SubElement(element, "origin", _origin(make_transform(yaw_matrix(block.yaw), block.center)))
         ET.SubElement(ET.SubElement(element, "geometry"), "box", size=_text(block.size))
         if kind == "visual":
             material = ET.SubElement(element, "material", name=block.name)

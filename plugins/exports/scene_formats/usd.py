@@ -13,7 +13,7 @@ from stages.contracts import InputError
 from stages.contracts.system import sync
 from stages.generation.scene_models import CAMERA, Body, Room, surface_of
 from stages.geometry.cameras import OPENGL
-from stages.geometry.frames import quaternion_from_matrix, rigid, yaw_matrix
+from stages.geometry.frames import make_transform, quaternion_from_matrix, yaw_matrix
 
 try:
     from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, Vt
@@ -60,14 +60,14 @@ class _Writer:
         """Floor, walls, light and camera."""
         for block in room.blocks:
             path = f"{ROOT}/{_name(block.name)}"
-            _place(UsdGeom.Xform.Define(self.stage, path), rigid(yaw_matrix(block.yaw), block.center))
+            _place(UsdGeom.Xform.Define(self.stage, path), make_transform(yaw_matrix(block.yaw), block.center))
             surface = surface_of(block)
             self._write_visual(f"{path}/visual", surface)
             self._write_collision(f"{path}/collision", surface.vertices, surface.faces)
         light = UsdLux.DistantLight.Define(self.stage, f"{ROOT}/key_light")
         light.CreateIntensityAttr(2000.0)
         light.CreateAngleAttr(1.0)
-        _place(light, rigid(_turn(np.array([0.0, 0.0, -1.0]), room.light), [0, 0, 5.0]))
+        _place(light, make_transform(_turn(np.array([0.0, 0.0, -1.0]), room.light), [0, 0, 5.0]))
         UsdLux.DomeLight.Define(self.stage, f"{ROOT}/fill_light").CreateIntensityAttr(400.0)
         scene, k = room.scene, np.array(room.scene.intrinsics)
         camera = UsdGeom.Camera.Define(self.stage, f"{ROOT}/{CAMERA}")
@@ -123,7 +123,7 @@ class _Writer:
         prim = kind.get(joint.type, UsdPhysics.PrismaticJoint).Define(self.stage, f"{path}/{_name(joint.name)}_joint")
         prim.CreateBody0Rel().SetTargets([Sdf.Path(f"{path}/{_name(joint.parent)}")])
         prim.CreateBody1Rel().SetTargets([Sdf.Path(f"{path}/{_name(joint.child)}")])
-        along = rigid(_turn(np.eye(3)[0], joint.axis), np.zeros(3))  # the joint's x axis is that of the motion
+        along = make_transform(_turn(np.eye(3)[0], joint.axis), np.zeros(3))  # the joint's x axis is that of the motion
         _frame(prim, 0, joint.origin @ along)
         _frame(prim, 1, along)
         if joint.type == "fixed":

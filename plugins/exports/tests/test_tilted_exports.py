@@ -18,13 +18,13 @@ from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.model import JointModel, Link, RobotModel, Visual
 from stages.contracts import GeneratedScene
 from stages.generation.scene_models import Body, Room
-from stages.geometry.frames import inverse, rigid
+from stages.geometry.frames import invert_transform, make_transform
 
 LOWER, UPPER = 0.35, 1.2
-POSE = rigid(Rotation.from_euler("xyz", [0.3, -0.5, 0.9]).as_matrix(), [2.0, 0.3, 0.8])
-CAMERA = rigid(Rotation.from_euler("xyz", [-1.9, 0.25, -1.2]).as_matrix(), [0.0, 0.1, 1.5])
-ORIGIN = rigid(Rotation.from_euler("xyz", [0.4, 0.7, -0.6]).as_matrix(), [0.1, 0.2, 0.3])
-SLIDE = rigid(Rotation.from_euler("xyz", [-0.8, 0.2, 0.5]).as_matrix(), [-0.1, 0.1, 0.2])
+POSE = make_transform(Rotation.from_euler("xyz", [0.3, -0.5, 0.9]).as_matrix(), [2.0, 0.3, 0.8])
+CAMERA = make_transform(Rotation.from_euler("xyz", [-1.9, 0.25, -1.2]).as_matrix(), [0.0, 0.1, 1.5])
+ORIGIN = make_transform(Rotation.from_euler("xyz", [0.4, 0.7, -0.6]).as_matrix(), [0.1, 0.2, 0.3])
+SLIDE = make_transform(Rotation.from_euler("xyz", [-0.8, 0.2, 0.5]).as_matrix(), [-0.1, 0.1, 0.2])
 
 
 def link(name: str, size: tuple[float, float, float], turn: float) -> Link:
@@ -73,7 +73,7 @@ def test_the_reader_finds_what_was_written(room: Room) -> None:
     assert hinge.motion(hinge.lower)[:3, :3] == pytest.approx(
         Rotation.from_rotvec(LOWER * np.array([0.6, 0.0, 0.8])).as_matrix(), abs=1e-6
     )
-    by_hand = ORIGIN @ rigid(Rotation.from_rotvec(UPPER * np.array([0.6, 0.0, 0.8])).as_matrix(), np.zeros(3))
+    by_hand = ORIGIN @ make_transform(Rotation.from_rotvec(UPPER * np.array([0.6, 0.0, 0.8])).as_matrix(), np.zeros(3))
     assert link_frames(room.bodies[0].model, 1.0)["door"] == pytest.approx(by_hand, abs=1e-6)
 
 
@@ -144,13 +144,15 @@ def test_usd(room: Room, tmp_path: Path) -> None:
         for side, path in enumerate((ours.parent, ours.child)):
             place = getattr(made, f"GetLocalPos{side}Attr")().Get()
             turn = rotation(getattr(made, f"GetLocalRot{side}Attr")().Get())
-            sides.append(world(f"/World/tilted_1/{path}") @ rigid(turn, place))
-        moved = inverse(sides[0]) @ sides[1]  # the frames differ by the motion to the lower limit, about or along x
+            sides.append(world(f"/World/tilted_1/{path}") @ make_transform(turn, place))
+        moved = (
+            invert_transform(sides[0]) @ sides[1]
+        )  # the frames differ by the motion to the lower limit, about or along x
         x = np.array([1.0, 0.0, 0.0])
         closed = (
-            rigid(Rotation.from_rotvec(ours.lower * x).as_matrix(), np.zeros(3))
+            make_transform(Rotation.from_rotvec(ours.lower * x).as_matrix(), np.zeros(3))
             if joint == "hinge"
-            else rigid(np.eye(3), ours.lower * x)
+            else make_transform(np.eye(3), ours.lower * x)
         )
         assert moved == pytest.approx(closed, abs=1e-5)
 

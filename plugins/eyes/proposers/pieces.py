@@ -17,7 +17,7 @@ REACH = 4  # pixels of an outline to either side, between which normals are meas
 JUMP = 0.01  # metres, more than the noise, by which depth jumps between two things; chosen
 UP, LEVEL = 0.9, 0.01  # cosine of what faces up, and metres by which heights of one level top differ; chosen
 HOLLOW = 0.5  # least change of the normal across a hollow; chosen
-LEAST = 25  # pixels of a piece; chosen
+MIN_PIXELS = 25  # pixels of a piece; chosen
 WHOLE, CUT = 0.9, 0.8  # scores of pieces, and of those that are cut at hollows; chosen
 
 
@@ -34,7 +34,7 @@ def propose(view: RoomView) -> list[Proposal]:
     found = []
     for least, score in ((-np.inf, WHOLE), (-HOLLOW, CUT)):
         pieces = join_pixels(depth, heights, free, [bend > least for bend in bends])
-        for piece in np.flatnonzero(np.bincount(pieces[free], minlength=1) >= LEAST):
+        for piece in np.flatnonzero(np.bincount(pieces[free], minlength=1) >= MIN_PIXELS):
             mask = cv2.morphologyEx(((pieces == piece) & free).astype(np.uint8), cv2.MORPH_CLOSE, np.ones((3, 3)))
             found.append(Proposal((8.0 * mask - 4).astype(np.float16), score, "pieces"))
     return found

@@ -7,7 +7,7 @@ import numpy as np
 from plugins.eyes.proposal import Proposal, RoomView
 from plugins.eyes.ssd import Box, Ssd, overlap
 
-LEAST = 0.2  # score of a box that is outlined; its class counts from `choosing.KNOWN` on
+MIN_BOX_SCORE = 0.2  # score of a box that is outlined; its class counts from `choosing.KNOWN` on
 PART = 0.6  # of the picture's sides that a part has; chosen: things a sixth as large are found as well
 SAME = 0.5  # IoU from which boxes of different parts are of one thing; chosen
 EDGE = 4  # pixels to the edge of a part: what ends there is cut by it
@@ -36,12 +36,12 @@ def propose(view: RoomView) -> list[Proposal]:
 def find_boxes(view: RoomView) -> list[Box]:
     """Boxes of things of rooms, those of the whole picture before those of its parts, each thing once."""
     network, (height, width) = Ssd(), view.depth.shape
-    found = [box for box in network.detect(view.rgb, LEAST) if box.name in INDOORS]
+    found = [box for box in network.detect(view.rgb, MIN_BOX_SCORE) if box.name in INDOORS]
     size = np.array([width, height])
     for down, across in product((0, 1), (0, 0.5, 1)):
         x0, y0 = ((1 - PART) * size * (across, down)).astype(int)
         x1, y1 = (x0 + int(PART * width), y0 + int(PART * height))
-        for box in network.detect(view.rgb[y0:y1, x0:x1], LEAST):
+        for box in network.detect(view.rgb[y0:y1, x0:x1], MIN_BOX_SCORE):
             moved = (box.box[0] + x0, box.box[1] + y0, box.box[2] + x0, box.box[3] + y0)
             is_cut = (
                 (x0 > 0 and moved[0] < x0 + EDGE)

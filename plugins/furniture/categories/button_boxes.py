@@ -51,4 +51,4 @@ class ButtonBox(Generator):
 
 # As large as a toaster, so that a picture of a room shows the button.
 SIZES = ((0.14, 0.2, 0.18), (0.24, 0.34, 0.34))
-BUTTON_BOX = Category(name="button_box", sample=sized(ButtonBox, SIZES), founders=24, count=0)
+BUTTON_BOX = Category(name="button_box", sample=sized(ButtonBox, SIZES), templates=24, count=0)

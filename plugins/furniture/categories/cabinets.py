@@ -55,7 +55,7 @@ def cabinet_of(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) 
 
 @category(
     "bottom_cabinet",
-    founders=24,
+    templates=24,
     count=56,
     names="cabinet, cupboard, storage furniture, base cabinet, lower cabinet, floor cabinet, sink cabinet",
     kin="storage",
@@ -82,7 +82,7 @@ def sample_bottom_cabinet(rng: Rng, index: int) -> Sampled:
     return Sampled(size, cabinet_of(rng, layout, WOODS + STONES + TILES, major=major))
 
 
-@category("nightstand", founders=5, names="bedside cabinet, bedside table", like="nighttable", kin="storage")
+@category("nightstand", templates=5, names="bedside cabinet, bedside table", like="nighttable", kin="storage")
 def sample_nightstand(rng: Rng, index: int) -> Sampled:
     """Small, beside a bed: drawers, a door, an open shelf."""
     layout = cells_of("PO PP PD PPP OP")[index % 5]
@@ -94,7 +94,7 @@ def sample_nightstand(rng: Rng, index: int) -> Sampled:
 
 @category(
     "tv_stand",
-    founders=5,
+    templates=5,
     names="television cabinet, cabinet television, tv bench, tv cabinet, tv unit",
     like="tvconsole, mediaconsole, mediaunit",
     kin="storage",
@@ -118,7 +118,7 @@ def sample_tv_stand(rng: Rng, index: int) -> Sampled:
 
 @category(
     "wall_cabinet",
-    founders=9,
+    templates=9,
     count=27,
     names="medicine cabinet, upper cabinet, cabinet upper",
     kin="storage",
@@ -139,7 +139,7 @@ def sample_wall_cabinet(rng: Rng, index: int) -> Sampled:
 @category(
     "sideboard",
     growth=(0.5, 0.0),
-    founders=7,
+    templates=7,
     count=28,
     kin="storage",
     varied=True,
@@ -157,7 +157,7 @@ def sample_sideboard(rng: Rng, index: int) -> Sampled:
 
 @category(
     "wardrobe",
-    founders=6,
+    templates=6,
     count=26,
     names="armoire, closet",
     kin="storage",
@@ -177,7 +177,7 @@ def sample_wardrobe(rng: Rng, index: int) -> Sampled:
 @category(
     "chest_of_drawers",
     growth=(0.5, 0.5),
-    founders=8,
+    templates=8,
     count=32,
     names="chest drawers, drawer chest, dresser, commode",
     kin="storage",

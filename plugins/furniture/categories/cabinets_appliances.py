@@ -43,7 +43,7 @@ FURTHER_FRIDGES = range(12, 12 + len(FRIDGES))
 
 @category(
     "fridge",
-    founders=4,
+    templates=4,
     count=21,
     further=FURTHER_FRIDGES,
     names="refrigerator",
@@ -74,7 +74,7 @@ def _sample_further_fridge(rng: Rng, number: int) -> Sampled:
     above or below.
 
     The kinds of buying guides (kitchens.com, consumersearch.com, kitchensbycountryside.com) and of RoboCasa's fridges
-    that founders lack; widths and heights of those guides.
+    that templates lack; widths and heights of those guides.
     """
     words, shares, widths, heights = FRIDGES[number]
     layout = cells_of(words)
@@ -86,7 +86,7 @@ def _sample_further_fridge(rng: Rng, number: int) -> Sampled:
     return Sampled(size, p)
 
 
-@category("microwave", founders=4, count=12, kin="appliance", varied=True, appliance=True)
+@category("microwave", templates=4, count=12, kin="appliance", varied=True, appliance=True)
 def sample_microwave(rng: Rng, index: int) -> Sampled:
     """A glazed door beside a control panel; stands on something."""
     size = box_of(rng, (0.34, 0.44), (0.44, 0.58), (0.26, 0.34))
@@ -101,7 +101,7 @@ def sample_microwave(rng: Rng, index: int) -> Sampled:
 FURTHER_OVENS = range(12, 15)
 
 
-@category("oven", founders=3, count=15, further=FURTHER_OVENS, kin="appliance", varied=True, appliance=True)
+@category("oven", templates=3, count=15, further=FURTHER_OVENS, kin="appliance", varied=True, appliance=True)
 def sample_oven(rng: Rng, index: int) -> Sampled:
     """A glazed flap below a control panel; the large ones have a drawer beneath. Further ones have two flaps."""
     if index in FURTHER_OVENS:
@@ -125,7 +125,7 @@ def _double_oven(rng: Rng, high: bool) -> Sampled:
     return Sampled(size, p)
 
 
-@category("dishwasher", founders=2, count=10, kin="appliance", varied=True, appliance=True)
+@category("dishwasher", templates=2, count=10, kin="appliance", varied=True, appliance=True)
 def sample_dishwasher(rng: Rng, index: int) -> Sampled:
     """A plain flap below a narrow control panel."""
     size = box_of(rng, (0.58, 0.64), (0.44, 0.62), (0.80, 0.88))

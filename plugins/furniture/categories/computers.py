@@ -36,7 +36,7 @@ def grid(
 
 @category(
     "monitor",
-    founders=3,
+    templates=3,
     names="computer monitor, computer screen, screen, desktop computer",
     like="display, computer",
     kin="flat",
@@ -81,7 +81,7 @@ class Keyboard(Generator):
         return Model([*parts, seen(keys, self.key_colour)], placement="object")
 
 
-@category("keyboard", founders=3, names="computer keyboard, typewriter", kin="device")
+@category("keyboard", templates=3, names="computer keyboard, typewriter", kin="device")
 def sample_keyboard(rng: Rng, index: int) -> Sampled:
     """With a block of digits or without."""
     wide = rng.uniform(0.28, 0.36) if index % 3 == 1 else rng.uniform(0.4, 0.46)
@@ -117,7 +117,7 @@ class Mouse(Generator):
 MOUSE = Category(
     name="mouse",
     sample=sized(Mouse, ((0.095, 0.056, 0.03), (0.125, 0.07, 0.042)), digits=4),
-    founders=3,
+    templates=3,
     names="computer mouse",
     like="trackball",
     kin="device",

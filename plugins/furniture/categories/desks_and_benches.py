@@ -89,7 +89,7 @@ class Desk(Generator):
         return Model(parts, moving)
 
 
-@category("desk", founders=4, kin="table")
+@category("desk", templates=4, kin="table")
 def sample_desk(rng: Rng, index: int) -> Sampled:
     """With one pedestal, with two, without, with a shelf on top."""
     top, front = pick(rng, WOODS, PAINTS[:2]), pick(rng, WOODS, PAINTS)
@@ -161,7 +161,7 @@ class Bench(Generator):
         return Model(parts, symmetry="half_turn")
 
 
-@category("bench", founders=4, kin="seat")
+@category("bench", templates=4, kin="seat")
 def sample_bench(rng: Rng, index: int) -> Sampled:
     """A board, slats, padded; some with a back."""
     back = index % 4 == 3
@@ -220,7 +220,7 @@ HEIGHTS = (0.22, 0.3, 0.85, 0.5, 0.6)  # about, of the styles in turn
 WALL_SHELF = Category(
     name="wall_shelf",
     sample=sized(WallShelf, *(((0.18, 0.5, 0.85 * high), (0.28, 1.1, 1.15 * high)) for high in HEIGHTS)),
-    founders=5,
+    templates=5,
     like="wallshelf, wallrack, shelfboard",
     kin="storage",
 )

@@ -70,7 +70,7 @@ def _sample_lamp(rng: Rng, index: int, share: float, feet: list[str], placement:
     return Lamp.sample_parameters(rng, index, foot=foot, shade_height=share, radii=radii, placement=placement)
 
 
-@category("floor_lamp", founders=3, count=10, names="standing lamp", kin="lamp")
+@category("floor_lamp", templates=3, count=10, names="standing lamp", kin="lamp")
 def sample_floor_lamp(rng: Rng, index: int) -> Sampled:
     """Tall: disc foot or tripod."""
     wide, tall = uniform(rng, 0.32, 0.46), uniform(rng, 1.35, 1.7)
@@ -78,7 +78,7 @@ def sample_floor_lamp(rng: Rng, index: int) -> Sampled:
     return Sampled((wide, wide, tall), _sample_lamp(rng, index, share, ["disc", "tripod"], "floor"))
 
 
-@category("table_lamp", founders=4, count=10, names="lamp", kin="lamp")
+@category("table_lamp", templates=4, count=10, names="lamp", kin="lamp")
 def sample_table_lamp(rng: Rng, index: int) -> Sampled:
     """Turned ceramic foot or disc."""
     wide, tall = uniform(rng, 0.22, 0.34), uniform(rng, 0.36, 0.58)

@@ -50,7 +50,7 @@ class Suitcase(Generator):
         return Model(parts)
 
 
-@category("suitcase", founders=2, names="luggage, trolley case, baggage", like="briefcase, valise", kin="box")
+@category("suitcase", templates=2, names="luggage, trolley case, baggage", like="briefcase, valise", kin="box")
 def sample_suitcase(rng: Rng, index: int) -> Sampled:
     """For the cabin or the hold, with its handle out or in."""
     tall = rng.uniform(0.53, 0.78)
@@ -133,7 +133,7 @@ BAG = Category(
         ((0.11, 0.26, 0.3), (0.16, 0.36, 0.4)),
         ((0.12, 0.32, 0.44), (0.18, 0.42, 0.56)),
     ),
-    founders=3,
+    templates=3,
     names="backpack, handbag, hand bag, rucksack, satchel, tote, tote bag, purse, knapsack, school bag, shopping bag",
     like="pouch, duffel",
     kin="box",

@@ -51,7 +51,7 @@ class Ottoman(Generator):
 
 @category(
     "ottoman",
-    founders=3,
+    templates=3,
     names="pouf, pouffe, footstool, foot stool, hassock",
     like="bean bag, beanbag",
     kin="seat",
@@ -103,7 +103,7 @@ def _pillow(x: float, y: float, z: float, pinch: float, flat: float) -> Trimesh:
 
 @category(
     "cushion",
-    founders=4,
+    templates=4,
     names="pillow, throw pillow, couch cushion, sofa cushion, seat cushion",
     like="bolster, headrest",
     kin="cloth",

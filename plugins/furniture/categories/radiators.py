@@ -85,7 +85,7 @@ RADIATOR = Category(
         ((0.11, 0.5, 0.55), (0.17, 1.1, 0.8)),
         ((0.07, 0.45, 0.8), (0.1, 0.6, 1.5)),
     ),
-    founders=3,
+    templates=3,
     names="heater, panel heater, towel radiator, towel warmer",
     like="convector, heating",
     kin="fixture",

@@ -105,7 +105,7 @@ class Sink(Generator):
 
 @category(
     "sink",
-    founders=4,
+    templates=4,
     names="basin, washbasin, wash basin, bathroom sink, kitchen sink, hand basin, lavabo",
     like="washstand, faucet, tap",
     kin="fixture",
@@ -175,7 +175,7 @@ TANK = ((0.62, 0.36, 0.74), (0.7, 0.42, 0.84))
 TOILET = Category(
     name="toilet",
     sample=sized(Toilet, TANK, ((0.52, 0.35, 0.4), (0.58, 0.4, 0.44)), TANK, ((0.5, 0.35, 0.36), (0.56, 0.39, 0.42))),
-    founders=4,
+    templates=4,
     names="wc, lavatory, loo, water closet, toilet bowl",
     like="latrine, bidet, urinal",
     kin="fixture",

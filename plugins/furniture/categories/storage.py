@@ -86,7 +86,7 @@ def _row(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: float, hei
         at += wide
 
 
-@category("bookshelf", founders=5, count=10, names="bookcase", like="shelf, rack, shelving", kin="storage")
+@category("bookshelf", templates=5, count=10, names="bookcase", like="shelf, rack, shelving", kin="storage")
 def sample_bookshelf(rng: Rng, index: int) -> Sampled:
     """Narrow or wide, low or tall, with or without books."""
     columns = 1 + index % 2
@@ -134,7 +134,7 @@ class Carton(Generator):
         return Model(parts, symmetry="none" if self.label else "half_turn", placement="object")
 
 
-@category("box", founders=4, count=10, like="carton, crate, package", kin="box")
+@category("box", templates=4, count=10, like="carton, crate, package", kin="box")
 def sample_box(rng: Rng, index: int) -> Sampled:
     """Cartons, boxes with a lid, crates."""
     style = ["closed", "open", "lid", "crate"][index % 4]
@@ -173,7 +173,7 @@ class Book(Generator):
         return Model(parts, placement="object")
 
 
-@category("book", founders=3, count=10, like="novel", kin="box")
+@category("book", templates=3, count=10, like="novel", kin="box")
 def sample_book(rng: Rng, index: int) -> Sampled:
     """One to four books."""
     count = 1 + index % 4

@@ -99,7 +99,7 @@ def _sample_table(rng: Rng, index: int, legs: str, top: str, shelf: float) -> Ta
     )
 
 
-@category("table", founders=5, count=10, kin="table")
+@category("table", templates=5, count=10, kin="table")
 def sample_table(rng: Rng, index: int) -> Sampled:
     """Dining tables and desks."""
     legs = ["square", "tapered", "trestle", "pedestal", "splayed", "panels", "round"][index % 7]
@@ -112,7 +112,7 @@ def sample_table(rng: Rng, index: int) -> Sampled:
 
 @category(
     "coffee_table",
-    founders=4,
+    templates=4,
     count=10,
     names="table coffee, low table, tea table, cocktail table, center table, centre table",
     kin="table",
@@ -174,7 +174,7 @@ class Bed(Generator):
 BED = Category(
     name="bed",
     sample=sized(Bed, ((1.95, 0.9, 0.75), (2.1, 1.1, 1.1)), ((1.95, 1.4, 0.75), (2.1, 1.7, 1.1))),
-    founders=3,
+    templates=3,
     count=10,
     kin="bed",
 )

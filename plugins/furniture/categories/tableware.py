@@ -43,7 +43,7 @@ class Can(Generator):
 
 @category(
     "can",
-    founders=3,
+    templates=3,
     names="tin, tin can, soda can, soup can, drink can, beer can, tuna can",
     kin="dish",
 )
@@ -87,7 +87,7 @@ class WineGlass(Generator):
 
 @category(
     "wine_glass",
-    founders=3,
+    templates=3,
     names="wineglass, goblet, champagne glass, champagne flute, stemware, cocktail glass",
     like="chalice, flute",
     kin="dish",
@@ -159,7 +159,7 @@ CUTLERY = Category(
         ((0.17, 0.036, 0.012), (0.23, 0.046, 0.018)),
         digits=4,
     ),
-    founders=3,
+    templates=3,
     names="fork, knife, spoon, silverware, flatware, teaspoon, tablespoon",
     like="utensil, ladle, spatula, whisk",
     kin="dish",

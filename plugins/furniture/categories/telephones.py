@@ -62,7 +62,7 @@ DESK, CORDLESS = ((0.19, 0.17, 0.08), (0.24, 0.23, 0.12)), ((0.08, 0.075, 0.15),
 TELEPHONE = Category(
     name="telephone",
     sample=sized(Telephone, DESK, CORDLESS, digits=4),
-    founders=2,
+    templates=2,
     names="phone, landline, desk phone, telephone set",
     like="intercom, handset",
     kin="device",
@@ -93,7 +93,7 @@ class CellPhone(Generator):
 CELL_PHONE = Category(
     name="cell_phone",
     sample=sized(CellPhone, ((0.135, 0.066, 0.0075), (0.168, 0.079, 0.012)), digits=4),
-    founders=3,
+    templates=3,
     names="cellphone, mobile phone, smartphone, smart phone, cellular phone, mobile",
     like="ipod, pager",
     kin="device",
@@ -127,7 +127,7 @@ class Remote(Generator):
 REMOTE = Category(
     name="remote",
     sample=sized(Remote, ((0.13, 0.038, 0.016), (0.22, 0.055, 0.026)), digits=4),
-    founders=3,
+    templates=3,
     names="remote control, tv remote, television remote",
     like="controller, joystick, gamepad",
     kin="device",

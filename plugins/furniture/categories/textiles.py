@@ -55,7 +55,7 @@ class Rug(Generator):
 
 @category(
     "rug",
-    founders=4,
+    templates=4,
     names="carpet, mat, area rug, doormat, door mat, bath mat, floor mat",
     like="runner, kilim, tapestry",
     kin="cloth",
@@ -124,7 +124,7 @@ def _folds(deep: float, y: tuple[float, float], z: tuple[float, float], thick: f
 
 @category(
     "curtain",
-    founders=3,
+    templates=3,
     names="drape, drapery, window curtain, shower curtain, curtain panel",
     like="blind, shutter, valance",
     kin="cloth",

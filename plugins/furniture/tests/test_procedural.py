@@ -89,29 +89,29 @@ def test_handles_are_of_every_kind() -> None:
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
-def test_no_founder_is_left_with_few_models_of_about_as_many_doors_and_drawers(seed: int) -> None:
+def test_no_template_is_left_with_few_models_of_about_as_many_doors_and_drawers(seed: int) -> None:
     for category, record in CATEGORIES.items():
-        founders = record.founders
+        templates = record.templates
         if not record.varied:
             assert not record.fronts
             continue
         shapes = [layout_counts(sample(category, index, seed)) for index in range(COUNTS[category])]
-        for doors, drawers in shapes[:founders]:
+        for doors, drawers in shapes[:templates]:
             alike = sum(abs(doors - a) + abs(drawers - b) <= 2 for a, b in shapes)
             assert alike >= 10, f"{category} with {doors} doors, {drawers} drawers: {alike}"
 
 
 def test_relatives_of_plain_things_are_of_their_founders_style() -> None:
-    founder, relative = sample("chair", 3, 0), sample("chair", 3 + CATEGORIES["chair"].founders, 0)
+    template, relative = sample("chair", 3, 0), sample("chair", 3 + CATEGORIES["chair"].templates, 0)
     assert relative.variation_of == "chair_03"
-    assert founder.parameters["back"] == relative.parameters["back"]
-    assert founder.parameters["size"] != relative.parameters["size"]
+    assert template.parameters["back"] == relative.parameters["back"]
+    assert template.parameters["size"] != relative.parameters["size"]
 
 
-def test_without_variations_every_model_is_a_founder() -> None:
-    founders = CATEGORIES["sideboard"].founders
-    free = [sample("sideboard", index, 3, variations=False) for index in range(3 * founders)]
-    assert free[:founders] == [sample("sideboard", index, 3) for index in range(founders)]
+def test_without_variations_every_model_is_a_template() -> None:
+    templates = CATEGORIES["sideboard"].templates
+    free = [sample("sideboard", index, 3, variations=False) for index in range(3 * templates)]
+    assert free[:templates] == [sample("sideboard", index, 3) for index in range(templates)]
     assert all(recipe.variation_of is None for recipe in free)
     assert len({str(recipe.parameters["size"]) for recipe in free}) == len(free)
 
@@ -132,20 +132,20 @@ def fronts(counts: dict[str, int]) -> tuple[int, int]:
 
 
 def test_near_relatives_keep_what_matters_and_far_ones_differ() -> None:
-    """Odd generations have their founder's fronts and handles in other proportions; even ones have others."""
-    founders = CATEGORIES["chest_of_drawers"].founders
+    """Odd generations have their template's fronts and handles in other proportions; even ones have others."""
+    templates = CATEGORIES["chest_of_drawers"].templates
     same, other = 0, 0
-    for index in range(3 * founders):
-        recipe, founder = sample("chest_of_drawers", index, 0), sample("chest_of_drawers", index % founders, 0)
-        if index < founders:
-            assert recipe.variation_of is None and recipe == founder
+    for index in range(3 * templates):
+        recipe, template = sample("chest_of_drawers", index, 0), sample("chest_of_drawers", index % templates, 0)
+        if index < templates:
+            assert recipe.variation_of is None and recipe == template
             continue
-        assert recipe.variation_of == f"chest_of_drawers_{index % founders:02d}"
-        kept = [recipe.parameters[key] == founder.parameters[key] for key in ("layout", "handle")]
-        assert recipe.parameters["size"] != founder.parameters["size"]
-        if index < 2 * founders:
+        assert recipe.variation_of == f"chest_of_drawers_{index % templates:02d}"
+        kept = [recipe.parameters[key] == template.parameters[key] for key in ("layout", "handle")]
+        assert recipe.parameters["size"] != template.parameters["size"]
+        if index < 2 * templates:
             assert all(kept)
-            ratio = np.divide(recipe.parameters["size"], founder.parameters["size"])  # type: ignore[arg-type]
+            ratio = np.divide(recipe.parameters["size"], template.parameters["size"])  # type: ignore[arg-type]
             assert np.abs(np.log(ratio)).max() < 0.15
         else:
             same, other = same + all(kept), other + (not all(kept))
@@ -301,7 +301,7 @@ def test_thick_doors_swing_clear_of_each_other_and_a_top_leaves_room_above_edges
 def test_further_styles_come_after_the_others_and_furnish_no_room() -> None:
     """French doors above a freezer drawer, four doors, a double oven: the models before them are as they were."""
     for name, record in CATEGORIES.items():
-        assert not record.further or record.founders <= record.further[0] <= record.further[-1] < record.count, name
+        assert not record.further or record.templates <= record.further[0] <= record.further[-1] < record.count, name
     styles = {name: [sample(name, k, 0) for k in CATEGORIES[name].further] for name in ("fridge", "oven")}
     assert {layout_counts(recipe) for recipe in styles["fridge"]} == {(2, 1), (2, 2), (4, 0), (1, 0), (2, 0)}
     assert {layout_counts(recipe) for recipe in styles["oven"]} == {(2, 0)}

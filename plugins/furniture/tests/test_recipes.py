@@ -75,7 +75,7 @@ def test_wrong_parameters_are_refused() -> None:
 def test_every_recipe_names_a_generator_and_every_category_is_found() -> None:
     assert list(CATEGORIES) == sorted(CATEGORIES)
     for name, record in CATEGORIES.items():
-        assert sample(name, record.founders, 0).generator in GENERATORS
-        assert record.count >= record.founders > 0
+        assert sample(name, record.templates, 0).generator in GENERATORS
+        assert record.count >= record.templates > 0
     assert {name for name in CATEGORIES if has_fronts(name) == (False, True)} == {"chest_of_drawers", "desk"}
     assert has_fronts("oven") == (True, True) and has_fronts("chair") == has_fronts("no such thing") == (False, False)

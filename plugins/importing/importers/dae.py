@@ -9,7 +9,7 @@ from plugins.importing.mesh_files.dae import up_of
 from plugins.importing.single_body import read_mesh
 from stages.articulated.forward_kinematics import change_root
 from stages.articulated.model import RobotModel
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 
 TURNS = {  # rows: x, y and z of a model whose file faces +z, as with glTF
     "X_UP": [[0, 0, 1], [0, -1, 0], [1, 0, 0]],
@@ -24,7 +24,7 @@ def read_dae(path: Path, folder: Path) -> RobotModel:
         InputError: it cannot be read, or is flat.
     """
     robot, up = read_mesh(path, folder), up_of(path) or "Y_UP"
-    return change_root(robot, rigid(np.array(TURNS[up], dtype=float), np.zeros(3))) if up in TURNS else robot
+    return change_root(robot, make_transform(np.array(TURNS[up], dtype=float), np.zeros(3))) if up in TURNS else robot
 
 
 IMPORTER = Importer(read_dae)

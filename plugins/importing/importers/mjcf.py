@@ -18,9 +18,9 @@ from plugins.importing.mjcf_file import compile_model
 from stages.articulated.mesh_reader import convex_pieces
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, transform_mesh
 from stages.articulated.urdf_reader import close_at_lower
-from stages.articulated.urdf_tree import FLAT, MOST_LINKS, MOST_SHAPES
+from stages.articulated.urdf_tree import MOST_LINKS, MOST_SHAPES, THIN
 from stages.contracts.errors import InputError
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 from stages.geometry.solids import MINIMUM_MASS, board_mass, box_around, box_inertia
 
 
@@ -80,14 +80,14 @@ class _Reader:
             moving = [joint for joint in range(first, first + count) if self._does_move(joint)]
             parent, above = names[int(model.body_parentid[body])], int(model.body_parentid[body])
             pose = _pose(model.body_pos[body], model.body_quat[body])
-            origin = rigid(np.eye(3), -anchors[above]) @ pose
+            origin = make_transform(np.eye(3), -anchors[above]) @ pose
             anchors[body] = np.zeros(3)
             for number, joint in enumerate(moving):
                 last = number == len(moving) - 1
                 child = names[body] if last else f"{names[body]}_before_{number}"
                 step = model.jnt_pos[joint] - anchors[body]
                 anchors[body] = model.jnt_pos[joint].copy()
-                joints.append(self._joint(joint, parent, child, origin @ rigid(np.eye(3), step)))
+                joints.append(self._joint(joint, parent, child, origin @ make_transform(np.eye(3), step)))
                 if not last:
                     links[child] = _helper(child)
                 parent, origin = child, np.eye(4)
@@ -120,7 +120,7 @@ class _Reader:
     def _does_move(self, joint: int) -> bool:
         model = self.model
         ends = np.abs(model.jnt_range[joint])  # a door's or drawer's, closed at one, may not hold in the simulation
-        limited = bool(np.ptp(model.jnt_range[joint]) > FLAT) and (model.jnt_limited[joint] or ends.min() == 0)
+        limited = bool(np.ptp(model.jnt_range[joint]) > THIN) and (model.jnt_limited[joint] or ends.min() == 0)
         return mjtJoint(model.jnt_type[joint]) in (mjtJoint.mjJNT_SLIDE, mjtJoint.mjJNT_HINGE) and limited
 
     def _joint(self, joint: int, parent: str, child: str, origin: Matrix) -> JointModel:
@@ -153,7 +153,8 @@ class _Reader:
         model, first = self.model, int(self.model.body_geomadr[body])
         geoms = list(range(first, first + int(model.body_geomnum[body])))
         frames = {
-            geom: rigid(np.eye(3), -anchor) @ _pose(model.geom_pos[geom], model.geom_quat[geom]) for geom in geoms
+            geom: make_transform(np.eye(3), -anchor) @ _pose(model.geom_pos[geom], model.geom_quat[geom])
+            for geom in geoms
         }
         seen = [geom for geom in geoms if self.shown[geom]]
         if self.looks:
@@ -262,7 +263,9 @@ def _helper(name: str) -> Link:
 
 def _pose(position: Matrix, quaternion: Matrix) -> Matrix:
     """4x4 of a position and a quaternion w, x, y, z."""
-    return rigid(Rotation.from_quat(quaternion, scalar_first=True).as_matrix(), np.array(position, dtype=float))
+    return make_transform(
+        Rotation.from_quat(quaternion, scalar_first=True).as_matrix(), np.array(position, dtype=float)
+    )
 
 
 IMPORTER = Importer(read_mjcf, suffix=".xml")

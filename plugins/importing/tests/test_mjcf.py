@@ -12,7 +12,7 @@ from plugins.importing.discover import discover
 from plugins.importing.importers.mjcf import read_mjcf
 from plugins.importing.tests.own_models import import_folder
 from stages.articulated.forward_kinematics import link_frames
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 from tests.refusals import refused
 
 ASSETS = """<mujocoinclude><asset><texture name="wood" type="2d" file="common/wood.png"/>
@@ -70,8 +70,11 @@ def test_links_are_where_mujoco_has_them(folder: Path) -> None:
         frames = link_frames(robot, share)
         for body in ("body", "door", "drawer", "handle"):
             first = int(model.body(body).geomadr[0])
-            centre = robot.links[body].visuals[0].mesh.bounds.mean(axis=0)
-            assert apply(frames[body], centre) == pytest.approx(data.geom_xpos[first], abs=1e-6), (body, share)
+            center = robot.links[body].visuals[0].mesh.bounds.mean(axis=0)
+            assert transform_points(frames[body], center) == pytest.approx(data.geom_xpos[first], abs=1e-6), (
+                body,
+                share,
+            )
 
 
 def test_looks_masses_and_what_collides(folder: Path) -> None:

@@ -13,7 +13,7 @@ from plugins.importing.tests.test_fronts import box, joint
 from stages.articulated.forward_kinematics import change_root, measure_closed_box
 from stages.articulated.model import RobotModel
 from stages.articulated.urdf_reader import read_urdf
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 
 BACK, LEVEL, UPRIGHT = "0 -1 0", "0 1 0", "0 0 -1"
 
@@ -81,7 +81,7 @@ def turned(robot: RobotModel, up: Axis, front: Axis, grounded: bool) -> RobotMod
     rotation = np.array([x, np.cross(z, x), z]).T
     low, high = measure_closed_box(robot)
     foot = np.array([*(low + high)[:2] / 2, low[2] if grounded else (low + high)[2] / 2])
-    return change_root(robot, rigid(rotation, -rotation @ foot))
+    return change_root(robot, make_transform(rotation, -rotation @ foot))
 
 
 @pytest.mark.parametrize("name", STANDS)

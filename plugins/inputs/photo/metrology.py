@@ -1,7 +1,7 @@
 """Single-view metrology (Criminisi, Reid, Zisserman 2000): from pixels to points, walls and boxes of a room.
 
 The room frame: z = 0 on the floor and up, origin below the camera, x along the walls to the right, y along the
-walls and away from the camera. All lengths scale with the height of the camera; pixel centres are at integers.
+walls and away from the camera. All lengths scale with the height of the camera; pixel centers are at integers.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import Y_UP, rigid, yaw_matrix
+from stages.geometry.frames import Y_UP, make_transform, yaw_matrix
 
 Points = NDArray[np.float64]
 HORIZON = 60.0  # heights of the camera: a floor point farther away lies at the horizon and says nothing
@@ -46,20 +46,20 @@ class View:
 
     @property
     def intrinsics(self) -> Points:
-        """3x3 matrix K: square pixels, principal point in the centre."""
+        """3x3 matrix K: square pixels, principal point in the center."""
         f = self.focal
         return np.array([[f, 0, (self.width - 1) / 2], [0, f, (self.height - 1) / 2], [0, 0, 1.0]])
 
     @property
     def room_from_camera(self) -> Points:
         """Rigid 4x4 transform."""
-        return rigid(self.rotation, [0.0, 0.0, self.above])
+        return make_transform(self.rotation, [0.0, 0.0, self.above])
 
     def rays(self, pixels: ArrayLike) -> Points:
         """Directions (..., 3) in the room frame through pixels (..., 2); depth along the optical axis is 1."""
         given = np.asarray(pixels, dtype=float)
-        centre = [(self.width - 1) / 2, (self.height - 1) / 2]
-        flat = np.concatenate([(given - centre) / self.focal, np.ones_like(given[..., :1])], axis=-1)
+        center = [(self.width - 1) / 2, (self.height - 1) / 2]
+        flat = np.concatenate([(given - center) / self.focal, np.ones_like(given[..., :1])], axis=-1)
         return np.asarray(flat @ self.rotation.T)
 
     def project(self, points: ArrayLike) -> Points:
@@ -216,12 +216,12 @@ def round_box(
     pixels: list[tuple[float, float]],
     sizes: tuple[float | None, float | None, float | None],
 ) -> UprightBox:
-    """The box around a round thing, from the left and right end of its base, level with its centre, and its top.
+    """The box around a round thing, from the left and right end of its base, level with its center, and its top.
 
     Args:
         pixels: two or three; without the third it is flat. If that lies farther to a side than its base does, its top
             ends there.
-        sizes: width, depth and height in metres where they are known; its centre stays.
+        sizes: width, depth and height in metres where they are known; its center stays.
     """
     left, right = view.meet_level(pixels[0], ground), view.meet_level(pixels[1], ground)
     middle = (left + right) / 2

@@ -50,8 +50,8 @@ def measure_misses(view: View, axes: NDArray[np.integer], ends: Points) -> Point
         axes: (N,) 0, 1, 2 for x, y, z.
         ends: (N, 2, 2) pixels of both ends.
     """
-    centre = np.array([(view.width - 1) / 2, (view.height - 1) / 2])
-    a, b = ends[:, 0] - centre, ends[:, 1] - centre
+    center = np.array([(view.width - 1) / 2, (view.height - 1) / 2])
+    a, b = ends[:, 0] - center, ends[:, 1] - center
     middle = (a + b) / 2
     direction = view.rotation[axes]  # of the axis, in the camera frame
     vanishing = np.concatenate([direction[:, :2] * view.focal, direction[:, 2:]], axis=1)
@@ -70,8 +70,8 @@ def find_weak_lines(view: View, guides: list[Guide]) -> list[bool]:
 
 def _measure_miss(view: View, axis: int, pixel: ArrayLike) -> Points:
     """By how many pixels a vanishing point misses the place where it was put; it may be at infinity."""
-    centre = np.array([(view.width - 1) / 2, (view.height - 1) / 2])
-    wanted = np.array([*(np.asarray(pixel, dtype=float) - centre) / view.focal, 1.0])
+    center = np.array([(view.width - 1) / 2, (view.height - 1) / 2])
+    wanted = np.array([*(np.asarray(pixel, dtype=float) - center) / view.focal, 1.0])
     wanted /= np.linalg.norm(wanted)
     return np.asarray(np.cross(wanted, view.rotation[axis]) * view.focal)
 
@@ -79,11 +79,11 @@ def _measure_miss(view: View, axis: int, pixel: ArrayLike) -> Points:
 def horizon(view: View) -> tuple[Pixel, Pixel]:
     """The horizon's pixels at the left and right border of the picture."""
     up = view.rotation[2]  # in the camera frame: its plane is the horizon
-    centre = [(view.width - 1) / 2, (view.height - 1) / 2]
+    center = [(view.width - 1) / 2, (view.height - 1) / 2]
     down = up[1] if abs(up[1]) > 1e-3 else np.copysign(1e-3, up[1])
     ends = []
     for u in (0.0, view.width - 1.0):
-        v = centre[1] - (up[0] * (u - centre[0]) + up[2] * view.focal) / down
+        v = center[1] - (up[0] * (u - center[0]) + up[2] * view.focal) / down
         ends.append((u, float(np.clip(v, -1e5, 1e5))))
     return ends[0], ends[1]
 

@@ -13,7 +13,7 @@ MOST = 200  # segments, the longest: as many as a drawing may have
 HYPOTHESES = 400  # per focal length
 TRIALS = np.linspace(-3, 3, 9)  # focal lengths, in standard deviations from the likely one
 PRIOR = 0.02  # share of agreeing length that one standard deviation of the focal length is worth
-SHOWN = 5  # guides per axis
+GUIDES_SHOWN = 5  # guides per axis
 FITS = 0.9  # agreement of a segment that is shown: two thirds of a degree
 USUAL_FOCAL = 0.8  # of the longer side: 64 degrees across
 KNOWN_SPREAD = 0.03  # of the logarithm of a focal length from EXIF
@@ -72,8 +72,8 @@ def _agreement(view_misses: Points, half: Points) -> Points:
 
 def _scores(ends: Points, lengths: Points, focal: float, size: tuple[int, int], rotations: Points) -> Points:
     """Share (M,) of the segments' length that agrees with one of the three axes."""
-    centre = np.array([(size[0] - 1) / 2, (size[1] - 1) / 2])
-    middle, half = ends.mean(axis=1) - centre, (ends[:, 1] - ends[:, 0]) / 2
+    center = np.array([(size[0] - 1) / 2, (size[1] - 1) / 2])
+    middle, half = ends.mean(axis=1) - center, (ends[:, 1] - ends[:, 0]) / 2
     total = np.zeros((len(rotations), len(ends)))
     for axis in range(3):
         direction = rotations[:, axis]
@@ -138,7 +138,7 @@ def propose(grey: NDArray[np.uint8], prior: Perspective, seed: int = 0) -> Persp
         every = _guides(ends[good > 0], axes[good > 0])
         view = fit_view(prior.model_copy(update={"guides": every}), width, height, _angles(view.rotation))
     axes, good = _assign_axes(view, ends)
-    longest = [np.flatnonzero((axes == axis) & (good > FITS))[:SHOWN] for axis in range(3)]
+    longest = [np.flatnonzero((axes == axis) & (good > FITS))[:GUIDES_SHOWN] for axis in range(3)]
     guides = _guides(np.round(ends, 1), axes)
     shown = [guides[number] for number in np.concatenate(longest)]
     return Perspective(guides=shown, likely_focal=view.focal, spread=min(prior.spread, 0.1))

@@ -60,10 +60,10 @@ def _read_shape(shape: dict[str, Any], size: tuple[int, int]) -> Mask | str:
             raise ShapeError("is a rectangle that is turned, but has two corners alone")
         return fill_outline(list_corners(*points[0], *points[1]), size)
     if kind == "circle" and len(points) == 2:
-        centre, edge = np.asarray(points, dtype=float)
+        center, edge = np.asarray(points, dtype=float)
         angles = np.linspace(0, 2 * np.pi, 64, endpoint=False)
         return fill_outline(
-            centre + np.linalg.norm(edge - centre) * np.stack([np.cos(angles), np.sin(angles)], 1), size
+            center + np.linalg.norm(edge - center) * np.stack([np.cos(angles), np.sin(angles)], 1), size
         )
     raise ShapeError(f"is a {str(kind)!r} of {len(points)} points, which is not read")
 

@@ -29,7 +29,7 @@ from stages.contracts.scenes import Held
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 from stages.geometry.room_planes import STRAY
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, WALL, write_room
@@ -264,7 +264,7 @@ def test_where_no_floor_is_seen_lines_tell_what_is_level(room: Path) -> None:
     pose = level_camera(Frame(np.full_like(scene.rgb, 90), flat, np.asarray(INTRINSICS)), None)
     assert pose is not None and pose[2, 3] > 0.5
     assert pose[2, :3] @ [0, -1, 0] > 0.9  # up in the picture is about up
-    heights = apply(pose, back_project(flat, np.asarray(INTRINSICS)))[..., 2]
+    heights = transform_points(pose, back_project(flat, np.asarray(INTRINSICS)))[..., 2]
     assert np.quantile(heights, STRAY) == pytest.approx(0, abs=1e-3)
 
 

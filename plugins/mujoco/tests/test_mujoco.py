@@ -15,7 +15,7 @@ from plugins.mujoco.world import MODEL
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts import Asset, read_json
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 from stages.simulation.film_renderer import FilmRenderer
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
@@ -158,6 +158,6 @@ def test_the_cloud_lies_on_the_door_from_wherever_it_is_seen(door: MujocoTaskEnv
     """Half a pixel beside it, what is seen at a slant is 2 mm before or behind it."""
     for seed in range(SEED, SEED + 4):
         cloud = door.reset(seed)["point_cloud"]
-        points = apply(inverse(door.base_from_asset()), cloud[cloud[:, 3] == 0, :3].astype(float))
+        points = transform_points(invert_transform(door.base_from_asset()), cloud[cloud[:, 3] == 0, :3].astype(float))
         front = points[points[:, 0] < 0.165, 0]  # the rest is its handle
         assert np.median(front) == pytest.approx(0.162, abs=0.0005)

@@ -28,7 +28,7 @@ from stages.contracts import InputError
 from stages.contracts.categories import known_categories
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 from tests.unit.synthetic_room import INTRINSICS, WORLD_FROM_CAMERA, trace
 
 DIGEST = "9aa7bf303fe273a907fda6fca7d1544816268eeebaf4703ccd0c2ba3b133b29e"
@@ -72,8 +72,8 @@ def test_the_same_is_said_twice() -> None:
 
 
 def furnished(*pieces: tuple[list[float], list[float]]) -> Names:
-    """What is proposed for boxes in a room that are one thing: centres and sizes, metres."""
-    depth, masks = trace([UprightBox(centre, size, 0.0) for centre, size in pieces])
+    """What is proposed for boxes in a room that are one thing: centers and sizes, metres."""
+    depth, masks = trace([UprightBox(center, size, 0.0) for center, size in pieces])
     rgb = np.full((*depth.shape, 3), 120, np.uint8)
     mask = masks > masks.max() - len(pieces)
     return propose_names(Observed(observe(rgb, depth.astype(float), mask, INTRINSICS, WORLD_FROM_CAMERA).shape))
@@ -102,7 +102,7 @@ def test_a_shape_is_turned_away_from_the_camera_and_stands_on_the_floor() -> Non
 
 def test_a_mask_at_the_border_is_cut_there_and_one_without_depth_has_no_shape() -> None:
     depth, _ = trace([])
-    room, known = apply(WORLD_FROM_CAMERA, back_project(depth, INTRINSICS)), depth > 0
+    room, known = transform_points(WORLD_FROM_CAMERA, back_project(depth, INTRINSICS)), depth > 0
     mask = np.zeros(depth.shape, bool)
     mask[-30:, :40] = True
     shape = measure_shape(room, known, mask, 1.6)

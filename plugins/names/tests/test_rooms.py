@@ -6,7 +6,7 @@ import pytest
 from plugins.names.training.pictures import BACKGROUND, GROUND, NOTHING, Picture, pictures_in
 from plugins.names.training.rooms import FLOOR, WALL, Pool, Room, furnish, make_pool
 from stages.geometry.cameras import back_project
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def pictures(rooms: list[Room]) -> list[Picture]:
 def test_the_ground_is_level_and_things_are_above_it(pictures: list[Picture]) -> None:
     tables = 0
     for picture in pictures:
-        height = apply(picture.frame, back_project(picture.depth, picture.intrinsics))[..., 2]
+        height = transform_points(picture.frame, back_project(picture.depth, picture.intrinsics))[..., 2]
         ground = picture.owner == GROUND
         assert np.abs(height[ground]).max(initial=0.0) < 0.021
         things = (picture.owner > BACKGROUND) & (picture.owner < NOTHING)

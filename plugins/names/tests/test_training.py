@@ -133,7 +133,7 @@ def test_shapes_vary_as_a_whole() -> None:
     assert (varied.std(dim=1) / points.std(dim=1)).log().abs().max() < 0.5
 
 
-def test_points_come_in_no_order_but_for_their_centres() -> None:
+def test_points_come_in_no_order_but_for_their_centers() -> None:
     network = ShapeNetwork(5).eval()
     points, around, numbers = torch.rand(1, 256, 3), torch.rand(1, 128, 3), torch.rand(1, NUMBERS)
     shuffled = torch.cat([points[:, :64], points[:, 64:].flip(1)], dim=1)

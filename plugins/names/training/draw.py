@@ -16,9 +16,9 @@ from plugins.names.training.rooms import Room, furnish, make_pool
 from plugins.names.training.sensor import sense_depth, tilt_frame
 from plugins.names.training.solids import Rng
 from stages.geometry.cameras import back_project
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 
-LEAST = 60  # pixels of a mask in a picture of 320 x 240
+MIN_PIXELS = 60  # pixels of a mask in a picture of 320 x 240
 VIEWS = 7  # of a room
 PATCHES = 1  # of no thing, in a picture
 NONE = "other"
@@ -72,13 +72,13 @@ def draw_room(models: int, seed: int, number: int) -> Examples:
 def look_at(picture: Picture, room: Room, rng: Rng) -> Iterator[tuple[str, Shape]]:
     """The masks of a picture that show a thing or none, with the name, as a sensor sees them."""
     depth, frame = sense_depth(picture, rng), tilt_frame(picture.frame, rng)
-    points, known = apply(frame, back_project(depth, picture.intrinsics)), depth > 0
+    points, known = transform_points(frame, back_project(depth, picture.intrinsics)), depth > 0
     wholes = find_wholes(picture, room)
     masks = [soil(some[-1 if rng.random() < 0.3 else 0], picture.owner, rng) for some in wholes.values()]
     masks += [cut_patch(picture.owner <= BACKGROUND, rng) for _ in range(PATCHES)]
     for mask in masks:
         number, iou = share_owner(mask, wholes)
-        shape = measure_shape(points, known, mask, float(frame[2, 3])) if mask.sum() >= LEAST else None
+        shape = measure_shape(points, known, mask, float(frame[2, 3])) if mask.sum() >= MIN_PIXELS else None
         if shape is not None and not OTHER < iou < SAME:
             yield (name_kind(room.things[number - 2].solid.kind) if iou >= SAME else NONE), shape
 

@@ -10,13 +10,13 @@ from scipy.spatial.transform import Rotation
 from plugins.names.training.rooms import FLOOR, Room, triangles
 from plugins.names.training.solids import Array, Rng, cast_rays, cast_scene
 from stages.geometry.cameras import back_project, look_at, make_intrinsics
-from stages.geometry.frames import apply
+from stages.geometry.frames import transform_points
 from stages.geometry.room_planes import Plane, make_floor_frame
 
 WIDTH, HEIGHT = 320, 240  # pixels
 GROUND, BACKGROUND, NOTHING = 0, 1, 255  # in `owner`; things are numbered from 2 on
 TOP = 0.02  # metres within which a table's top is the ground
-LEAST = 48  # pixels: what shows fewer is no thing to learn
+MIN_PIXELS = 48  # pixels: what shows fewer is no thing to learn
 AT_TABLE = 0.3  # share of pictures that look at a laid table, if there is one; chosen
 NEAREST = 0.35  # metres: no picture shows a tenth of its pixels nearer; chosen
 
@@ -55,7 +55,7 @@ def pictures_in(room: Room, views: int, rng: Rng) -> Iterator[Picture]:
             continue
         normals, owner = found["primitive_normals"].numpy(), owners[found["primitive_ids"].numpy()]
         frame = make_floor_frame(Plane(pose[2, :3], ground - pose[2, 3], np.zeros(0, dtype=bool)))
-        heights = apply(frame, back_project(depth, intrinsics))[..., 2]
+        heights = transform_points(frame, back_project(depth, intrinsics))[..., 2]
         owner = _choose_owners(room, owner, carrier, np.abs(heights) < TOP)
         cosine = np.abs((rays * normals).sum(axis=-1)) / np.linalg.norm(rays, axis=-1)
         yield Picture(depth, cosine, owner.astype(np.uint8), intrinsics, frame)
@@ -94,5 +94,5 @@ def _choose_owners(room: Room, owner: NDArray[np.int64], carrier: int, level: ND
         shown = np.where(np.isin(owner, kept), owner, BACKGROUND)
         shown[(owner == carrier) & level] = GROUND
     values, counts = np.unique(shown, return_counts=True)
-    shown[np.isin(shown, values[(counts < LEAST) & (values > BACKGROUND)])] = NOTHING
+    shown[np.isin(shown, values[(counts < MIN_PIXELS) & (values > BACKGROUND)])] = NOTHING
     return shown

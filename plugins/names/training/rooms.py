@@ -20,7 +20,7 @@ THINGS, TRIES = 45, 8  # in a room at most, and places that are tried for one; c
 SPREAD = 0.1  # of the logarithm of a thing's size, as a whole and of each side; chosen
 AGAINST_WALL = 0.6  # share of large things on the floor that stand with their back to a wall; chosen
 LITTLE, ON_FLOOR = 0.5, 0.2  # metres: smaller junk stands on others, but for a share of little things; chosen
-FLAT = 0.025  # metres by which what a thing stands on may be uneven
+UNEVEN = 0.025  # metres by which what a thing stands on may be uneven
 # Metres between which the foot of what hangs is, by kind; and at which the top of what hangs low ends; chosen.
 FOOT = {"a_door": (0.0, 0.01), "mirror": (0.1, 1.6)}
 HANGS = (0.6, 1.9)  # others
@@ -138,7 +138,7 @@ def _place_upon(room: Room, solid: Solid, scale: Array, rng: Rng) -> Placed | No
     middle = corners.mean(axis=0)
     under = np.array([middle, *(middle + 0.5 * (corners - middle))]) - base.position[:2]
     heights = base.solid.heights(under @ yaw_matrix(base.yaw)[:2, :2] / base.scale[:2]) * base.scale[2]
-    if not np.isfinite(heights).all() or np.ptp(heights) > FLAT:
+    if not np.isfinite(heights).all() or np.ptp(heights) > UNEVEN:
         return None
     return Placed(solid, scale, new.yaw, np.add(spot, [0, 0, heights.max()]), owner)
 

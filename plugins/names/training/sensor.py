@@ -7,7 +7,7 @@ from plugins.names.training.pictures import Picture
 from plugins.names.training.solids import Array, Rng
 from stages.config.extraction import DepthNoiseConfig
 from stages.extraction.noise import noisy_depth, smooth_field
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 
 TILT, OFF = 1.7, 0.025  # degrees and share of the camera's height by which the level frame errs; chosen
 
@@ -36,4 +36,4 @@ def tilt_frame(frame: Array, rng: Rng) -> Array:
     x, y = np.deg2rad(rng.normal(0, TILT, 2))
     turn = np.array([[1, 0, y], [0, 1, -x], [-y, x, 1]])
     left, _, right = np.linalg.svd(turn)
-    return np.asarray(rigid(left @ right, [0, 0, rng.normal(0, OFF) * frame[2, 3]]) @ frame)
+    return np.asarray(make_transform(left @ right, [0, 0, rng.normal(0, OFF) * frame[2, 3]]) @ frame)

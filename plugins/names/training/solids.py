@@ -17,7 +17,7 @@ Rng = np.random.Generator
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A thing: z up, front towards +x, box centred in x and y, standing on z = 0; where such things are.
+    """A thing: z up, front towards +x, box centerd in x and y, standing on z = 0; where such things are.
 
     vertices (V, 3) metres; faces (F, 3).
     """

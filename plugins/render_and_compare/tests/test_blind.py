@@ -12,7 +12,7 @@ from stages.config.matching import MatchingConfig
 from stages.contracts import Cousins, Objects, read_json
 from stages.contracts.cousins import Candidate, Orientation
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
-from stages.geometry.frames import angle_difference, rigid, wrap_angle
+from stages.geometry.frames import angle_difference, make_transform, wrap_angle
 from stages.matching.crop import View
 from stages.matching.judges import AbstainedError, Question
 from stages.matching.match import run as match
@@ -45,7 +45,7 @@ def question(mounting: Mounting, yaw: float = 0.0, box: bool = True) -> Question
         width=4,
         height=4,
         intrinsics=[[4.0, 0.0, 1.5], [0.0, 4.0, 1.5], [0.0, 0.0, 1.0]],
-        floor_from_camera=rigid(np.eye(3), [0.0, 0.0, 1.5]).tolist(),
+        floor_from_camera=make_transform(np.eye(3), [0.0, 0.0, 1.5]).tolist(),
         walls=[side],
         objects=[item],
     )

@@ -34,7 +34,7 @@ from stages.contracts.library_folder import write_part
 from stages.contracts.objects import USUAL_ERROR, Box, Mounting, SceneObject, Wall
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at
-from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
+from stages.geometry.frames import make_transform, wrap_angle, yaw_matrix
 from stages.matching.crop import View
 from stages.matching.judges import AbstainedError, Question
 from stages.matching.snapshots import Snapshots
@@ -61,12 +61,12 @@ def write_model(folder: Path, panels: tuple[int, int], size: Sequence[float] = S
     body = trimesh.creation.box(size)
     pieces = [Visual(body, (0.2, 0.2, 0.2, 1.0))]
     width, height = size[1] / panels[0], size[2] / panels[1]
-    dark = trimesh.creation.box((0.002, size[1], size[2]), rigid(np.eye(3), np.array([size[0] / 2, 0, 0])))
+    dark = trimesh.creation.box((0.002, size[1], size[2]), make_transform(np.eye(3), np.array([size[0] / 2, 0, 0])))
     pieces.append(Visual(dark, (0.03, 0.03, 0.03, 1.0)))
     for column in range(panels[0]):
         for row in range(panels[1]):
             at = [size[0] / 2 + 0.002, (column + 0.5) * width - size[1] / 2, (row + 0.5) * height - size[2] / 2]
-            plate = trimesh.creation.box((0.002, 0.88 * width, 0.88 * height), rigid(np.eye(3), np.array(at)))
+            plate = trimesh.creation.box((0.002, 0.88 * width, 0.88 * height), make_transform(np.eye(3), np.array(at)))
             pieces.append(striped(plate) if textured else Visual(plate, (0.3, 0.3, 0.3, 1.0)))
     link = Link("body", pieces, [body], 5.0, np.zeros(3), np.eye(3))
     write_asset(RobotModel(folder.name, {"body": link}), folder, Description(folder.name, "cabinet", "CC0-1.0", "test"))

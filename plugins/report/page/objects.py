@@ -16,7 +16,7 @@ from stages.contracts.doubt import Doubt
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Objects, SceneObject
 from stages.geometry.cameras import project
-from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
+from stages.geometry.frames import invert_transform, transform_points, wrap_angle, yaw_matrix
 from stages.tables.text import NOTHING
 
 LISTED = 5  # cousins, models compared and categories of an object that are listed
@@ -152,7 +152,9 @@ def _color_points(points: NDArray[np.float32], evidence: Evidence) -> Pixels:
     if evidence.rgb is None:
         return np.full((len(points), 3), 110, dtype=np.uint8)
     objects = evidence.objects
-    seen = project(apply(inverse(np.array(objects.floor_from_camera)), points), np.array(objects.intrinsics))
+    seen = project(
+        transform_points(invert_transform(np.array(objects.floor_from_camera)), points), np.array(objects.intrinsics)
+    )
     columns, rows = np.nan_to_num(seen).round().astype(int).T
     return evidence.rgb[rows.clip(0, objects.height - 1), columns.clip(0, objects.width - 1)]
 

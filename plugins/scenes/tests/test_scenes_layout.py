@@ -18,7 +18,7 @@ from plugins.scenes.room_files import read_room, room_files, series
 from stages.contracts import InputError
 from stages.geometry.boxes import UprightBox, corners, footprint
 from stages.geometry.cameras import look_at, project
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 from tests.refusals import refused
 from tests.unit.scene_models import default_models
 from tests.unit.synthetic_room import hit_box
@@ -129,7 +129,7 @@ def test_everything_is_in_the_picture(cast_rooms: dict[str, CastRoom]) -> None:
     for room in cast_rooms.values():
         intrinsics, world_from_camera = _camera(room)
         points = np.concatenate([corners(standing.box) for standing in room.layout.standing.values()])
-        pixels = project(apply(inverse(world_from_camera), points), intrinsics)
+        pixels = project(transform_points(invert_transform(world_from_camera), points), intrinsics)
         assert pixels.min() >= 0.05 * 600 and (pixels.max(axis=0) <= 0.95 * np.array([800, 600])).all()
         tilt = np.rad2deg(np.arcsin(-world_from_camera[2, 2]))
         assert 10 <= tilt <= 25, (room.room.name, tilt)
@@ -163,9 +163,9 @@ def test_same_seed_same_rooms_and_single_jobs_agree() -> None:
 def test_a_larger_library_has_the_same_rooms() -> None:
     """Near relatives of other models play no part."""
     models = default_models(0)
-    founders = {name: asset for name, asset in models.items() if asset.recipe and asset.recipe.variation_of is None}
-    assert len(founders) < len(models)
-    for name, room in cast(ROOMS, founders, 0, NOWHERE).items():
+    templates = {name: asset for name, asset in models.items() if asset.recipe and asset.recipe.variation_of is None}
+    assert len(templates) < len(models)
+    for name, room in cast(ROOMS, templates, 0, NOWHERE).items():
         assert {key: asset.id for key, asset in cast(ROOMS, models, 0, NOWHERE)[name].assets.items()} == {
             key: asset.id for key, asset in room.assets.items()
         }

@@ -15,7 +15,7 @@ from plugins.scenes.room_files import read_room, series
 from stages.contracts import Annotations, Camera, InputError, Truth, read_json
 from stages.contracts.library_folder import AssetFolders
 from stages.geometry.cameras import back_project
-from stages.geometry.frames import apply, yaw_matrix
+from stages.geometry.frames import transform_points, yaw_matrix
 from stages.simulation.loading import physics_scene
 from tests.refusals import refused
 from tests.unit.physics import add_ground, position_of
@@ -67,7 +67,7 @@ def test_photograph_agrees_with_the_truth(photographed: Path) -> None:
     assert truth.scale == pytest.approx(ROOMS[0].scale, abs=0.01)
     assert [item.mask for item in annotations.objects] == [item.mask for item in truth.objects]
 
-    points = apply(np.array(truth.world_from_camera), back_project(depth, camera.intrinsics))
+    points = transform_points(np.array(truth.world_from_camera), back_project(depth, camera.intrinsics))
     for item, said in zip(truth.objects, annotations.objects, strict=True):
         mask = masks == item.mask
         assert mask.sum() >= MIN_PIXELS, f"{said.label}: {mask.sum()} pixels"

@@ -18,14 +18,14 @@ def triangles_of(corners: Corners) -> Triangles:
     fan = np.stack([np.zeros_like(steps), steps, steps + 1], axis=1)
     if len(corners) == 3:
         return fan
-    centred = corners - corners.mean(axis=0)
-    normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)  # Newell's: twice the area
+    centerd = corners - corners.mean(axis=0)
+    normal = np.cross(centerd, np.roll(centerd, -1, axis=0)).sum(axis=0)  # Newell's: twice the area
     least = ROUNDING * float(np.ptp(corners, axis=0).max()) ** 2
     if np.linalg.norm(normal) <= least or (_measure_facing_area(corners, fan, normal) >= -least).all():
         return fan
     import mapbox_earcut  # not where models are read that were imported before: they are of triangles
 
-    flat = np.ascontiguousarray(np.delete(centred, np.argmax(np.abs(normal)), axis=1))
+    flat = np.ascontiguousarray(np.delete(centerd, np.argmax(np.abs(normal)), axis=1))
     cut = mapbox_earcut.triangulate_float64(flat, np.array([len(corners)], dtype=np.uint32))
     if not len(cut):
         return fan

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from plugins.bowl.carry import CANDIDATES
-from stages.geometry.frames import rigid
+from stages.geometry.frames import make_transform
 from stages.planning.clearance import CLEARANCE, gripper_spheres
 from stages.planning.handle_grasp import HALF_PAD
 from stages.simulation.kinematics import Array
@@ -33,7 +33,7 @@ def sample_object_cloud(mesh: trimesh.Trimesh) -> ObjectCloud:
 
 
 def sample_grasps(cloud: ObjectCloud, object_pose: Array, floor: float, opening: float, seed: int) -> Array:
-    """(N, 4, 4) poses of the tool centre point that close on an object, in the frame that `object_pose` is in.
+    """(N, 4, 4) poses of the tool center point that close on an object, in the frame that `object_pose` is in.
 
     Args:
         cloud: of the object, in its own frame.
@@ -54,7 +54,7 @@ def sample_grasps(cloud: ObjectCloud, object_pose: Array, floor: float, opening:
         closing = -normals[first]
         middle = points[first] + closing * ((points[second] - points[first]) @ closing) / 2
         for approach in list_approaches(closing):
-            poses.append(rigid(np.stack([np.cross(closing, approach), closing, approach], axis=1), middle))
+            poses.append(make_transform(np.stack([np.cross(closing, approach), closing, approach], axis=1), middle))
     return keep_free_grasps(np.array(poses).reshape(-1, 4, 4), points, floor, opening)
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from plugins.bowl.carry import CarrySkill, make_held_spheres, shift_pose
 from plugins.bowl.movable import Movable
 from plugins.bowl.skills.pick.grasps import sample_grasps, sample_object_cloud, sort_by_turn
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 from stages.planning.path import join_lines, make_line
 from stages.planning.rollout import ON_THE_WAY, Stretch, plan_homing
 from stages.simulation.kinematics import Array
@@ -18,7 +18,7 @@ class PickSkill(CarrySkill):
 
     def attempt(self, motion: Motion, number: int) -> str:
         item = self.movable()
-        floor = float(apply(item.base_from_object, item.mesh.vertices)[:, 2].min())
+        floor = float(transform_points(item.base_from_object, item.mesh.vertices)[:, 2].min())
         grasps = sample_grasps(sample_object_cloud(item.mesh), item.base_from_object, floor, GRIPPER_OPEN, number)
         if len(grasps) == 0:
             return "no_grasp"
@@ -29,7 +29,7 @@ class PickSkill(CarrySkill):
         if cause:
             return cause
         motion.grasp()
-        gripped = inverse(self.task.hand()) @ item.base_from_object
+        gripped = invert_transform(self.task.hand()) @ item.base_from_object
         if not self.holds(gripped):
             return "grasp"
         return self.reach(motion, plan[2:], CLOSED, "lift") or ("" if self.holds(gripped) else "slip")
@@ -50,7 +50,7 @@ class PickSkill(CarrySkill):
         plans = []
         for grasp in grasps:
             above = shift_pose(grasp, -back * grasp[:3, 2])
-            held = make_held_spheres(item.mesh, inverse(grasp) @ item.base_from_object)
+            held = make_held_spheres(item.mesh, invert_transform(grasp) @ item.base_from_object)
             down = Stretch(make_line(above, grasp), GRIPPER_OPEN, joint)
             lift = Stretch(make_line(grasp, shift_pose(grasp, np.array([0.0, 0.0, back]))), None, joint, held)
             home = np.concatenate([to_rest, make_line(to_rest[-1], above)[1:]])

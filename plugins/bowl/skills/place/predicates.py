@@ -4,7 +4,7 @@ import numpy as np
 import trimesh
 
 from plugins.bowl.region import Region
-from stages.geometry.frames import inverse, rigid, yaw_matrix
+from stages.geometry.frames import invert_transform, make_transform, yaw_matrix
 from stages.planning.clearance import CLEARANCE
 from stages.planning.path import ANGLE_WEIGHT
 from stages.simulation.kinematics import Array
@@ -38,5 +38,5 @@ def sample_placements(
     chosen = places[rng.integers(len(places), size=count)]
     chosen[:, 2] += drops - float(mesh.bounds[0, 2])
     order = np.argsort(ANGLE_WEIGHT * np.abs(turns) + drops)
-    objects = [rigid(yaw_matrix(yaw + turns[i]), chosen[i]) for i in order]
-    return np.stack(objects) @ inverse(hand_from_object)
+    objects = [make_transform(yaw_matrix(yaw + turns[i]), chosen[i]) for i in order]
+    return np.stack(objects) @ invert_transform(hand_from_object)

@@ -6,7 +6,7 @@ import numpy as np
 
 from plugins.bowl.carry import CANDIDATES, CarrySkill, make_held_spheres, shift_pose
 from plugins.bowl.skills.place.predicates import find_places_inside, sample_placements
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import invert_transform, transform_points
 from stages.planning.path import join_lines, make_line
 from stages.planning.rollout import ON_THE_WAY, Stretch
 from stages.simulation.kinematics import Array
@@ -24,10 +24,10 @@ class PlaceSkill(CarrySkill):
 
     def attempt(self, motion: Motion, number: int) -> str:
         item, hand = self.movable(), self.task.hand()
-        hand_from_object = inverse(hand) @ item.base_from_object
+        hand_from_object = invert_transform(hand) @ item.base_from_object
         if not motion.holds:
             return "dropped"
-        places = apply(item.base_from_region, find_places_inside(item.region, item.mesh))
+        places = transform_points(item.base_from_region, find_places_inside(item.region, item.mesh))
         poses = sample_placements(places, item.mesh, hand, hand_from_object, CANDIDATES, number)
         held = make_held_spheres(item.mesh, hand_from_object)
         poses = poses[self.can_hold_at(poses, None, held)] if len(poses) else poses
@@ -47,7 +47,7 @@ class PlaceSkill(CarrySkill):
         plans = []
         for pose, over in itertools.product(poses, OVER):
             top = self._rim() + over
-            low = float(apply(pose, held[:, :3])[:, 2].min())
+            low = float(transform_points(pose, held[:, :3])[:, 2].min())
             above = shift_pose(pose, np.array([0.0, 0.0, max(0.02, top - low)]))
             high = hand.copy()
             high[2, 3] = max(hand[2, 3], above[2, 3])
@@ -60,4 +60,6 @@ class PlaceSkill(CarrySkill):
 
     def _rim(self) -> float:
         """Height of the moving part, base frame: a held object is carried over it."""
-        return float(apply(self.task.env.base_from_asset(), self.task.env.target.moving.vertices)[:, 2].max())
+        return float(
+            transform_points(self.task.env.base_from_asset(), self.task.env.target.moving.vertices)[:, 2].max()
+        )

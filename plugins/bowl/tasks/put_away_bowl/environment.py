@@ -23,7 +23,7 @@ from plugins.bowl.tasks.put_away_bowl.bowl import (
 from plugins.bowl.tasks.put_away_bowl.bowl import stand as stand_folder
 from stages.contracts.errors import InputError
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
+from stages.geometry.frames import invert_transform, make_transform, transform_points, yaw_matrix
 from stages.planning.clearance import surface_points
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset
@@ -121,11 +121,11 @@ class PutAwayBowlEnv(OpenTaskEnv):
             rng = np.random.default_rng((int(self._episode_seed[index]), 23))
             shift = rng.uniform(-1, 1, 3) * STAND_VARIES
             handle = self.targets[index].reference + nominal_root(self.asset, self.scales[index])
-            stand = rigid(np.eye(3), np.add(handle, STAND_AT + shift))
+            stand = make_transform(np.eye(3), np.add(handle, STAND_AT + shift))
             stand = self.room.world_from_nominal @ stand if self.room else stand
             at = [*rng.uniform(-BOWL_VARIES, BOWL_VARIES, 2), 1e-3 - float(self.bowl_meshes[index].bounds[0, 2])]
             stands.append(stand)
-            bowls.append(stand @ rigid(yaw_matrix(rng.uniform(-np.pi, np.pi)), at))
+            bowls.append(stand @ make_transform(yaw_matrix(rng.uniform(-np.pi, np.pi)), at))
         self.stand.set_pose(batch_poses(np.stack(stands)))
         self.bowl.set_pose(batch_poses(np.stack(bowls)))
         for set_velocity in (self.bowl.set_linear_velocity, self.bowl.set_angular_velocity):
@@ -175,7 +175,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
 
     def obstacles(self) -> Array:
         """(N, 3) points on the stand, and on what else stands about, in the robot base frame."""
-        return np.concatenate([super().obstacles(), apply(self._in_base(self.stand), self._stand_points)])
+        return np.concatenate([super().obstacles(), transform_points(self._in_base(self.stand), self._stand_points)])
 
     def props(self) -> list[tuple[Prop, Array]]:
         """Bowl and stand."""
@@ -190,4 +190,4 @@ class PutAwayBowlEnv(OpenTaskEnv):
     def _in_base(self, actor: Actor) -> Array:
         """(4, 4) pose of an actor of the first environment in the robot base frame."""
         base = self.agent.robot.pose[0].sp.to_transformation_matrix()
-        return np.asarray(inverse(base) @ actor.pose[0].sp.to_transformation_matrix(), dtype=float)
+        return np.asarray(invert_transform(base) @ actor.pose[0].sp.to_transformation_matrix(), dtype=float)
