@@ -1,4 +1,4 @@
-"""Verb `annotate`: a page in the browser to draw a photograph into an input folder, or to correct one."""
+"""Command `annotate`: a page in the browser to draw a photograph into an input folder, or to correct one."""
 
 import json
 import webbrowser

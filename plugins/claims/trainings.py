@@ -1,4 +1,4 @@
-"""Verb `trainings`: how every training ended, and which failed: known before any rollout."""
+"""Command `trainings`: how every training ended, and which failed: known before any rollout."""
 
 import sys
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Verb `demonstrations`: episode stores in the formats of other people's tools."""
+"""Command `demonstrations`: episode stores in the formats of other people's tools."""
 
 from importlib import import_module
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Verb `policy`: a policy for people without this workflow."""
+"""Command `policy`: a policy for people without this workflow."""
 
 import importlib
 import shutil

@@ -1,4 +1,4 @@
-"""Verb `scenes`: generated scenes in the format of another tool."""
+"""Command `scenes`: generated scenes in the format of another tool."""
 
 from importlib import import_module
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Verb `fetch`: download the weights of MobileSAM and SSD, 110 MB, once; offline from then on."""
+"""Command `fetch`: download the weights of MobileSAM and SSD, 110 MB, once; offline from then on."""
 
 import hashlib
 import subprocess

@@ -1,4 +1,4 @@
-"""Verb `see`: a picture with depth -> its things, outlined and named, as an input folder (paper A.2, first half)."""
+"""Command `see`: a picture with depth -> its things, outlined and named, as an input folder (paper A.2, first half)."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Verb `facts`: what others know of the categories here without making a model of one."""
+"""Command `facts`: what others know of the categories here without making a model of one."""
 
 import json
 

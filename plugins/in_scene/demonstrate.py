@@ -1,4 +1,4 @@
-"""Verb `demonstrate`: demonstrations inside generated scenes, with furniture in the way (the paper's Figure 7)."""
+"""Command `demonstrate`: demonstrations inside generated scenes, with furniture in the way (the paper's Figure 7)."""
 
 import sys
 from collections import Counter

@@ -1,4 +1,4 @@
-"""Verb `estimate`: one RGB picture -> an input folder, by pretrained networks."""
+"""Command `estimate`: one RGB picture -> an input folder, by pretrained networks."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Verb `from-rgbd`: a frame of an RGB-D camera or data set -> an input folder."""
+"""Command `from-rgbd`: a frame of an RGB-D camera or data set -> an input folder."""
 
 from pathlib import Path
 from typing import Literal

@@ -1,4 +1,4 @@
-"""Verb `learn`: draw shapes from random rooms of our own models, and train the network that names them."""
+"""Command `learn`: draw shapes from random rooms of our own models, and train the network that names them."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Verb `cluster`: what a SLURM cluster has and lacks, from one of its login nodes."""
+"""Command `cluster`: what a SLURM cluster has and lacks, from one of its login nodes."""
 
 import fcntl
 import getpass

@@ -1,4 +1,4 @@
-"""Verb `cousins`: cousins.png, each object beside its cousins."""
+"""Command `cousins`: cousins.png, each object beside its cousins."""
 
 from importlib import import_module
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Verb `objects`: overview.png, the picture with outlines, names, mounting types and projected boxes."""
+"""Command `objects`: overview.png, the picture with outlines, names, mounting types and projected boxes."""
 
 from pathlib import Path
 from typing import Any

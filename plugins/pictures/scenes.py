@@ -1,4 +1,4 @@
-"""Verb `scenes`: generated scenes as pictures from the input camera, as GLB, and side by side with the input."""
+"""Command `scenes`: generated scenes as pictures from the input camera, as GLB, and side by side with the input."""
 
 from importlib import import_module
 from pathlib import Path

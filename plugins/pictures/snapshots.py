@@ -1,4 +1,4 @@
-"""Verb `snapshots`: contact sheets of the snapshots."""
+"""Command `snapshots`: contact sheets of the snapshots."""
 
 from pathlib import Path
 

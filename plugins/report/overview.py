@@ -1,4 +1,4 @@
-"""Verb `overview`: every scene of a run as a row of one sortable page."""
+"""Command `overview`: every scene of a run as a row of one sortable page."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Verb `picture`: one picture, what was found in it and what became of it, on one page."""
+"""Command `picture`: one picture, what was found in it and what became of it, on one page."""
 
 from pathlib import Path
 

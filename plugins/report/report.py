@@ -1,4 +1,4 @@
-"""Verb `report`: the whole run on one page that needs nothing but a browser, and its times on another."""
+"""Command `report`: the whole run on one page that needs nothing but a browser, and its times on another."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Verb `viewer`: the script by which pages turn a scene."""
+"""Command `viewer`: the script by which pages turn a scene."""
 
 from importlib.resources import files
 from pathlib import Path

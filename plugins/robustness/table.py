@@ -1,4 +1,4 @@
-"""Verb `table`: the companion of Table 2, from the scores of generated scenes."""
+"""Command `table`: the companion of Table 2, from the scores of generated scenes."""
 
 from pathlib import Path
 from typing import Any

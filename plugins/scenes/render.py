@@ -1,4 +1,4 @@
-"""Verb `render`: one room -> what a camera sees of it (`input/`) and, apart from it, the truth."""
+"""Command `render`: one room -> what a camera sees of it (`input/`) and, apart from it, the truth."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory

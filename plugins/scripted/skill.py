@@ -1,4 +1,4 @@
-"""Verb `skill`: success of the scripted skill on the test assets of the policies, as an upper reference."""
+"""Command `skill`: success of the scripted skill on the test assets of the policies, as an upper reference."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Verb `pinned`: the assets of a policy experiment from a committed file, if the library has the very same models."""
+"""Command `pinned`: the assets of a policy experiment from a committed file, if the library has the very same models."""
 
 from pathlib import Path
 

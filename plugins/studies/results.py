@@ -1,4 +1,4 @@
-"""Verb `results`: what a study found, as Markdown, CSV and figures to commit; also while it is still running."""
+"""Command `results`: what a study found, as Markdown, CSV and figures to commit; also while it is still running."""
 
 import os
 from collections.abc import Iterator

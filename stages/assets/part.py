@@ -1,4 +1,4 @@
-"""Verb `part`: the index of a shard that is a part of a library, as the shard's name says."""
+"""Command `part`: the index of a shard that is a part of a library, as the shard's name says."""
 
 from pathlib import Path
 

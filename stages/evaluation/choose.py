@@ -1,4 +1,4 @@
-"""Verb `choose`: the policy configs that are trained with all seeds, by their rollouts on the twin (paper B.4)."""
+"""Command `choose`: the policy configs that are trained with all seeds, by their rollouts on the twin (paper B.4)."""
 
 import sys
 from collections.abc import Sequence

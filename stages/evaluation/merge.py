@@ -1,4 +1,4 @@
-"""Verb `merge`: the rollouts of all policies of one training set in one table."""
+"""Command `merge`: the rollouts of all policies of one training set in one table."""
 
 from pathlib import Path
 

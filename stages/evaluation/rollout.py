@@ -1,4 +1,4 @@
-"""Verb `rollout`: success of one policy on roles and on unseen assets, one row per episode (paper B.3, Table 3)."""
+"""Command `rollout`: success of one policy on roles and on unseen assets, one row per episode (paper B.3, Table 3)."""
 
 import sys
 from importlib import import_module

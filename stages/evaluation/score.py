@@ -1,4 +1,4 @@
-"""Verb `score`: generated scenes of one room + its truth -> one row per rank and object (paper B.1)."""
+"""Command `score`: generated scenes of one room + its truth -> one row per rank and object (paper B.1)."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Verb `selection-rollout`: a policy's checkpoints on the twin, from states that no test uses (paper B.3, B.4)."""
+"""Command `selection-rollout`: a policy's checkpoints on the twin, from states that no test uses (paper B.3, B.4)."""
 
 import sys
 from pathlib import Path

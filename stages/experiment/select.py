@@ -1,4 +1,4 @@
-"""Verb `select`: which assets a policy experiment trains and tests on (paper B.4, Table 3)."""
+"""Command `select`: which assets a policy experiment trains and tests on (paper B.4, Table 3)."""
 
 import sys
 from pathlib import Path

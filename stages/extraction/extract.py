@@ -1,4 +1,4 @@
-"""Verb `extract`: one input folder -> objects.json, masks.png, depth.npz, clouds.npz."""
+"""Command `extract`: one input folder -> objects.json, masks.png, depth.npz, clouds.npz."""
 
 import zlib
 from functools import partial

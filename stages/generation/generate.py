@@ -1,4 +1,4 @@
-"""Verb `generate`: cousins + objects -> one scene per rank, with its physics check."""
+"""Command `generate`: cousins + objects -> one scene per rank, with its physics check."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Verb `distances`: how far the library's articulated models look from those that may be a twin (paper B.4)."""
+"""Command `distances`: how far the library's articulated models look from those that may be a twin (paper B.4)."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Verb `features`: encode the patches of one shard of snapshots, once per library and encoder."""
+"""Command `features`: encode the patches of one shard of snapshots, once per library and encoder."""
 
 from pathlib import Path
 

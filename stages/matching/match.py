@@ -1,4 +1,4 @@
-"""Verb `match`: rank the digital cousins of every object of one scene (paper 2.1, A.6, A.7, B.1)."""
+"""Command `match`: rank the digital cousins of every object of one scene (paper 2.1, A.6, A.7, B.1)."""
 
 from collections.abc import Iterator
 from dataclasses import replace

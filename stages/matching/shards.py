@@ -1,4 +1,4 @@
-"""Verb `shards`: name the shards of the library that the objects of one picture may be compared with."""
+"""Command `shards`: name the shards of the library that the objects of one picture may be compared with."""
 
 import math
 from collections.abc import Iterable, Sequence

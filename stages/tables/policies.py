@@ -1,4 +1,4 @@
-"""Verb `policies`: Table 3, Figures 4 and 9, from the rollouts of policies."""
+"""Command `policies`: Table 3, Figures 4 and 9, from the rollouts of policies."""
 
 from collections.abc import Mapping
 from importlib import import_module

@@ -1,4 +1,4 @@
-"""Verb `scenes`: Table 2 and Figure 6, from the scores and pictures of generated scenes."""
+"""Command `scenes`: Table 2 and Figure 6, from the scores and pictures of generated scenes."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Verb `train`: one policy on the episode stores of a training set (paper B.3)."""
+"""Command `train`: one policy on the episode stores of a training set (paper B.3)."""
 
 import hashlib
 import json
