@@ -145,11 +145,8 @@ class TaskAssets(Document):
         for asset in self.assets:
             if asset.role == role:
                 return asset
-        raise InputError(
-            where,
-            f"has no role '{role}' (it has {', '.join(asset.role for asset in self.assets)}).",
-            code="E-ROLE-MISSING",
-        )
+        known = ", ".join(asset.role for asset in self.assets)
+        raise InputError(where, f"has no role '{role}' (it has {known}).", code="E-ROLE-MISSING")
 
     def assets_of(self, role: str, where: Path) -> list[TaskAsset]:
         """The assets whose demonstrations make up the store of a role, randomised or not: one, or for `all` many.
