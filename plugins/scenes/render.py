@@ -97,8 +97,8 @@ def run(
     """
     config = read_options(ScenesConfig, options)
     if room is None and scene not in room_files():
-        names = f"one of {', '.join(room_files())}"
-        raise InputError("--scene", f"no room is called '{scene}'.", names, code="E-ROOM-NAME")
+        fix = f"one of {', '.join(room_files())}"
+        raise InputError("--scene", f"no room is called '{scene}'.", fix, code="E-ROOM-NAME")
     names = [path.stem for path in series()]
     rooms = [read_room(room)] if room else [read_room(path) for path in series()[: names.index(scene) + 1]]
     folders = AssetFolders(*library)
