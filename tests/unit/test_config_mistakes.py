@@ -56,8 +56,8 @@ CASES = [
     ("training: {configs: {lite: {network: {gmm_modes: 9}}}}", "training.configs.lite.network: unknown key"),
     ("training: {configs: {lite: {kwargs: {gmm_modes: on}}}}", "training.configs.lite.kwargs.gmm_modes: is True"),
     (
-        "matching: {kwargs: {efficientnet: {strid: 32}}}",
-        "matching.kwargs.efficientnet.strid: unknown key. Fix: did you",
+        "matching: {kwargs: {efficientnet: {positon: 1}}}",
+        "matching.kwargs.efficientnet.positon: unknown key. Fix: did you",
     ),
     ("extraction: {kwargs: {noise: 1}}", "extraction.kwargs.noise: unknown key. Fix: leave it out"),
     (

@@ -459,7 +459,7 @@ def test_a_scene_that_fails_leaves_nothing(
     def unreadable(*args: object) -> None:
         raise InputError("mesh.obj", "is broken.", code="E-MESH-BROKEN")
 
-    monkeypatch.setattr("stages.generation.generate.settle", unreadable)
+    monkeypatch.setattr("stages.generation.generate.simulate", unreadable)
     with pytest.raises(InputError, match="is broken"):
         run(cousins=scene["cousins"], objects=scene["objects"], library=scene["library"], variant="b",
             out=tmp_path / "out")  # fmt: skip
