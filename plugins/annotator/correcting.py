@@ -15,8 +15,8 @@ from plugins.inputs.own_scene import is_clone, to_run
 from stages.contracts import InputError, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
 from stages.contracts.files import Contract
-from stages.contracts.fronts import says_opening
 from stages.contracts.objects import object_ids
+from stages.contracts.parts import says_opening
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.things import read_things
 from stages.contracts.types import FLOOR, WALL, Id

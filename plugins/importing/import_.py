@@ -1,4 +1,4 @@
-"""Command `import`: look at a folder of models, say what each is taken for, and write a folder that the library takes."""
+"""`import`: look at a folder of models, say what each is taken for, and write a folder that the library takes."""
 
 import sys
 import tempfile

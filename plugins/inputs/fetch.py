@@ -1,4 +1,4 @@
-"""Command `fetch`: the weights of the networks that find what a picture shows, downloaded once; offline from then on."""
+"""`fetch`: the weights of the networks that find what a picture shows, downloaded once; offline from then on."""
 
 import json
 from pathlib import Path

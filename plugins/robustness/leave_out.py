@@ -1,4 +1,4 @@
-"""Command `leave_out`: the true models of a room and their whole families, left out of matching (protocol `unknown`)."""
+"""`leave_out`: the true models of a room and their whole families, left out of matching (protocol `unknown`)."""
 
 from pathlib import Path
 

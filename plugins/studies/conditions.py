@@ -1,4 +1,4 @@
-"""Command `conditions`: success under further conditions (another simulator, a depth camera's noise), paired with ours."""
+"""`conditions`: success under further conditions (another simulator, a depth camera's noise), paired with ours."""
 
 from itertools import pairwise
 from pathlib import Path

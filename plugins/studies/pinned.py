@@ -1,4 +1,4 @@
-"""Command `pinned`: the assets of a policy experiment from a committed file, if the library has the very same models."""
+"""`pinned`: the assets of a policy experiment from a committed file, if the library has the very same models."""
 
 from pathlib import Path
 

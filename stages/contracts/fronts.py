@@ -1,6 +1,5 @@
 """Where doors and drawers lie on the front of a thing."""
 
-import re
 from collections.abc import Sequence
 
 from pydantic import model_validator
@@ -8,11 +7,6 @@ from pydantic import model_validator
 from stages.contracts.files import Contract
 from stages.contracts.parts import FRONTS, FrontType
 from stages.contracts.types import Fraction
-
-OPENS = {
-    "cabinet", "cabinets", "chest", "closet", "cupboard", "dishwasher", "drawer", "drawers", "dresser", "fridge",
-    "microwave", "nightstand", "oven", "refrigerator", "sideboard", "wardrobe",
-}  # fmt: skip
 
 
 class Panel(Contract):
@@ -42,8 +36,3 @@ def check_counts(name: str, panels: Sequence[Panel], doors: int | None, drawers:
         stated = doors if noun == "doors" else drawers
         if panels and stated is not None and stated != count:
             raise ValueError(f"{noun}: {stated} of '{name}', but {count} of its panels are {noun}")
-
-
-def says_opening(label: str) -> bool:
-    """Whether what is called so has doors or drawers."""
-    return bool(OPENS & set(re.split(r"\W+", label.lower())))

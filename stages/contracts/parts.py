@@ -4,6 +4,7 @@ A part type is what GAPartNet (Geng et al., CVPR 2023) calls a hinge door, a sli
 is closed at the lower limit of its joint and opens towards the upper one. What moves otherwise stays fixed.
 """
 
+import re
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
@@ -33,3 +34,13 @@ PARTS: dict[PartType, Part] = {
     # 2 to 4 N where it is pushed all the way, as push buttons of machines have it; chosen
     "button": Part("prismatic", ("slide",), (0.001, 0.05), spring=200.0),
 }
+
+OPENS = {
+    "cabinet", "cabinets", "chest", "closet", "cupboard", "dishwasher", "drawer", "drawers", "dresser", "fridge",
+    "microwave", "nightstand", "oven", "refrigerator", "sideboard", "wardrobe",
+}  # fmt: skip
+
+
+def says_opening(label: str) -> bool:
+    """Whether what is called so has doors or drawers."""
+    return bool(OPENS & set(re.split(r"\W+", label.lower())))

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.corrections import MEASURED, Correction
-from stages.contracts.fronts import count_fronts, says_opening
+from stages.contracts.fronts import count_fronts
+from stages.contracts.parts import says_opening
 from stages.contracts.scenes import Annotation, Annotations, Held
 from stages.contracts.types import FLOOR, WALL, Pixel
 from stages.geometry.masks import pixel_bounds, polygon

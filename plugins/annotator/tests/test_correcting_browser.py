@@ -17,6 +17,7 @@ from plugins.report.tests.test_report_browser import CONTRAST
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, Correction, corrections_of
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
+from stages.contracts.doubt import DoubtKind
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import LibraryEntry
 from stages.extraction.extract import run as extract
@@ -25,7 +26,9 @@ from tests.unit.tables_results import snapshots
 
 CABINET, BOX = OBJECT, OBJECT + 1
 MODELS = [f"cabinet_{number}" for number in range(12)]
-DOUBT = "is 60 by 220 cm, 80 cm high; usual are 30 to 60 by 40 to 120 cm, 60 to 90 cm high"
+DOUBT = DoubtKind.UNUSUAL_SIZE.of(
+    what="is 60 by 220 cm, 80 cm high; usual are 30 to 60 by 40 to 120 cm, 60 to 90 cm high"
+)
 
 
 def _matched(name: str) -> ObjectCousins:
@@ -101,9 +104,9 @@ def test_from_a_doubt_to_another_model_in_two_clicks(opened: Any, session: Corre
     assert page.locator("#objects button").all_text_contents() == ["cabinet 1", "cabinet 2", "floor", "wall"]
     assert page.locator("#objects button[aria-pressed=true]").text_content() == "cabinet 1"  # as --choose says
     doubts = page.locator("#in-doubt button")
-    assert doubts.filter(has_text=f"cabinet 2: {DOUBT}").count() == 1
-    doubts.filter(has_text=DOUBT).click()
-    assert DOUBT in page.locator("#own-doubts").text_content()
+    assert doubts.filter(has_text=f"cabinet 2: {DOUBT.what}").count() == 1
+    doubts.filter(has_text=DOUBT.what).click()
+    assert DOUBT.what in page.locator("#own-doubts").text_content()
     page.wait_for_selector("#cousins img")
     models = page.locator("#cousins li")
     assert models.count() == 12 and page.locator("#view .solid").count() == 6

@@ -10,7 +10,7 @@ import torch
 
 from plugins.diffusion.policies.diffusion import Policy, signal_levels
 from stages.contracts.policy_config import PolicyConfig
-from stages.plugins import find
+from stages.plugins import find, qualify_module
 from stages.policies.base import ActionMode, TrainablePolicy
 from stages.policies.checkpoint import load_network
 from stages.training.batches import list_windows, make_batch
@@ -41,7 +41,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_it_is_found_by_its_name_where_the_package_is_named() -> None:
-    assert find("policies", "diffusion", ["plugins.diffusion"]) == NAME
+    assert qualify_module("policies", find("policies", "diffusion", ["plugins.diffusion"])) == NAME
 
 
 def test_loss_and_error_of_the_sampled_actions_fall(tmp_path: Path, store: Path) -> None:

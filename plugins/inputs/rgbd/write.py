@@ -12,7 +12,7 @@ from plugins.inputs.rgbd.frame import TILT, Frame, Labelled, fit_frame, is_nothi
 from plugins.names.propose import Proposal
 from stages.contracts import Annotations, Camera, InputError
 from stages.contracts.doubt import Doubt, DoubtKind
-from stages.contracts.fronts import says_opening
+from stages.contracts.parts import says_opening
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
 from stages.geometry.estimate import TRIM
