@@ -45,20 +45,8 @@ CASES = [
         "training: {configs: {lite: {points: 600}}}",
         "training.configs.lite.points: 600 of task.points = 512",
     ),
-    (
-        "{plugins: [plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {gmm_modes: 9}}}}}",
-        "training.configs.lite.kwargs.gmm_modes: unknown key. Fix: there are: cloud, cloud_frame",
-    ),
-    (
-        "{plugins: [plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {n_action_step: 9}}}}}",
-        "training.configs.lite.kwargs.n_action_step: unknown key. Fix: did you mean 'n_action_steps'?",
-    ),
     ("training: {configs: {lite: {network: {gmm_modes: 9}}}}", "training.configs.lite.network: unknown key"),
     ("training: {configs: {lite: {kwargs: {gmm_modes: on}}}}", "training.configs.lite.kwargs.gmm_modes: is True"),
-    (
-        "matching: {kwargs: {efficientnet: {positon: 1}}}",
-        "matching.kwargs.efficientnet.positon: unknown key. Fix: did you",
-    ),
     ("extraction: {kwargs: {noise: 1}}", "extraction.kwargs.noise: unknown key. Fix: leave it out"),
     (
         "training: {configs: {lite: {kwargs: {mlp: [-5]}}}}",
@@ -83,7 +71,6 @@ CASES = [
     ("task: {camera_jitter: [-1, 0]}", "task.camera_jitter.0: Input should be greater than or equal to 0"),
     ("task: {workspace_min: [2, -0.5, 0]}", "task.workspace_min: x = 2 is not below workspace_max's 1"),
     ("generation: {support_overlap: 0.5}", "generation.support_overlap: unknown key. Fix: there are: ranks"),
-    ("matching: {vlm: {model: x}}", "matching.vlm: unknown key. Fix: do you mean vlm?"),
     ("experiment: {variants: {b: {coverage: 0.4}}}", "experiment.variants.b.coverage: unknown key. Fix: did you mean"),
     ("demonstrations: {noise: -1}", "demonstrations.noise: Input should be greater"),
     ("generation: {ranks: 11}", "generation.ranks: 11 scenes from matching.k_cousins = 10"),
@@ -242,6 +229,22 @@ CASES = [
 
 
 OF_PACKAGES = [
+    (
+        ("diffusion",),
+        "{plugins: [plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {gmm_modes: 9}}}}}",
+        "training.configs.lite.kwargs.gmm_modes: unknown key. Fix: there are: cloud, cloud_frame",
+    ),
+    (
+        ("diffusion",),
+        "{plugins: [plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {n_action_step: 9}}}}}",
+        "training.configs.lite.kwargs.n_action_step: unknown key. Fix: did you mean 'n_action_steps'?",
+    ),
+    (
+        ("efficientnet",),
+        "matching: {kwargs: {efficientnet: {positon: 1}}}",
+        "matching.kwargs.efficientnet.positon: unknown key. Fix: did you",
+    ),
+    (("vlm",), "matching: {vlm: {model: x}}", "matching.vlm: unknown key. Fix: do you mean vlm?"),
     (
         ("robustness",),
         "experiment: {protocols: {a: {variants: [c]}}}",
