@@ -47,3 +47,10 @@ rule all:
         rules.tables.input,
         ADDED["all"],
     localrule: True
+
+
+# On a node of a cluster this Snakemake runs the jobs of its submission itself, not one more Snakemake for each by srun.
+if workflow.remote_exec:
+    for each in workflow.rules:
+        each.group = None
+    workflow.localrules(*(each.name for each in workflow.rules))
