@@ -184,6 +184,11 @@ def parse_kwargs(options: type[S], kwargs: Mapping[str, Any], key: str = "kwargs
         raise InputError(key, f"{first_error(error)}.", mend, code="E-PLUGIN-OPTION") from None
 
 
+def load_all(kind: str) -> list[Any]:
+    """Every implementation in the packages of this checkout; whoever asks needs the code of all (config/code.py)."""
+    return [load(kind, module) for module in list_available(kind).values()]
+
+
 def data_file(kind: str, name: str) -> Path:
     """File of an implementation that is data."""
     home, _, stem = qualify_module(kind, name).rpartition(".")

@@ -14,7 +14,7 @@ from stages.articulated.stretching import stretch_model
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset, Finish, Recipe, Vector
 from stages.contracts.types import LARGEST
-from stages.plugins import list_available, load
+from stages.plugins import load_all
 
 SAME_SIZE = 5e-4  # metres: a size this near to the native one is left alone
 
@@ -48,11 +48,10 @@ def load_maker() -> Maker:
     Raises:
         InputError: none has.
     """
-    (name, *_) = [*list_available("makers"), ""]
-    if not name:
+    makers: list[type[Maker]] = load_all("makers")
+    if not makers:
         raise InputError("recipe", "no package makes models by it.", "plugins/furniture does", code="E-MODEL-MAKER")
-    maker: Maker = load("makers", name)()
-    return maker
+    return makers[0]()
 
 
 def has_size(asset: Asset, size: Sequence[float]) -> bool:

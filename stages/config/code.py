@@ -12,6 +12,7 @@ from stages import plugins
 
 ROOTS = {"stages": Path(__file__).resolve().parents[1], "plugins": plugins.PACKAGES}  # whose code counts
 MODULE_NAME = re.compile(r"""["'](\w+(?:\.\w+)+)(?::\w+)?["']""")  # as text: "stages.x.y" or "stages.x.y:Class"
+EVERY = re.compile(r"""load_all\(["'](\w+)["']\)""")  # all implementations of a kind
 # Import statements are cut out before they are parsed: whole modules take a second more at every start of the workflow.
 IMPORT = re.compile(r"^[ \t]*((?:from\s+[\w.]+\s+)?import\b\s*(?:\([^)]*\)|(?:\\\n|[^\n(])*))", re.MULTILINE)
 # Of files beside modules that a digest counts.
@@ -79,7 +80,7 @@ def _resolve_import(node: ast.ImportFrom, module: str) -> str:
 
 @cache
 def _list_needs(module: str) -> frozenset[str]:
-    """Modules that `module` imports or names as text, as far as they count."""
+    """Modules that `module` imports, loads all of, or names as text, as far as they count."""
     found: set[str] = set()
     for node in _imports(module):
         if isinstance(node, ast.Import):
@@ -87,6 +88,8 @@ def _list_needs(module: str) -> frozenset[str]:
         elif isinstance(node, ast.ImportFrom) and source(origin := _resolve_import(node, module)):
             found.update(_origin(origin, alias.name) for alias in node.names)
     found.update(MODULE_NAME.findall(_text(module)))
+    for kind in EVERY.findall(_text(module)):
+        found.update(plugins.list_available(kind).values())
     if "iter_modules(__path__)" in _text(module) and (path := source(module)):  # a package that imports all it has
         found.update(f"{module}.{file.stem}" for file in path.parent.glob("[!_]*.py"))
     return frozenset(name for name in found if source(name))

@@ -77,6 +77,12 @@ def test_a_package_that_imports_all_its_modules_needs_them_and_those_to_come(cop
         new.unlink()
 
 
+@needs("furniture")
+def test_who_resizes_models_needs_the_code_of_their_maker() -> None:
+    for verb in ("stages.generation.generate", "plugins.scenes.render"):
+        assert "plugins.furniture.folder" in code.closure(verb)
+
+
 @needs("mujoco")
 def test_a_rollout_needs_the_code_of_its_own_simulator() -> None:
     for verb in ("stages.evaluation.selection_rollout", "stages.evaluation.rollout", "plugins.scripted.skill"):
