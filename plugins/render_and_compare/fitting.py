@@ -75,7 +75,7 @@ def lay_over(solid: ColouredSolid, measured: Measured, seen: Observation) -> Upr
 
     def residuals(change: Array) -> Array:
         middle, extents = center + change[:3] * size, size * np.exp(change[3:])
-        pixels = seen.pixels(solid.place_outline(UprightBox(turn @ middle, extents, measured.yaw)))
+        pixels = seen.project(solid.place_outline(UprightBox(turn @ middle, extents, measured.yaw)))
         sides = np.concatenate([pixels.min(axis=0), pixels.max(axis=0)])
         off = (sides - seen.sides)[seen.free] / longer
         ends = np.array([middle - extents / 2, middle + extents / 2])

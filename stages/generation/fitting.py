@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from stages.contracts.objects import DepthError, Wall
 from stages.generation.solid import Solid
 from stages.geometry.boxes import THINNEST, UprightBox
-from stages.geometry.cameras import project
-from stages.geometry.frames import invert_transform, transform_points, yaw_matrix
+from stages.geometry.cameras import FloorCamera
+from stages.geometry.frames import transform_points, yaw_matrix
 from stages.geometry.masks import OUTLINE
 from stages.geometry.outlines import DIRECTIONS, Outline
 
@@ -42,24 +42,12 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Observation:
+class Observation(FloorCamera):
     """What the picture shows of an object: its outline (None: no mask) and points (N, 3) of it, floor frame."""
 
     outline: Outline | None
     points: Array
-    floor_from_camera: Array
-    intrinsics: Array
     error: DepthError
-
-    @property
-    def eye(self) -> Array:
-        """The camera (3,), floor frame."""
-        return self.floor_from_camera[:3, 3]
-
-    @cached_property
-    def camera_from_floor(self) -> Array:
-        """The camera's pose, inverted."""
-        return invert_transform(self.floor_from_camera)
 
     @cached_property
     def rays(self) -> Array:
@@ -71,12 +59,6 @@ class Observation:
     def noise(self) -> Array:
         """Standard deviation (N,), metres, of the points along their rays."""
         return np.asarray(self.error.predict(transform_points(self.camera_from_floor, self.points)[:, 2]))
-
-    def project(self, points: Array) -> Array:
-        """Pixels (N, 2) of points (N, 3); those behind the camera as just before it."""
-        in_camera = transform_points(self.camera_from_floor, points)
-        in_camera[:, 2] = np.maximum(in_camera[:, 2], THINNEST)
-        return project(in_camera, self.intrinsics)
 
 
 class SizePrior(NamedTuple):

@@ -76,7 +76,7 @@ def see(picture: Picture, mask: np.ndarray | None = None) -> Observation:
     mask = picture.mask if mask is None else mask
     points = transform_points(POSE, back_project(picture.depth, K)[mask])[::7]
     outline = outline_of(mask, picture.depth, np.ones_like(mask))
-    return Observation(outline, points, POSE, K, ERROR)
+    return Observation(POSE, K, outline, points, ERROR)
 
 
 def known(native=(0.5, 0.9, 0.7), **values) -> Prior:
@@ -100,7 +100,7 @@ def test_a_box_seen_whole_is_found_from_a_wrong_start() -> None:
 def test_points_whose_rays_miss_the_model_count_by_how_far_they_are_off() -> None:
     box = UprightBox([0.0, 0.0, 0.0], [2.0, 1.0, 1.0], 0.0)
     points = np.array([[0.2, 0.0, 0.0], [1.5, 0.0, 0.0], [0.0, 0.9, 0.0]])
-    seen = Observation(None, points, make_transform(np.eye(3), [0.0, 0.0, 3.0]), K, ERROR)
+    seen = Observation(make_transform(np.eye(3), [0.0, 0.0, 3.0]), K, None, points, ERROR)
     on = find_correspondences(Block(), seen, box)
     np.testing.assert_allclose(on.points * box.size, [[1 / 6, 0, 0.5], [1, 0, 0], [0, 0.5, 0]], atol=1e-5)
     across = on.normals / box.size
@@ -122,7 +122,7 @@ def test_what_the_border_cuts_is_as_large_as_usual_and_its_spread_says_so() -> N
     whole = see(picture)
     inside = outline_of(picture.mask & left, picture.depth, left)
     points = transform_points(POSE, back_project(picture.depth, K)[picture.mask & left])[::7]
-    cut = Observation(inside, points, POSE, K, ERROR)
+    cut = Observation(POSE, K, inside, points, ERROR)
     usual = SizePrior(np.log([0.5, 0.9, 0.7]), 0.15**2 * np.eye(3))
     seen_half = UprightBox(points.mean(axis=0) * [1, 1, 0] + [0, 0, 0.35], [0.5, 0.45, 0.7], TRUE.yaw)
     fit = fit_box(Block(), seen_half, cut, known(usual=usual))

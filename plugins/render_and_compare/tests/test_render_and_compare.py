@@ -392,7 +392,7 @@ def test_an_error_of_the_depths_scale_is_no_misfit() -> None:
 
     def misfit(seen_depth: np.ndarray) -> float:
         seen = Observation(
-            grey, mask, seen_depth, USUAL_ERROR, mask, nothing, 1.0, np.eye(3), np.eye(4), nothing, mask[0], nothing
+            np.eye(4), np.eye(3), grey, mask, seen_depth, USUAL_ERROR, mask, nothing, 1.0, nothing, mask[0], nothing
         )
         return compare(seen, shown, (0.4, 0.4, 0.4), (0.4, 0.4, 0.4), line_field(grey))[1]
 
