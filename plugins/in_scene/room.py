@@ -11,15 +11,13 @@ import trimesh
 from mani_skill.utils.geometry.trimesh_utils import get_component_meshes
 from sapien.physx import PhysxArticulation, PhysxRigidBaseComponent
 
-from stages.articulated.asset_folder import read_asset
-from stages.articulated.resizing import resize_asset
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
-from stages.contracts.generated import GeneratedScene, PlacedObject
-from stages.contracts.library import Asset
+from stages.contracts.generated import GeneratedScene
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.look import Look
-from stages.geometry.boxes import UprightBox
+from stages.generation.placed import Placed
+from stages.generation.scene_file import read_items
 from stages.geometry.frames import invert_transform, make_transform, transform_points, yaw_matrix
 from stages.simulation.backdrop import add_backdrop
 from stages.simulation.kinematics import Array
@@ -28,16 +26,6 @@ from stages.simulation.room import Body
 
 AGAIN = "generate the scenes again"
 OBSTACLES_WITHIN = 1.6  # metres around the target within which furniture counts as an obstacle
-
-
-@dataclass(frozen=True)
-class Furniture:
-    """A placed model: its folder at its size, and its closed box in the floor frame."""
-
-    id: str
-    folder: Path
-    asset: Asset
-    box: UprightBox
 
 
 @dataclass
@@ -49,8 +37,8 @@ class GeneratedRoom:
     """
 
     scene: GeneratedScene
-    target: Furniture
-    others: list[Furniture]
+    target: Placed
+    others: list[Placed]
     shift: tuple[float, float] = (0.0, 0.0)
     look: Look | None = None
 
@@ -119,19 +107,10 @@ def read_room(path: Path, target: str, library: Path, cache: Path) -> GeneratedR
         InputError: the scene has no such object, or a model that the library does not have.
     """
     generated = read_json(GeneratedScene, path, AGAIN)
-    folders = AssetFolders(library)
-    placed = {item.id: item for item in generated.objects if item.status == "ok"}
-    if target not in placed:
+    stands = [item.id for item in generated.objects if item.status == "ok"]
+    if target not in stands:
         failed = {item.id: item.reason for item in generated.objects if item.status == "failed"}
         why = f"object '{target}' failed: {failed[target]}" if target in failed else f"has no object '{target}'"
-        raise InputError(path, f"{why}.", f"those that stand: {', '.join(placed) or 'none'}", code="E-OBJECT-MISSING")
-    items = {name: _furniture(item, folders, cache, path) for name, item in placed.items()}
+        raise InputError(path, f"{why}.", f"those that stand: {', '.join(stands) or 'none'}", code="E-OBJECT-MISSING")
+    items = {item.id: item for item in read_items(generated, AssetFolders(library), cache, path)}
     return GeneratedRoom(generated, items.pop(target), list(items.values()))
-
-
-def _furniture(item: PlacedObject, folders: Mapping[str, Path], cache: Path, path: Path) -> Furniture:
-    if item.asset not in folders:
-        what = f"{item.id} is '{item.asset}', which the library does not have."
-        raise InputError(path, what, AGAIN, code="E-LIBRARY-ASSET")
-    folder = resize_asset(folders[item.asset], item.size, cache, item.finish)
-    return Furniture(item.id, folder, read_asset(folder), UprightBox(item.position, item.size, item.yaw))

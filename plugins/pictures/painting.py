@@ -27,5 +27,5 @@ def furnish(generated: GeneratedScene, items: list[Placed], look: Look) -> sapie
     add_backdrop(
         scene, [item.box for item in items], generated.walls, np.array(generated.floor_from_camera)[:3, 3], look
     )
-    load_items(scene, items, {item.id: item.folder for item in items})
+    load_items(scene, items)
     return scene

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.objects import DepthError
-from stages.geometry.cameras import back_project
+from stages.geometry.cameras import FloorCamera, back_project
 from stages.geometry.estimate import REACH
-from stages.geometry.frames import invert_transform, transform_points
+from stages.geometry.frames import transform_points
 from stages.geometry.masks import OUTLINE, pixel_bounds
 from stages.matching.crop import View
 
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Observation:
+class Observation(FloorCamera):
     """The object on a grid (h, w) of cells, each `step` pixels wide.
 
     rgb (h, w, 3) 0 to 1; mask: its pixels; depth: metres along the optical axis, 0: unknown, of all that is seen;
@@ -39,21 +39,9 @@ class Observation:
     inside: NDArray[np.bool_]
     corner: Array
     step: float
-    intrinsics: Array
-    floor_from_camera: Array
     sides: Array
     free: NDArray[np.bool_]
     cloud: Array
-
-    @property
-    def eye(self) -> Array:
-        """Position (3,) of the camera in the floor frame."""
-        return self.floor_from_camera[:3, 3]
-
-    @cached_property
-    def camera_from_floor(self) -> Array:
-        """The camera's pose, inverted."""
-        return invert_transform(self.floor_from_camera)
 
     @cached_property
     def rays(self) -> Array:
@@ -65,11 +53,6 @@ class Observation:
         )
         pixels = np.stack([*np.meshgrid(x, y), np.ones((len(y), len(x)))], axis=-1)
         return pixels @ np.linalg.inv(self.intrinsics).T @ self.floor_from_camera[:3, :3].T
-
-    def pixels(self, points: Array) -> Array:
-        """Pixels (N, 2) of points (N, 3), floor frame; what lies behind the camera is taken as just before it."""
-        image = transform_points(self.camera_from_floor, points) @ self.intrinsics.T
-        return image[:, :2] / np.maximum(image[:, 2:], 1e-3)
 
     def find_hidden(self, depth: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Cells (h, w) where something else lies in front of `depth` (h, w), or the picture ends."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.render_and_compare.observation import Observation
-from plugins.render_and_compare.solid import Solid
+from plugins.render_and_compare.solid import ColouredSolid
 from stages.contracts.look import GAMMA, ROOM_LIGHT
 from stages.geometry.boxes import UprightBox
 from stages.matching.crop import View
@@ -33,7 +33,7 @@ class Rendering:
         return View((self.rgb * 255).round().astype(np.uint8), there, depth.astype(np.float32), intrinsics, up)
 
 
-def render(solid: Solid, box: UprightBox, seen: Observation) -> Rendering:
+def render(solid: ColouredSolid, box: UprightBox, seen: Observation) -> Rendering:
     """Render a model in a box under one light; colours as in the model's materials."""
     look = solid.look(seen.eye, seen.rays.reshape(-1, 3), box)
     lit = -look.normals @ np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)

@@ -1,4 +1,4 @@
-"""Models of the library in a unit box, and what rays see of them: a ray caster needs no Vulkan, and a few ms."""
+"""Models of the library with their looks, and what rays see of them."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,17 +8,12 @@ import numpy as np
 import open3d as o3d
 from numpy.typing import NDArray
 
-from stages.articulated.asset_folder import read_asset, urdf_of
-from stages.articulated.forward_kinematics import frames_of
 from stages.articulated.mesh_reader import texture_of
 from stages.articulated.model import Visual
-from stages.articulated.urdf_reader import UrdfReader
-from stages.contracts.errors import InputError
-from stages.contracts.library import Asset
 from stages.contracts.look import GAMMA
-from stages.generation.solid import find_outermost
+from stages.generation.solid import Solid
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import transform_points, yaw_matrix
+from stages.geometry.frames import yaw_matrix
 
 UNPAINTED = (0.6, 0.6, 0.6)  # linear; chosen
 Array = NDArray[np.float64]
@@ -35,36 +30,16 @@ class Seen:
     plain: NDArray[np.float32]
 
 
-class Solid:
-    """The visible surface of an asset, every joint closed, scaled so that its box is [-0.5, 0.5]^3.
-
-    A box in a scene is an affine map of the unit box, so rays are mapped, never the triangles.
-    """
+class ColouredSolid(Solid):
+    """A solid with the looks of its surface."""
 
     def __init__(self, folder: Path) -> None:
-        self.asset: Asset = read_asset(folder)
-        reader = UrdfReader(urdf_of(folder, self.asset), folder)
-        frames = frames_of(reader.tree.root, reader.joints)
-        pieces = [(frames[name], visual) for name in reader.tree.links for visual in reader.visuals(name)]
-        if reader.remarks:
-            raise InputError(reader.path, reader.remarks[0], code="E-MODEL-BROKEN")
-        low, size = np.array(self.asset.box_min), np.maximum(self.asset.size, 1e-6)
-        points = [(transform_points(frame, visual.mesh.vertices) - low) / size - 0.5 for frame, visual in pieces]
-        faces = [np.asarray(visual.mesh.faces) for _, visual in pieces]
-        starts = np.cumsum([0, *map(len, points[:-1])])
-        vertices = np.concatenate(points)
-        self.outermost = find_outermost(vertices)
-        triangles = np.concatenate([face + start for face, start in zip(faces, starts, strict=True)])
-        self._piece = np.repeat(np.arange(len(pieces)), [len(face) for face in faces])
-        self._looks = [looks_of(visual) for _, visual in pieces]
+        super().__init__(folder)
+        faces = [visual.mesh.faces for visual in self.visuals]
+        self._piece = np.repeat(np.arange(len(faces)), list(map(len, faces)))
+        self._looks = [looks_of(visual) for visual in self.visuals]
         self._plain = np.array([looks.image.mean(axis=(0, 1)) for looks in self._looks])
-        uvs = [looks.uv[face] for looks, face in zip(self._looks, faces, strict=True)]
-        self._uv = np.concatenate(uvs)
-        self._scene = o3d.t.geometry.RaycastingScene(nthreads=1)
-        self._scene.add_triangles(
-            o3d.core.Tensor.from_numpy(vertices.astype(np.float32)),
-            o3d.core.Tensor.from_numpy(triangles.astype(np.uint32)),
-        )
+        self._uv = np.concatenate([looks.uv[face] for looks, face in zip(self._looks, faces, strict=True)])
 
     def place_outline(self, box: UprightBox) -> Array:
         """Its outermost vertices (N, 3) when its box is `box`."""
@@ -76,7 +51,7 @@ class Solid:
         rays = np.empty((len(directions), 6), np.float32)
         rays[:, :3] = (origin - box.center) @ turn / size
         rays[:, 3:] = directions @ turn / size
-        hits = self._scene.cast_rays(o3d.core.Tensor.from_numpy(rays), nthreads=1)
+        hits = self.scene.cast_rays(o3d.core.Tensor.from_numpy(rays), nthreads=1)
         depth = hits["t_hit"].numpy()
         there = np.isfinite(depth)
         normals, colour, plain = np.zeros((3, len(rays), 3), np.float32)

@@ -32,11 +32,6 @@ class Description:
     placement: Placement = "floor"
     recipe: Recipe | None = None
 
-    @classmethod
-    def of(cls, asset: Asset) -> "Description":
-        """That of an asset but for its recipe, which a size of its own ends."""
-        return cls(asset.id, asset.category, asset.licence, asset.provenance, asset.symmetry, asset.placement)
-
 
 def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
     """Write the asset folder `out` of a model (z up, front towards +x); an old one is replaced."""
@@ -64,12 +59,6 @@ def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
         )
         (folder / "asset.json").write_text(as_json(asset), encoding="utf-8")  # the archive it goes into is synced
     return asset
-
-
-def write_model(robot: RobotModel, out: Path) -> None:
-    """Write a URDF with its meshes alone, which simulators read: the folder `out`, whole or not at all."""
-    with atomic_folder(out) as folder:
-        write_urdf(robot, folder)
 
 
 def read_model(folder: Path) -> RobotModel:

@@ -3,8 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
+from trimesh import Trimesh
 
-from stages.articulated.model import JointModel, Link, Matrix, RobotModel, Visual
+from stages.articulated.model import JointModel, Matrix, RobotModel, Visual
 from stages.geometry.frames import transform_points
 
 
@@ -22,10 +23,12 @@ def frames_of(root: str, joints: list[JointModel], opened: float = 0.0) -> dict[
     return frames
 
 
-def read_closed_links(robot: RobotModel) -> list[Link]:
-    """Links with their meshes in the root frame, every joint closed."""
+def list_collisions(robot: RobotModel) -> list[Trimesh]:
+    """The convex pieces that collide, in the root frame, every joint closed."""
     frames = link_frames(robot)
-    return [link.map_linearly(frames[link.name]) for link in robot.links.values()]
+    return [
+        piece.copy().apply_transform(frames[link.name]) for link in robot.links.values() for piece in link.collisions
+    ]
 
 
 def visual_bounds(visuals: list[Visual], frame: Matrix) -> Matrix | None:

@@ -18,11 +18,11 @@ PICTURES = {".bmp", ".gif", ".jpeg", ".jpg", ".png", ".tga", ".tif", ".tiff", ".
 class MeshResolver(Resolver):  # type: ignore[misc]
     """The files that the mesh file `path` names, looked for beside it and above, up to `folder`.
 
-    trimesh goes on without what cannot be read; `lost` says so, a line each.
+    trimesh goes on without what cannot be read; `lost` says so, a line each. `made`: files that are made up, by name.
     """
 
     def __init__(self, path: Path, folder: Path) -> None:
-        self.path, self.folder, self.lost = path, folder, list[str]()
+        self.path, self.folder, self.lost, self.made = path, folder, list[str](), dict[str, bytes]()
         self.file_name = path.name  # which trimesh calls nameless meshes by
 
     def get(self, name: str) -> bytes:
@@ -31,6 +31,8 @@ class MeshResolver(Resolver):  # type: ignore[misc]
         Raises:
             FileNotFoundError: it is not in the folder, or is a picture that cannot be opened.
         """
+        if name in self.made:
+            return self.made[name]
         found = self.find(name)
         if found is None:
             raise self._note_loss(_written(name), f"is not in {self.folder.name}/")
@@ -61,29 +63,6 @@ class MeshResolver(Resolver):  # type: ignore[misc]
         raise PermissionError(name)
 
     def namespaced(self, namespace: str) -> "MeshResolver":
-        """The same files."""
-        return self
-
-
-class With(Resolver):  # type: ignore[misc]
-    """The files of another resolver, and some that are made up, by name."""
-
-    def __init__(self, files: MeshResolver, made: dict[str, bytes]) -> None:
-        self.files, self.made, self.file_name = files, made, files.file_name
-
-    def get(self, name: str) -> bytes:
-        """The bytes of a file."""
-        return self.made[name] if name in self.made else self.files.get(name)
-
-    def keys(self) -> list[str]:
-        """None are listed."""
-        return []
-
-    def write(self, name: str, data: Any) -> None:
-        """Nothing is written."""
-        raise PermissionError(name)
-
-    def namespaced(self, namespace: str) -> "With":
         """The same files."""
         return self
 

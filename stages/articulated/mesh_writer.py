@@ -1,6 +1,5 @@
 """Write meshes: OBJ for what has one colour, GLB for what carries its own looks, with sharp edges where they are."""
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,11 +16,6 @@ from stages.articulated.model import Texture, Visual
 
 SHARP = np.radians(35)  # edges sharper than this stay sharp
 MOST_TEXELS = 1024  # along a side of a picture: renderers hold all of them in memory, per part
-
-
-def numbers(values: Iterable[float]) -> str:
-    """Numbers as URDF wants them: to a hundredth of a millimetre, without -0."""
-    return " ".join(f"{round(float(value), 5) + 0.0:g}" for value in values)
 
 
 def is_box(mesh: Trimesh) -> bool:

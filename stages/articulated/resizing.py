@@ -72,7 +72,7 @@ def resize_model(folder: Path, asset: Asset, size: Sequence[float], by_recipe: b
     if not all(0 < extent <= LARGEST for extent in (x, y, z)):
         fix = f"all extents must be positive, {LARGEST:g} m at most"
         raise InputError(folder, f"cannot be resized to {x:g} x {y:g} x {z:g} m.", fix, code="E-MODEL-SIZE")
-    about = Description.of(asset)
+    about = Description(asset.id, asset.category, asset.licence, asset.provenance, asset.symmetry, asset.placement)
     if by_recipe and asset.recipe is not None:
         return load_maker().make_model(asset.recipe, (x, y, z), about)
     a, b, c = (np.array([x, y, z]) / np.maximum(asset.size, 1e-9)).tolist()

@@ -7,6 +7,7 @@ and convex OBJs collide.
 import re
 import warnings
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,13 +19,12 @@ from trimesh import Trimesh
 from stages.articulated.mesh_writer import (
     Surface,
     is_box,
-    numbers,
     split_sharp_edges,
     write_glb,
     write_obj,
     write_texture,
 )
-from stages.articulated.model import JointModel, Link, Matrix, RobotModel, transform_mesh
+from stages.articulated.model import JointModel, Link, Matrix, RobotModel
 from stages.contracts.parts import PARTS
 from stages.geometry.frames import ROUNDING, make_transform
 
@@ -33,8 +33,8 @@ SURFACE_FRICTION = 0.6  # coefficient of what collides, which URDF cannot say
 PLAIN_NAME = re.compile(r"(?!link_)(?!.*hull)[a-z][a-z0-9_]{0,40}")
 
 
-def write_urdf(robot: RobotModel, folder: Path) -> None:
-    """Write the URDF and its meshes into a folder."""
+def write_urdf(robot: RobotModel, folder: Path) -> Path:
+    """Write the URDF and its meshes into a folder, which is made."""
     (folder / "meshes").mkdir(parents=True, exist_ok=True)
     root = ET.Element("robot", name=robot.name)
     joint_of = {joint.child: joint for joint in robot.joints}
@@ -47,6 +47,7 @@ def write_urdf(robot: RobotModel, folder: Path) -> None:
     (folder / "model.urdf").write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
     if robot.touching:
         write_srdf(robot, folder)
+    return folder
 
 
 def as_written(robot: RobotModel) -> RobotModel:
@@ -64,8 +65,9 @@ def as_written(robot: RobotModel) -> RobotModel:
 def _round_piece(piece: Trimesh) -> Trimesh:
     if not is_box(piece):
         return Trimesh(piece.vertices.round(5), piece.faces, process=False)
-    box = trimesh.creation.box(np.maximum(piece.extents, 1e-5).round(5))
-    return transform_mesh(box, make_transform(np.eye(3), piece.bounds.mean(axis=0).round(5)))
+    return trimesh.creation.box(np.maximum(piece.extents, 1e-5).round(5)).apply_translation(
+        piece.bounds.mean(axis=0).round(5)
+    )
 
 
 def write_srdf(robot: RobotModel, folder: Path) -> None:
@@ -108,14 +110,12 @@ def _add_visuals(element: ET.Element, folder: Path, link: Link, stem: str) -> No
     looks = dict.fromkeys((visual.colour, visual.texture) for visual in link.visuals if visual.colour is not None)
     for number, (colour, texture) in enumerate(looks):
         name = f"{stem}_{number}"
-        alike = [
-            split_sharp_edges(visual) for visual in link.visuals if (visual.colour, visual.texture) == (colour, texture)
-        ]
-        write_obj(folder / f"meshes/{name}.obj", alike, texture)
-        visual = ET.SubElement(element, "visual", name=name)
-        _add_mesh(visual, f"meshes/{name}.obj")
+        shown = ET.SubElement(element, "visual", name=name)
+        _add_mesh(shown, f"meshes/{name}.obj")
+        alike = [visual for visual in link.visuals if (visual.colour, visual.texture) == (colour, texture)]
+        write_obj(folder / f"meshes/{name}.obj", list(map(split_sharp_edges, alike)), texture)
         if texture is None:
-            ET.SubElement(ET.SubElement(visual, "material", name=name), "color", rgba=numbers(colour or ()))
+            ET.SubElement(ET.SubElement(shown, "material", name=name), "color", rgba=numbers(colour or ()))
         else:
             write_texture(folder / "meshes", texture)
     own: list[Trimesh] = [visual.mesh for visual in link.visuals if visual.colour is None]
@@ -147,6 +147,11 @@ def _add_joint(root: ET.Element, joint: JointModel, moving: set[str]) -> None:
     if joint.part_type and (spring := PARTS[joint.part_type].spring):
         dynamics["stiffness"] = numbers([spring])  # no URDF of the standard has it: readers that do not know it skip it
     ET.SubElement(element, "dynamics", dynamics)
+
+
+def numbers(values: Iterable[float]) -> str:
+    """Numbers as URDF wants them: to a hundredth of a millimetre, without -0."""
+    return " ".join(f"{round(float(value), 5) + 0.0:g}" for value in values)
 
 
 def _roll_pitch_yaw(transform: Matrix) -> Matrix:

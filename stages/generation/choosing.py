@@ -4,7 +4,6 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from stages.contracts import Asset, InputError
 from stages.contracts.doubt import DoubtKind
@@ -13,7 +12,6 @@ from stages.generation.inputs import Inputs, MatchedObject
 from stages.generation.models import resize
 from stages.generation.placed import Placed
 from stages.generation.placing import Places
-from stages.geometry.boxes import UprightBox
 
 SAME_MEANING = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15); chosen
 
@@ -90,7 +88,7 @@ def choose_by_rank(placed: Iterable[Placed], rank: int, limit: float | None, cat
     passed: list[tuple[float, Placed]] = []
     nearest: Asset | None = None
     for one in placed:
-        nearest, times = nearest or one.asset, measure_stretch(one.asset.size, one.box)
+        nearest, times = nearest or one.asset, one.stretch
         if one.asset.category not in categories:
             continue
         same = (one.asset.doors, one.asset.drawers) == (nearest.doors, nearest.drawers)
@@ -113,13 +111,3 @@ def choose_by_rank(placed: Iterable[Placed], rank: int, limit: float | None, cat
     if over:
         steps = (*steps, f"passed over, for so many times they would be stretched: cousins {over}")
     return replace(one, steps=(*steps, *one.steps))
-
-
-def measure_stretch(native: ArrayLike, box: UprightBox) -> float:
-    """How far a model is stretched in a box, 1 or more: as a whole, or one axis against another, whatever is more.
-
-    A sofa of 2 m is no stool: it would be squeezed to a fifth of its width.
-    """
-    scales = box.size / np.asarray(native, dtype=float)
-    middle = float(np.median(scales))
-    return max(float(scales.max() / scales.min()), middle, 1 / middle)

@@ -16,13 +16,14 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import open3d as o3d
 from numpy.typing import NDArray
 
 from stages.contracts.objects import DepthError, Wall
-from stages.generation.solid import Correspondences, Solid
+from stages.generation.solid import Solid
 from stages.geometry.boxes import THINNEST, UprightBox
-from stages.geometry.cameras import project
-from stages.geometry.frames import invert_transform, transform_points, yaw_matrix
+from stages.geometry.cameras import FloorCamera
+from stages.geometry.frames import transform_points, yaw_matrix
 from stages.geometry.masks import OUTLINE
 from stages.geometry.outlines import DIRECTIONS, Outline
 
@@ -41,24 +42,12 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Observation:
+class Observation(FloorCamera):
     """What the picture shows of an object: its outline (None: no mask) and points (N, 3) of it, floor frame."""
 
     outline: Outline | None
     points: Array
-    floor_from_camera: Array
-    intrinsics: Array
     error: DepthError
-
-    @property
-    def eye(self) -> Array:
-        """The camera (3,), floor frame."""
-        return self.floor_from_camera[:3, 3]
-
-    @cached_property
-    def camera_from_floor(self) -> Array:
-        """The camera's pose, inverted."""
-        return invert_transform(self.floor_from_camera)
 
     @cached_property
     def rays(self) -> Array:
@@ -70,12 +59,6 @@ class Observation:
     def noise(self) -> Array:
         """Standard deviation (N,), metres, of the points along their rays."""
         return np.asarray(self.error.predict(transform_points(self.camera_from_floor, self.points)[:, 2]))
-
-    def project(self, points: Array) -> Array:
-        """Pixels (N, 2) of points (N, 3); those behind the camera as just before it."""
-        in_camera = transform_points(self.camera_from_floor, points)
-        in_camera[:, 2] = np.maximum(in_camera[:, 2], THINNEST)
-        return project(in_camera, self.intrinsics)
 
 
 class SizePrior(NamedTuple):
@@ -107,6 +90,13 @@ class Fit(NamedTuple):
     box: UprightBox
     spread: Array
     cost: float
+
+
+class Correspondences(NamedTuple):
+    """What of a surface belongs to each of N points: points and normals (N, 3) in the unit box."""
+
+    points: Array
+    normals: Array
 
 
 class Terms(NamedTuple):
@@ -142,7 +132,7 @@ def improve_box(solid: Solid, start: UprightBox, seen: Observation, known: Prior
         return UprightBox(start.center + change[:3], size * np.exp(change[3:]), start.yaw)
 
     for _ in range(ROUNDS):
-        on = solid.find_correspondences(seen.eye, seen.points, change_box(change))
+        on = find_correspondences(solid, seen, change_box(change))
         for _ in range(STEPS):
             now, *shifted = (
                 compare(change_box(change + row), solid, on, seen, known, tolerance)
@@ -155,8 +145,25 @@ def improve_box(solid: Solid, start: UprightBox, seen: Observation, known: Prior
             change = change - np.clip(step, -bound, bound)
             change[3:] = np.clip(change[3:], -LARGEST_CHANGE, LARGEST_CHANGE)
     box = change_box(change)
-    last = compare(box, solid, solid.find_correspondences(seen.eye, seen.points, box), seen, known, tolerance)
+    last = compare(box, solid, find_correspondences(solid, seen, box), seen, known, tolerance)
     return Fit(box, TOO_SURE * np.sqrt(np.diag(np.linalg.inv(curvature))[3:]), last.cost)
+
+
+def find_correspondences(solid: Solid, seen: Observation, box: UprightBox) -> Correspondences:
+    """Where rays from the camera to the points meet the model when its box is `box`; of points whose rays miss it,
+    what of its surface is nearest to them in the unit box."""
+    turn = yaw_matrix(box.yaw)
+    origin, ends = (seen.eye - box.center) @ turn / box.size, (seen.points - box.center) @ turn / box.size
+    rays = np.concatenate([np.broadcast_to(origin, ends.shape), ends - origin], axis=1).astype(np.float32)
+    hits = solid.scene.cast_rays(o3d.core.Tensor.from_numpy(rays), nthreads=1)
+    far, normals = hits["t_hit"].numpy(), hits["primitive_normals"].numpy().astype(float)
+    missed = np.isinf(far)
+    found = origin + rays[:, 3:] * np.where(missed, 0.0, far)[:, None]
+    if missed.any():
+        queries = o3d.core.Tensor.from_numpy(ends[missed].astype(np.float32))
+        found[missed] = solid.scene.compute_closest_points(queries, nthreads=1)["points"].numpy()
+        normals[missed] = (ends - found)[missed] * box.size**2  # in metres along what is between the two
+    return Correspondences(found, normals)
 
 
 def compare(

@@ -67,16 +67,6 @@ class Inputs:
         """By object, metres (x, y) by which a person moves it."""
         return {one.object.id: one.correction.nudge for one in self.matched}
 
-    def folder(self, asset: str) -> Path:
-        """Of a model.
-
-        Raises:
-            InputError: the library lacks it.
-        """
-        if asset not in self.folders:
-            raise InputError("--library", f"asset '{asset}' is not in the library", code="E-LIBRARY-ASSET")
-        return self.folders[asset]
-
 
 def read_inputs(
     cousins: Path,

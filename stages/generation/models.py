@@ -12,11 +12,9 @@ import numpy as np
 from shapely import MultiPoint, Polygon
 from trimesh import Trimesh
 
-from stages.articulated.asset_folder import read_asset, read_model, urdf_of
-from stages.articulated.forward_kinematics import frames_of, measure_closed_box, read_closed_links
-from stages.articulated.model import Link, Visual
+from stages.articulated.asset_folder import read_model
+from stages.articulated.forward_kinematics import list_collisions, measure_closed_box
 from stages.articulated.resizing import has_size, resize_model
-from stages.articulated.urdf_reader import UrdfReader
 from stages.articulated.urdf_writer import as_written
 from stages.generation.placed import Placed, Prism
 
@@ -25,12 +23,11 @@ def resize(item: Placed) -> Placed:
     """The item with a model of the size of its box and that model's collision prisms, rounded as in its files."""
     if has_size(item.asset, item.size.tolist()):
         return replace(item, prisms=to_prisms(read_collisions(item.folder)))
-    sized = resize_model(item.folder, item.asset, item.size.tolist())
-    low, high = (measure_closed_box(sized.robot).round(6) + 0.0).tolist()
-    mass = round(sized.robot.mass, 4)
-    asset = item.asset.model_copy(update={"box_min": tuple(low), "box_max": tuple(high), "mass": mass})
-    pieces = [mesh for link in read_closed_links(as_written(sized.robot)) for mesh in link.collisions]
-    return replace(item, asset=asset, sized=sized, prisms=to_prisms(pieces))
+    robot = resize_model(item.folder, item.asset, item.size.tolist()).robot
+    pieces = list_collisions(as_written(robot))
+    low, high = (measure_closed_box(robot).round(6) + 0.0).tolist()
+    sized = {"box_min": tuple(low), "box_max": tuple(high), "mass": round(robot.mass, 4)}
+    return replace(item, asset=item.asset.model_copy(update=sized), robot=robot, prisms=to_prisms(pieces))
 
 
 def to_prisms(pieces: Iterable[Trimesh]) -> tuple[Prism, ...]:
@@ -45,19 +42,7 @@ def to_prisms(pieces: Iterable[Trimesh]) -> tuple[Prism, ...]:
     return tuple(found)
 
 
-def read_visuals(folder: Path) -> list[Visual]:
-    """What is seen of a model, in the asset frame; as of `read_links`, in half the time."""
-    reader = UrdfReader(urdf_of(folder, read_asset(folder)), folder)
-    frames = frames_of(reader.tree.root, reader.joints)
-    return [visual.transform(frames[name]) for name in reader.tree.links for visual in reader.visuals(name)]
-
-
 @lru_cache(maxsize=64)
-def read_links(folder: Path) -> list[Link]:
-    """Links of a model with their meshes in the asset frame."""
-    return read_closed_links(read_model(folder))
-
-
 def read_collisions(folder: Path) -> list[Trimesh]:
     """The convex pieces that collide."""
-    return [mesh for link in read_links(folder) for mesh in link.collisions]
+    return list_collisions(read_model(folder))

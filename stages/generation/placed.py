@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stages.articulated.resizing import SizedModel
+from stages.articulated.model import RobotModel
 from stages.contracts import Asset
 from stages.contracts.doubt import Doubt
 from stages.contracts.library import Finish
@@ -34,7 +34,7 @@ class Prism(NamedTuple):
 class Placed:
     """A model whose closed box is `box` (floor frame).
 
-    folder: of the model. sized: the model at its size, unless that is the folder's. prisms: of its collision shapes, in
+    folder: of the model. robot: the model at its size, unless that is the folder's. prisms: of its collision shapes, in
     the asset frame. support: 'floor', 'wall', the id of the object beneath, or 'unnamed': it stands on something that
     is no object of the scene; as extraction saw it until it is stacked. spread: standard deviations of the logarithms
     of fitted extents. cousin: its rank in cousins.json. chosen: by a person. steps: what each step changed so far.
@@ -48,7 +48,7 @@ class Placed:
     box: UprightBox
     mounting: Mounting
     support: str = FLOOR
-    sized: SizedModel | None = None
+    robot: RobotModel | None = None
     prisms: tuple[Prism, ...] = ()
     spread: tuple[float, float, float] | None = None
     moved: float = 0.0
@@ -92,6 +92,16 @@ class Placed:
     def middle(self) -> NDArray[np.float64]:
         """Box center (3,) in the asset frame."""
         return (np.asarray(self.asset.box_min) + np.asarray(self.asset.box_max)) / 2
+
+    @property
+    def stretch(self) -> float:
+        """How far the model is stretched, 1 or more: as a whole, or one axis against another, whatever is more.
+
+        A sofa of 2 m is no stool: it would be squeezed to a fifth of its width.
+        """
+        scales = self.size / np.asarray(self.asset.size)
+        middle = float(np.median(scales))
+        return max(float(scales.max() / scales.min()), middle, 1 / middle)
 
     @property
     def pose(self) -> NDArray[np.float64]:

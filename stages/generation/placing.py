@@ -1,11 +1,11 @@
 """One model in the place of one object: turned, sized and mounted; not yet on its support (paper A.3, A.7)."""
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from stages.config.generation import GenerationConfig
-from stages.contracts import Asset, read_json
+from stages.contracts import Asset, InputError, read_json
 from stages.contracts.cousins import Cousin
 from stages.contracts.doubt import DoubtKind
 from stages.contracts.objects import Mounting
@@ -17,12 +17,13 @@ from stages.generation.turning import find_yaw
 from stages.geometry.boxes import THINNEST, UprightBox
 
 
+@dataclass
 class Places:
     """Cousins in the places of their objects, each found once for the scenes of all ranks."""
 
-    def __init__(self, inputs: Inputs, options: GenerationConfig) -> None:
-        self.inputs, self.options = inputs, options
-        self._found: dict[tuple[str, str], Placed] = {}  # by the ids of an object and of a model
+    inputs: Inputs
+    options: GenerationConfig
+    _found: dict[tuple[str, str], Placed] = field(default_factory=dict)  # by the ids of an object and of a model
 
     def find(self, one: MatchedObject, cousin: Cousin) -> Placed:
         """A cousin in the place of an object; see `place`."""
@@ -41,7 +42,10 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
     Raises:
         InputError: the library lacks it.
     """
-    item, scene, folder = one.object, inputs.objects, inputs.folder(cousin.asset)
+    item, scene = one.object, inputs.objects
+    if cousin.asset not in inputs.folders:
+        raise InputError("--library", f"asset '{cousin.asset}' is not in the library", code="E-LIBRARY-ASSET")
+    folder = inputs.folders[cousin.asset]
     asset = read_json(Asset, folder / "asset.json")
     assert item.box is not None
     box, mounting = UprightBox(item.box.center, item.box.size, item.box.yaw), item.mounting or Mounting(type=2)

@@ -97,11 +97,8 @@ def read_items(generated: GeneratedScene, folders: Mapping[str, Path], cache: Pa
             raise InputError(
                 path, f"{item.id} is '{item.asset}', which the library does not have.", code="E-LIBRARY-ASSET"
             )
-        folder, mounting = (
-            resize_asset(folders[item.asset], item.size, cache, item.finish),
-            item.mounting or Mounting(type=2),
-        )
-        box = UprightBox(item.position, item.size, item.yaw)
+        folder = resize_asset(folders[item.asset], item.size, cache, item.finish)
+        box, mounting = UprightBox(item.position, item.size, item.yaw), item.mounting or Mounting(type=2)
         items.append(Placed(item.id, item.label, read_asset(folder), folder, box, mounting, item.support))
     if not items:
         raise InputError(path, "has no object that stands in it.", code="E-SCENE-EMPTY")

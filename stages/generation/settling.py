@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation
 from scipy.spatial.transform import Rotation
 
-from stages.articulated.asset_folder import write_model
+from stages.articulated.urdf_writer import write_urdf
 from stages.config.generation import GenerationConfig
 from stages.contracts import Objects
 from stages.contracts.doubt import DoubtKind
@@ -39,32 +39,18 @@ def simulate(items: list[Placed], room: Objects, collisions: int, options: Gener
     """Let a scene settle with floor and walls. `collisions`: pairs that the pushes could not free."""
     scene = physics_scene()
     add_backdrop(scene, [item.box for item in items], room.walls, np.array(room.floor_from_camera)[:3, 3])
-    with TemporaryDirectory(prefix="acdc-sized-") as folder:
-        bodies = load_items(scene, items, write_models(items, Path(folder)))
-    return run_physics(scene, bodies, items, collisions, options, room.walls)
+    return run_physics(scene, load_items(scene, items), items, collisions, options, room.walls)
 
 
-def write_models(items: Sequence[Placed], out: Path) -> dict[str, Path]:
-    """Folders of the models, by id: those that are resized are written into `out` as URDFs."""
-    for item in items:
-        if item.sized is not None:
-            write_model(item.sized.robot, out / item.id)
-    return {item.id: item.folder if item.sized is None else out / item.id for item in items}
-
-
-def load_items(scene: sapien.Scene, items: Sequence[Placed], folders: Mapping[str, Path]) -> dict[str, Body]:
-    """Load every item at its place, closed; `folders`: of their models at their sizes, by id."""
-    return {
-        item.id: load_asset(
-            scene,
-            folders[item.id],
-            root_pose(item.asset, item.center.tolist(), item.box.yaw),
-            fixed=item.held,
-            name=item.id,
-            asset=item.asset,
-        )
-        for item in items
-    }
+def load_items(scene: sapien.Scene, items: Sequence[Placed]) -> dict[str, Body]:
+    """Load every item at its place, closed. The simulator reads URDFs: a model at another size is written for it."""
+    with TemporaryDirectory(prefix="acdc-sized-") as out:
+        folders = [item.folder if item.robot is None else write_urdf(item.robot, Path(out) / item.id) for item in items]
+        poses = [root_pose(item.asset, item.center.tolist(), item.box.yaw) for item in items]
+        return {
+            item.id: load_asset(scene, folder, pose, item.held, item.id, asset=item.asset)
+            for item, folder, pose in zip(items, folders, poses, strict=True)
+        }
 
 
 def run_physics(

@@ -50,10 +50,10 @@ def size(
         touched=reached,
     )
     seen = Observation(
-        one.outline,
-        one.cloud[:: max(1, len(one.cloud) // POINTS)].astype(float),
         np.array(scene.floor_from_camera),
         np.array(scene.intrinsics),
+        one.outline,
+        one.cloud[:: max(1, len(one.cloud) // POINTS)].astype(float),
         scene.depth_error,
     )
     fit = fit_box(read_solid(placed.folder), placed.box, seen, known)

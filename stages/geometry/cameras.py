@@ -6,11 +6,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stages.geometry.frames import make_transform, transform_points
+from stages.geometry.frames import invert_transform, make_transform, transform_points
 
 OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # OpenGL's camera axes (x right, y up, z backward) from OpenCV's, and back
 # OpenCV's camera axes -> SAPIEN's (x forward, y left, z up)
 SAPIEN_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+JUST_BEFORE = 0.01  # metres from a camera: what lies behind it is shown there; chosen
 MARGIN = 0.06  # share of a picture left free around what it frames; chosen
 
 
@@ -39,6 +40,30 @@ def look_at(eye: ArrayLike, target: ArrayLike) -> NDArray[np.float64]:
     right = np.cross(forward, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
     return make_transform(np.column_stack([right, np.cross(forward, right), forward]), eye)
+
+
+@dataclass(frozen=True)
+class FloorCamera:
+    """A camera in the floor frame: its pose (4, 4), OpenCV axes, and K (3, 3), pixels."""
+
+    floor_from_camera: NDArray[np.float64]
+    intrinsics: NDArray[np.float64]
+
+    @property
+    def eye(self) -> NDArray[np.float64]:
+        """Its position (3,)."""
+        return self.floor_from_camera[:3, 3]
+
+    @cached_property
+    def camera_from_floor(self) -> NDArray[np.float64]:
+        """Its pose, inverted."""
+        return invert_transform(self.floor_from_camera)
+
+    def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Pixels (N, 2) of points (N, 3), floor frame; those behind it as just before it."""
+        in_camera = transform_points(self.camera_from_floor, points)
+        in_camera[:, 2] = np.maximum(in_camera[:, 2], JUST_BEFORE)
+        return project(in_camera, self.intrinsics)
 
 
 def back_project(depth: NDArray[np.floating], intrinsics: ArrayLike) -> NDArray[np.float64]:

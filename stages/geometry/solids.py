@@ -1,10 +1,11 @@
-"""Mass and inertia of links whose files state none, as if they were made of boards."""
+"""Solids: mass and inertia of links whose files state none, as if they were made of boards; outermost points."""
 
 from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
 from trimesh import Trimesh
 
 DENSITY = 500.0  # kg / m^3, of wood; chosen
@@ -37,6 +38,14 @@ def box_inertia(pieces: Sequence[Trimesh], mass: float) -> Matrix:
     low, high = box_around(pieces)
     x, y, z = (high - low) ** 2
     return mass / 12 * np.diag([y + z, x + z, x + y]) + MINIMUM_INERTIA * np.eye(3)
+
+
+def find_outermost(points: Matrix) -> Matrix:
+    """The points (N, 3) that every outline is made of; all of them if they lie in a plane."""
+    try:
+        return points[ConvexHull(points).vertices]
+    except QhullError:
+        return points
 
 
 def box_around(pieces: Sequence[Trimesh]) -> Matrix:

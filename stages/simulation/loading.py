@@ -14,9 +14,9 @@ import sapien
 from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation
 
-from stages.articulated.asset_folder import read_asset, write_model
+from stages.articulated.asset_folder import read_asset
 from stages.articulated.resizing import resize_model
-from stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION
+from stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION, write_urdf
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.contracts.parts import PARTS
@@ -79,7 +79,7 @@ class ParsedAsset:
         size = tuple((np.array(self.asset.size) * scale).tolist())
         folder = Path(_scratch().name) / hashlib.sha256(f"{self.folder.resolve()}{size}".encode()).hexdigest()[:16]
         if not folder.exists():
-            write_model(resize_model(self.folder, self.asset, size, by_recipe=False).robot, folder)
+            write_urdf(resize_model(self.folder, self.asset, size, by_recipe=False).robot, folder)
         return self._parse(folder / self.asset.urdf)
 
     def _parse(self, urdf: Path) -> Any:

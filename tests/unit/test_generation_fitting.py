@@ -8,12 +8,13 @@ import pytest
 
 from stages.contracts.category import Category
 from stages.contracts.objects import DepthError, Wall
-from stages.generation.fitting import TOO_SURE, Observation, Prior, SizePrior, fit_box
-from stages.generation.solid import Solid, find_outermost
+from stages.generation.fitting import TOO_SURE, Observation, Prior, SizePrior, find_correspondences, fit_box
+from stages.generation.solid import Solid
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import back_project, intrinsics_from_fov
 from stages.geometry.frames import Array, make_transform, transform_points, yaw_matrix
 from stages.geometry.outlines import Outline, measure_outline
+from stages.geometry.solids import find_outermost
 from tests.unit.generation_scenes import BACK
 
 WIDTH, HEIGHT = 320, 240
@@ -34,8 +35,8 @@ class Block(Solid):
 
         mesh = o3d.geometry.TriangleMesh.create_box()
         self.outermost = find_outermost(BLOCK)
-        self._scene = o3d.t.geometry.RaycastingScene(nthreads=1)
-        self._scene.add_triangles(
+        self.scene = o3d.t.geometry.RaycastingScene(nthreads=1)
+        self.scene.add_triangles(
             o3d.core.Tensor.from_numpy((np.asarray(mesh.vertices) - 0.5).astype(np.float32)),
             o3d.core.Tensor.from_numpy(np.asarray(mesh.triangles).astype(np.uint32)),
         )
@@ -44,7 +45,7 @@ class Block(Solid):
         """How far rays (N, 6) go until they meet it."""
         import open3d as o3d
 
-        return self._scene.cast_rays(o3d.core.Tensor.from_numpy(rays.astype(np.float32)))["t_hit"].numpy()
+        return self.scene.cast_rays(o3d.core.Tensor.from_numpy(rays.astype(np.float32)))["t_hit"].numpy()
 
 
 class Picture(NamedTuple):
@@ -75,11 +76,17 @@ def see(picture: Picture, mask: np.ndarray | None = None) -> Observation:
     mask = picture.mask if mask is None else mask
     points = transform_points(POSE, back_project(picture.depth, K)[mask])[::7]
     outline = outline_of(mask, picture.depth, np.ones_like(mask))
-    return Observation(outline, points, POSE, K, ERROR)
+    return Observation(POSE, K, outline, points, ERROR)
 
 
 def known(native=(0.5, 0.9, 0.7), **values) -> Prior:
     return replace(Prior(np.array(native), False, None, 0.0, [], []), **values)
+
+
+def test_outlines_are_made_of_the_outermost_points() -> None:
+    assert len(find_outermost(np.concatenate([BLOCK, 0.5 * BLOCK]))) == 8
+    flat = np.array([[0.0, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]])
+    assert len(find_outermost(flat)) == 4  # a poster without thickness
 
 
 def test_a_box_seen_whole_is_found_from_a_wrong_start() -> None:
@@ -93,7 +100,8 @@ def test_a_box_seen_whole_is_found_from_a_wrong_start() -> None:
 def test_points_whose_rays_miss_the_model_count_by_how_far_they_are_off() -> None:
     box = UprightBox([0.0, 0.0, 0.0], [2.0, 1.0, 1.0], 0.0)
     points = np.array([[0.2, 0.0, 0.0], [1.5, 0.0, 0.0], [0.0, 0.9, 0.0]])
-    on = Block().find_correspondences(np.array([0.0, 0.0, 3.0]), points, box)
+    seen = Observation(make_transform(np.eye(3), [0.0, 0.0, 3.0]), K, None, points, ERROR)
+    on = find_correspondences(Block(), seen, box)
     np.testing.assert_allclose(on.points * box.size, [[1 / 6, 0, 0.5], [1, 0, 0], [0, 0.5, 0]], atol=1e-5)
     across = on.normals / box.size
     across /= np.linalg.norm(across, axis=1, keepdims=True)
@@ -114,7 +122,7 @@ def test_what_the_border_cuts_is_as_large_as_usual_and_its_spread_says_so() -> N
     whole = see(picture)
     inside = outline_of(picture.mask & left, picture.depth, left)
     points = transform_points(POSE, back_project(picture.depth, K)[picture.mask & left])[::7]
-    cut = Observation(inside, points, POSE, K, ERROR)
+    cut = Observation(POSE, K, inside, points, ERROR)
     usual = SizePrior(np.log([0.5, 0.9, 0.7]), 0.15**2 * np.eye(3))
     seen_half = UprightBox(points.mean(axis=0) * [1, 1, 0] + [0, 0, 0.35], [0.5, 0.45, 0.7], TRUE.yaw)
     fit = fit_box(Block(), seen_half, cut, known(usual=usual))

@@ -75,7 +75,7 @@ def test_a_can_lies_in_a_bowl_and_stays(index: int, aside: float, tmp_path: Path
     assert not result.left
     physics = physics_scene()
     add_ground(physics)
-    settled = run_physics(physics, load_items(physics, result.items, folders), result.items, 0, options)
+    settled = run_physics(physics, load_items(physics, result.items), result.items, 0, options)
     assert settled.plausibility.stable and settled.plausibility.max_penetration < 1e-3
     assert settled.shifts["can"] < 2e-3
     placed = {item.id: item for item in result.items}["can"]

@@ -1,15 +1,17 @@
 """Yaw and extents of a placed asset: known answers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from stages.contracts.objects import Mounting
-from stages.generation.choosing import measure_stretch
 from stages.generation.placing import reaches_walls
 from stages.generation.turning import find_wall_axes, measure_rectangularity, pick_rear_at_wall, turn_to
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import wrap_angle, yaw_matrix
 from stages.geometry.viewing import view_yaw
+from tests.unit.generation_scenes import thing
 
 DEGREE = np.pi / 180
 
@@ -81,4 +83,4 @@ def test_what_stands_on_furniture_or_is_round_is_not_extended_to_the_wall():
 )
 def test_a_sofa_is_no_stool(size, stays):
     box = UprightBox((0, 0, 0), size, 0.0)
-    assert (measure_stretch((0.9, 2.2, 0.8), box) <= 2.0) == stays
+    assert (replace(thing("sofa", (0, 0, 0), (0.9, 2.2, 0.8)), box=box).stretch <= 2.0) == stays

@@ -13,6 +13,8 @@ from PIL import Image
 
 from plugins.furniture.catalogue import sample
 from plugins.furniture.folder import build as build_asset
+from stages.articulated.asset_folder import read_model
+from stages.articulated.forward_kinematics import measure_closed_box
 from stages.config.generation import GenerationConfig
 from stages.config.packages import verb
 from stages.contracts import Asset, Cousins, GeneratedScene, InputError, Objects, read_json, write_json
@@ -24,10 +26,10 @@ from stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from stages.generation.doubts import doubt_placement
 from stages.generation.generate import run
 from stages.generation.inputs import Inputs, read_inputs
-from stages.generation.models import read_collisions, read_links
+from stages.generation.models import read_collisions
 from stages.generation.placed import Placed
 from stages.generation.scene_file import summarise, to_contract
-from stages.generation.settling import describe_fall, find_behind, load_items, run_physics, simulate, write_models
+from stages.generation.settling import describe_fall, find_behind, load_items, run_physics, simulate
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import intrinsics_from_fov, look_at, project
 from stages.geometry.frames import invert_transform, transform_points, yaw_matrix
@@ -272,7 +274,7 @@ def test_same_scene_same_pictures(scene: dict[str, Path], drawn: Path, tmp_path:
 def test_collision_and_visual_meshes_fill_the_closed_box(scene: dict[str, Path]) -> None:
     folder = AssetFolders(scene["library"])["bottom_cabinet_0"]
     asset = read_json(Asset, folder / "asset.json")
-    bounds = trimesh.util.concatenate([visual.mesh for link in read_links(folder) for visual in link.visuals]).bounds
+    bounds = measure_closed_box(read_model(folder))
     assert bounds == pytest.approx(np.array([asset.box_min, asset.box_max]), abs=1e-3)
     assert trimesh.util.concatenate(read_collisions(folder)).extents == pytest.approx(asset.size, abs=0.05)
 
@@ -286,7 +288,7 @@ def test_what_floats_falls_unless_it_hangs_on_a_wall(scene: dict[str, Path], tmp
     for items, fallen in ((floating, {"cabinet_1": 0.1, "mug_1": 0.3}), (hung, {"mug_1": 0.2})):
         physics = physics_scene()
         add_ground(physics)
-        settled = run_physics(physics, load_items(physics, items, write_models(items, tmp_path)), items, 0, options)
+        settled = run_physics(physics, load_items(physics, items), items, 0, options)
         assert settled.plausibility.fallen == sorted(fallen)
         assert not settled.plausibility.stable
         drops = {name: f"dropped {100 * height:.0f} cm" for name, height in fallen.items()}
@@ -410,7 +412,7 @@ def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path]
     items = [item.shift([edge - item.center[0], 0, 0]) if item.id == "mug_1" else item for item in built.items]
     physics = physics_scene()
     add_ground(physics)
-    settled = run_physics(physics, load_items(physics, items, write_models(items, tmp_path)), items, 0, options)
+    settled = run_physics(physics, load_items(physics, items), items, 0, options)
     assert settled.plausibility.fallen == ["mug_1"]
 
 
@@ -419,7 +421,7 @@ def test_an_overlap_is_seen_in_the_contacts(scene: dict[str, Path], tmp_path: Pa
     built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)
     items = [item.shift([0, 0, -0.02]) if item.id == "mug_1" else item for item in built.items]
     physics = physics_scene()
-    settled = run_physics(physics, load_items(physics, items, write_models(items, tmp_path)), items, 0, options)
+    settled = run_physics(physics, load_items(physics, items), items, 0, options)
     assert settled.plausibility.max_penetration == pytest.approx(0.02, abs=0.01)
 
 

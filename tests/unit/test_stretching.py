@@ -12,8 +12,9 @@ from sapien.physx import PhysxArticulation
 
 from plugins.furniture.library import make
 from plugins.importing.tests.own_models import import_folder
-from stages.articulated.asset_folder import read_asset, write_model
+from stages.articulated.asset_folder import read_asset
 from stages.articulated.resizing import resize_model
+from stages.articulated.urdf_writer import write_urdf
 from stages.contracts.task_options import TaskConfig
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene
 from stages.simulation.stretching import stretch_builder
@@ -54,7 +55,7 @@ def same(one: sapien.physx.PhysxArticulation, other: sapien.physx.PhysxArticulat
 
 def load_by_file(scene: sapien.Scene, folder: Path, out: Path) -> PhysxArticulation | sapien.Entity:
     asset = read_asset(folder)
-    write_model(resize_model(folder, asset, (np.array(asset.size) * SCALE).tolist(), by_recipe=False).robot, out)
+    write_urdf(resize_model(folder, asset, (np.array(asset.size) * SCALE).tolist(), by_recipe=False).robot, out)
     return load_asset(scene, out, sapien.Pose(), True, "file", asset=asset)
 
 

@@ -22,7 +22,7 @@ from plugins.render_and_compare.judges.rerender import Judge as Rerender
 from plugins.render_and_compare.noisy_cloud import NoisyCloud
 from plugins.render_and_compare.observation import Observation, free_sides, observe
 from plugins.render_and_compare.rendering import Rendering, render
-from plugins.render_and_compare.solid import Solid, find_outermost
+from plugins.render_and_compare.solid import ColouredSolid
 from plugins.render_and_compare.terms import colour_agreement, compare, line_agreement, line_field, outline_agreement
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.model import Link, RobotModel, Visual
@@ -121,7 +121,7 @@ def test_a_model_is_seen_where_it_stands(library: Path) -> None:
     yaw = 0.4
     asked = question(library, yaw)
     seen = observe(asked.view, POSE, USUAL_ERROR, SIDE)
-    shown = render(Solid(library.parent / "two"), UprightBox((0, 0, 0), SIZE, yaw), seen)
+    shown = render(ColouredSolid(library.parent / "two"), UprightBox((0, 0, 0), SIZE, yaw), seen)
     assert outline_agreement(seen, shown, 1.0) > 0.97
     both = seen.mask & (shown.cover == 1)
     np.testing.assert_allclose(shown.depth[both], seen.depth[both], atol=0.02)
@@ -130,7 +130,7 @@ def test_a_model_is_seen_where_it_stands(library: Path) -> None:
 def test_a_box_is_laid_over_the_object(library: Path) -> None:
     """From a box that is far too small and off its place to the outline, as far as its sides are seen."""
     seen = observe(question(library, 0.4).view, POSE, USUAL_ERROR, SIDE)
-    solid, extents = Solid(library.parent / "two"), np.array(SIZE)
+    solid, extents = ColouredSolid(library.parent / "two"), np.array(SIZE)
     ends = np.array([-0.38 * extents, 0.5 * extents])
     measured = Measured(ends, np.array([0.3 * extents, 0.1 * extents]), 0.4)
     fitted = lay_over(solid, measured, seen)
@@ -146,7 +146,7 @@ def test_a_mask_that_lacks_its_lower_part_squeezes_nothing(library: Path) -> Non
     seen = observe(replace(asked.view, mask=mask), POSE, USUAL_ERROR, SIDE)
     assert seen.free.all()
     ends = np.array([-0.5 * np.array(SIZE), 0.5 * np.array(SIZE)])
-    fitted = lay_over(Solid(library.parent / "two"), Measured(ends, np.full((2, 3), 0.03), 0.4), seen)
+    fitted = lay_over(ColouredSolid(library.parent / "two"), Measured(ends, np.full((2, 3), 0.03), 0.4), seen)
     np.testing.assert_allclose(fitted.size, SIZE, rtol=0.05)
 
 
@@ -157,7 +157,7 @@ def test_only_what_a_quarter_turn_leaves_alike_stays_square(library: Path) -> No
     ends = np.array([-0.5, 0.5])[:, None] * [0.8, 1.0, 0.8]  # twice as deep as the model
     stretches = {}
     for symmetry in ("none", "half_turn", "quarter_turn"):
-        solid = Solid(library.parent / "two")
+        solid = ColouredSolid(library.parent / "two")
         solid.asset = solid.asset.model_copy(update={"symmetry": symmetry})
         x, y, _ = lay_over(solid, Measured(ends, np.full((2, 3), 0.1), 0.4), seen).size / SIZE
         stretches[symmetry] = x / y
@@ -226,7 +226,8 @@ def test_textures_and_patches_count_for_nothing_priors_do(library: Path) -> None
     assert judge.models(asked, [], [given[0], unlike])[0].asset == "three"
     seen = observe(asked.view, POSE, USUAL_ERROR, SIDE)
     shown = [
-        render(Solid(library.parent / name), UprightBox((0, 0, 0), SIZE, 0.3), seen) for name in ("two", "striped")
+        render(ColouredSolid(library.parent / name), UprightBox((0, 0, 0), SIZE, 0.3), seen)
+        for name in ("two", "striped")
     ]
     plain, textured = (line_agreement(line_field(seen.rgb), line_field(one.plain), seen.mask) for one in shown)
     assert textured == pytest.approx(plain, abs=0.03)
@@ -243,7 +244,7 @@ def test_what_is_hidden_or_cut_off_does_not_count(library: Path) -> None:
     view = replace(asked.view, mask=asked.view.mask & ~covered, depth=np.where(covered, 1.0, asked.view.depth))
     assert view.depth is not None
     assert free_sides(view.mask, view.depth, USUAL_ERROR).tolist() == [False, True, True, True]
-    solid, box = Solid(library.parent / "two"), UprightBox((0, 0, 0), SIZE, 0.3)
+    solid, box = ColouredSolid(library.parent / "two"), UprightBox((0, 0, 0), SIZE, 0.3)
     seen = observe(view, POSE, USUAL_ERROR, SIDE)
     assert outline_agreement(seen, render(solid, box, seen), 1.0) > 0.95
     open_space = observe(replace(view, depth=np.where(covered, 9.0, view.depth)), POSE, USUAL_ERROR, SIDE)
@@ -364,7 +365,7 @@ def test_textures_are_seen_where_they_lie(tmp_path: Path) -> None:
     plate.visual = trimesh.visual.TextureVisuals(uv=uv, material=trimesh.visual.material.SimpleMaterial(image=image))
     link = Link("body", [Visual(plate), Visual(body, (0.5, 0.5, 0.5, 1.0))], [body], 1.0, np.zeros(3), np.eye(3))
     write_asset(RobotModel("sign", {"body": link}), tmp_path / "sign", Description("sign", "sign", "CC0-1.0", "test"))
-    solid = Solid(tmp_path / "sign")
+    solid = ColouredSolid(tmp_path / "sign")
     box = UprightBox((0, 0, 0), solid.asset.size, 0.0)
     rays = np.array([[-2.0, y, z] for z in (0.3, -0.3) for y in (0.2, -0.2)])
     look = solid.look(np.array([2.0, 0.0, 0.0]), rays, box)
@@ -372,13 +373,6 @@ def test_textures_are_seen_where_they_lie(tmp_path: Path) -> None:
     np.testing.assert_allclose(look.plain, 0.5, atol=0.02)
     np.testing.assert_allclose(look.depth, 0.95, atol=0.01)
     np.testing.assert_allclose(look.normals, [[1, 0, 0]] * 4, atol=1e-5)
-
-
-def test_outlines_are_made_of_the_outermost_points() -> None:
-    corners = trimesh.creation.box((1, 2, 3)).vertices
-    assert len(find_outermost(np.concatenate([corners, 0.5 * corners]))) == 8
-    flat = np.array([[0.0, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]])
-    assert len(find_outermost(flat)) == 4  # a poster without thickness
 
 
 def test_another_light_is_no_other_colour() -> None:
@@ -398,7 +392,7 @@ def test_an_error_of_the_depths_scale_is_no_misfit() -> None:
 
     def misfit(seen_depth: np.ndarray) -> float:
         seen = Observation(
-            grey, mask, seen_depth, USUAL_ERROR, mask, nothing, 1.0, np.eye(3), np.eye(4), nothing, mask[0], nothing
+            np.eye(4), np.eye(3), grey, mask, seen_depth, USUAL_ERROR, mask, nothing, 1.0, nothing, mask[0], nothing
         )
         return compare(seen, shown, (0.4, 0.4, 0.4), (0.4, 0.4, 0.4), line_field(grey))[1]
 

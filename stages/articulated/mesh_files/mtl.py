@@ -32,14 +32,6 @@ class Material:
         return "\n".join(lines) + "\n"
 
 
-def decode_text(data: bytes) -> str:
-    """The text of a file, which older programs wrote in their own alphabet."""
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("latin-1")
-
-
 def materials_in(text: str, file: str) -> tuple[dict[str, Material], list[str]]:
     """The materials of a library by name, and what of it is not read or taken otherwise, a line each."""
     materials, lines, masks = dict[str, Material](), list[str](), list[str]()

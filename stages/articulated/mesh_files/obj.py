@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from trimesh import Scene
 
 from stages.articulated.mesh_files import MeshReader
-from stages.articulated.mesh_files.mtl import Material, decode_text, materials_in
+from stages.articulated.mesh_files.mtl import Material, materials_in
 from stages.articulated.mesh_files.polygons import triangles_of
-from stages.articulated.mesh_resolver import MeshResolver, With
+from stages.articulated.mesh_resolver import MeshResolver
 
 FACES = re.compile(
     r"^[ \t]*f[ \t]+(?:(?:\S+[ \t]+){3,}\S|[^\n]*-\d)", re.MULTILINE
@@ -38,15 +38,21 @@ def read_obj(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
         text = _triangulate_text(text, coloured)
     library = "materials.mtl"
     text = f"mtllib {library}\n{LIBRARIES.sub('', text)}" if materials else LIBRARIES.sub("", text)
-    written = "".join(material.text() for material in materials.values())
-    scene = trimesh.load_scene(
-        io.BytesIO(text.encode()), file_type="obj", resolver=With(files, {library: written.encode()})
-    )
+    files.made[library] = "".join(material.text() for material in materials.values()).encode()
+    scene = trimesh.load_scene(io.BytesIO(text.encode()), file_type="obj", resolver=files)
     for mesh in scene.geometry.values():
         _move_picture(mesh, materials)
     if found := sorted({OTHERS[kind] for kind in OTHER.findall(text)}):
         lines.append(f"{path.name}: its {', '.join(found)} are not read")
     return scene, lines
+
+
+def decode_text(data: bytes) -> str:
+    """The text of a file, which older programs wrote in their own alphabet."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
 
 
 def _materials(text: str, path: Path, files: MeshResolver) -> tuple[dict[str, Material], list[str]]:
