@@ -261,7 +261,8 @@ def test_drawers_are_drawn_on_the_front(opened: Any, session: Correcting) -> Non
 def test_size_support_front_and_place_are_said(opened: Any, session: Correcting) -> None:
     page = opened
     page.locator("#objects button", has_text="cabinet 2").click()
-    assert session.made.placed[BOX].size[1] == pytest.approx(float(page.locator("#width").input_value()), abs=1e-3)
+    width = f"{round(session.made.placed[BOX].size[1], 3):g}"
+    page.wait_for_function("width => document.querySelector('#width').value === width", arg=width)
     page.locator("#height").fill("0.5")
     page.keyboard.press("Enter")
     depth, width, _ = session.made.placed[BOX].size
