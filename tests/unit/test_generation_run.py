@@ -334,6 +334,17 @@ def test_what_overlaps_a_wall_is_pushed_and_not_said_to_have_dropped(scene: dict
     assert check.verdict == "does not stand: cabinet_1 was pushed 8 cm, for it overlapped wall_1; " + check.kept
 
 
+def test_what_stays_inside_a_wall_is_not_stable(scene: dict[str, Path]) -> None:
+    options = GenerationConfig(sizes="measured")
+    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)
+    physics = physics_scene()  # without the wall: nothing pushes the cabinet out
+    add_ground(physics)
+    wall = Wall(id="wall_1", normal=(-1.0, 0.0, 0.0), offset=-float(built.items[0].center[0]), points=9)
+    bodies = load_items(physics, built.items)
+    check = run_physics(physics, bodies, built.items, 0, options, [wall]).plausibility
+    assert (check.fallen, check.held, check.stable) == ([], [], False) and "cabinet_1" in check.behind
+
+
 def test_a_fall_is_said_by_what_it_is() -> None:
     options = GenerationConfig()
     assert describe_fall(np.array([0.2, 0.0, -0.1]), 80.0, "", options) == "tipped by 80°"

@@ -181,12 +181,13 @@ def test_an_actor_sees_marked_clouds_and_a_policy_of_the_paper_does_not() -> Non
         assert policy.pointnet.flag.num_embeddings == flags
         seen: list[Tensor] = []
         empty = torch.zeros((1, 17 + 7 * handle))
-        policy.encode = lambda clouds, proprio, seen=seen, empty=empty: (seen.append(clouds), empty)[1]  # type: ignore[method-assign]
+        read = policy.normalise
+        policy.encode = lambda *given, read=read, seen=seen, empty=empty: (seen.append(read(*given)), empty)[1]  # type: ignore[method-assign]
         acting = make_rollout_policy(policy, 1, "most_likely")
         acting.start_episode(0, 0)
         acting.get_action([0], [cloud], [proprio])
         acting.get_action([0], [moved], [proprio])
-        marks = [(part[..., 3] == -1).sum().item() for part in seen]
+        marks = [(part[..., 4:] == 1).sum().item() for part in seen]  # as the PointNet reads them
         assert marks == ([12, 0] if flags == 3 else [0, 0])
 
 
