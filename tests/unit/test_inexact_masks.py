@@ -6,12 +6,15 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Annotations
-from stages.contracts.objects import USUAL_ERROR, SceneObject, Wall
+from stages.contracts.objects import USUAL_ERROR, DepthError, SceneObject, Wall
 from stages.contracts.scenes import Annotation, Held
 from stages.extraction.contact import DepthView, measure_shelf
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
+from stages.extraction.reflections import remove_reflections
 from stages.geometry.boxes import UprightBox
+from stages.geometry.cameras import PointMap
+from stages.geometry.masks import central_crop
 from tests.unit.synthetic_room import (
     BACK_WALL,
     FLOOR,
@@ -99,6 +102,24 @@ def test_a_wall_that_nobody_painted_carries_no_picture() -> None:
     assert shown == [pytest.approx(1.22, abs=0.02), None]
     (hung,) = extracted(depth, masks, "picture").objects.objects
     assert hung.mounting is not None and hung.mounting.type == 1 and hung.measured_support == "wall"
+
+
+def test_what_lies_outside_the_central_crop_moves_neither_floor_nor_walls_nor_things() -> None:
+    depth, masks = trace([SOFA])
+    inside = central_crop(depth.shape, ExtractionConfig().crop)
+    wrong = np.where(inside, depth, 0.7 * depth).astype(np.float32)
+    assert extracted(wrong, masks, "sofa").objects == extracted(depth, masks, "sofa").objects
+
+
+@pytest.mark.parametrize(("error", "removed"), [(DepthError(0.0, 0.0), True), (DepthError(0.1, 0.0), False)])
+def test_noise_of_depth_behind_a_wall_is_no_reflection(error: DepthError, removed: bool) -> None:
+    depth, masks = trace([UprightBox([BACK_WALL - 0.02, 0, 1.5], [0.04, 0.8, 0.9], 0.0)])
+    right = (masks == OBJECT) & (np.arange(WIDTH) > WIDTH / 2)
+    depth[right] *= 1 + 0.5 / BACK_WALL  # 46 cm behind the wall
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-BACK_WALL, points=100)
+    seen = PointMap(depth, INTRINSICS, WORLD_FROM_CAMERA)
+    clean = remove_reflections(depth, seen, [masks == OBJECT], [wall], error)
+    assert np.array_equal((clean == 0) & (depth > 0), right & removed)
 
 
 def test_a_mirror_is_not_as_deep_as_what_it_shows() -> None:

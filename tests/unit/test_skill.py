@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import gymnasium
 import numpy as np
@@ -18,6 +19,7 @@ from stages.planning.articulation import plan_articulation
 from stages.planning.clearance import Surroundings
 from stages.planning.handle_grasp import Grasp, grasp_pose
 from stages.planning.path import Pursuit, make_handle_path, make_line, measure_distance
+from stages.simulation.kinematics import Array
 from stages.skills import FAR, Act, Outcome
 from stages.skills.close import CloseSkill
 from stages.skills.motion import Motion
@@ -155,6 +157,17 @@ def test_pursuit_aims_ahead_and_never_back() -> None:
     assert pursuit.aim(make_transform(np.eye(3), [0.05, 0.02, 0.0]))[0, 3] == pytest.approx(0.15, abs=0.01)
     assert pursuit.aim(make_transform(np.eye(3), [0.0, 0.0, 0.0]))[0, 3] >= 0.14
     assert pursuit.progress == pytest.approx(0.05, abs=0.006)
+
+
+@pytest.mark.parametrize(("speed", "word"), [(0.004, ""), (0.0, "stall")])
+def test_a_hand_that_is_slow_has_not_stalled_and_one_that_is_stuck_has(speed: float, word: str) -> None:
+    path, hand = make_line(np.eye(4), make_transform(np.eye(3), [0.1, 0.0, 0.0])), np.eye(4)
+
+    def act(action: Array, moving: bool, ahead: float) -> None:
+        hand[0, 3] += speed  # metres a step
+
+    task = SimpleNamespace(options=TaskConfig(), steps=0, max_steps=100, hand=hand.copy, reference=hand.copy)
+    assert Motion(task, act).reach(path, 0.02, 1.0)[0] == word  # type: ignore[arg-type]
 
 
 def test_the_opening_path_turns_about_the_hinge(door: EnvWrapper) -> None:
