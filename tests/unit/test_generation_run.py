@@ -28,7 +28,7 @@ from stages.generation.generate import run
 from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.models import read_collisions
 from stages.generation.placed import Placed
-from stages.generation.scene_file import summarise, to_contract
+from stages.generation.scene_file import read_items, summarise, to_contract
 from stages.generation.settling import describe_fall, find_behind, load_items, run_physics, simulate
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import intrinsics_from_fov, look_at, project
@@ -444,6 +444,18 @@ def test_a_missing_asset_fails_that_object_alone(scene: dict[str, Path], tmp_pat
     built = build(inputs, 1, GenerationConfig())
     assert [item.id for item in built.items] == ["cabinet_1"]
     assert "gone" in built.failed["mug_1"]
+
+
+def test_a_scene_without_anything_that_stands_is_refused(scene: dict[str, Path], made: Path, tmp_path: Path) -> None:
+    cousins = read_json(Cousins, scene["cousins"])
+    lost = [ObjectCousins(id=item.id, label=item.label, status="failed", reason="none") for item in cousins.objects]
+    write_json(tmp_path / "cousins.json", cousins.model_copy(update={"objects": lost}))
+    with refused("E-SCENE-EMPTY"):
+        run(**scene | {"cousins": tmp_path / "cousins.json"}, variant="v", out=tmp_path / "out", options='{"ranks": 1}')
+    assert not list(tmp_path.glob("out/*"))
+    empty = read_json(GeneratedScene, made / "scene_1.json").model_copy(update={"objects": []})
+    with refused("E-SCENE-EMPTY"):
+        read_items(empty, AssetFolders(scene["library"]), tmp_path, tmp_path)
 
 
 def test_files_of_different_scenes_are_refused(scene: dict[str, Path], tmp_path: Path) -> None:

@@ -6,15 +6,18 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Annotations
+from stages.contracts.corrections import Correction
 from stages.contracts.objects import USUAL_ERROR, DepthError, SceneObject, Wall
 from stages.contracts.scenes import Annotation, Held
 from stages.extraction.contact import DepthView, measure_shelf
+from stages.extraction.corrections import correct_image
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
 from stages.extraction.reflections import remove_reflections
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import PointMap
 from stages.geometry.masks import central_crop
+from tests.refusals import refused
 from tests.unit.synthetic_room import (
     BACK_WALL,
     FLOOR,
@@ -90,6 +93,14 @@ def test_clutter_that_nobody_named_moves_nothing(label: str) -> None:
         assert item.box.size[2] == pytest.approx(height, abs=0.015)
     if label == "desk":
         assert ends(carrier)[1] == pytest.approx(0.75, abs=0.015)
+
+
+def test_corrections_that_leave_nothing_are_refused() -> None:
+    depth, masks = trace([SOFA])
+    told = Annotations(objects=[Annotation(mask=OBJECT, label="sofa")], floor=FLOOR, walls=[WALL])
+    image = AnnotatedImage(np.zeros((HEIGHT, WIDTH, 3), np.uint8), depth, masks, INTRINSICS, told)
+    with refused("E-SCENE-EMPTY"):
+        correct_image(image, {OBJECT: Correction(mask=OBJECT, gone=True)})
 
 
 def test_a_wall_that_nobody_painted_carries_no_picture() -> None:

@@ -25,6 +25,7 @@ from stages.skills.close import CloseSkill
 from stages.skills.motion import Motion
 from stages.skills.open import OpenSkill
 from stages.tasks.api import EnvWrapper
+from stages.tasks.base_placement import _passes
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 
@@ -209,6 +210,15 @@ def test_clearance_sees_the_panel_where_it_is(door: EnvWrapper) -> None:
     assert not around.clear(np.repeat(before_the_front, 10, axis=0), radii, swinging)  # it swings by
     assert not around.with_obstacles(before_the_front[0] + 0.02).clear(before_the_front, radii, closed)
     assert around.clear(before_the_front, radii, closed)  # the other one is a copy
+
+
+def test_no_base_is_where_the_door_swings(door: EnvWrapper) -> None:
+    door.place(0)
+    target = door.env.target
+    _, y, _ = target.reference
+    for out, goal, free in ((0.3, 1.5, False), (0.3, 0.1, True), (1.0, 1.5, True)):
+        base = make_transform(np.eye(3), [target.moving.bounds[1, 0] + out, y, target.moving.bounds[0, 2]])
+        assert _passes(invert_transform(base), Surroundings(target), goal) is free
 
 
 def test_clearance_sees_a_finger_inside_a_knob(door: EnvWrapper) -> None:
