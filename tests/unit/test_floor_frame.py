@@ -11,7 +11,7 @@ from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import make_transform
-from stages.geometry.room_planes import WallPlane
+from stages.geometry.room_planes import Plane, WallPlane, make_floor_frame
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, WORLD_FROM_CAMERA, trace
 
@@ -101,3 +101,9 @@ def test_feet_are_doubted(capsys: pytest.CaptureFixture[str]) -> None:
     depth = trace([BOX])[0] / 0.3048
     extracted(None, depth.astype(np.float32))
     assert "depth in feet (1.60 m)" in capsys.readouterr().out
+
+
+def test_a_camera_that_looks_straight_down_has_its_upper_edge_ahead() -> None:
+    frame = make_floor_frame(Plane(np.array([0.0, 0.0, -1.0]), -2.0, np.ones(3, bool)))
+    assert frame[:3, 1] == pytest.approx([-1, 0, 0]), "down in the picture is back in the room"
+    assert frame[:3, 3] == pytest.approx([0, 0, 2]) and np.linalg.det(frame[:3, :3]) == pytest.approx(1)
