@@ -14,7 +14,7 @@ from stages.extraction.mounting import find_carrier
 from stages.extraction.noise import blur_outlines, noisy_depth, periphery_ramp
 from stages.geometry.boxes import UprightBox
 from stages.geometry.masks import central_crop, erode, remove_specks
-from stages.geometry.room_planes import WallPlane, find_walls, fit_wall, merge_walls
+from stages.geometry.room_planes import PLANE_THRESHOLD, WallPlane, find_walls, fit_wall, merge_walls, scale_threshold
 
 QUIET = DepthNoiseConfig(range_constant=0, range_quadratic=0, scale=0)
 
@@ -146,6 +146,11 @@ def test_what_has_a_wall_behind_it_is_no_wall(seen: int, offsets: list[float]) -
     free = np.arange(len(points)) < len(points) - len(floor)
     walls = find_walls(points, free, 1.6, rng)
     assert sorted(round(offset, 2) for _, offset, _ in walls) == offsets
+
+
+def test_points_far_away_may_be_farther_off_their_plane() -> None:
+    off = [scale_threshold(np.full((5, 3), away / np.sqrt(3))) for away in (1.0, 3.0, 6.0)]
+    assert off == pytest.approx([PLANE_THRESHOLD, PLANE_THRESHOLD, 2 * PLANE_THRESHOLD])
 
 
 def test_what_is_seen_edge_on_is_no_wall() -> None:

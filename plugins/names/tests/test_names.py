@@ -115,6 +115,8 @@ def test_a_mask_at_the_border_is_cut_there_and_one_without_depth_has_no_shape() 
 def test_without_depth_and_words_every_name_is_as_likely() -> None:
     assert gather(Observed(), None, NAMES) == pytest.approx(np.full((3, len(NAMES)), 1 / len(NAMES)))
     assert combine(gather(Observed(), {}, NAMES), Weights(other=0)) == pytest.approx(1 / len(NAMES))
+    one_against_two = np.array([[0.98, 0.02, 0.0], [0.0, 0.5, 0.5], [0.98, 0.02, 0.0]])
+    assert combine(one_against_two, Weights(other=0)).argmax() == 0, "who says 0 does not overrule the others"
 
 
 def test_a_class_of_imagenet_is_a_vote_for_its_categories() -> None:
