@@ -28,9 +28,10 @@ from stages.generation.generate import run
 from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.models import read_collisions
 from stages.generation.placed import Placed
+from stages.generation.placing import Places
 from stages.generation.scene_file import read_items, summarise, to_contract
 from stages.generation.settling import describe_fall, find_behind, load_items, run_physics, simulate
-from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.boxes import THINNEST, UprightBox, corners
 from stages.geometry.cameras import intrinsics_from_fov, look_at, project
 from stages.geometry.frames import invert_transform, transform_points, yaw_matrix
 from stages.geometry.masks import polygon
@@ -223,6 +224,25 @@ def test_a_box_that_was_told_holds_but_for_the_wall(
     assert placed.center[0] + placed.size[0] / 2 == pytest.approx(ends, abs=1e-6)
     assert placed.center[0] - placed.size[0] / 2 == pytest.approx(x - 0.15, abs=1e-6)
     assert placed.size[1:] == pytest.approx((0.9, 0.8)) and placed.center[1] == pytest.approx(0.2)
+
+
+def test_every_object_has_a_place_of_its_own_clear_of_walls_and_of_some_extent(scene: dict[str, Path]) -> None:
+    inputs = read_inputs(scene["cousins"], scene["objects"], scene["library"])
+    places = Places(inputs, GenerationConfig(sizes="measured"))
+    mug = next(one for one in inputs.matched if one.object.id == "mug_1")
+
+    def stand(name: str, cloud: np.ndarray = mug.cloud, **about: object) -> Placed:
+        one = replace(mug, object=mug.object.model_copy(update={"id": name} | about), cloud=cloud)
+        return places.find(one, mug.cousins[0])
+
+    first, at_wall = stand("mug_1"), Box(center=(3.28, 0.2, 0.9), size=(0.1, 0.2, 0.1), yaw=0.0)
+    assert stand("mug_1") is first
+    moved = stand("mug_2", box=at_wall, whole=True)  # of the same label, reaching 3 cm into the wall
+    assert moved.center[1] == pytest.approx(0.2) and moved.center[0] + moved.size[0] / 2 == pytest.approx(3.3, abs=1e-6)
+    free = stand("mug_3", mounting=Mounting(type=2, walls=["wall_1"]))  # it touches a wall, and does not lean on it
+    assert free.center == pytest.approx(first.center) and free.size == pytest.approx(first.size)
+    flat = stand("mug_4", cloud=mug.cloud * [0, 1, 1])
+    assert flat.size.min() == THINNEST
 
 
 def test_an_object_with_fewer_cousins_uses_its_last(made: Path) -> None:
