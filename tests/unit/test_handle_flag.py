@@ -36,6 +36,17 @@ def test_the_handle_is_marked_and_nothing_else(angle: float, knob: bool) -> None
     assert planes[0].tolist() == pytest.approx([-np.cos(angle), -np.sin(angle), -0.7 * np.cos(angle)], abs=1e-3)
 
 
+def test_points_above_each_other_say_nothing_of_the_front() -> None:
+    """An edge of the front is seen more often than the rest; a panel behind it stands across."""
+    cloud = cabinet()
+    cloud[0, :40, :2] = cloud[0, 0, :2]
+    along = torch.stack([torch.linspace(0.7, 1.1, 200), torch.full((200,), 0.2), torch.full((200,), 0.4)], dim=1)
+    panel = torch.cat([along, torch.zeros((200, 1))], dim=1)
+    marked, planes = segment_handles(torch.cat([cloud, panel[None]], dim=1))
+    assert (marked[0, :, 3] == -1).nonzero().squeeze(1).tolist() == list(range(340, 352))
+    assert planes[0].tolist() == pytest.approx([-1, 0, -0.7], abs=1e-3)
+
+
 def test_what_hardly_stands_out_or_is_thick_is_not_marked() -> None:
     assert (segment_handles(cabinet(out=0.005))[0][..., 3] != -1).all()
     thick = cabinet()
