@@ -11,7 +11,7 @@ from stages.contracts.trained import TrainingStore
 from stages.policies.base import make_policy, make_rollout_policy
 from stages.policies.handle_points import find_handle_middles, offsets_to_handle, segment_handles
 from stages.training import handle_augmentation
-from stages.training.batches import Batch, make_batch
+from stages.training.batches import Batch, make_batch, put_handle_first
 from stages.training.dataset import DemonstrationSet, steps_until_release
 from stages.training.fronts import find_still, segment_episodes
 from stages.training.handle_augmentation import hide_handles, move_fronts, vary_handles, widen_grips
@@ -179,6 +179,11 @@ def test_marked_points_are_never_thinned_away() -> None:
         for keep in (False, True)
     }
     assert (counts[True] == 12).all() and (counts[False] < 12).all()
+
+
+def test_the_points_of_the_handle_come_first_and_none_is_lost() -> None:
+    flags, order = torch.tensor([[[0.0, -1, 1, -1, 0]]]), torch.tensor([[[4, 1, 0, 3, 2]]])
+    assert put_handle_first(flags, order).tolist() == [[[1, 3, 4, 0, 2]]]
 
 
 def test_an_actor_sees_marked_clouds_and_a_policy_of_the_paper_does_not() -> None:

@@ -95,6 +95,13 @@ def test_clutter_that_nobody_named_moves_nothing(label: str) -> None:
         assert ends(carrier)[1] == pytest.approx(0.75, abs=0.015)
 
 
+@pytest.mark.parametrize(("value", "walls"), [(0, 1), (FLOOR, 0), (OBJECT, 0)])
+def test_an_upright_plane_is_a_wall_unless_a_mask_says_what_it_is(value: int, walls: int) -> None:
+    depth, masks = trace([SOFA])
+    masks[masks == WALL] = value
+    assert len(extracted(depth, masks, "sofa").objects.walls) == walls
+
+
 def test_corrections_that_leave_nothing_are_refused() -> None:
     depth, masks = trace([SOFA])
     told = Annotations(objects=[Annotation(mask=OBJECT, label="sofa")], floor=FLOOR, walls=[WALL])
