@@ -23,13 +23,12 @@ SHIFT = {"door": 0.4, "drawer": -0.25}  # what is added to both limits: radians,
 FULL = TaskConfig(points=64, success_fraction=0.9)
 
 
-def shifted(folder: Path, role: str) -> Path:
-    """The cabinet in `folder`, closed as it was, with the limits of its joint moved; in a folder beside it."""
+def shifted(folder: Path, by: float) -> Path:
+    """The model in `folder`, closed as it was, with the limits of its joints moved; in a folder beside it."""
     model = read_model(folder)
     joints = []
     for joint in model.joints:
         if joint.type != "fixed":
-            by = SHIFT[role]
             origin = joint.origin @ joint.motion(joint.lower) @ invert_transform(joint.motion(joint.lower + by))
             joint = replace(joint, origin=origin, lower=joint.lower + by, upper=joint.upper + by)
         joints.append(joint)
@@ -45,7 +44,7 @@ def both(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     cabinet(folder, layout=[[role]])
     tasks = [
         EnvWrapper(role, each, f"{role}_0_joint", None, FULL, render=False, vary_scale=False)
-        for each in (folder, shifted(folder, role))
+        for each in (folder, shifted(folder, SHIFT[role]))
     ]
     for task in tasks:
         task.place(3)
@@ -93,7 +92,7 @@ def test_the_hand_follows_the_handle_alike(both: tuple[EnvWrapper, EnvWrapper]) 
 
 def test_openings_are_the_same_in_mujoco(tmp_path: Path) -> None:
     cabinet(tmp_path / "cab", layout=[["door"]])
-    task = MujocoTaskEnv("door", shifted(tmp_path / "cab", "door"), "door_0_joint", None, FULL, render=False)
+    task = MujocoTaskEnv("door", shifted(tmp_path / "cab", SHIFT["door"]), "door_0_joint", None, FULL, render=False)
     for opened in (0.0, 0.1):
         task.place(3)
         joint = task.data.joint(f"{MODEL}door_0_joint")

@@ -51,6 +51,17 @@ def test_the_network_is_the_shipped_one_and_knows_every_category() -> None:
     assert set(known_categories()) <= set(names)
 
 
+def test_the_classifier_sees_nothing_beside_a_mask(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown: list[torch.Tensor] = []
+    monkeypatch.setattr(observed, "classifier", lambda: lambda picture: (shown.append(picture), torch.zeros(1, 9))[1])
+    mask = np.zeros((60, 80), bool)
+    mask[10:50, 20:30] = mask[40:50, 20:70] = True  # an L
+    red = np.where(mask[..., None], np.uint8([200, 30, 30]), np.uint8([0, 255, 0]))
+    for rgb in (red, np.where(mask[..., None], red, np.uint8([0, 0, 255])), 255 - red):
+        observed.classify(rgb, mask)
+    assert torch.equal(shown[0], shown[1]) and not torch.equal(shown[0], shown[2])
+
+
 def test_classes_and_words_are_those_of_categories() -> None:
     assert set(read_classes()) <= set(known_categories())
     assert all(0 <= one < 1000 for ours in read_classes().values() for one in ours)
