@@ -10,13 +10,14 @@ from stages.contracts.corrections import Correction
 from stages.contracts.objects import USUAL_ERROR, DepthError, SceneObject, Wall
 from stages.contracts.scenes import Annotation, Held
 from stages.extraction.contact import DepthView, measure_shelf
+from stages.extraction.corrected_masks import Cutter, correct_masks, paint_masks
 from stages.extraction.corrections import correct_image
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
 from stages.extraction.reflections import remove_reflections
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import PointMap
-from stages.geometry.masks import central_crop
+from stages.geometry.masks import central_crop, erode
 from tests.refusals import refused
 from tests.unit.synthetic_room import (
     BACK_WALL,
@@ -95,11 +96,43 @@ def test_clutter_that_nobody_named_moves_nothing(label: str) -> None:
         assert ends(carrier)[1] == pytest.approx(0.75, abs=0.015)
 
 
+def test_depth_along_the_edge_of_a_wall_s_mask_moves_no_wall() -> None:
+    depth, masks = trace([SOFA])
+    edge = (masks == WALL) & ~erode(masks == WALL)
+    mixed = np.where(edge, 0.996 * depth, depth).astype(np.float32)  # 2 cm nearer
+    assert (
+        extracted(mixed, masks, "sofa").objects.walls[0].offset
+        == extracted(depth, masks, "sofa").objects.walls[0].offset
+    )
+
+
 @pytest.mark.parametrize(("value", "walls"), [(0, 1), (FLOOR, 0), (OBJECT, 0)])
 def test_an_upright_plane_is_a_wall_unless_a_mask_says_what_it_is(value: int, walls: int) -> None:
     depth, masks = trace([SOFA])
     masks[masks == WALL] = value
     assert len(extracted(depth, masks, "sofa").objects.walls) == walls
+
+
+SQUARE: list[tuple[float, float]] = [(4, 4), (36, 4), (36, 36), (4, 36)]
+
+
+def test_what_stands_before_the_floor_takes_nothing_from_it() -> None:
+    found, cut = np.full((40, 40), FLOOR, np.uint16), Cutter(np.zeros((40, 40, 3), np.uint8))
+    box = Correction(mask=OBJECT, label="box", outline=SQUARE)
+    for label, swallowed in (("floor", set()), ("rug", {FLOOR})):
+        things = {FLOOR: Correction(mask=FLOOR, label=label), OBJECT: box}
+        assert set(paint_masks(things, found, cut).swallowed) == swallowed
+
+
+def test_what_was_drawn_anew_has_no_box_or_front_of_what_was_found() -> None:
+    found, cut = np.full((40, 40), OBJECT, np.uint16), Cutter(np.zeros((40, 40, 3), np.uint8))
+    given = Annotations(objects=[Annotation(mask=OBJECT, label="box", front=0.5)], floor=None, walls=[])
+    fronts = []
+    for told in ({}, {"outline": SQUARE}):
+        corrected, _, _ = correct_masks(given, found, {OBJECT: Correction(mask=OBJECT, **told)}, cut)
+        assert corrected is not None
+        fronts.append(corrected.objects[0].front)
+    assert fronts == [0.5, None]
 
 
 def test_corrections_that_leave_nothing_are_refused() -> None:
