@@ -124,6 +124,14 @@ def test_what_stands_before_the_floor_takes_nothing_from_it() -> None:
         assert set(paint_masks(things, found, cut).swallowed) == swallowed
 
 
+def test_what_was_drawn_covers_what_was_found_whichever_comes_first() -> None:
+    found, cut = np.full((40, 40), OBJECT + 1, np.uint16), Cutter(np.zeros((40, 40, 3), np.uint8))
+    drawn, whole = Correction(mask=OBJECT, label="cup", outline=SQUARE), Correction(mask=OBJECT + 1, label="table")
+    for things in ([drawn, whole], [whole, drawn]):
+        painted = paint_masks({item.mask: item for item in things}, found, cut).masks
+        assert (painted[20, 20], painted[0, 0]) == (OBJECT, OBJECT + 1)
+
+
 def test_what_was_drawn_anew_has_no_box_or_front_of_what_was_found() -> None:
     found, cut = np.full((40, 40), OBJECT, np.uint16), Cutter(np.zeros((40, 40, 3), np.uint8))
     given = Annotations(objects=[Annotation(mask=OBJECT, label="box", front=0.5)], floor=None, walls=[])

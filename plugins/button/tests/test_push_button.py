@@ -23,7 +23,7 @@ from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
 from stages.tasks.api import EnvWrapper
 from tests.refusals import refused
-from tests.unit.test_lower_limits import shifted
+from tests.unit.demo_assets import shifted
 
 JOINT = "button_0_joint"
 
