@@ -110,12 +110,12 @@ def read_demonstrations(
 
 
 def split_episodes(data: DemonstrationSet, seed: int) -> tuple[list[int], list[int]]:
-    """Episodes for training and for validation; of every store the same fraction, at least one to train on."""
+    """Episodes for training and for validation; of every store the same fraction."""
     random = np.random.default_rng((seed, 11))
     validation: list[int] = []
     for store in range(len(data.stores)):
         episodes = [i for i, owner in enumerate(data.store_of) if owner == store]
-        count = min(round(VALIDATION_FRACTION * len(episodes)), len(episodes) - 1)
+        count = round(VALIDATION_FRACTION * len(episodes))  # of five or fewer episodes none
         validation += random.permutation(episodes)[:count].tolist()
     return [i for i in range(len(data.lengths)) if i not in set(validation)], sorted(validation)
 

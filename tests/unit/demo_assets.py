@@ -1,11 +1,14 @@
 """A small cabinet with one door, or one drawer, for the tests of tasks and demonstrations."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from plugins.furniture.folder import build
+from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.contracts.library import Asset, Recipe
 from stages.contracts.policies import TaskAsset
+from stages.geometry.frames import invert_transform
 
 FRONT: dict[str, Any] = {
     "digest": "c0ffee",
@@ -57,3 +60,17 @@ def cabinet(folder: Path, **changes: Any) -> Asset:
     """Build the cabinet, with some parameters changed, in `folder`; its box is 0.4 x 0.45 x 0.7 m."""
     recipe = Recipe(generator="cabinet", parameters={**PARAMETERS, **changes})
     return build(recipe, None, folder, folder.name, "bottom_cabinet")
+
+
+def shifted(folder: Path, by: float) -> Path:
+    """The model in `folder`, closed as it was, with the limits of its joints moved; in a folder beside it."""
+    model = read_model(folder)
+    joints = []
+    for joint in model.joints:
+        if joint.type != "fixed":
+            origin = joint.origin @ joint.motion(joint.lower) @ invert_transform(joint.motion(joint.lower + by))
+            joint = replace(joint, origin=origin, lower=joint.lower + by, upper=joint.upper + by)
+        joints.append(joint)
+    out = folder.with_name(f"{folder.name}_shifted")
+    write_asset(replace(model, joints=joints), out, Description(out.name, "bottom_cabinet", "CC0-1.0", "test"))
+    return out

@@ -23,7 +23,7 @@ from stages.articulated.forward_kinematics import change_root, link_frames, meas
 from stages.articulated.handle import find_handle
 from stages.articulated.handle_extents import handle_extents
 from stages.articulated.mesh_reader import texture_of
-from stages.articulated.model import Link, RobotModel, Visual
+from stages.articulated.model import Link, RobotModel, Texture, Visual
 from stages.articulated.part_types import assign_part_types, contract_joints
 from stages.articulated.resizing import resize_model
 from stages.articulated.stretching import stretch_model
@@ -240,6 +240,15 @@ def test_shapes_are_centerd_and_have_their_size(tmp_path: Path, geometry: str, s
     assert np.allclose(high - low, size, atol=2e-3)
     (piece,) = robot.links["a"].collisions
     assert piece.is_convex and np.allclose(piece.bounds, [low, high])
+
+
+def test_parts_of_one_colour_and_two_textures_are_each_written_once(tmp_path: Path) -> None:
+    solid = trimesh.creation.box((0.1, 0.2, 0.3))
+    textures = [None, Texture("oak", b"", (1.0, 1.0)), Texture("ash", b"", (1.0, 1.0))]
+    seen = [Visual(solid, (0.5, 0.4, 0.3, 1.0), flat=True, texture=texture) for texture in textures]
+    link = Link("a", seen, [solid], 1.0, np.zeros(3), np.eye(3))
+    write_urdf(RobotModel("r", {"a": link}), tmp_path / "r")
+    assert [path.read_text().count("\nf ") for path in sorted((tmp_path / "r/meshes").glob("a_?.obj"))] == [12] * 3
 
 
 def test_a_material_file_that_is_missing_is_no_texture(tmp_path: Path) -> None:

@@ -4,13 +4,16 @@ import ast
 from pathlib import Path
 
 import pytest
+from pydantic import Field
 
 from stages.config.code import ROOTS, closure, code_digest, files_digest, forget
 from stages.config.experiment import ExperimentConfig
 from stages.config.model import load
 from stages.config.packages import find_packages, home_of
+from stages.config.reference import write_yaml
 from stages.config.replaced import VERBS
 from stages.contracts import InputError
+from stages.contracts.section import Section
 from tests.refusals import refused
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -208,3 +211,11 @@ def test_digest_of_code_files_sees_edits_and_names_not_caches(tmp_path: Path, mo
     assert len({first, second, files_digest(["mine.sh", "lib"])}) == 3
     with pytest.raises(FileNotFoundError):
         files_digest(["gone.sh"])
+
+
+def test_a_written_config_says_what_every_key_means_and_what_is_allowed() -> None:
+    class Some(Section):
+        length: float = Field(1.5, ge=0, description="Of a side.")
+        name: str = Field("a", description="Any.")
+
+    assert write_yaml(Some()) == "# Of a side. [>= 0]\nlength: 1.5\n# Any.\nname: a\n"

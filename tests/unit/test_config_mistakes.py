@@ -313,7 +313,7 @@ def test_a_key_given_twice_is_refused(tmp_path: Path, text: str, words: str) -> 
 def test_keys_given_once_are_no_fault(tmp_path: Path) -> None:
     for file in ROOT.glob("config/**/*.yaml"):
         read_file(file)
-    (tmp_path / "mine.yaml").write_text("a: &one {x: 1}\nb: {<<: *one, y: 1}\nc: [&all [*all]]\n")
+    (tmp_path / "mine.yaml").write_text("a: &one {x: 1}\nb: {<<: *one, <<: *one, y: 1}\nc: [&all [*all]]\n")
     read_file(tmp_path / "mine.yaml")
 
 

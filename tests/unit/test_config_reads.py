@@ -153,6 +153,11 @@ def test_rules_pass_options_to_the_verbs_that_read_any() -> None:
                 assert (called in READS) == ("{params.options:q}" in body), called
 
 
+def test_the_folder_of_clip_is_read_where_clip_is() -> None:
+    assert "clip" in MatchingConfig(clip="a").list_unread()
+    assert "clip" not in MatchingConfig(clip="a", text_encoder="clip").list_unread()
+
+
 def test_variants_with_different_encoder_settings_have_stores_side_by_side() -> None:
     text = """
     experiment:

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from stages.config.extraction import DepthNoiseConfig, ExtractionConfig
-from stages.contracts.objects import USUAL_ERROR, Wall, object_ids
+from stages.contracts.objects import USUAL_ERROR, DepthError, Wall, object_ids
 from stages.extraction import clouds, noise
 from stages.extraction.clouds import clean_cloud, continue_depth
-from stages.extraction.contact import DepthView, find_touched_walls
+from stages.extraction.contact import DepthView, extend_to_wall, find_touched_walls
 from stages.extraction.mounting import find_carrier
 from stages.extraction.noise import blur_outlines, noisy_depth, periphery_ramp
 from stages.geometry.boxes import UprightBox
 from stages.geometry.masks import central_crop, erode, remove_specks
-from stages.geometry.room_planes import WallPlane, find_walls, fit_wall, merge_walls
+from stages.geometry.room_planes import PLANE_THRESHOLD, WallPlane, find_walls, fit_wall, merge_walls, scale_threshold
 
 QUIET = DepthNoiseConfig(range_constant=0, range_quadratic=0, scale=0)
 
@@ -148,6 +148,11 @@ def test_what_has_a_wall_behind_it_is_no_wall(seen: int, offsets: list[float]) -
     assert sorted(round(offset, 2) for _, offset, _ in walls) == offsets
 
 
+def test_points_far_away_may_be_farther_off_their_plane() -> None:
+    off = [scale_threshold(np.full((5, 3), away / np.sqrt(3))) for away in (1.0, 3.0, 6.0)]
+    assert off == pytest.approx([PLANE_THRESHOLD, PLANE_THRESHOLD, 2 * PLANE_THRESHOLD])
+
+
 def test_what_is_seen_edge_on_is_no_wall() -> None:
     rng = _rng()
     edge = np.c_[rng.uniform(1, 2, 2000), np.full(2000, 0.06), rng.uniform(0, 1, 2000)]
@@ -166,7 +171,9 @@ def test_parts_of_a_wall_count_by_their_points() -> None:
         WallPlane(np.array([-1.0, 0.0, 0.0]), -3.0, 3000),
         WallPlane(np.array([-np.cos(turn), np.sin(turn), 0.0]), -3.1, 1000),
     ]
-    (wall,), _ = merge_walls(fits)
+    fits.append(WallPlane(np.array([-1.0, 0.0, 0.0]), -5.0, 500))  # of the next room
+    (wall, _), places = merge_walls(fits)
+    assert places == [0, 0, 1]
     assert np.arctan2(wall.normal[1], -wall.normal[0]) == pytest.approx(turn / 4, rel=0.01)
     assert wall.offset == pytest.approx(-3.025)
 
@@ -179,6 +186,24 @@ def test_what_is_behind_a_free_standing_wall_does_not_touch_it(x: float, touched
     box = UprightBox([x, 0, 0.5], [0.6, 0.6, 1.0], 0.0)
     found = find_touched_walls(box, [], [wall], empty, np.zeros((9, 9), bool), 0.0)  # nothing hidden counts
     assert bool(found) == touched
+
+
+def test_what_something_else_fills_is_no_hidden_gap_and_what_is_behind_a_wall_is_not_extended_to_it() -> None:
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
+    empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), np.eye(4), USUAL_ERROR)
+    stool, own = UprightBox([3.35, 0.0, 0.5], [0.3, 0.5, 1.0], 0.0), np.zeros((9, 9), bool)  # 50 cm before it
+    behind_it = UprightBox([3.8, 0.1, 0.5], [0.4, 0.6, 1.0], 0.0)
+    found = [find_touched_walls(stool, others, [wall], empty, own) for others in ([], [behind_it])]
+    assert found == [[wall], []]
+    assert extend_to_wall(stool, wall).size[0] == pytest.approx(0.8)
+    beyond = UprightBox([4.6, 0.0, 0.5], [0.3, 0.5, 1.0], 0.0)
+    assert extend_to_wall(beyond, wall) is beyond
+
+
+@pytest.mark.parametrize(("error", "free"), [(DepthError(0.0, 0.0), 0.0), (DepthError(0.01, 0.0025), 1.0)])
+def test_what_is_nearer_by_no_more_than_depth_errs_hides_nothing(error: DepthError, free: float) -> None:
+    view = DepthView(np.full((9, 9), 5.0, np.float32), np.array([[9.0, 0, 4], [0, 9.0, 4], [0, 0, 1]]), error=error)
+    assert view.share_free(np.array([[0.1, 0.2, 5.1], [0.0, 0.0, 5.1]]), np.zeros((9, 9), bool)) == free
 
 
 def test_a_can_beside_a_bowl_does_not_stand_on_it() -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from stages.contracts.objects import USUAL_ERROR, Wall
 from stages.extraction.contact import DepthView, make_gap
-from stages.extraction.levels import find_carrying_heights, find_level, is_topped
+from stages.extraction.levels import find_carrying_heights, find_level, is_topped, is_uppermost
 from stages.extraction.mounting import end_near, place_object
 from stages.geometry.boxes import UprightBox
 from stages.geometry.minimum_box import minimum_box
@@ -47,6 +47,13 @@ def test_a_desk_is_as_high_as_most_of_its_top(covered: float, seed: int, tallest
     assert is_topped("computer desk")
     if covered:
         assert np.quantile(cloud[:, 2], 0.99) > 0.79  # what the quantile makes of it
+
+
+def test_a_single_point_above_a_top_does_not_hide_it() -> None:
+    heights = np.array([0.3, 0.75, 0.75, 0.75, 1.2])
+    points = np.column_stack([np.zeros((5, 2)), heights])  # one cell of the plan
+    upper = is_uppermost(points, UprightBox([0, 0, 0.6], [1, 1, 1.2], 0.0), 0.02)
+    assert upper.tolist() == [False, True, True, True, True]
 
 
 def test_a_chair_carries_at_its_seat_and_is_as_high_as_its_back() -> None:

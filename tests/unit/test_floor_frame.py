@@ -7,11 +7,13 @@ from stages.config.extraction import ExtractionConfig
 from stages.contracts import Annotations
 from stages.contracts.scenes import Annotation
 from stages.extraction.camera_height import doubt_height
+from stages.extraction.floor import check_frame, find_floor_frame, find_unnamed_floor, fit_shown_floor
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
 from stages.geometry.boxes import UprightBox
+from stages.geometry.cameras import PointMap
 from stages.geometry.frames import make_transform
-from stages.geometry.room_planes import WallPlane
+from stages.geometry.room_planes import Plane, WallPlane, make_floor_frame
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, WORLD_FROM_CAMERA, trace
 
@@ -74,8 +76,13 @@ def test_a_floor_above_the_camera_is_none() -> None:
     """A ceiling that was painted as the floor: every level plane is above the camera."""
     v = np.arange(HEIGHT)[:, None] - (HEIGHT - 1) / 2
     ceiling = np.where(v < -1, INTRINSICS[0, 0] / -np.minimum(v, -1), 0.0) * np.ones((1, WIDTH))
+    depth = np.where(ceiling < 15, ceiling, 0).astype(np.float32)
     with refused("E-FLOOR-MISSING"):
-        extracted(None, np.where(ceiling < 15, ceiling, 0).astype(np.float32))
+        extracted(None, depth)
+    masks = np.full(depth.shape, FLOOR, np.uint16)
+    told = Annotations(objects=[Annotation(mask=OBJECT, label="box")], floor=FLOOR, walls=[])
+    image = AnnotatedImage(np.zeros((*depth.shape, 3), np.uint8), depth, masks, INTRINSICS, told)
+    assert fit_shown_floor(image, PointMap(depth, INTRINSICS), 30.0, np.random.default_rng(0)) is None
 
 
 def test_a_room_that_cannot_be_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -101,3 +108,43 @@ def test_feet_are_doubted(capsys: pytest.CaptureFixture[str]) -> None:
     depth = trace([BOX])[0] / 0.3048
     extracted(None, depth.astype(np.float32))
     assert "depth in feet (1.60 m)" in capsys.readouterr().out
+
+
+def test_a_camera_that_looks_straight_down_has_its_upper_edge_ahead() -> None:
+    frame = make_floor_frame(Plane(np.array([0.0, 0.0, -1.0]), -2.0, np.ones(3, bool)))
+    assert frame[:3, 1] == pytest.approx([-1, 0, 0]), "down in the picture is back in the room"
+    assert frame[:3, 3] == pytest.approx([0, 0, 2]) and np.linalg.det(frame[:3, :3]) == pytest.approx(1)
+
+
+def test_a_given_frame_may_lean_where_no_mask_shows_the_floor() -> None:
+    up, shown = np.array([0.0, -1.0, 0.0]), Plane(np.array([0.0, -1.0, 0.0]), -1.5, np.ones(3, bool))
+    leaning, lying = (
+        make_floor_frame(Plane(np.array([0.0, -np.cos(angle), np.sin(angle)]), -1.5, shown.inliers))
+        for angle in np.deg2rad([30, 60])
+    )
+    check_frame(leaning, None, up)
+    for frame, floor in ((leaning, shown), (lying, None)):
+        with refused("E-FLOOR-FRAME"):
+            check_frame(frame, floor, up)
+
+
+def test_a_given_frame_changes_no_number_that_is_drawn_later() -> None:
+    depth, masks = trace([BOX])
+    told = Annotations(objects=[Annotation(mask=OBJECT, label="box")], floor=FLOOR, walls=[WALL])
+    rgb, frame = np.zeros((HEIGHT, WIDTH, 3), np.uint8), turned(np.eye(3), 1.6)
+    image = AnnotatedImage(rgb, depth, masks, INTRINSICS, told, floor_from_camera=frame)
+    rng = np.random.default_rng(0)
+    find_floor_frame(image, PointMap(depth, INTRINSICS), 30.0, rng)
+    assert rng.bit_generator.state == np.random.default_rng(0).bit_generator.state
+
+
+@pytest.mark.parametrize(("value", "below"), [(0, 1.6), (WALL, 0.9)])
+def test_what_a_mask_calls_a_wall_is_no_floor(value: int, below: float) -> None:
+    """A table that nobody named, and something that hangs in the air."""
+    depth, masks = trace([UprightBox([2.3, 0, 0.35], [1.6, 2.4, 0.7], 0.0), UprightBox([3, 0, 1.6], [0.2] * 3, 0.0)])
+    shown = masks.copy()
+    shown[masks == FLOOR], shown[masks == OBJECT] = value, 0
+    told = Annotations(objects=[Annotation(mask=OBJECT + 1, label="lamp")], floor=None, walls=[WALL])
+    image = AnnotatedImage(np.zeros((HEIGHT, WIDTH, 3), np.uint8), depth, shown, INTRINSICS, told)
+    floor = find_unnamed_floor(image, PointMap(depth, INTRINSICS), WORLD_FROM_CAMERA[2, :3])
+    assert -floor.offset == pytest.approx(below, abs=0.03)

@@ -7,6 +7,7 @@ import numpy as np
 from stages.config.generation import GenerationConfig
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import Cousin, Orientation
+from stages.contracts.doubt import DoubtKind
 from stages.contracts.objects import SceneObject
 from stages.generation.choosing import choose, choose_by_rank, find_synonyms
 from stages.generation.inputs import MatchedObject
@@ -39,6 +40,7 @@ def test_where_no_cousin_fits_the_one_that_is_stretched_least_stands() -> None:
     least = _standing(("chest", 3, 5.0), ("chest", 3, 4.0))
     assert least.cousin == 2 and [one.cause for one in least.doubts] == ["size"]
     assert least.doubts[0].what == "no cousin has its size: this one is stretched 4.0 times"
+    assert least.steps == ("passed over, for so many times they would be stretched: cousins 1 (5.0)",)
 
 
 def test_other_categories_and_other_counts_do_not_stand_for_what_does_not_fit() -> None:
@@ -67,17 +69,20 @@ class AsTheyAre(Places):
 
 
 def test_after_a_persons_choice_the_next_scenes_have_the_cousins_in_order() -> None:
-    item = thing("chest_1", (0, 0, 0), (1, 1, 1))
+    item = replace(thing("chest_1", (0, 0, 0), (1, 1, 1)), doubts=(DoubtKind.OPENINGS.of(what="one door"),))
     about = {"category": "chest", "votes": None, "orientation": Orientation(yaw=0.0), "orientations": []}
     cousins = [Cousin(rank=n, asset=f"chest_{n}", distance=n, **about) for n in (1, 2, 3)]
     seen = SceneObject(id="chest_1", label="chest", mask=1, status="failed", reason="-")
 
-    def standing(said: Correction, rank: int) -> str:
+    def chosen(said: Correction, rank: int) -> Placed:
         one = MatchedObject(seen, cousins, {}, np.empty((0, 3), np.float32), None, said)
+        return choose(one, rank, {}, AsTheyAre(item))
 
-        return choose(one, rank, {}, AsTheyAre(item)).asset.id
+    def standing(said: Correction, rank: int) -> str:
+        return chosen(said, rank).asset.id
 
     said, nothing = Correction(mask=1, model="chest_9"), Correction(mask=1)
+    assert chosen(nothing, 1).doubts == item.doubts and chosen(said, 1).doubts == (), "a person knows better"
     assert [standing(said, rank) for rank in (1, 2, 3)] == ["chest_9", "chest_1", "chest_2"]
     assert [standing(nothing, rank) for rank in (1, 2, 3)] == ["chest_1", "chest_2", "chest_3"]
     assert standing(Correction(mask=1, model="chest_1"), 2) == "chest_2"

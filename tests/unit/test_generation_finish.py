@@ -12,10 +12,11 @@ from stages.contracts import GeneratedScene, read_json
 from stages.contracts.images import read_masks
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.look import GAMMA
-from stages.generation.finishing import find_main_colour
+from stages.generation.finishing import find_main_colour, paint
 from stages.generation.generate import run
 from stages.generation.scene_file import read_items
 from tests.refusals import refused
+from tests.unit.generation_scenes import thing
 from tests.unit.test_generation_run import scene  # noqa: F401  (a fixture)
 
 RED, BLUE = (180, 40, 30), (30, 60, 170)
@@ -27,6 +28,20 @@ def test_the_main_colour_is_that_of_most_pixels_in_neither_shadow_nor_glare() ->
     rgb = np.clip(shown + rng.normal(0, 5, shown.shape), 0, 255).astype(np.float32) / 255
     found = find_main_colour(cv2.cvtColor(rgb[None], cv2.COLOR_RGB2LAB)[0])
     assert found == pytest.approx((np.array(RED) / 255) ** GAMMA, abs=0.03)
+
+
+def test_what_lies_half_in_shadow_has_the_colour_that_is_lit() -> None:
+    shown = np.array([RED] * 400 + [(60, 13, 10)] * 550 + [(250, 250, 250)] * 50)
+    rgb = np.clip(shown + np.random.default_rng(0).normal(0, 5, shown.shape), 0, 255).astype(np.float32) / 255
+    found = find_main_colour(cv2.cvtColor(rgb[None], cv2.COLOR_RGB2LAB)[0])
+    assert found == pytest.approx((np.array(RED) / 255) ** GAMMA, abs=0.03)
+
+
+def test_a_model_that_is_no_recipe_s_stays_as_it_is_and_says_so() -> None:
+    item = thing("mug_1", (0, 0, 0), (0.1, 0.1, 0.1))
+    assert paint(item, None) is item
+    kept = paint(item, (0.5, 0.1, 0.1))
+    assert kept.finish == {} and kept.steps[-1].startswith("in its own colours")
 
 
 def test_cousins_wear_the_colours_of_the_picture_and_stand_as_before(

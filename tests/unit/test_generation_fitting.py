@@ -1,6 +1,7 @@
 """The box in which a model agrees with the picture: known answers."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,8 @@ from stages.geometry.cameras import back_project, intrinsics_from_fov
 from stages.geometry.frames import Array, make_transform, transform_points, yaw_matrix
 from stages.geometry.outlines import Outline, measure_outline
 from stages.geometry.solids import find_outermost
+from tests.refusals import refused
+from tests.unit.demo_assets import cabinet
 from tests.unit.generation_scenes import BACK
 
 WIDTH, HEIGHT = 320, 240
@@ -166,3 +169,11 @@ def test_sizes_of_a_category_have_a_mean_and_a_spread() -> None:
     assert np.exp(mean) == pytest.approx([0.2] * 3)
     assert covariance[0, 1] == pytest.approx(np.log(2) ** 2)  # larger mugs are higher, too
     assert covariance[0, 0] > covariance[0, 1]
+
+
+def test_a_model_that_is_not_whole_is_no_solid(tmp_path: Path) -> None:
+    cabinet(tmp_path / "cabinet")
+    assert len(Solid(tmp_path / "cabinet").visuals) > 1
+    next((tmp_path / "cabinet/meshes").glob("*.obj")).unlink()
+    with refused("E-MODEL-BROKEN"):
+        Solid(tmp_path / "cabinet")

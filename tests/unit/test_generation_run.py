@@ -28,9 +28,10 @@ from stages.generation.generate import run
 from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.models import read_collisions
 from stages.generation.placed import Placed
-from stages.generation.scene_file import summarise, to_contract
+from stages.generation.placing import Places
+from stages.generation.scene_file import read_items, summarise, to_contract
 from stages.generation.settling import describe_fall, find_behind, load_items, run_physics, simulate
-from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.boxes import THINNEST, UprightBox, corners
 from stages.geometry.cameras import intrinsics_from_fov, look_at, project
 from stages.geometry.frames import invert_transform, transform_points, yaw_matrix
 from stages.geometry.masks import polygon
@@ -225,6 +226,25 @@ def test_a_box_that_was_told_holds_but_for_the_wall(
     assert placed.size[1:] == pytest.approx((0.9, 0.8)) and placed.center[1] == pytest.approx(0.2)
 
 
+def test_every_object_has_a_place_of_its_own_clear_of_walls_and_of_some_extent(scene: dict[str, Path]) -> None:
+    inputs = read_inputs(scene["cousins"], scene["objects"], scene["library"])
+    places = Places(inputs, GenerationConfig(sizes="measured"))
+    mug = next(one for one in inputs.matched if one.object.id == "mug_1")
+
+    def stand(name: str, cloud: np.ndarray = mug.cloud, **about: object) -> Placed:
+        one = replace(mug, object=mug.object.model_copy(update={"id": name} | about), cloud=cloud)
+        return places.find(one, mug.cousins[0])
+
+    first, at_wall = stand("mug_1"), Box(center=(3.28, 0.2, 0.9), size=(0.1, 0.2, 0.1), yaw=0.0)
+    assert stand("mug_1") is first
+    moved = stand("mug_2", box=at_wall, whole=True)  # of the same label, reaching 3 cm into the wall
+    assert moved.center[1] == pytest.approx(0.2) and moved.center[0] + moved.size[0] / 2 == pytest.approx(3.3, abs=1e-6)
+    free = stand("mug_3", mounting=Mounting(type=2, walls=["wall_1"]))  # it touches a wall, and does not lean on it
+    assert free.center == pytest.approx(first.center) and free.size == pytest.approx(first.size)
+    flat = stand("mug_4", cloud=mug.cloud * [0, 1, 1])
+    assert flat.size.min() == THINNEST
+
+
 def test_an_object_with_fewer_cousins_uses_its_last(made: Path) -> None:
     cabinet, mug = read_json(GeneratedScene, made / "scene_2.json").objects[:2]
     assert (cabinet.asset, mug.asset) == ("bottom_cabinet_1", "mug_0")
@@ -334,6 +354,17 @@ def test_what_overlaps_a_wall_is_pushed_and_not_said_to_have_dropped(scene: dict
     assert check.verdict == "does not stand: cabinet_1 was pushed 8 cm, for it overlapped wall_1; " + check.kept
 
 
+def test_what_stays_inside_a_wall_is_not_stable(scene: dict[str, Path]) -> None:
+    options = GenerationConfig(sizes="measured")
+    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)
+    physics = physics_scene()  # without the wall: nothing pushes the cabinet out
+    add_ground(physics)
+    wall = Wall(id="wall_1", normal=(-1.0, 0.0, 0.0), offset=-float(built.items[0].center[0]), points=9)
+    bodies = load_items(physics, built.items)
+    check = run_physics(physics, bodies, built.items, 0, options, [wall]).plausibility
+    assert (check.fallen, check.held, check.stable) == ([], [], False) and "cabinet_1" in check.behind
+
+
 def test_a_fall_is_said_by_what_it_is() -> None:
     options = GenerationConfig()
     assert describe_fall(np.array([0.2, 0.0, -0.1]), 80.0, "", options) == "tipped by 80°"
@@ -433,6 +464,18 @@ def test_a_missing_asset_fails_that_object_alone(scene: dict[str, Path], tmp_pat
     built = build(inputs, 1, GenerationConfig())
     assert [item.id for item in built.items] == ["cabinet_1"]
     assert "gone" in built.failed["mug_1"]
+
+
+def test_a_scene_without_anything_that_stands_is_refused(scene: dict[str, Path], made: Path, tmp_path: Path) -> None:
+    cousins = read_json(Cousins, scene["cousins"])
+    lost = [ObjectCousins(id=item.id, label=item.label, status="failed", reason="none") for item in cousins.objects]
+    write_json(tmp_path / "cousins.json", cousins.model_copy(update={"objects": lost}))
+    with refused("E-SCENE-EMPTY"):
+        run(**scene | {"cousins": tmp_path / "cousins.json"}, variant="v", out=tmp_path / "out", options='{"ranks": 1}')
+    assert not list(tmp_path.glob("out/*"))
+    empty = read_json(GeneratedScene, made / "scene_1.json").model_copy(update={"objects": []})
+    with refused("E-SCENE-EMPTY"):
+        read_items(empty, AssetFolders(scene["library"]), tmp_path, tmp_path)
 
 
 def test_files_of_different_scenes_are_refused(scene: dict[str, Path], tmp_path: Path) -> None:

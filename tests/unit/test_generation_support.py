@@ -31,6 +31,11 @@ def stacked(items, options=GenerationConfig()):  # noqa: B008
     return stacking.assign_supports(items, {}, {}, options)
 
 
+def test_things_of_one_height_come_by_id_whatever_the_order():
+    one, other = thing("a", (1, 0, 0.2), (0.3, 0.3, 0.4)), thing("b", (2, 0, 0.2), (0.3, 0.3, 0.4))
+    assert sort_by_height([other, one]) == sort_by_height([one, other]) == [one, other]
+
+
 def test_a_stack_is_found_whatever_the_order():
     assert tree([CUP, BOOK, TABLE]) == {"table": "floor", "book": "table", "cup": "book"}
 

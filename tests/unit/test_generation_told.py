@@ -5,8 +5,10 @@ from pathlib import Path
 import pytest
 
 from stages.config.generation import GenerationConfig
-from stages.contracts import InputError, Objects, read_json, write_json
+from stages.config.provenance import record_provenance
+from stages.contracts import GeneratedScene, InputError, Objects, read_json, write_json
 from stages.contracts.corrections import Correction, Corrections
+from stages.generation.generate import run
 from stages.generation.inputs import read_inputs
 from stages.generation.placed import Placed
 from stages.generation.stacking import apply_stated
@@ -89,6 +91,15 @@ def test_nothing_carries_itself_by_what_was_told() -> None:
     assert supports == {"low": "top", "mid": "floor", "top": "mid"}
     assert [item.id for item in ordered] == ["mid", "top", "low"]
     assert apply_stated(items, found, {"low": "gone"})[1] == found  # what is not placed carries nothing
+
+
+def test_a_scene_says_that_corrections_were_among_what_it_was_made_of(scene: dict[str, Path], tmp_path: Path) -> None:  # noqa: F811
+    told = tmp_path / "corrections.json"
+    write_json(told, Corrections(objects=[Correction(mask=MUG, model="mug_1")]))
+    options = GenerationConfig(ranks=1, sizes="measured")
+    run(**scene, variant="v", out=tmp_path, corrections=(told,), options=options.model_dump_json())
+    made = read_json(GeneratedScene, tmp_path / "scene_1.json").made
+    assert made == record_provenance("stages.generation.generate", options, [*scene.values(), told])
 
 
 def test_a_broken_file_is_named(scene: dict[str, Path], tmp_path: Path) -> None:  # noqa: F811

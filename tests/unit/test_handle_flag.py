@@ -11,7 +11,7 @@ from stages.contracts.trained import TrainingStore
 from stages.policies.base import make_policy, make_rollout_policy
 from stages.policies.handle_points import find_handle_middles, offsets_to_handle, segment_handles
 from stages.training import handle_augmentation
-from stages.training.batches import Batch, make_batch
+from stages.training.batches import Batch, make_batch, put_handle_first
 from stages.training.dataset import DemonstrationSet, steps_until_release
 from stages.training.fronts import find_still, segment_episodes
 from stages.training.handle_augmentation import hide_handles, move_fronts, vary_handles, widen_grips
@@ -34,6 +34,17 @@ def test_the_handle_is_marked_and_nothing_else(angle: float, knob: bool) -> None
     assert (marked[0, :, 3] == -1).nonzero().squeeze(1).tolist() == list(range(340, 352))
     assert torch.equal(marked[..., :3], cloud[..., :3]) and (marked[0, -2:, 3] == 1).all()
     assert planes[0].tolist() == pytest.approx([-np.cos(angle), -np.sin(angle), -0.7 * np.cos(angle)], abs=1e-3)
+
+
+def test_points_above_each_other_say_nothing_of_the_front() -> None:
+    """An edge of the front is seen more often than the rest; a panel behind it stands across."""
+    cloud = cabinet()
+    cloud[0, :40, :2] = cloud[0, 0, :2]
+    along = torch.stack([torch.linspace(0.7, 1.1, 200), torch.full((200,), 0.2), torch.full((200,), 0.4)], dim=1)
+    panel = torch.cat([along, torch.zeros((200, 1))], dim=1)
+    marked, planes = segment_handles(torch.cat([cloud, panel[None]], dim=1))
+    assert (marked[0, :, 3] == -1).nonzero().squeeze(1).tolist() == list(range(340, 352))
+    assert planes[0].tolist() == pytest.approx([-1, 0, -0.7], abs=1e-3)
 
 
 def test_what_hardly_stands_out_or_is_thick_is_not_marked() -> None:
@@ -170,6 +181,11 @@ def test_marked_points_are_never_thinned_away() -> None:
     assert (counts[True] == 12).all() and (counts[False] < 12).all()
 
 
+def test_the_points_of_the_handle_come_first_and_none_is_lost() -> None:
+    flags, order = torch.tensor([[[0.0, -1, 1, -1, 0]]]), torch.tensor([[[4, 1, 0, 3, 2]]])
+    assert put_handle_first(flags, order).tolist() == [[[1, 3, 4, 0, 2]]]
+
+
 def test_an_actor_sees_marked_clouds_and_a_policy_of_the_paper_does_not() -> None:
     small = {"pointnet_width": 8, "rnn_hidden": 8, "mlp": [8]}
     cloud, proprio = cabinet()[0].numpy(), np.zeros(9, np.float32)
@@ -181,12 +197,13 @@ def test_an_actor_sees_marked_clouds_and_a_policy_of_the_paper_does_not() -> Non
         assert policy.pointnet.flag.num_embeddings == flags
         seen: list[Tensor] = []
         empty = torch.zeros((1, 17 + 7 * handle))
-        policy.encode = lambda clouds, proprio, seen=seen, empty=empty: (seen.append(clouds), empty)[1]  # type: ignore[method-assign]
+        read = policy.normalise
+        policy.encode = lambda *given, read=read, seen=seen, empty=empty: (seen.append(read(*given)), empty)[1]  # type: ignore[method-assign]
         acting = make_rollout_policy(policy, 1, "most_likely")
         acting.start_episode(0, 0)
         acting.get_action([0], [cloud], [proprio])
         acting.get_action([0], [moved], [proprio])
-        marks = [(part[..., 3] == -1).sum().item() for part in seen]
+        marks = [(part[..., 4:] == 1).sum().item() for part in seen]  # as the PointNet reads them
         assert marks == ([12, 0] if flags == 3 else [0, 0])
 
 

@@ -6,12 +6,19 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Annotations
-from stages.contracts.objects import USUAL_ERROR, SceneObject, Wall
+from stages.contracts.corrections import Correction
+from stages.contracts.objects import USUAL_ERROR, DepthError, SceneObject, Wall
 from stages.contracts.scenes import Annotation, Held
 from stages.extraction.contact import DepthView, measure_shelf
+from stages.extraction.corrected_masks import Cutter, correct_masks, paint_masks
+from stages.extraction.corrections import correct_image
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
+from stages.extraction.reflections import remove_reflections
 from stages.geometry.boxes import UprightBox
+from stages.geometry.cameras import PointMap
+from stages.geometry.masks import central_crop, erode
+from tests.refusals import refused
 from tests.unit.synthetic_room import (
     BACK_WALL,
     FLOOR,
@@ -89,6 +96,61 @@ def test_clutter_that_nobody_named_moves_nothing(label: str) -> None:
         assert ends(carrier)[1] == pytest.approx(0.75, abs=0.015)
 
 
+def test_depth_along_the_edge_of_a_wall_s_mask_moves_no_wall() -> None:
+    depth, masks = trace([SOFA])
+    edge = (masks == WALL) & ~erode(masks == WALL)
+    mixed = np.where(edge, 0.996 * depth, depth).astype(np.float32)  # 2 cm nearer
+    assert (
+        extracted(mixed, masks, "sofa").objects.walls[0].offset
+        == extracted(depth, masks, "sofa").objects.walls[0].offset
+    )
+
+
+@pytest.mark.parametrize(("value", "walls"), [(0, 1), (FLOOR, 0), (OBJECT, 0)])
+def test_an_upright_plane_is_a_wall_unless_a_mask_says_what_it_is(value: int, walls: int) -> None:
+    depth, masks = trace([SOFA])
+    masks[masks == WALL] = value
+    assert len(extracted(depth, masks, "sofa").objects.walls) == walls
+
+
+SQUARE: list[tuple[float, float]] = [(4, 4), (36, 4), (36, 36), (4, 36)]
+
+
+def test_what_stands_before_the_floor_takes_nothing_from_it() -> None:
+    found, cut = np.full((40, 40), FLOOR, np.uint16), Cutter(np.zeros((40, 40, 3), np.uint8))
+    box = Correction(mask=OBJECT, label="box", outline=SQUARE)
+    for label, swallowed in (("floor", set()), ("rug", {FLOOR})):
+        things = {FLOOR: Correction(mask=FLOOR, label=label), OBJECT: box}
+        assert set(paint_masks(things, found, cut).swallowed) == swallowed
+
+
+def test_what_was_drawn_covers_what_was_found_whichever_comes_first() -> None:
+    found, cut = np.full((40, 40), OBJECT + 1, np.uint16), Cutter(np.zeros((40, 40, 3), np.uint8))
+    drawn, whole = Correction(mask=OBJECT, label="cup", outline=SQUARE), Correction(mask=OBJECT + 1, label="table")
+    for things in ([drawn, whole], [whole, drawn]):
+        painted = paint_masks({item.mask: item for item in things}, found, cut).masks
+        assert (painted[20, 20], painted[0, 0]) == (OBJECT, OBJECT + 1)
+
+
+def test_what_was_drawn_anew_has_no_box_or_front_of_what_was_found() -> None:
+    found, cut = np.full((40, 40), OBJECT, np.uint16), Cutter(np.zeros((40, 40, 3), np.uint8))
+    given = Annotations(objects=[Annotation(mask=OBJECT, label="box", front=0.5)], floor=None, walls=[])
+    fronts = []
+    for told in ({}, {"outline": SQUARE}):
+        corrected, _, _ = correct_masks(given, found, {OBJECT: Correction(mask=OBJECT, **told)}, cut)
+        assert corrected is not None
+        fronts.append(corrected.objects[0].front)
+    assert fronts == [0.5, None]
+
+
+def test_corrections_that_leave_nothing_are_refused() -> None:
+    depth, masks = trace([SOFA])
+    told = Annotations(objects=[Annotation(mask=OBJECT, label="sofa")], floor=FLOOR, walls=[WALL])
+    image = AnnotatedImage(np.zeros((HEIGHT, WIDTH, 3), np.uint8), depth, masks, INTRINSICS, told)
+    with refused("E-SCENE-EMPTY"):
+        correct_image(image, {OBJECT: Correction(mask=OBJECT, gone=True)})
+
+
 def test_a_wall_that_nobody_painted_carries_no_picture() -> None:
     picture = UprightBox([3.98, 0, 1.5], [0.04, 0.6, 0.5], 0.0)
     depth, masks = trace([picture])
@@ -99,6 +161,24 @@ def test_a_wall_that_nobody_painted_carries_no_picture() -> None:
     assert shown == [pytest.approx(1.22, abs=0.02), None]
     (hung,) = extracted(depth, masks, "picture").objects.objects
     assert hung.mounting is not None and hung.mounting.type == 1 and hung.measured_support == "wall"
+
+
+def test_what_lies_outside_the_central_crop_moves_neither_floor_nor_walls_nor_things() -> None:
+    depth, masks = trace([SOFA])
+    inside = central_crop(depth.shape, ExtractionConfig().crop)
+    wrong = np.where(inside, depth, 0.7 * depth).astype(np.float32)
+    assert extracted(wrong, masks, "sofa").objects == extracted(depth, masks, "sofa").objects
+
+
+@pytest.mark.parametrize(("error", "removed"), [(DepthError(0.0, 0.0), True), (DepthError(0.1, 0.0), False)])
+def test_noise_of_depth_behind_a_wall_is_no_reflection(error: DepthError, removed: bool) -> None:
+    depth, masks = trace([UprightBox([BACK_WALL - 0.02, 0, 1.5], [0.04, 0.8, 0.9], 0.0)])
+    right = (masks == OBJECT) & (np.arange(WIDTH) > WIDTH / 2)
+    depth[right] *= 1 + 0.5 / BACK_WALL  # 46 cm behind the wall
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-BACK_WALL, points=100)
+    seen = PointMap(depth, INTRINSICS, WORLD_FROM_CAMERA)
+    clean = remove_reflections(depth, seen, [masks == OBJECT], [wall], error)
+    assert np.array_equal((clean == 0) & (depth > 0), right & removed)
 
 
 def test_a_mirror_is_not_as_deep_as_what_it_shows() -> None:

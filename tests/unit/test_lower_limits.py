@@ -1,6 +1,5 @@
 """The same cabinet with joints that count from elsewhere: nothing of a task changes with the lower limit."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,32 +9,16 @@ import trimesh
 
 from plugins.mujoco.environment import MujocoTaskEnv
 from plugins.mujoco.world import MODEL
-from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import invert_transform, make_transform
+from stages.geometry.frames import make_transform
 from stages.planning.path import make_handle_path
 from stages.simulation.target import Target
 from stages.tasks.api import EnvWrapper
 from stages.tasks.base_placement import find_success_opening
-from tests.unit.demo_assets import cabinet
+from tests.unit.demo_assets import cabinet, shifted
 
 SHIFT = {"door": 0.4, "drawer": -0.25}  # what is added to both limits: radians, metres
 FULL = TaskConfig(points=64, success_fraction=0.9)
-
-
-def shifted(folder: Path, role: str) -> Path:
-    """The cabinet in `folder`, closed as it was, with the limits of its joint moved; in a folder beside it."""
-    model = read_model(folder)
-    joints = []
-    for joint in model.joints:
-        if joint.type != "fixed":
-            by = SHIFT[role]
-            origin = joint.origin @ joint.motion(joint.lower) @ invert_transform(joint.motion(joint.lower + by))
-            joint = replace(joint, origin=origin, lower=joint.lower + by, upper=joint.upper + by)
-        joints.append(joint)
-    out = folder.with_name(f"{folder.name}_shifted")
-    write_asset(replace(model, joints=joints), out, Description(out.name, "bottom_cabinet", "CC0-1.0", "test"))
-    return out
 
 
 @pytest.fixture(scope="module", params=["door", "drawer"])
@@ -45,7 +28,7 @@ def both(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     cabinet(folder, layout=[[role]])
     tasks = [
         EnvWrapper(role, each, f"{role}_0_joint", None, FULL, render=False, vary_scale=False)
-        for each in (folder, shifted(folder, role))
+        for each in (folder, shifted(folder, SHIFT[role]))
     ]
     for task in tasks:
         task.place(3)
@@ -93,7 +76,7 @@ def test_the_hand_follows_the_handle_alike(both: tuple[EnvWrapper, EnvWrapper]) 
 
 def test_openings_are_the_same_in_mujoco(tmp_path: Path) -> None:
     cabinet(tmp_path / "cab", layout=[["door"]])
-    task = MujocoTaskEnv("door", shifted(tmp_path / "cab", "door"), "door_0_joint", None, FULL, render=False)
+    task = MujocoTaskEnv("door", shifted(tmp_path / "cab", SHIFT["door"]), "door_0_joint", None, FULL, render=False)
     for opened in (0.0, 0.1):
         task.place(3)
         joint = task.data.joint(f"{MODEL}door_0_joint")

@@ -116,6 +116,9 @@ def test_colours_are_those_of_the_object_alone() -> None:
     colours = patch_colours(replace(view, rgb=red), positions)
     assert colours.shape == (len(positions), 3)
     assert np.ptp(colours, axis=0).max() < 0.05 and colours[0, 1] > 1.5  # the same red everywhere, no green let in
+    blue = np.arange(red.shape[1]) > np.flatnonzero(view.mask.any(axis=0)).mean()  # the right half
+    halves = patch_colours(replace(view, rgb=np.where(blue[:, None], np.uint8([40, 40, 200]), red)), positions)
+    assert (halves[positions[:, 0] > 0.3, 2] < -1).all() and (halves[positions[:, 0] < -0.3, 2] > 0).all()
     empty = replace(view, mask=np.zeros_like(view.mask))
     assert patch_colours(empty, np.empty((0, 2), np.float32)).shape == (0, 3)
 

@@ -20,7 +20,7 @@ from stages.config.policy_kinds import policy_tables
 from stages.config.tables import PolicyAbout, PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout
 from stages.tables import policies
-from stages.tables.methods import check_methods, join_published, kinds_of
+from stages.tables.methods import check_methods, join_published, kinds_of, read_pooled
 from stages.tables.order import target_title
 from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_runs
@@ -190,10 +190,10 @@ def test_runs_that_trials_chose_are_pooled_and_said_to_be(tmp_path: Path) -> Non
     assert pd.read_csv(tmp_path / "assets.csv")["mean"].tolist() == [15 / 32, 15 / 32]
 
 
-def test_two_checkpoints_of_a_policy_are_no_two_runs() -> None:
+def test_two_checkpoints_of_a_policy_are_no_two_runs(tmp_path: Path) -> None:
     rows = [*rolled("twin", "lite"), *rolled("twin", "lite", checkpoint="last")]
     with refused("E-CHECKPOINTS-MIXED", "best and last of the policy door/lite/twin/lite/0"):
-        check_methods(frame(rows), PolicyTables())
+        read_pooled([write_rows(tmp_path / "rollouts.csv", rows)], PolicyTables())
     each_its_own = [*rows[:32], *rolled("twin", "lite", checkpoint="last", seed=1)]
     check_methods(frame(each_its_own), PolicyTables())
 

@@ -62,6 +62,15 @@ def test_articulated_assets_are_closed_and_have_friction(models: Path) -> None:
     assert sum(link.mass for link in body.links) == pytest.approx(asset.mass, rel=1e-3)
 
 
+def test_every_body_has_a_collision_number_of_its_own_and_none_that_of_the_robot(models: Path) -> None:
+    scene = physics_scene()
+    cabinets = [load_asset(scene, models / "bottom_cabinet_01", sapien.Pose(), True, name) for name in ("one", "two")]
+    numbers = [
+        {shape.get_collision_groups()[3] for link in body.links for shape in link.collision_shapes} for body in cabinets
+    ]
+    assert [len(each) for each in numbers] == [1, 1] and len({0}.union(*numbers)) == 3
+
+
 def test_every_joint_can_be_pushed_open_alone(models: Path) -> None:
     asset = read_asset(models / "bottom_cabinet_01")
     scene = physics_scene()

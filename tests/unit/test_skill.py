@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import gymnasium
 import numpy as np
@@ -18,11 +19,13 @@ from stages.planning.articulation import plan_articulation
 from stages.planning.clearance import Surroundings
 from stages.planning.handle_grasp import Grasp, grasp_pose
 from stages.planning.path import Pursuit, make_handle_path, make_line, measure_distance
+from stages.simulation.kinematics import Array
 from stages.skills import FAR, Act, Outcome
 from stages.skills.close import CloseSkill
 from stages.skills.motion import Motion
 from stages.skills.open import OpenSkill
 from stages.tasks.api import EnvWrapper
+from stages.tasks.base_placement import _passes
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 
@@ -157,6 +160,17 @@ def test_pursuit_aims_ahead_and_never_back() -> None:
     assert pursuit.progress == pytest.approx(0.05, abs=0.006)
 
 
+@pytest.mark.parametrize(("speed", "word"), [(0.004, ""), (0.0, "stall")])
+def test_a_hand_that_is_slow_has_not_stalled_and_one_that_is_stuck_has(speed: float, word: str) -> None:
+    path, hand = make_line(np.eye(4), make_transform(np.eye(3), [0.1, 0.0, 0.0])), np.eye(4)
+
+    def act(action: Array, moving: bool, ahead: float) -> None:
+        hand[0, 3] += speed  # metres a step
+
+    task = SimpleNamespace(options=TaskConfig(), steps=0, max_steps=100, hand=hand.copy, reference=hand.copy)
+    assert Motion(task, act).reach(path, 0.02, 1.0)[0] == word  # type: ignore[arg-type]
+
+
 def test_the_opening_path_turns_about_the_hinge(door: EnvWrapper) -> None:
     door.place(0)
     target = door.env.target
@@ -196,6 +210,15 @@ def test_clearance_sees_the_panel_where_it_is(door: EnvWrapper) -> None:
     assert not around.clear(np.repeat(before_the_front, 10, axis=0), radii, swinging)  # it swings by
     assert not around.with_obstacles(before_the_front[0] + 0.02).clear(before_the_front, radii, closed)
     assert around.clear(before_the_front, radii, closed)  # the other one is a copy
+
+
+def test_no_base_is_where_the_door_swings(door: EnvWrapper) -> None:
+    door.place(0)
+    target = door.env.target
+    _, y, _ = target.reference
+    for out, goal, free in ((0.3, 1.5, False), (0.3, 0.1, True), (1.0, 1.5, True)):
+        base = make_transform(np.eye(3), [target.moving.bounds[1, 0] + out, y, target.moving.bounds[0, 2]])
+        assert _passes(invert_transform(base), Surroundings(target), goal) is free
 
 
 def test_clearance_sees_a_finger_inside_a_knob(door: EnvWrapper) -> None:

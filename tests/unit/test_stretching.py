@@ -73,6 +73,19 @@ def test_a_stretched_asset_is_that_of_the_files(kind: str, tmp_path: Path) -> No
     same(in_memory, by_file)
 
 
+def test_what_is_turned_by_a_quarter_is_stretched_in_memory(tmp_path: Path) -> None:
+    cabinet(tmp_path / "turned")
+    path = tmp_path / "turned" / "model.urdf"
+    tree = ElementTree.parse(path)
+    origin = tree.getroot().findall("link/collision/origin")[0]
+    origin.set("rpy", f"{np.pi / 2} 0 {np.pi / 2}")  # x to y to z to x: no two axes change places
+    tree.write(path)
+    scene = physics_scene()
+    assert stretch_builder(ParsedAsset(scene.create_urdf_loader(), tmp_path / "turned", True).builder(), SCALE)
+    by_file = load_by_file(scene, tmp_path / "turned", tmp_path / "f")
+    same(load_asset(scene, tmp_path / "turned", sapien.Pose(), True, "memory", SCALE), by_file)
+
+
 def test_what_is_askew_is_stretched_by_way_of_files(tmp_path: Path) -> None:
     cabinet(tmp_path / "askew")
     path = tmp_path / "askew" / "model.urdf"

@@ -5,10 +5,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 
 from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.policies import Rollout, SceneScore
 from stages.tables import policies, policy_tables, scene_tables, scenes, table2, table3
+from stages.tables.drawing import draw_rates
 from stages.tables.markup import Table, html, latex, markdown
 from stages.tables.methods import join_published
 from stages.tables.order import set_key, sort_key
@@ -45,6 +47,13 @@ def test_wilson_interval_of_a_published_example() -> None:
     low, high = wilson(8, 10, 0.95)
     assert (low, high) == pytest.approx((0.4902, 0.9433), abs=1e-4)
     assert wilson(0, 10, 0.95).low == 0
+
+
+def test_a_bar_reaches_from_the_low_end_to_the_high_one() -> None:
+    axes = Figure().subplots()
+    draw_rates(axes, [1.0], pd.DataFrame({"mean": [0.5], "low": [0.2], "high": [0.6]}), "twin")
+    (bar,) = axes.collections[0].get_segments()  # type: ignore[attr-defined]
+    assert np.asarray(bar) == pytest.approx(np.array([[1, 20], [1, 60]]))
 
 
 def test_t_interval_and_sample_deviation() -> None:

@@ -15,6 +15,7 @@ from safetensors.torch import load_file
 from stages.contracts.errors import InputError
 from stages.contracts.policy_config import PolicyConfig
 from stages.contracts.policy_folder import read_config, weights_of
+from stages.contracts.task_options import TaskConfig
 from stages.policies import point_cloud
 from stages.policies.base import make_policy
 from stages.policies.checkpoint import load_network
@@ -155,6 +156,14 @@ def test_windows_pad_at_the_end_without_weight(store: Path) -> None:
     assert real[-1].tolist() == [True] + [False] * 9
 
 
+def test_other_actions_are_other_data(store: Path, tmp_path: Path) -> None:
+    other = write_store(tmp_path / "episodes.h5", episodes=3)
+    assert read_demonstrations([other], 3).digest == read_demonstrations([store], 3).digest
+    with h5py.File(other, "a") as file:
+        file["data/demo_2/actions"][0, 6] *= -1
+    assert read_demonstrations([other], 3).digest != read_demonstrations([store], 3).digest
+
+
 def test_the_split_and_the_batches_follow_the_seed(store: Path, tmp_path: Path) -> None:
     data = read_demonstrations([store], 40)
     assert len({tuple(split_episodes(data, seed)[1]) for seed in range(4)}) > 1
@@ -226,11 +235,13 @@ def test_too_few_episodes_and_broken_stores_are_input_errors(store: Path, tmp_pa
     broken.write_bytes(b"no HDF5")
     with pytest.raises(InputError, match=r"broken\.h5: is no readable episode store"):
         read_demonstrations([broken], 1)
-    other = write_store(tmp_path / "other.h5", 2)
-    with h5py.File(other, "a") as file:
+    other, shorter = (write_store(tmp_path / name, 2) for name in ("other.h5", "shorter.h5"))
+    with h5py.File(other, "a") as file, h5py.File(shorter, "a") as same_task:
         file["data"].attrs["task"] = "drawer"
-    with refused("E-EPISODES-MIXED"):
-        read_demonstrations([store, other], 2)
+        same_task["data"].attrs["task_options"] = TaskConfig(points=96, success_fraction=0.25).model_dump_json()
+    for one in (other, shorter):
+        with refused("E-EPISODES-MIXED"):
+            read_demonstrations([store, one], 2)
     with refused("E-EPISODES-TASK"):
         train(episodes=(other,), per_store=2, task="door", options=options(), out=tmp_path / "policy")
     with refused("E-EPISODES-POINTS"):

@@ -220,7 +220,7 @@ def test_round_things_are_round(tmp_path: Path) -> None:
     assert farthest["mug_1"] == pytest.approx(1, abs=0.01) and farthest["cabinet_1"] > 1.2, "the corners of a box"
 
 
-def test_what_stands_at_the_rear_edge_of_a_top_is_on_it_not_on_the_wall() -> None:
+def test_what_stands_at_the_rear_edge_of_a_top_is_on_it_not_on_the_wall(tmp_path: Path) -> None:
     drawing = _drawing()
     solved = solve(drawing)
     rear = _pixels([[-0.8, 3.5, 0.9]])[0]
@@ -230,6 +230,10 @@ def test_what_stands_at_the_rear_edge_of_a_top_is_on_it_not_on_the_wall() -> Non
     assert support_at(drawing, solved, (rear[0], rear[1] - 11)) == "back"
     assert support_at(drawing, solved, (rear[0], rear[1] - 10), stands=True) == "cabinet", "a jar hangs nowhere"
     assert support_at(drawing, solved, (rear[0], rear[1] - 30), stands=True) == "floor"
+    Image.fromarray(_noise()).save(tmp_path / "a.png")
+    session = Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "a")
+    asked = {"project": drawing.model_dump(mode="json"), "pixel": (rear[0], rear[1] - 30)}
+    assert session.support(asked) == {"on": "back"} and session.support(asked | {"stands": True}) == {"on": "floor"}
 
 
 def test_sizes_that_cannot_be_are_doubted() -> None:

@@ -1,5 +1,6 @@
 """Pick, Place and the third task: grasps, placements, surfaces with known answers; a few episodes in the simulator."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import gymnasium
@@ -11,7 +12,7 @@ import trimesh
 from plugins.bowl.region import find_level_region, measure_headroom
 from plugins.bowl.skills.pick.grasps import TURNS, measure_turn, sample_grasps, sample_object_cloud, sort_by_turn
 from plugins.bowl.skills.place.predicates import DROP, find_places_inside, sample_placements
-from plugins.bowl.tasks.put_away_bowl.bowl import default_bowl, load_visual_mesh
+from plugins.bowl.tasks.put_away_bowl.bowl import AROUND, default_bowl, fitting_scale, load_visual_mesh
 from plugins.bowl.tasks.put_away_bowl.environment import with_stand_in_view
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
@@ -177,6 +178,16 @@ def test_the_bowl_fits_into_the_drawer(tmp_path: Path) -> None:
     cabinet(tmp_path / "door")
     with refused("E-TASK-JOINT"):
         EnvWrapper("put_away_bowl", tmp_path / "door", "door_0_joint", None, OPTIONS, render=False)
+
+
+def test_a_bowl_fits_by_the_travel_of_the_drawer_wherever_its_joint_begins(task: EnvWrapper) -> None:
+    task.place(0)
+    floor, target = task.env.floors[0], task.env.target
+    moved = replace(target, lower=target.lower - 0.3, upper=target.upper - 0.3)
+    extents = np.array([1.0, 0.5, 0.01])
+    short = replace(target, upper=target.lower + 0.15)
+    scales = [fitting_scale(extents, floor, each) for each in (target, moved, short)]
+    assert scales[0] == pytest.approx(scales[1]) and scales[2] == pytest.approx(0.9 * 0.15 - 2 * AROUND)
 
 
 def test_films_show_bowl_and_stand(task: EnvWrapper) -> None:

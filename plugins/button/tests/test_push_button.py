@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import sapien
 
+from plugins.button.skills.push import Skill, list_pushes
 from plugins.furniture.catalogue import CATEGORIES, sample
 from plugins.furniture.folder import build
 from stages.articulated.asset_folder import read_asset
@@ -15,12 +16,14 @@ from stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
 from stages.contracts.categories import known_categories
 from stages.contracts.parts import PARTS
 from stages.contracts.task_options import TaskConfig
+from stages.planning.handle_grasp import HALF_PAD
 from stages.plugins import load
 from stages.simulation.loading import load_asset, physics_scene
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
 from stages.tasks.api import EnvWrapper
 from tests.refusals import refused
+from tests.unit.demo_assets import shifted
 
 JOINT = "button_0_joint"
 
@@ -79,6 +82,35 @@ def test_it_comes_out_again(folder: Path) -> None:
         for _ in range(50):
             scene.step()
         assert abs(float(body.get_qpos()[0])) < 0.05 * travel
+
+
+def test_a_button_whose_joint_counts_from_elsewhere_is_the_same(folder: Path) -> None:
+    other, scene = shifted(folder / "box_0", -0.02), physics_scene()
+    body = load_asset(scene, other, sapien.Pose(), True, "box")
+    for _ in range(2):
+        assert body.get_qpos()[0] == pytest.approx(-0.02, abs=5e-4), "out, as it is loaded and half a second later"
+        for _ in range(50):
+            scene.step()
+    lengths = []
+    for each in (folder / "box_0", other):
+        task = world(each)
+        task.place(0)
+        plan = Skill(task, DemonstrationsConfig())._plan()
+        assert plan is not None
+        lengths.append(float(np.linalg.norm(plan[1][-1, :3, 3] - plan[1][0, :3, 3])))
+        task.close()
+    assert lengths[0] == pytest.approx(lengths[1], abs=1e-3)
+
+
+def test_the_fingertips_touch_the_face_and_not_what_is_behind_it(folder: Path) -> None:
+    task = world(folder / "box_0")
+    task.place(0)
+    target = task.env.target
+    touch = next(list_pushes(target, np.eye(4)))
+    tips = touch[:3, 3] + HALF_PAD * touch[:3, 2]
+    assert touch[:3, 2] == pytest.approx(target.axis, abs=1e-6)
+    assert tips @ target.axis == pytest.approx((target.moving.vertices @ target.axis).min(), abs=1e-6)
+    task.close()
 
 
 @pytest.mark.parametrize("number", range(3))

@@ -135,10 +135,12 @@ def test_noise_ends_as_the_actions_where_the_network_knows_them(store: Path) -> 
 
 def test_it_sees_marked_handles(store: Path) -> None:
     policy = policy_of(store, handle=True)
-    cloud = torch.rand(3, 6, 48, 4).round()
+    cloud = torch.rand(3, 6, 48, 4)
+    cloud[..., 3] = torch.arange(48) % 3 - 1  # handle, neither, finger
     loss, error = policy.loss(cloud, torch.rand(3, 6, 9), torch.rand(3, 6, 7), torch.ones(3, 6))
     loss.backward()
     assert error > 0 and policy.features == 32 + 9 + 4
+    assert policy.pointnet.flag.weight.grad.abs().sum(1).min() > 0  # type: ignore[union-attr]
 
 
 def test_what_it_does_not_know_is_refused() -> None:

@@ -12,6 +12,7 @@ import trimesh
 from PIL import Image
 from trimesh import Trimesh
 
+from plugins.exports import scenes
 from plugins.exports.scene_formats import mjcf, urdf
 from plugins.furniture.catalogue import sample
 from plugins.furniture.folder import build
@@ -19,8 +20,8 @@ from plugins.pictures import glb
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.model import Link, RobotModel, Visual
 from stages.articulated.urdf_reader import read_urdf
-from stages.contracts import GeneratedScene
-from stages.contracts.look import Look, Surface
+from stages.contracts import GeneratedScene, LibraryPart, write_json
+from stages.contracts.look import ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Mounting, Wall
 from stages.generation.placed import Placed
 from stages.generation.scene_models import Room, room_of
@@ -117,6 +118,21 @@ def test_trimesh_reads_the_glb(room: Room, tmp_path: Path) -> None:
     floor = scene.geometry["floor"].visual.material.baseColorFactor
     assert np.array(floor[:3]) / 255 == pytest.approx((0.5, 0.3, 0.1), abs=0.01)
     assert scene.camera.fov[1] == pytest.approx(np.degrees(2 * np.arctan(HEIGHT / 2 / FOCAL)), abs=1e-3)
+
+
+def test_the_look_of_the_picture_is_exported_where_it_is_given(
+    room: Room, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written: list[Room] = []
+    monkeypatch.setattr(scenes.glb, "write", lambda made, out: written.append(made))
+    look = Look(light=(0.6, 0, -0.8), light_from="shadows", shadow_correlation=0.9, surfaces=[])
+    for name, value in {"scene": room.scene, "library": LibraryPart(assets=[]), "look": look}.items():
+        write_json(tmp_path / f"{name}.json", value)
+    monkeypatch.setattr(scenes, "read_items", lambda *given: [])
+    files: dict[str, Any] = {"scenes": (tmp_path / "scene.json",), "library": tmp_path / "library.json"}
+    for given in (None, tmp_path / "look.json"):
+        scenes.run(**files, format="glb", out=tmp_path, look=given)
+    assert [made.light.tolist() for made in written] == [list(ROOM_LIGHT), [0.6, 0.0, -0.8]]
 
 
 def test_every_urdf_is_read_by_our_own_reader(room: Room, tmp_path: Path) -> None:

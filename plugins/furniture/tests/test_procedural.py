@@ -12,13 +12,13 @@ from plugins.furniture.cabinet import Cabinet
 from plugins.furniture.catalogue import ALL, CATEGORIES, sample
 from plugins.furniture.facts import categories_text, counts_text, describe_category
 from plugins.furniture.finishes import finish_of
-from plugins.furniture.folder import build, generate
+from plugins.furniture.folder import build, generate, make_model
 from plugins.furniture.front_cells import cells
 from plugins.furniture.model import bounds
 from plugins.furniture.real_sizes import REAL_SIZES
 from plugins.furniture.robot import mass_properties
 from plugins.furniture.shapes import bounds_of, cushion, rod, shell_pieces, slab
-from stages.articulated.asset_folder import checksum
+from stages.articulated.asset_folder import Description, checksum
 from stages.articulated.forward_kinematics import link_frames, measure_closed_box
 from stages.articulated.urdf_reader import read_urdf
 from stages.config import categories as counts
@@ -57,6 +57,13 @@ def test_what_is_too_thin_for_its_boards_is_scaled(category: str, axis: int, tmp
     assert asset.size == pytest.approx((x, y, z), abs=1e-6)
     robot = read_urdf(tmp_path / "thin" / "model.urdf", tmp_path / "thin")  # refuses solids without a volume
     assert all(joint.upper > joint.lower for joint in robot.joints if joint.type != "fixed")
+
+
+def test_a_model_hangs_or_stands_and_is_as_symmetric_as_its_recipe_says() -> None:
+    about = Description("a", "a", "CC0-1.0", "test", symmetry="none", placement="floor")
+    made = {name: make_model(sample(name, 0, 0), None, about).about for name in ("wall_cabinet", "mug")}
+    assert (made["wall_cabinet"].placement, made["mug"].placement) == ("wall", "object")
+    assert made["mug"].recipe == sample("mug", 0, 0)
 
 
 def test_written_files_fill_the_promised_box(tmp_path: Path) -> None:

@@ -1,13 +1,17 @@
 """What is sprung or called a button is one that a task can push, or stays fixed with the reason; it is no drawer."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from plugins.importing.buttons import explain_unpushable, mark_buttons
 from plugins.importing.import_ import run
 from plugins.importing.importers.mjcf import read_mjcf
 from plugins.importing.tests.own_models import import_folder
-from plugins.importing.tests.test_fronts import box, joint
+from plugins.importing.tests.test_fronts import box, cabinet, joint
+from stages.articulated.forward_kinematics import link_frames
+from stages.articulated.urdf_reader import read_urdf
 from stages.plugins import load
 
 CASE = f'<link name="case">{box("0.2 0.3 0.3", "0 0 0.15")}</link>'
@@ -30,16 +34,28 @@ def test_a_name_a_spring_or_semantics_make_a_button(tmp_path: Path, capsys: pyte
     write(mine / "3", dynamics='<dynamics stiffness="80"/>')
     (write(mine / "4") / "semantics.txt").write_text("case static case\nlink_1 slider button\n")
     (write(mine / "5") / "semantics.txt").write_text("case static case\nlink_1 slider lever\n")
+    write(mine / "6", link="button_1", at='0.11 0 0.15" rpy="0 0 1.5708', axis="0 1 0")  # along x, in a turned frame
     assets = {asset.id[-1]: asset for asset in import_folder(tmp_path / "mine", tmp_path / "models")}
     said = capsys.readouterr().out
-    for number in "1234":
+    for number in "12346":
         (found,) = assets[number].joints
         assert (found.part_type, found.handle, assets[number].drawers) == ("button", "face", 0)
         folder = tmp_path / "models" / assets[number].id
         assert load("tasks", "push_button").target_joint(folder).joint == found.name
         assert load("tasks", "drawer").target_joint(folder) is None
     assert assets["5"].joints == [] and "'press' (slides by less than 5 cm)" in said
-    assert said.count("sprung, and pushed, not pulled") == 4
+    assert said.count("sprung, and pushed, not pulled") == 5
+
+
+def test_only_a_slide_is_a_button_and_moves_by_both_its_limits(tmp_path: Path) -> None:
+    (tmp_path / "c.urdf").write_text(cabinet())
+    robot = mark_buttons(read_urdf(tmp_path / "c.urdf", tmp_path), {"hinge", "press"})
+    assert {one.name for one in robot.joints if one.part_type == "button"} == {"press"}
+    folder = write(tmp_path / "case", link="button_1")
+    robot = read_urdf(folder / "mobility.urdf", folder)
+    (press,), frames = robot.joints, link_frames(robot)
+    assert explain_unpushable(robot, press, frames) == ""
+    assert explain_unpushable(robot, replace(press, lower=-0.1), frames).endswith("moves by 11 cm")
 
 
 @pytest.mark.parametrize(

@@ -81,6 +81,16 @@ def test_a_door_in_the_back_half_faces_where_it_swings_to(tmp_path: Path) -> Non
     assert found is not None and found[0] == pytest.approx([1, 0, 0]) and found[1] == 2
 
 
+def test_a_front_is_as_askew_as_most_of_its_area_not_most_of_its_faces(tmp_path: Path) -> None:
+    mesh = trimesh.creation.box((0.1, 0.01, 0.1))
+    mesh.apply_transform(trimesh.transformations.rotation_matrix(0.3, (0, 0, 1)))
+    mesh.subdivide().subdivide().export(tmp_path / "knob.obj")  # many faces, little area
+    knob = '<visual><origin xyz="0.05 0.2 0"/><geometry><mesh filename="knob.obj"/></geometry></visual>'
+    (tmp_path / "c.urdf").write_text(cabinet().replace('<link name="door">', '<link name="door">' + knob))
+    robot, lines = doors_and_drawers(read_urdf(tmp_path / "c.urdf", tmp_path))
+    assert [joint.name for joint in robot.joints if joint.type != "fixed"] == ["hinge", "slide"], lines
+
+
 def test_a_sliding_door_and_one_askew_are_fixed_with_the_reason(tmp_path: Path) -> None:
     shutter = box("0.25 0.02 0.7") + box("0.02 0.05 0.2", "0.1 0.03 0")
     wall = '<link name="shutter">' + shutter + "</link>"

@@ -10,9 +10,11 @@ import pytest
 import trimesh
 from PIL import Image
 
+from plugins.importing.mesh_files import gltf_file, gltf_header
 from plugins.importing.tests.gltf_files import BOX, Gltf
 from stages.articulated.mesh_reader import has_texture, load_meshes, texture_of
 from stages.articulated.mesh_writer import write_glb
+from stages.contracts.errors import InputError
 from tests.refusals import refused
 
 SIZE = (0.2, 0.4, 0.6)
@@ -29,7 +31,10 @@ def test_quantized_positions_have_their_size(tmp_path: Path, kind: str, normaliz
     shares = (BOX.vertices - BOX.bounds[0]) / BOX.extents * (1 - low) + low
     file = Gltf(extensionsRequired=["KHR_mesh_quantization"])
     primitive = file.box(NORMAL=file.add(127 * BOX.vertex_normals, "int8", normalized=True))
-    primitive["attributes"]["POSITION"] = file.add((shares * one).round(), kind, normalized=normalized)
+    numbers = (shares * one).round()
+    if normalized:  # the lowest integer, -128 say, stands for -1 as well
+        numbers[numbers == -one] = np.iinfo(kind).min
+    primitive["attributes"]["POSITION"] = file.add(numbers, kind, normalized=normalized)
     scale = np.array(SIZE) / (1 - low) / (1 if normalized else one)
     (mesh,), lost = read(file.show(primitive, scale=scale.tolist()), tmp_path)
     assert mesh.extents == pytest.approx(SIZE, abs=1e-3)
@@ -51,6 +56,20 @@ def test_instances_stand_where_they_are_put(tmp_path: Path) -> None:
     assert extents[10, 0, 0] == pytest.approx(SIZE)
     assert extents[12, 3, 0] == pytest.approx((0.4, 0.2, 0.6)), "a quarter turn about z"
     assert not lost
+
+
+def test_more_meshes_or_nodes_than_are_shown_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = Gltf(extensionsRequired=["EXT_mesh_gpu_instancing"])
+    told = {"TRANSLATION": file.add([[k, 0, 0] for k in range(4)])}
+    file.show(file.box(), extensions={"EXT_mesh_gpu_instancing": {"attributes": told}})
+    monkeypatch.setattr(gltf_file, "MOST_SHAPES", 4)
+    assert len(read(file, tmp_path)[0]) == 4
+    monkeypatch.setattr(gltf_file, "MOST_SHAPES", 3)
+    with pytest.raises(InputError, match="more than 3 meshes"):
+        read(file, tmp_path)
+    monkeypatch.setattr(gltf_header, "MOST_SHAPES", 0)
+    with refused("E-MODEL-PARTS", "has 1 nodes"):
+        read(file, tmp_path)
 
 
 UNREAD: dict[str, dict[str, Any]] = {  # what is put into a file: into its node, its primitive, its first accessor
@@ -101,6 +120,10 @@ def picture(file: Gltf, **info: Any) -> dict[str, Any]:
         (
             {"extensions": {"KHR_texture_transform": {"offset": [0, 1], "rotation": np.pi / 2, "scale": [0.5, 0.5]}}},
             (0, 0.5, 0, 0.5),
+        ),
+        (
+            {"extensions": {"KHR_texture_transform": {"offset": [0, 1], "rotation": np.pi / 2, "scale": [0.5, 0.25]}}},
+            (0, 0.25, 0, 0.5),  # scaled before it is turned
         ),
     ],
 )

@@ -10,7 +10,7 @@ from plugins.films.contract import read_films
 from plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
 from plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
 from plugins.in_scene.demonstrate import run
-from plugins.in_scene.room import GeneratedRoom, read_room
+from plugins.in_scene.room import OBSTACLES_WITHIN, GeneratedRoom, read_room
 from stages.contracts import read_json, write_json
 from stages.contracts.archives import unpack
 from stages.contracts.episode_store import read_episodes
@@ -89,6 +89,14 @@ def test_one_demonstration_per_scene_or_the_reason_for_none(library: Path, tmp_p
         run(scenes=(paths[0],), out=tmp_path / "no", **(given | {"object": "sofa_1"}))
 
 
+def test_an_object_that_failed_is_no_target(library: Path, tmp_path: Path) -> None:
+    lost = PlacedObject(id="lamp_1", label="lamp", status="failed", reason="too small")
+    write_json(tmp_path / "scene_1.json", scene(1, lost))
+    for name, why in (("lamp_1", "object 'lamp_1' failed: too small"), ("oven_1", "has no object 'oven_1'")):
+        with refused("E-OBJECT-MISSING", why):
+            read_room(tmp_path / "scene_1.json", name, library, tmp_path)
+
+
 def test_the_robot_stands_before_the_object_and_not_in_the_floor(library: Path, tmp_path: Path) -> None:
     low = scene(1).objects[0].model_copy(update={"position": (2.0, -0.3, 0.35), "support": "floor"})
     made = scene(1).model_copy(update={"objects": [low, block("chest_1", (1.9, 0.6, 0.35), (0.4, 0.45, 0.7))]})
@@ -107,6 +115,8 @@ def test_the_robot_stands_before_the_object_and_not_in_the_floor(library: Path, 
     assert away @ front > 0.5 and base[:3, 0] @ front < -0.9, "before the front, facing it"
     assert find_obstacle(task, room) is None
     assert len(task.env.obstacles()) > 1000
+    away_from_it = np.linalg.norm(np.concatenate(list(room.obstacles.values())) - room.target.box.center, axis=1)
+    assert away_from_it.max() < np.linalg.norm(room.target.box.size) / 2 + OBSTACLES_WITHIN
     room.shift = (-0.5, 0.0)  # into the cabinet and the wall behind it
     task.place(0)
     moved = task.env.agent.robot.pose.sp.to_transformation_matrix()

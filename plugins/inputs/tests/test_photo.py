@@ -25,7 +25,7 @@ from stages.contracts import InputError, Objects, read_json
 from stages.contracts.images import colour_of
 from stages.contracts.objects import Mounting
 from stages.contracts.scene_input import read_scene_input
-from stages.contracts.scenes import Held
+from stages.contracts.scenes import Annotation, Held
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
@@ -228,6 +228,13 @@ def test_a_language_model_says_what_hangs_and_where(
     cabinet, box = read_json(Objects, tmp_path / "found/objects.json").objects
     assert cabinet.mounting == Mounting(type=1, walls=["wall_1"])
     assert cabinet.measured_mounting == Mounting(type=3, walls=["wall_1"]) and box.measured_mounting is None
+
+
+def test_a_mounting_counts_if_all_of_its_walls_are_seen() -> None:
+    thing = estimate.Thing(Detection("cabinet", 0.9, (0, 0, 1, 1)), np.ones((1, 1), bool), mounting=(3, [0, 1]))
+    item = Annotation(mask=OBJECT, label="cabinet")
+    seen, half = (estimate._state(item, thing, [2, 3, 4], shown) for shown in ([2, 3], [3, 4]))
+    assert seen.mounting == Held(type=3, walls=[2, 3]) and half.mounting is None
 
 
 @pytest.mark.parametrize(("how", "walls"), [("stands", [1]), ("hangs", []), ("floats", [1]), ("hangs", [0])])

@@ -15,6 +15,7 @@ import yaml
 from plugins.inputs import from_rgbd
 from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
 from plugins.inputs.rgbd.frame import Labelled
+from plugins.inputs.rgbd.layouts import find_view, list_frames
 from plugins.inputs.rgbd.mask_files import read_labelled
 from plugins.inputs.rgbd.write import make_annotations
 from plugins.names.propose import Proposal
@@ -239,6 +240,24 @@ def record3d(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray
     np.save(folder / "depth" / "0.npy", depth[::2, ::2])
     (folder / "metadata.json").write_text(json.dumps(about_record3d()))
     return folder
+
+
+def test_frames_go_by_their_numbers_or_times(tmp_path: Path) -> None:
+    folder, tum_folder = tmp_path / "numbered", tmp_path / "timed"
+    files = [folder / name for name in ("color/9.jpg", "color/10.jpg", "depth/9.png", "depth/10.png")]
+    for file in files:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.touch()
+    assert list_frames(folder) == [(files[0], files[2]), (files[1], files[3])]
+    with refused("E-RECORDING-FRAME"):
+        find_view(folder, -1, None)
+    files[3].unlink()
+    with refused("E-RECORDING-LAYOUT"):
+        list_frames(folder)
+    tum_folder.mkdir()
+    (tum_folder / "rgb.txt").write_text("1.000 a.png\n2.000 b.png\n")
+    (tum_folder / "depth.txt").write_text("1.015 c.png\n2.030 d.png\n")  # 30 ms are too many
+    assert list_frames(tum_folder) == [(tum_folder / "a.png", tum_folder / "c.png")]
 
 
 @pytest.mark.parametrize("layout", [tum, open3d, record3d])

@@ -51,6 +51,17 @@ def test_the_network_is_the_shipped_one_and_knows_every_category() -> None:
     assert set(known_categories()) <= set(names)
 
 
+def test_the_classifier_sees_nothing_beside_a_mask(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown: list[torch.Tensor] = []
+    monkeypatch.setattr(observed, "classifier", lambda: lambda picture: (shown.append(picture), torch.zeros(1, 9))[1])
+    mask = np.zeros((60, 80), bool)
+    mask[10:50, 20:30] = mask[40:50, 20:70] = True  # an L
+    red = np.where(mask[..., None], np.uint8([200, 30, 30]), np.uint8([0, 255, 0]))
+    for rgb in (red, np.where(mask[..., None], red, np.uint8([0, 0, 255])), 255 - red):
+        observed.classify(rgb, mask)
+    assert torch.equal(shown[0], shown[1]) and not torch.equal(shown[0], shown[2])
+
+
 def test_classes_and_words_are_those_of_categories() -> None:
     assert set(read_classes()) <= set(known_categories())
     assert all(0 <= one < 1000 for ours in read_classes().values() for one in ours)
@@ -115,6 +126,8 @@ def test_a_mask_at_the_border_is_cut_there_and_one_without_depth_has_no_shape() 
 def test_without_depth_and_words_every_name_is_as_likely() -> None:
     assert gather(Observed(), None, NAMES) == pytest.approx(np.full((3, len(NAMES)), 1 / len(NAMES)))
     assert combine(gather(Observed(), {}, NAMES), Weights(other=0)) == pytest.approx(1 / len(NAMES))
+    one_against_two = np.array([[0.98, 0.02, 0.0], [0.0, 0.5, 0.5], [0.98, 0.02, 0.0]])
+    assert combine(one_against_two, Weights(other=0)).argmax() == 0, "who says 0 does not overrule the others"
 
 
 def test_a_class_of_imagenet_is_a_vote_for_its_categories() -> None:

@@ -13,6 +13,7 @@ import pytest
 
 from plugins.ops.guard import asks_for_run, descendants, hold_folder
 from plugins.ops.lock import LOCK, WORKFLOW, Holder, start_time, stop_if_taken_over
+from stages.articulated.asset_folder import atomic_folder
 from stages.contracts import write_atomically
 from tests.refusals import refused
 
@@ -105,6 +106,8 @@ def test_what_a_job_has_begun_is_not_written_once_another_workflow_has_its_folde
         with write_atomically(Path("a.txt")) as path:
             path.write_text("3")
             LOCK.write_text(Holder.this_process().text)
+    with refused("E-FOLDER-TAKEN"), atomic_folder(Path("a.txt")):
+        pass  # a model's folder, which would replace it
     assert Path("a.txt").read_text() == "1"
     assert not list(tmp_path.glob(".partial-*"))
 

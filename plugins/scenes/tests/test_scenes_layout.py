@@ -187,16 +187,25 @@ def test_places_of_a_small_room() -> None:
         item("b", beside="a", side="left", gap=0.1),
         item("c", on_top="a", forward=1.0),
         item("d", floor=(4.0, 1.5), yaw=90),
+        item("e", on_top="a", forward=1.0, right=1.0, yaw=90),
     )
     room = Room(name="test", scale=4.0, items=items, walls=("back", "left"), half_width=2.0)
-    sizes = {"a": (0.6, 1.0, 0.8), "b": (0.4, 0.5, 0.5), "c": (0.2, 0.2, 0.2), "d": (0.5, 0.5, 0.5)}
+    sizes = {
+        "a": (0.6, 1.0, 0.8),
+        "b": (0.4, 0.5, 0.5),
+        "c": (0.2, 0.2, 0.2),
+        "d": (0.5, 0.5, 0.5),
+        "e": (0.2, 0.4, 0.1),
+    }
     layout = arrange(room, sizes)
     assert layout is not None
-    a, b, c = (layout.standing[name].box for name in "abc")
+    a, b, c, e = (layout.standing[name].box for name in "abce")
     assert a.yaw == pytest.approx(np.pi / 2)
     assert np.asarray(a.center)[1] == pytest.approx(-layout.half_width + 0.3)  # its back is at the wall
     np.testing.assert_allclose(np.asarray(b.center)[0] - np.asarray(a.center)[0], 0.85)  # left of it, facing the wall
     np.testing.assert_allclose(np.asarray(c.center) - a.center, [0, 0.2, 0.5], atol=1e-9)  # at the front edge, on top
+    across = np.abs(np.asarray(e.center) - a.center)
+    np.testing.assert_allclose(across, [0.4, 0.1, 0.45], atol=1e-9)  # in the corner, none of it over an edge
     assert arrange(room, sizes | {"c": (0.9, 0.9, 0.9)}) is None  # sticks out over the edge
 
 

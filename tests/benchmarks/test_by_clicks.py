@@ -12,7 +12,7 @@ from benchmarks.open_rooms.by_clicks import BOX, DELETE, Effort
 from stages.contracts.corrections import Corrections
 from stages.contracts.doubt import DoubtKind
 from stages.contracts.scenes import Annotation
-from tests.unit.test_open_rooms import TRUE, row
+from tests.benchmarks.test_open_rooms import TRUE, row
 
 LEFT, RIGHT, BOTH = np.s_[20:60, 10:50], np.s_[20:60, 60:100], np.s_[20:60, 10:100]
 SHAPE = (80, 120)
