@@ -76,7 +76,7 @@ def make_panels(rollouts: pd.DataFrame, options: PolicyTables) -> Panels | None:
 
 
 def add_tables(found: PolicyResults, rows: pd.DataFrame, trainings: Sequence[Path], options: PolicyTables) -> More:
-    """What the verb `policies` of tables writes, too; `rows`: the rollouts before targets are pooled."""
+    """What the command `policies` of tables writes, too; `rows`: the rollouts before targets are pooled."""
     more, kinds = collect(found, options), kinds_of(options)
     failed = failed_note(read_trainings(next(iter(trainings), None)))
     unseen = asset_tables(more, options, kinds, [*policy_notes(options), *failed])

@@ -2,4 +2,4 @@
 
 from stages.config.packages import Package
 
-PACKAGE = Package(verbs={"trainings": None}, draws={"tables": "plugins.claims.more"})
+PACKAGE = Package(commands={"trainings": None}, draws={"tables": "plugins.claims.more"})

@@ -18,7 +18,7 @@ def find_mistakes(config: Any) -> Iterator[Mistake]:
         yield Mistake("packages.pictures", what, "packages: {pictures: true}, or {exports: false}, too")
 
 
-PACKAGE = Package(verbs={"scenes": None, "demonstrations": None, "policy": None}, mistakes=find_mistakes)
+PACKAGE = Package(commands={"scenes": None, "demonstrations": None, "policy": None}, mistakes=find_mistakes)
 
 
 def has_portable_form(run: PolicyConfig) -> bool:

@@ -3,4 +3,4 @@
 from stages.config.assets import LibraryOptions
 from stages.config.packages import Package
 
-PACKAGE = Package(verbs={"library": LibraryOptions}, section="assets", facts="plugins.furniture facts")
+PACKAGE = Package(commands={"library": LibraryOptions}, section="assets", facts="plugins.furniture facts")

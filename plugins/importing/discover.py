@@ -17,7 +17,7 @@ from stages.contracts.errors import escape_control
 
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")
-PAGE, PACK = "index.html", "pack.yaml"  # of the verb `import`, in the folder that it writes
+PAGE, PACK = "index.html", "pack.yaml"  # of the command `import`, in the folder that it writes
 WHOLE = {".urdf", ".xml"}  # models that name the meshes that they are made of
 NAMES = re.compile(rb"""file(?:name)?\s*=\s*["']([^"']+)["']""")
 

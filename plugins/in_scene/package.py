@@ -3,4 +3,4 @@
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.packages import Package
 
-PACKAGE = Package(verbs={"demonstrate": DemonstrationsConfig}, section="demonstrations")
+PACKAGE = Package(commands={"demonstrate": DemonstrationsConfig}, section="demonstrations")

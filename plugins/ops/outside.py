@@ -13,7 +13,7 @@ MANY = 8  # files in one folder: containers see it whole then
 
 def list_outside_paths(config: Config) -> list[str]:
     """Absolute paths, outside the working directory, of what the config names: scenes, models, weights, code."""
-    commands = [own for verbs in config.stages.values() for own in verbs.values()]
+    commands = [own for stage in config.stages.values() for own in stage.values()]
     matching = map(config.matching_of, config.experiment.variants)
     named = [
         *_of_inputs(config),

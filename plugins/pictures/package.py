@@ -2,4 +2,4 @@
 
 from stages.config.packages import Package
 
-PACKAGE = Package(verbs=dict.fromkeys(["snapshots", "objects", "cousins", "scenes"]))
+PACKAGE = Package(commands=dict.fromkeys(["snapshots", "objects", "cousins", "scenes"]))

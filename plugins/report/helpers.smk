@@ -34,7 +34,7 @@ def tell_of_failures():
 
 
 def films_of(stage, name, found):
-    """Films, which a command in the place of our verb need not make."""
+    """Films, which the user's command in the place of ours need not make."""
     return unless_replaced(stage, name, films=found).get("films", [])
 
 

@@ -2,4 +2,4 @@
 
 from stages.config.packages import Package
 
-PACKAGE = Package(verbs={"leave_out": None, "table": None})
+PACKAGE = Package(commands={"leave_out": None, "table": None})

@@ -21,7 +21,7 @@ rule leave_out:
     resources:
         **needs(1000, 10),
     params:
-        **verb("robustness", "leave_out"),
+        **command("robustness", "leave_out"),
     shell:
         "{params.command} --truth {input.truth:q} --library {input.library:q} --out {output.assets:q} 2>&1 | tee {log:q}"
 
@@ -43,7 +43,7 @@ rule table2_robustness:
     resources:
         **needs(1000, 10),
     params:
-        **verb("robustness", "table"),
+        **command("robustness", "table"),
         out=subpath(output.csv, parent=True),
     shell:
         "{params.command} --scores {input.scores:q} {input.robustness:q} --out {params.out:q} 2>&1 | tee {log:q}"

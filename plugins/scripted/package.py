@@ -3,4 +3,4 @@
 from stages.config.evaluation import SkillOptions
 from stages.config.packages import Package
 
-PACKAGE = Package(verbs={"skill": SkillOptions}, section="evaluation")
+PACKAGE = Package(commands={"skill": SkillOptions}, section="evaluation")

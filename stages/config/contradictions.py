@@ -196,10 +196,10 @@ def _of_environment(config: "Config", key: str, task: TaskConfig) -> Iterator[Mi
 
 
 def _stages(config: "Config") -> Iterator[Mistake]:
-    """Replaced verbs: scripts that can be executed, files that exist."""
+    """Replaced commands: scripts that can be executed, files that exist."""
     for stage, commands in config.stages.items():
-        for verb, own in commands.items():
-            key, script = f"stages.{stage}.{verb}", own.command.partition(" ")[0]
+        for command, own in commands.items():
+            key, script = f"stages.{stage}.{command}", own.command.partition(" ")[0]
             here = script.startswith(".") or Path(script).is_file()  # else it may be in an image alone
             if "/" in script and here and not os.access(script, os.X_OK):
                 mend = f"chmod +x {script}, or correct the path"

@@ -66,7 +66,7 @@ class Config(Section):
     tables: TablesConfig = Field(TablesConfig(), description="Tables, figures and the report page.")
     stages: Replaced = Field(
         {},
-        description="Replace verbs of stages by commands of yours, "
+        description="Replace commands of stages by commands of yours, "
         "e.g. {matching: {match: {command: python mine.py, code: [mine.py]}}} (docs/extending.md).",
     )
     containers: ContainersConfig = Field(ContainersConfig(), description="Images of the rules, for `--sdm apptainer`.")

@@ -44,7 +44,7 @@ def about_policies(config: "Config") -> dict[str, PolicyAbout]:
 
 
 def policy_tables(config: "Config") -> PolicyTables:
-    """The section `tables`, and what its verbs about policies read of the others."""
+    """The section `tables`, and what its commands about policies read of the others."""
     experiment, policies = config.experiment, about_policies(config)
     trained = {name: config.training.configs[about.configs[0]] for name, about in policies.items()}
     tasks = map(config.task_of, experiment.targets)

@@ -1,4 +1,4 @@
-"""Every kind of implementation from a package outside the checkout: the one of docs/extending.md, through the verbs."""
+"""Every kind of implementation from a package outside the checkout: that of docs/extending.md, through the commands."""
 
 import importlib
 import json

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.config.packages import verb
+from stages.config.packages import load_command
 from stages.contracts import LeftOut, write_json
 from stages.geometry.frames import angle_difference
 from stages.matching.match import run as match
@@ -62,7 +62,7 @@ def test_one_bad_object_does_not_stop_the_scene(world: World, tmp_path: Path) ->
 def test_objects_are_drawn_beside_their_cousins(world: World, tmp_path: Path) -> None:
     world.match(tmp_path / "cousins.json")
     files = {"cousins": tmp_path / "cousins.json", "objects": world.objects, "image": world.objects.parent / "rgb.png"}
-    verb("pictures", "cousins")(**files, snapshots=world.snapshots, out=tmp_path / "cousins.png")
+    load_command("pictures", "cousins")(**files, snapshots=world.snapshots, out=tmp_path / "cousins.png")
     assert (tmp_path / "cousins.png").stat().st_size > 10_000
 
 

@@ -569,10 +569,10 @@ def test_hostile_drawings_are_refused_in_a_line(served: tuple[PageServer, Sessio
         (json.dumps({**good, "scale": {"metres": -1}}).encode(), 400),
         (b'{"a": NaN}', 400),
     ]
-    for verb in ("solve", "save", "write", "support"):
+    for command in ("solve", "save", "write", "support"):
         for body, status in evil:
-            found, answer = _ask(server, "POST", base + verb, body)
-            assert found == status and "\n" not in json.loads(answer)["error"], (verb, body[:40])
+            found, answer = _ask(server, "POST", base + command, body)
+            assert found == status and "\n" not in json.loads(answer)["error"], (command, body[:40])
     assert (
         _ask(server, "POST", base + "save", None, Content_Length="99999999999", Content_Type="application/json")[0]
         == 413
