@@ -2,7 +2,7 @@
 
     python -m benchmarks.snapshots --library results/assets/library/library.json
 
-Raw: load the model, turn it, update the scene, take the picture, fetch colour and position. Ours: `Turntable`, which
+Raw: load the model, turn it, update the scene, take the picture, fetch color and position. Ours: `Turntable`, which
 also cleans and scales them, and the file they are packed into. CPU seconds of one thread, model by model in turn.
 """
 

@@ -1,4 +1,4 @@
-"""The folder of a picture: colour, depth as a sensor gives it, two sets of masks with labels, and the truth."""
+"""The folder of a picture: color, depth as a sensor gives it, two sets of masks with labels, and the truth."""
 
 import json
 import zlib

@@ -12,9 +12,9 @@ from stages.plugins import qualify_module
 
 
 def find_mistakes(config: Any) -> Iterator[Mistake]:
-    """Scenes are exported with the light and colours that the package `pictures` draws them in."""
+    """Scenes are exported with the light and colors that the package `pictures` draws them in."""
     if not config.packages.get("pictures"):
-        what = "is off or not here, and exports of scenes have the light and colours of its pictures"
+        what = "is off or not here, and exports of scenes have the light and colors of its pictures"
         yield Mistake("packages.pictures", what, "packages: {pictures: true}, or {exports: false}, too")
 
 

@@ -11,7 +11,7 @@ from typing import Any, get_args
 from plugins.furniture.cabinet import Cabinet
 from plugins.furniture.cabinet_recipe import PanelStyle
 from plugins.furniture.category import Category, Fronts
-from plugins.furniture.colours import APPLIANCE, METALS, PAINTS, WOODS, pick
+from plugins.furniture.colors import APPLIANCE, METALS, PAINTS, WOODS, pick
 from plugins.furniture.finishes import shade
 from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
 from plugins.furniture.recipe import Rng, Sampled, round_size, uniform
@@ -63,7 +63,7 @@ def vary_template(category: Category, template: Sampled, generation: int, rng: R
 
 
 def _sample_looks(category: Category, rng: Rng) -> dict[str, Any]:
-    """Colours, and where it is no appliance the style of the panels."""
+    """Colors, and where it is no appliance the style of the panels."""
     front = pick(rng, APPLIANCE) if category.appliance else pick(rng, PAINTS, WOODS)
     body = shade(front, 0.82) if rng.random() < 0.6 or category.appliance else pick(rng, PAINTS, WOODS)
     looks: dict[str, Any] = {"front_colour": front, "body_colour": body, "handle_colour": pick(rng, METALS)}

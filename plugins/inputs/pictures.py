@@ -38,7 +38,7 @@ class Picture(Input):
     )
     masks: str = Field(
         "",
-        description="COCO or labelme JSON, or a PNG of indices or colours; none: networks find things (section `eyes`)",
+        description="COCO or labelme JSON, or a PNG of indices or colors; none: networks find things (section `eyes`)",
     )
     labels: str = Field("", description="what the PNG's values are called, as JSON")
     _row: str = PrivateAttr("")

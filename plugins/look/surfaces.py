@@ -33,7 +33,7 @@ LEAST_CORRELATION = 0.25  # below it the picture shows no shadows to go by; chos
 
 @dataclass(frozen=True)
 class Seen:
-    """The pixels of the grid at which a surface is seen: row and column in it, place (N, 3), colour (N, 3) of 0 to 1.
+    """The pixels of the grid at which a surface is seen: row and column in it, place (N, 3), color (N, 3) of 0 to 1.
 
     `normal` faces the camera; `open_above`: the surface goes on beyond the picture's upper border.
     """

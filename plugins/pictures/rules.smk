@@ -82,7 +82,7 @@ rule draw_cousins:
 
 
 rule draw_scenes:
-    """Draw the generated scenes of one room beside its picture, in its light and colours, and export them as GLB."""
+    """Draw the generated scenes of one room beside its picture, in its light and colors, and export them as GLB."""
     input:
         library="results/assets/library/library.json",
         models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),

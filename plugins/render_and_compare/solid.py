@@ -22,15 +22,15 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Seen:
     """What rays (N,) see: depth in units of their directions (0: nothing), unit normals (N, 3) in the frame around the
-    box, towards the eye, and colours (N, 3), linear: of the surface, and with every texture evened out to its mean."""
+    box, towards the eye, and colors (N, 3), linear: of the surface, and with every texture evened out to its mean."""
 
     depth: NDArray[np.float32]
     normals: NDArray[np.float32]
-    colour: NDArray[np.float32]
+    color: NDArray[np.float32]
     plain: NDArray[np.float32]
 
 
-class ColouredSolid(Solid):
+class ColoredSolid(Solid):
     """A solid with the looks of its surface."""
 
     def __init__(self, folder: Path) -> None:
@@ -54,41 +54,41 @@ class ColouredSolid(Solid):
         hits = self.scene.cast_rays(o3d.core.Tensor.from_numpy(rays), nthreads=1)
         depth = hits["t_hit"].numpy()
         there = np.isfinite(depth)
-        normals, colour, plain = np.zeros((3, len(rays), 3), np.float32)
+        normals, color, plain = np.zeros((3, len(rays), 3), np.float32)
         across = hits["primitive_normals"].numpy()[there] / size @ turn.T
         across /= np.linalg.norm(across, axis=1, keepdims=True)
         normals[there] = across * -np.sign((across * directions[there]).sum(axis=1, keepdims=True))
         triangles = hits["primitive_ids"].numpy()[there]
-        colour[there] = self._colours(triangles, hits["primitive_uvs"].numpy()[there])
+        color[there] = self._colors(triangles, hits["primitive_uvs"].numpy()[there])
         plain[there] = self._plain[self._piece[triangles]]
-        return Seen(np.where(there, depth, 0).astype(np.float32), normals, colour, plain)
+        return Seen(np.where(there, depth, 0).astype(np.float32), normals, color, plain)
 
-    def _colours(self, triangles: NDArray[np.integer], at: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Colours (N, 3) of triangles at barycentric coordinates (N, 2) of their second and third corner."""
+    def _colors(self, triangles: NDArray[np.integer], at: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Colors (N, 3) of triangles at barycentric coordinates (N, 2) of their second and third corner."""
         corners = np.stack([1 - at.sum(axis=1), at[:, 0], at[:, 1]], axis=1)
         uv = (self._uv[triangles] * corners[..., None]).sum(axis=1)
-        pieces, colours = self._piece[triangles], np.empty((len(triangles), 3), np.float32)
+        pieces, colors = self._piece[triangles], np.empty((len(triangles), 3), np.float32)
         for piece in np.unique(pieces):
             own, image = pieces == piece, self._looks[piece].image
             height, width = image.shape[:2]
             columns, rows = np.floor(uv[own, 0] * width).astype(int), np.floor(-uv[own, 1] * height).astype(int)
-            colours[own] = image[rows % height, columns % width]
-        return colours
+            colors[own] = image[rows % height, columns % width]
+        return colors
 
 
 class Looks(NamedTuple):
-    """A picture (H, W, 3), linear, one pixel for a plain colour, and texture coordinates (V, 2) of the vertices."""
+    """A picture (H, W, 3), linear, one pixel for a plain color, and texture coordinates (V, 2) of the vertices."""
 
     image: NDArray[np.float32]
     uv: NDArray[np.float32]
 
 
 def looks_of(visual: Visual) -> Looks:
-    """Texture or colour of a visual."""
-    picture = texture_of(visual.mesh) if visual.colour is None else None
+    """Texture or color of a visual."""
+    picture = texture_of(visual.mesh) if visual.color is None else None
     uv = getattr(visual.mesh.visual, "uv", None)
     if picture is not None and uv is not None:
         encoded = np.asarray(picture.convert("RGB"), np.float32) / 255
         return Looks((encoded**GAMMA).astype(np.float32), np.asarray(uv, np.float32))
-    colour = UNPAINTED if visual.colour is None else visual.colour[:3]
-    return Looks(np.array(colour, np.float32)[None, None], np.zeros((len(visual.mesh.vertices), 2), np.float32))
+    color = UNPAINTED if visual.color is None else visual.color[:3]
+    return Looks(np.array(color, np.float32)[None, None], np.zeros((len(visual.mesh.vertices), 2), np.float32))

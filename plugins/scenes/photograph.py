@@ -91,7 +91,7 @@ def photograph(
     seed: int,
     look: Look = AS_IS,
 ) -> Photograph:
-    """The picture of a room from one camera; colours are smoothed by `supersampling`, depth and masks are not."""
+    """The picture of a room from one camera; colors are smoothed by `supersampling`, depth and masks are not."""
     room = cast_room.room
     side = 1.0 if "right" in room.walls and "left" not in room.walls else -1.0  # light comes over the open side
     scene = make_scene(shadows=True, light=look.light or (-0.55, 0.5 * side, -1.0))

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from stages.contracts.library import Asset
-from stages.contracts.look import Colour
+from stages.contracts.look import Color
 from stages.contracts.section import Positive, check_range
 
 WallName = Literal["back", "left", "right"]
@@ -138,8 +138,8 @@ class Room(RecipePart):
     walls: tuple[WallName, ...] = ("back",)
     half_width: Positive = Field(1.8, description="of the floor, before it is stretched")
     camera: CameraStand = CameraStand()
-    wall_colour: Colour = (0.86, 0.84, 0.79)
-    floor_colour: Colour = (0.62, 0.45, 0.30)
+    wall_colour: Color = (0.86, 0.84, 0.79)
+    floor_colour: Color = (0.62, 0.45, 0.30)
 
     @model_validator(mode="after")
     def _check_items(self) -> "Room":

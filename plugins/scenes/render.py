@@ -92,8 +92,8 @@ def run(
         options: JSON of the config section `scenes`.
         seed: decides which models are used.
         room: YAML file of a room of your own, which draws its models from the whole library; default: ours.
-        layout_seed: draw places, camera, colours and models of the room by chance.
-        finish_seed: draw finish and size of every model, colours and light by chance.
+        layout_seed: draw places, camera, colors and models of the room by chance.
+        finish_seed: draw finish and size of every model, colors and light by chance.
     """
     config = read_options(ScenesConfig, options)
     if room is None and scene not in room_files():

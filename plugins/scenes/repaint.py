@@ -1,4 +1,4 @@
-"""Robustness variant of a room: other colours, light and model sizes (protocol `recoloured`)."""
+"""Robustness variant of a room: other colors, light and model sizes (protocol `recoloured`)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.scenes.casting import ATTEMPTS, CastRoom
-from plugins.scenes.chance import colours
+from plugins.scenes.chance import colors
 from plugins.scenes.layout import arrange
 from stages.articulated.asset_folder import write_asset
 from stages.articulated.resizing import load_maker, resize_model
 from stages.contracts import Asset, InputError
 from stages.contracts.library import Vector
 
-CHANGE, TINT = 0.15, 0.06  # largest relative change of an extent or of all colours, and of one colour channel
+CHANGE, TINT = 0.15, 0.06  # largest relative change of an extent or of all colors, and of one color channel
 SALT = 0xF1715
 Rng = np.random.Generator
 
@@ -55,7 +55,7 @@ def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, se
         name: _paint_model(asset, library[asset.id], sizes[name], folders[name], rng)
         for name, asset in cast_room.assets.items()
     }
-    room = cast_room.room.model_copy(update=colours(rng))
+    room = cast_room.room.model_copy(update=colors(rng))
     light = (-rng.uniform(0.3, 0.8), rng.uniform(-0.7, 0.7), -1.0)
     gain = (1 + CHANGE * rng.uniform(-1, 1)) * (1 + TINT * rng.uniform(-1, 1, 3))
     return replace(cast_room, room=room, layout=layout, assets=assets), Look(folders, light, gain)

@@ -46,7 +46,7 @@ def close_at_lower(joint: JointModel) -> JointModel:
 class UrdfReader:
     """The links of one URDF, read when they are asked for; `joints` are closed at their lower limits.
 
-    Shapes, colours and masses that cannot be used are left out, which `remarks` say.
+    Shapes, colors and masses that cannot be used are left out, which `remarks` say.
     """
 
     def __init__(self, path: Path, folder: Path) -> None:
@@ -121,8 +121,8 @@ class UrdfReader:
         meshes = self._geometry(kind, where, looks)
         if (pose != np.eye(4)).any():
             meshes = [transform_mesh(mesh, pose) for mesh in meshes]
-        colour = self._colour(element, where) if looks else None
-        return [Visual(mesh, None if kind.tag == "mesh" and has_texture(mesh) else colour) for mesh in meshes]
+        color = self._color(element, where) if looks else None
+        return [Visual(mesh, None if kind.tag == "mesh" and has_texture(mesh) else color) for mesh in meshes]
 
     def _geometry(self, kind: ET.Element, where: str, looks: bool) -> list[Trimesh]:
         if kind.tag == "mesh":
@@ -152,7 +152,7 @@ class UrdfReader:
             return [mesh]
         raise InputError(self.path, f"{where}: <{kind.tag}> is not a known geometry.", code="E-URDF-GEOMETRY")
 
-    def _colour(self, element: ET.Element, where: str) -> RGBA | None:
+    def _color(self, element: ET.Element, where: str) -> RGBA | None:
         material = element.find("material")
         if material is None:
             return None
@@ -161,13 +161,13 @@ class UrdfReader:
                 f"{where}: is shown without '{texture.get('filename', '')}', which its mesh does not name"
             )
         found = material.find("color")
-        found = self.tree.colours.get(material.get("name", "")) if found is None else found
+        found = self.tree.colors.get(material.get("name", "")) if found is None else found
         if found is None:
             return None
         try:
             r, g, b, a = self.tree.numbers(found, "rgba", "", 4, where, low=0.0).tolist()
         except InputError as error:
-            self._remark("without its colour", error)
+            self._remark("without its color", error)
             return None
         if max(r, g, b, a) > 1.0:
             self.remarks.append(f'{where}: rgba="{found.get("rgba")}" is above 1, taken for bytes')

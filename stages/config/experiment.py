@@ -21,7 +21,7 @@ class Protocol(Section):
         description="Every room is tested once with each: the seed of the depth noise and of what is drawn below.",
     )
     layout: Literal["recipe", "drawn"] = Field(
-        "recipe", description="drawn: places, camera, colours and models of the room are drawn by chance."
+        "recipe", description="drawn: places, camera, colors and models of the room are drawn by chance."
     )
     finish: Literal["library", "other"] = Field(
         "library",

@@ -22,7 +22,7 @@ class Package:
     Attributes:
         judges: whether judges of matching read its sections, each that of its name, so that variants may change them.
         draws: modules with which commands show more, by stage: matching: `InPlace` shows cousins in an object's place;
-            generation: `estimate_look` finds a picture's light and colours; demonstrations: `film_demonstrations` and
+            generation: `estimate_look` finds a picture's light and colors; demonstrations: `film_demonstrations` and
             evaluation: `RolloutFilms` film episodes; tables: `add_tables` adds to Table 3.
         section: of config.yaml that its commands read.
         shards: of the section `assets`, the shards of models that its rules add to the library, by name.

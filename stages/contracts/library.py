@@ -83,7 +83,7 @@ class Joint(Contract):
         return self
 
 
-Finish = dict[str, str | list[str]]  # parameters of a recipe, of what it is made of in which colours
+Finish = dict[str, str | list[str]]  # parameters of a recipe, of what it is made of in which colors
 
 
 class Recipe(Contract):

@@ -261,7 +261,7 @@ def test_a_variant_that_looks_at_no_picture_plans_no_features(folder: Path) -> N
     assert half["features"] == half["snapshots"] > 0  # one judge that looks is enough
 
 
-def test_cousins_in_the_colours_of_the_picture_need_it(folder: Path) -> None:
+def test_cousins_in_the_colors_of_the_picture_need_it(folder: Path) -> None:
     room = "experiment: {rooms: [room_1], targets: {door: null}}"
     (folder / "painted.yaml").write_text(f"{room[:-1]}, placements: {{b: {{finish: picture}}}}}}")
     done = dry_run(folder, "generation", "-p", "--configfile", "painted.yaml")

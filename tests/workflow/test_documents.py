@@ -26,7 +26,7 @@ FENCE = re.compile(
 )
 OURS = re.compile(r"^(\.venv/bin/)?(snakemake|python -m stages\.|make |source )")
 # The package of docs/extending.md is run by tests/unit/test_extending.py; a page's room file by the test of that room.
-PACKAGE = re.compile("my_package|colours")
+PACKAGE = re.compile("my_package|colors")
 
 
 class Block(NamedTuple):

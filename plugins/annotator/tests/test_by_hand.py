@@ -127,7 +127,7 @@ def test_what_is_no_photograph_is_said_in_one_line(
         Image.fromarray(_noise(*size) * (what != "black")).save(path)
     with pytest.raises(InputError) as caught:
         annotate.run(path, browser=False)
-    says = {"wide": "panorama", "black": "one colour", "heic": "pillow-heif", "tiny": "too small"}.get(what, what)
+    says = {"wide": "panorama", "black": "one color", "heic": "pillow-heif", "tiny": "too small"}.get(what, what)
     expected = {"text": "not a readable image", "none": "no such file"}.get(what, says)
     assert expected in str(caught.value) and "\n" not in str(caught.value)
     assert list(tmp_path.iterdir()) == ([] if what == "none" else [path])  # no folder was begun

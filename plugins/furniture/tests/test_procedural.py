@@ -253,7 +253,7 @@ def test_bad_recipes_are_refused() -> None:
         ("bottom_cabinet", {"reach": float("nan")}, "parameter reach: "),
         ("bottom_cabinet", {"hinge": 0}, "parameter hinge: "),
         ("bottom_cabinet", {"shelves": 10**9}, "parameter shelves: "),
-        ("bottom_cabinet", {"front_colour": [128.0, 0.2, 0.1]}, "parameter front_colour: .* colours go from 0 to 1"),
+        ("bottom_cabinet", {"front_colour": [128.0, 0.2, 0.1]}, "parameter front_colour: .* colors go from 0 to 1"),
         ("bottom_cabinet", {"column_weights": [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]}, "its parameters make no model"),
         ("bottom_cabinet", {"protrusion": None}, "parameter protrusion: Field required"),
         ("bottom_cabinet", {"size": [0.5, 0.5]}, "is not three numbers"),
