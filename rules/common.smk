@@ -53,12 +53,12 @@ ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
 FURTHER_ROOMS = set([room for room in ROOMS if room in EXPERIMENT.inputs][8:])
 REPORT_ROOMS = [room for room in ROOMS if room not in FURTHER_ROOMS]
-# Variants, and that of the policy experiment; rooms by protocols, each with its variants.
+# Variants, and that of the policy experiment; perturbed rooms, each with its variants.
 VARIANTS = list(EXPERIMENT.variants)
 MATCHING = {variant: CONFIG.matching_of(variant) for variant in VARIANTS}
 POLICY_VARIANT = EXPERIMENT.policy_variant
-PROTOCOL_SCENES = [(scene, variant) for scene, named in EXPERIMENT.protocol_scenes().items() for variant in named]
-PROTOCOL_SCENES = columns("scene", "variant", rows=PROTOCOL_SCENES)
+PERTURBED_SCENES = [(scene, variant) for scene, named in EXPERIMENT.perturbed_scenes().items() for variant in named]
+PERTURBED_SCENES = columns("scene", "variant", rows=PERTURBED_SCENES)
 RANKS = list(range(1, CONFIG.generation.ranks + 1))
 # Shards of the procedural models, or of what a command of the user's makes in their place; then of the user's models.
 PROCEDURAL = any(CONFIG.assets.counts.values()) or any("library" in own for own in CONFIG.stages.values())

@@ -152,14 +152,14 @@ def _make_material(mi: Any, surface: Surface) -> dict[str, Any]:
     if part.picture is not None and part.uv is not None:
         color = _bitmap(part.picture[..., :3])
     inner = {"type": "principled", "base_color": color, "roughness": 0.55, "specular": 0.35}
-    looks: dict[str, Any] = {"type": "twosided", "bsdf": inner}
+    bsdf: dict[str, Any] = {"type": "twosided", "bsdf": inner}
     if part.picture is not None and part.uv is not None and part.picture.shape[2] == 4:
         alpha = part.picture[..., 3:]
         if alpha.min() < 128:
-            return {"type": "mask", "opacity": _bitmap(alpha) | {"raw": True}, "bsdf": looks}
+            return {"type": "mask", "opacity": _bitmap(alpha) | {"raw": True}, "bsdf": bsdf}
     if part.opacity < 1:
-        return {"type": "mask", "opacity": float(max(part.opacity, 0.3)), "bsdf": looks}
-    return looks
+        return {"type": "mask", "opacity": float(max(part.opacity, 0.3)), "bsdf": bsdf}
+    return bsdf
 
 
 def _mesh(mi: Any, part: Part, bsdf: dict[str, Any], name: str) -> Any:

@@ -1,4 +1,4 @@
-"""The same model in another finish: other colors and textures, the same geometry (protocol `recoloured`)."""
+"""The same model in another finish: other colors and textures, the same geometry (perturbation `recoloured`)."""
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from trimesh import Trimesh
 
 from plugins.look.surfaces import (
-    LEAST_CORRELATION,
+    MIN_CORRELATION,
     USUAL_LIGHT,
     Seen,
     estimate_light,
@@ -39,7 +39,7 @@ def estimate_look(
     """
     seen = find_surfaces(*pictures, objects)
     direction, correlation = estimate_light(seen, merge_meshes(items))
-    found = correlation >= LEAST_CORRELATION
+    found = correlation >= MIN_CORRELATION
     light = direction if found else USUAL_LIGHT
     bounds = {name: find_bounds(name, one) for name, one in seen.items()}
     surfaces = [Surface(id=name, colour=(0.5, 0.5, 0.5), low=a, high=b) for name, (a, b) in bounds.items()]

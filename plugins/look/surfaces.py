@@ -28,7 +28,7 @@ BEYOND_BORDER = 0.3  # metres that a surface goes on at the picture's border; ch
 AZIMUTHS, ELEVATIONS = np.radians(np.arange(0, 360, 15)), np.radians(np.arange(25, 76, 10))  # of light; then half steps
 DARKEST_LOG = 0.5  # of the logarithm of brightness, more counts no more; chosen
 USUAL_LIGHT: Array = np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)  # where the picture says nothing
-LEAST_CORRELATION = 0.25  # below it the picture shows no shadows to go by; chosen
+MIN_CORRELATION = 0.25  # below it the picture shows no shadows to go by; chosen
 
 
 @dataclass(frozen=True)

@@ -120,10 +120,10 @@ class ModelWriter:
     def _add_visual(self, element: ET.Element, name: str, surface: ColoredMesh) -> None:
         write_obj(surface, self.folder / "meshes" / f"{name}.obj")
         ET.SubElement(self.assets, "mesh", name=name, file=f"{name}.obj", inertia="shell")
-        looks = {"name": name, "rgba": text(surface.shown_color), "specular": "0.1", "shininess": "0.1"}
+        material = {"name": name, "rgba": text(surface.shown_color), "specular": "0.1", "shininess": "0.1"}
         if surface.image is not None:
-            looks["texture"] = self._texture(surface.image)
-        ET.SubElement(self.assets, "material", looks)
+            material["texture"] = self._texture(surface.image)
+        ET.SubElement(self.assets, "material", material)
         ET.SubElement(element, "geom", {"class": "visual", "mesh": name, "material": name})
 
     def _texture(self, image: Image.Image) -> str:

@@ -95,5 +95,5 @@ def _mesh(surface: ColoredMesh, largest: int | None) -> Trimesh:
         metallicFactor=0.0,
         roughnessFactor=0.8,
     )
-    looks = trimesh.visual.TextureVisuals(uv=surface.uv, material=material)
-    return Trimesh(surface.vertices, surface.faces, vertex_normals=surface.normals, visual=looks, process=False)
+    visual = trimesh.visual.TextureVisuals(uv=surface.uv, material=material)
+    return Trimesh(surface.vertices, surface.faces, vertex_normals=surface.normals, visual=visual, process=False)

@@ -35,11 +35,11 @@ class Rendering:
 
 def render(solid: ColoredSolid, box: UprightBox, seen: Observation) -> Rendering:
     """Render a model in a box under one light; colors as in the model's materials."""
-    look = solid.look(seen.eye, seen.rays.reshape(-1, 3), box)
-    lit = -look.normals @ np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)
+    hits = solid.cast_rays(seen.eye, seen.rays.reshape(-1, 3), box)
+    lit = -hits.normals @ np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)
     shade = (0.5 + np.clip(lit, 0, None) / 2)[:, None]
-    there = (look.depth > 0)[:, None]
-    rgb, plain = (np.clip(color * shade, 0, 1) ** (1 / GAMMA) * there for color in (look.color, look.plain))
+    there = (hits.depth > 0)[:, None]
+    rgb, plain = (np.clip(color * shade, 0, 1) ** (1 / GAMMA) * there for color in (hits.color, hits.plain))
 
     def cells(values: NDArray[np.floating] | NDArray[np.bool_]) -> NDArray[np.float32]:
         """Means over the rays of each cell."""
@@ -53,4 +53,4 @@ def render(solid: ColoredSolid, box: UprightBox, seen: Observation) -> Rendering
         """Means over what it covers of each cell."""
         return np.asarray(cells(values) / np.maximum(cover, 1e-6), np.float32)
 
-    return Rendering(seen_part(rgb), seen_part(plain), cover[..., 0], seen_part(look.depth)[..., 0])
+    return Rendering(seen_part(rgb), seen_part(plain), cover[..., 0], seen_part(hits.depth)[..., 0])

@@ -1,4 +1,4 @@
-"""Models of the library with their looks, and what rays see of them."""
+"""Models of the library with their textures, and what rays see of them."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,21 +31,21 @@ class Seen:
 
 
 class ColoredSolid(Solid):
-    """A solid with the looks of its surface."""
+    """A solid with the texture of its surface."""
 
     def __init__(self, folder: Path) -> None:
         super().__init__(folder)
         faces = [visual.mesh.faces for visual in self.visuals]
         self._piece = np.repeat(np.arange(len(faces)), list(map(len, faces)))
-        self._looks = [looks_of(visual) for visual in self.visuals]
-        self._plain = np.array([looks.image.mean(axis=(0, 1)) for looks in self._looks])
-        self._uv = np.concatenate([looks.uv[face] for looks, face in zip(self._looks, faces, strict=True)])
+        self._textures = [read_texture(visual) for visual in self.visuals]
+        self._plain = np.array([texture.image.mean(axis=(0, 1)) for texture in self._textures])
+        self._uv = np.concatenate([texture.uv[face] for texture, face in zip(self._textures, faces, strict=True)])
 
     def place_outline(self, box: UprightBox) -> Array:
         """Its outermost vertices (N, 3) when its box is `box`."""
         return self.outermost * box.size @ yaw_matrix(box.yaw).T + box.center
 
-    def look(self, origin: Array, directions: Array, box: UprightBox) -> Seen:
+    def cast_rays(self, origin: Array, directions: Array, box: UprightBox) -> Seen:
         """What rays from `origin` (3,) along `directions` (N, 3) see of it in the box; nobody is inside the box."""
         turn, size = yaw_matrix(box.yaw), box.size
         rays = np.empty((len(directions), 6), np.float32)
@@ -69,26 +69,26 @@ class ColoredSolid(Solid):
         uv = (self._uv[triangles] * corners[..., None]).sum(axis=1)
         pieces, colors = self._piece[triangles], np.empty((len(triangles), 3), np.float32)
         for piece in np.unique(pieces):
-            own, image = pieces == piece, self._looks[piece].image
+            own, image = pieces == piece, self._textures[piece].image
             height, width = image.shape[:2]
             columns, rows = np.floor(uv[own, 0] * width).astype(int), np.floor(-uv[own, 1] * height).astype(int)
             colors[own] = image[rows % height, columns % width]
         return colors
 
 
-class Looks(NamedTuple):
+class Texture(NamedTuple):
     """A picture (H, W, 3), linear, one pixel for a plain color, and texture coordinates (V, 2) of the vertices."""
 
     image: NDArray[np.float32]
     uv: NDArray[np.float32]
 
 
-def looks_of(visual: Visual) -> Looks:
+def read_texture(visual: Visual) -> Texture:
     """Texture or color of a visual."""
     picture = texture_of(visual.mesh) if visual.color is None else None
     uv = getattr(visual.mesh.visual, "uv", None)
     if picture is not None and uv is not None:
         encoded = np.asarray(picture.convert("RGB"), np.float32) / 255
-        return Looks((encoded**GAMMA).astype(np.float32), np.asarray(uv, np.float32))
+        return Texture((encoded**GAMMA).astype(np.float32), np.asarray(uv, np.float32))
     color = UNPAINTED if visual.color is None else visual.color[:3]
-    return Looks(np.array(color, np.float32)[None, None], np.zeros((len(visual.mesh.vertices), 2), np.float32))
+    return Texture(np.array(color, np.float32)[None, None], np.zeros((len(visual.mesh.vertices), 2), np.float32))

@@ -1,4 +1,4 @@
-"""`leave_out`: the true models of a room and their whole families, left out of matching (protocol `unknown`)."""
+"""`leave_out`: the true models of a room and their whole families, left out of matching (perturbation `unknown`)."""
 
 from pathlib import Path
 

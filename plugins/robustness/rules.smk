@@ -30,7 +30,7 @@ rule table2_robustness:
     """The companion of Table 2: its rooms changed, and drawn anew."""
     input:
         scores=expand("results/evaluation/scenes/{variant}/{room}/scores.csv", variant=VARIANTS, room=SCORED_ROOMS),
-        robustness=expand("results/evaluation/scenes/{variant}/{scene}/scores.csv", zip, **PROTOCOL_SCENES),
+        robustness=expand("results/evaluation/scenes/{variant}/{scene}/scores.csv", zip, **PERTURBED_SCENES),
     output:
         csv="results/tables/table2_robustness.csv",
         html="results/tables/table2_robustness.html",

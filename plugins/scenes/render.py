@@ -108,12 +108,12 @@ def run(
     else:
         cast_room = draw_room(rooms[-1], models, layout_seed, where, config)
     with TemporaryDirectory() as folder:
-        look = AS_IS
+        appearance = AS_IS
         if finish_seed is not None:
-            cast_room, look = repaint_room(cast_room, folders, Path(folder), finish_seed)
+            cast_room, appearance = repaint_room(cast_room, folders, Path(folder), finish_seed)
         points = np.concatenate([corners(standing.box) for standing in cast_room.layout.standing.values()])
         intrinsics, world_from_camera = frame(points, cast_room.room.camera, config.width, config.height, MARGIN)
-        picture = photograph(cast_room, folders, intrinsics, world_from_camera, config, seed, look)
+        picture = photograph(cast_room, folders, intrinsics, world_from_camera, config, seed, appearance)
 
     camera = Camera(width=config.width, height=config.height, intrinsics=intrinsics.tolist())
     annotations = annotations_of(cast_room)

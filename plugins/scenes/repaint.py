@@ -1,4 +1,4 @@
-"""Robustness variant of a room: other colors, light and model sizes (protocol `recoloured`)."""
+"""Robustness variant of a room: other colors, light and model sizes (perturbation `recoloured`)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ Rng = np.random.Generator
 
 
 @dataclass(frozen=True)
-class Look:
+class Appearance:
     """Where the models lie by item name (none: in the library), direction of the key light, gain of each channel."""
 
     folders: dict[str, Path]
@@ -29,10 +29,10 @@ class Look:
     gain: NDArray[np.float64] | None = None
 
 
-AS_IS = Look({})
+AS_IS = Appearance({})
 
 
-def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, seed: int) -> tuple[CastRoom, Look]:
+def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, seed: int) -> tuple[CastRoom, Appearance]:
     """The room with models made anew in `out`: other sizes, finishes, walls and light; ids and counts stay.
 
     `library`: folders of its models, by id. Models without a recipe (a user's) keep their finish.
@@ -58,7 +58,7 @@ def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, se
     room = cast_room.room.model_copy(update=colors(rng))
     light = (-rng.uniform(0.3, 0.8), rng.uniform(-0.7, 0.7), -1.0)
     gain = (1 + CHANGE * rng.uniform(-1, 1)) * (1 + TINT * rng.uniform(-1, 1, 3))
-    return replace(cast_room, room=room, layout=layout, assets=assets), Look(folders, light, gain)
+    return replace(cast_room, room=room, layout=layout, assets=assets), Appearance(folders, light, gain)
 
 
 def _stretch_size(size: Vector, rng: Rng) -> Vector:

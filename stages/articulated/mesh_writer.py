@@ -152,8 +152,8 @@ def _solid_looking(mesh: Trimesh) -> Trimesh:
 def _painted_by_picture(mesh: Trimesh) -> Trimesh:
     """The mesh with the colors of its corners or faces in a picture, one texel each: renderers show no others. A face
     whose corners differ has their mean."""
-    looks: Any = mesh.visual
-    colors = looks.face_colors if looks.kind == "face" else looks.vertex_colors[mesh.faces].mean(axis=1).round()
+    visual: Any = mesh.visual
+    colors = visual.face_colors if visual.kind == "face" else visual.vertex_colors[mesh.faces].mean(axis=1).round()
     colors = np.asarray(colors, dtype=np.uint8)
     if len(np.unique(colors, axis=0)) > MOST_TEXELS**2:
         colors = colors // 8 * 8 + 4

@@ -72,18 +72,18 @@ def _merge_parts(parts: list[ColoredMesh]) -> ColoredMesh:
 
 def _textured(visual: Visual) -> ColoredMesh:
     mesh = visual.mesh
-    looks: Any = mesh.visual
-    material = looks.material
+    shown: Any = mesh.visual
+    material = shown.material
     material = material.to_pbr() if hasattr(material, "to_pbr") else material
     color = (1.0, 1.0, 1.0, 1.0) if material.baseColorFactor is None else _rgba(material.baseColorFactor)
-    uv = np.asarray(looks.uv, dtype=np.float64)
+    uv = np.asarray(shown.uv, dtype=np.float64)
     vertices, normals = np.asarray(mesh.vertices), np.asarray(mesh.vertex_normals)
     return ColoredMesh(vertices, np.asarray(mesh.faces), normals, color, uv, material.baseColorTexture)
 
 
-def _color(looks: Any) -> RGBA:
-    """The one color of a mesh that carries its own looks."""
-    material = getattr(looks, "material", looks)
+def _color(visual: Any) -> RGBA:
+    """The one color of a mesh that carries its own material."""
+    material = getattr(visual, "material", visual)
     given = getattr(material, "baseColorFactor", None)
     return _rgba(getattr(material, "main_color", (160, 160, 160, 255)) if given is None else given)
 

@@ -107,8 +107,8 @@ def _add_link(root: ET.Element, folder: Path, link: Link, stem: str) -> None:
 
 
 def _add_visuals(element: ET.Element, folder: Path, link: Link, stem: str) -> None:
-    looks = dict.fromkeys((visual.color, visual.texture) for visual in link.visuals if visual.color is not None)
-    for number, (color, texture) in enumerate(looks):
+    finishes = dict.fromkeys((visual.color, visual.texture) for visual in link.visuals if visual.color is not None)
+    for number, (color, texture) in enumerate(finishes):
         name = f"{stem}_{number}"
         shown = ET.SubElement(element, "visual", name=name)
         _add_mesh(shown, f"meshes/{name}.obj")

@@ -76,7 +76,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
         yield from _list_repeated(f"experiment.{key}", getattr(experiment, key))
     for key, chosen in (
         ("placements", experiment.placements),
-        *((f"protocols.{name}.variants", protocol.variants or []) for name, protocol in experiment.protocols.items()),
+        *((f"protocols.{name}.variants", change.variants or []) for name, change in experiment.protocols.items()),
     ):
         for variant in chosen:
             if variant not in experiment.variants:
@@ -87,8 +87,8 @@ def _names(config: "Config") -> Iterator[Mistake]:
     for name, policy in experiment.policies.items():
         for key in ("targets", "training_sets", "configs", "seeds"):
             yield from _list_repeated(f"experiment.policies.{name}.{key}", getattr(policy, key) or ())
-    for name, protocol in experiment.protocols.items():
-        yield from _list_repeated(f"experiment.protocols.{name}.seeds", protocol.seeds)
+    for name, perturbation in experiment.protocols.items():
+        yield from _list_repeated(f"experiment.protocols.{name}.seeds", perturbation.seeds)
     yield from _list_repeated("evaluation.test_assets", config.evaluation.test_assets)
 
 
@@ -122,7 +122,7 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
 def _corrections(config: "Config") -> Iterator[Mistake]:
     """Files of corrections beside the scenes' pictures that can be read."""
     experiment = config.experiment
-    for scene in (*experiment.rooms, *experiment.protocol_scenes()):
+    for scene in (*experiment.rooms, *experiment.perturbed_scenes()):
         path = Path(experiment.input_folder(scene), CORRECTIONS)
         try:
             corrections_of((path,) if path.is_file() else (), "extraction")

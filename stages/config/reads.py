@@ -52,7 +52,7 @@ def section_name(stage: str) -> str:
 
 
 def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section:
-    """The section that a stage's commands read: that of a variant, config or protocol where there are several."""
+    """The section that a stage's commands read: that of a variant, config or perturbation where there are several."""
     if "variant" in wildcards and stage == "matching":
         return config.matching_of(wildcards["variant"])
     if "variant" in wildcards and stage == "generation":

@@ -29,7 +29,7 @@ from stages.contracts.types import (
     check_view,
 )
 
-RIGHT_SHARE, RIGHT_LEAST = 0.10, 0.03  # a size is right if every extent is: within a share of it, or metres
+RIGHT_SHARE, RIGHT_MIN = 0.10, 0.03  # a size is right if every extent is: within a share of it, or metres
 
 
 class PlacedObject(Contract):
@@ -134,5 +134,5 @@ class GeneratedScene(Document):
 
 def measure_sureness(size: Iterable[float], spread: Iterable[float]) -> float:
     """The chance that extents (3,), metres, are all right, given the standard deviations (3,) of their logarithms."""
-    within = (math.log1p(max(RIGHT_SHARE, RIGHT_LEAST / extent)) for extent in size)
+    within = (math.log1p(max(RIGHT_SHARE, RIGHT_MIN / extent)) for extent in size)
     return math.prod(math.erf(far / (each * math.sqrt(2))) for far, each in zip(within, spread, strict=True))

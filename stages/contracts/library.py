@@ -129,7 +129,7 @@ class Asset(Document):
         for part, stated in zip(PARTS, (self.doors, self.drawers, self.buttons), strict=True):
             count = sum(joint.part_type == part for joint in self.joints)
             if stated != count:
-                raise ValueError(f"{part}s: says {stated}, but {count} joints have the role {part}")
+                raise ValueError(f"{part}s: says {stated}, but {count} joints are {part}s")
         return self
 
     @property
@@ -167,7 +167,7 @@ class Asset(Document):
 
 
 class LeftOut(Document):
-    """Models that matching does without: the true ones of a room and their relatives (protocol `unknown`)."""
+    """Models that matching does without: the true ones of a room and their relatives (perturbation `unknown`)."""
 
     assets: list[Id]
 

@@ -55,8 +55,10 @@ def test_cousins_wear_the_colors_of_the_picture_and_stand_as_before(
     before, after = ([*read_model(item.folder).links.values()] for item in both)
     for one, other in zip(before, after, strict=True):
         assert all((a.vertices == b.vertices).all() for a, b in zip(one.collisions, other.collisions, strict=True))
-    looks = [[visual.texture or visual.color for link in links for visual in link.visuals] for links in (before, after)]
-    assert looks[0] != looks[1]
+    finishes = [
+        [visual.texture or visual.color for link in links for visual in link.visuals] for links in (before, after)
+    ]
+    assert finishes[0] != finishes[1]
 
     with refused("E-OPTION-MISSING"):
         run(**given, options=options["picture"], out=tmp_path / "none")

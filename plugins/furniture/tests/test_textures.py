@@ -76,8 +76,8 @@ def test_the_grain_runs_along_at_its_real_scale_at_any_size(tmp_path: Path) -> N
 def test_slim_parts_show_their_color_and_neighbours_other_pieces_of_the_picture() -> None:
     recipe = sample("bottom_cabinet", 3, 0)
     finish = "wood 0.55 0.36 0.2 0"
-    look = {"front_colour": finish, "handle_colour": finish, "panel": "flat", "handle": "bar"}
-    painted = recipe.model_copy(update={"parameters": recipe.parameters | look})
+    finish_parameters = {"front_colour": finish, "handle_colour": finish, "panel": "flat", "handle": "bar"}
+    painted = recipe.model_copy(update={"parameters": recipe.parameters | finish_parameters})
     links = robot_of(generate(painted), "x").links
     visuals = [visual for name, link in links.items() if name != "base" for visual in link.visuals]
     wooden = [visual for visual in visuals if visual.color[:3] == (0.55, 0.36, 0.2)]

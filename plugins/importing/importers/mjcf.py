@@ -69,7 +69,7 @@ class _Reader:
         self.collides, self.shown = collides, shown if shown.any() else np.ones_like(shown)
         # Models with looks of their own have them in other groups than what collides.
         own = self.shown & ~collides
-        self.looks = own.any() and not set(model.geom_group[own]) & set(model.geom_group[collides])
+        self.has_visuals = own.any() and not set(model.geom_group[own]) & set(model.geom_group[collides])
 
     def tree(self) -> tuple[dict[str, Link], list[JointModel]]:
         model, anchors = self.model, {0: np.zeros(3)}
@@ -157,7 +157,7 @@ class _Reader:
             for geom in geoms
         }
         seen = [geom for geom in geoms if self.shown[geom]]
-        if self.looks:
+        if self.has_visuals:
             seen = [geom for geom in seen if not self.collides[geom]] or seen
         visuals = [visual.transform(frames[geom]) for geom in seen for visual in self._visuals(geom)]
         solid = [
@@ -204,10 +204,10 @@ class _Reader:
         for mesh in self._meshes(geom):
             uv = self._uv(geom) if image is not None and image.width > 1 else None
             if uv is not None:
-                look = trimesh.visual.material.PBRMaterial(
+                textured = trimesh.visual.material.PBRMaterial(
                     baseColorTexture=image, baseColorFactor=color, metallicFactor=0.0, roughnessFactor=0.8
                 )
-                mesh.visual = trimesh.visual.TextureVisuals(uv=uv, material=look)
+                mesh.visual = trimesh.visual.TextureVisuals(uv=uv, material=textured)
                 yield Visual(mesh)
                 continue
             mesh.merge_vertices()

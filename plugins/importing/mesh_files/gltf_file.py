@@ -204,9 +204,9 @@ def _paint(mesh: Any, colors: Numbers, material: Header) -> list[str]:
     factor = material.get(METAL, {}).get("baseColorFactor", [1.0] * 4)
     glossy = GLOSSY in material.get("extensions", {})
     if np.ptp(rgba, axis=0).max() <= SAME and not glossy:
-        look = mesh.visual.material.copy() if material else PBRMaterial(metallicFactor=0.0, roughnessFactor=0.8)
-        look.baseColorFactor = rgba.mean(axis=0) * factor
-        mesh.visual = TextureVisuals(uv=getattr(mesh.visual, "uv", None), material=look)
+        painted = mesh.visual.material.copy() if material else PBRMaterial(metallicFactor=0.0, roughnessFactor=0.8)
+        painted.baseColorFactor = rgba.mean(axis=0) * factor
+        mesh.visual = TextureVisuals(uv=getattr(mesh.visual, "uv", None), material=painted)
     elif glossy or _pictures(material):
         return ["is shown without the colors of its corners, which would tint its picture"]
     else:

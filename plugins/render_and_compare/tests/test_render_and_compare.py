@@ -16,7 +16,7 @@ from plugins.pictures.rows_of_cousins import write_picture
 from plugins.render_and_compare.config import GeometryConfig
 from plugins.render_and_compare.fitting import Measured, lay_over, measure
 from plugins.render_and_compare.in_place import InPlace
-from plugins.render_and_compare.judges.geometry import LEAST_FIT
+from plugins.render_and_compare.judges.geometry import MIN_FIT
 from plugins.render_and_compare.judges.geometry import Judge as Geometry
 from plugins.render_and_compare.judges.rerender import Judge as Rerender
 from plugins.render_and_compare.noisy_cloud import NoisyCloud
@@ -209,7 +209,7 @@ def test_whether_it_fits_is_asked_of_what_would_come_first(library: Path) -> Non
     ]
     ranked = judge.models(question(library, 0.3), [], given)
     lines = {one.asset: one.terms["lines"] for one in ranked}
-    assert lines["stack"] < LEAST_FIT < lines["two"]
+    assert lines["stack"] < MIN_FIT < lines["two"]
     assert [(one.asset, one.score) for one in ranked] == [("stack", 0.0), ("two", -2.0)]
 
 
@@ -368,11 +368,11 @@ def test_textures_are_seen_where_they_lie(tmp_path: Path) -> None:
     solid = ColoredSolid(tmp_path / "sign")
     box = UprightBox((0, 0, 0), solid.asset.size, 0.0)
     rays = np.array([[-2.0, y, z] for z in (0.3, -0.3) for y in (0.2, -0.2)])
-    look = solid.look(np.array([2.0, 0.0, 0.0]), rays, box)
-    np.testing.assert_allclose(look.color[:, 0], [1, 1, 0, 0], atol=0.02)
-    np.testing.assert_allclose(look.plain, 0.5, atol=0.02)
-    np.testing.assert_allclose(look.depth, 0.95, atol=0.01)
-    np.testing.assert_allclose(look.normals, [[1, 0, 0]] * 4, atol=1e-5)
+    hits = solid.cast_rays(np.array([2.0, 0.0, 0.0]), rays, box)
+    np.testing.assert_allclose(hits.color[:, 0], [1, 1, 0, 0], atol=0.02)
+    np.testing.assert_allclose(hits.plain, 0.5, atol=0.02)
+    np.testing.assert_allclose(hits.depth, 0.95, atol=0.01)
+    np.testing.assert_allclose(hits.normals, [[1, 0, 0]] * 4, atol=1e-5)
 
 
 def test_another_light_is_no_other_color() -> None:
