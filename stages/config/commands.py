@@ -1,4 +1,4 @@
-"""What rules run for a command: its command line, the digest of its code, the check of what it wrote."""
+"""The parameters of a rule that runs a command: its line, the digest of its code, the check of what it wrote."""
 
 import shlex
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""What a config asks for that cannot be: found before anything runs, all at once, each with its mend."""
+"""Contradictions in a config: found before anything runs, all at once, each with its mend."""
 
 import os
 from collections import Counter
@@ -31,7 +31,7 @@ def contradictions(config: "Config") -> list[Mistake]:
 
 
 def _packages(config: "Config") -> Iterator[Mistake]:
-    """What a config asks of packages that are off or not here, and what those that are on find."""
+    """Keys of packages that are off or not here, and the mistakes that packages which are on find."""
     rooms = [config.experiment.inputs[room] for room in config.experiment.rooms if room in config.experiment.inputs]
     asked = (
         ("scenes", "experiment.room_files", bool(config.experiment.room_files)),

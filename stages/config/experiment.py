@@ -41,7 +41,7 @@ class Perturbation(Section):
 
 
 class Scene(NamedTuple):
-    """What the name of a scene says; `protocol`, the name of a perturbation, is '' and `seed` None if it has none."""
+    """The parts of a scene's name; `protocol`, the name of a perturbation, is '' and `seed` None if it has none."""
 
     room: str
     protocol: str
@@ -175,7 +175,7 @@ class ExperimentConfig(Section):
         return self.targets[target].task or target
 
     def plan(self, policy: str) -> PolicyPlan:
-        """What is asked of a policy; the pools among its targets are resolved."""
+        """The targets, training sets and seeds of a policy; the pools among its targets are resolved."""
         own = self.policies[policy]
         named = list(self.targets) if own.targets is None else own.targets
         return PolicyPlan(

@@ -205,7 +205,7 @@ def _is_silent(section: str) -> bool:
 
 
 def _overlays(config: Config) -> Iterator[Mistake]:
-    """What is wrong with the keys that variants, placements and targets change; such changes are taken back."""
+    """Mistakes in the keys that variants, placements and targets change; such changes are taken back."""
     kinds: tuple[tuple[str, type[Section], Callable[[str], Section]], ...] = (
         ("variants", MatchingConfig, config.matching_of),
         ("placements", GenerationConfig, config.generation_of),

@@ -17,7 +17,7 @@ Objects = Callable[[], Mapping[str, Mapping[str, bool]]]
 
 @dataclass(frozen=True)
 class Package:
-    """What the core must know of a package.
+    """A package as the core knows it.
 
     Attributes:
         judges: whether judges of matching read its sections, each that of its name, so that variants may change them.

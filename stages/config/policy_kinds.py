@@ -1,4 +1,4 @@
-"""What tables say of policies, by the config: their kinds in words, what is pooled, how they see test assets."""
+"""The words of tables for policies, by the config: their kinds in words, what is pooled, how they see test assets."""
 
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,7 @@ PAPERS = ("bc_rnn_gmm", False, True)  # kind of the paper's policies, whatever t
 
 
 def list_traits(config: PolicyConfig) -> tuple[str, bool, bool]:
-    """What makes it another kind of policy, not the same with other hyper-parameters."""
+    """The keys that make it another kind of policy, not the same with other hyper-parameters."""
     return config.policy, config.handle, has_eyes(config)
 
 

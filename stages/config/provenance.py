@@ -1,4 +1,4 @@
-"""What a file was made of, to be kept in it: the same code, options, inputs and seed give the same bytes."""
+"""The provenance of a file, to be kept in it: the same code, options, inputs and seed give the same bytes."""
 
 import hashlib
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""What each command reads of the config: its --options hold that and no more, so that no other change runs it again."""
+"""The part of the config that each command reads: its --options hold no more, so that no other change runs it again."""
 
 from typing import Any
 

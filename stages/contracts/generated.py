@@ -83,13 +83,13 @@ class Plausibility(Contract):
 
     @property
     def kept(self) -> str:
-        """What stands only as it is helped, in words; empty: nothing does."""
+        """Items that stand only as they are helped, in words; empty: none does."""
         named = {"held, for nothing that was named carries it": self.held, "reaches behind a wall": self.behind}
         return "; ".join(f"{what}: {', '.join(names)}" for what, names in named.items() if names)
 
     @property
     def verdict(self) -> str:
-        """Whether the scene stands, and what of it does not or is helped."""
+        """A line: whether the scene stands, and what of it does not or is helped."""
         first = f"does not stand: {self.wrong}" if self.wrong else "stands"
         return f"{first}; {self.kept}" if self.kept else first
 

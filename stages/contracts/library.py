@@ -144,7 +144,7 @@ class Asset(Document):
 
     @property
     def panels(self) -> list[Panel]:
-        """Where the doors and drawers lie on its front, as far as they are seen there."""
+        """The layout of its doors and drawers, as far as they are seen on its front."""
         found = (
             joint.panel.measure_on_front(front, self.size)
             for joint in self.joints

@@ -1,4 +1,4 @@
-"""What a file was made of."""
+"""The provenance of a file: digests of code, options and inputs."""
 
 from pydantic import Field
 

@@ -1,4 +1,4 @@
-"""What generation reads: every object with its cloud and its cousins, and the library's models."""
+"""The inputs of generation: every object with its cloud and its cousins, and the library's models."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -46,7 +46,7 @@ class MatchedObject:
 
 @dataclass(frozen=True)
 class Inputs:
-    """What the scenes of all ranks share.
+    """The inputs that the scenes of all ranks share.
 
     objects: as extraction wrote them. matched: an object that takes the model of another one comes after that one.
     folders: of the library's models, by asset id. categories: by name, as the library knows them.
@@ -133,7 +133,7 @@ def _turn(item: SceneObject, scene: Objects, cousins: list[Cousin]) -> list[Cous
 
 
 def _sort_leaders_first(matched: list[MatchedObject]) -> list[MatchedObject]:
-    """What takes the model of another one comes after it."""
+    """Objects in an order in which one that takes another's model comes after it."""
     by_mask = {one.object.mask: one for one in matched}
 
     def leaders(one: MatchedObject) -> int:
