@@ -34,7 +34,7 @@ MIN_CEILING = 1.9, 8  # metres from the ground to a ceiling, and cells that show
 
 @dataclass(frozen=True)
 class Surfaces:
-    """Where ground, walls and ceiling are.
+    """Ground, walls and ceiling of a room.
 
     Attributes:
         frame: floor_from_camera (4, 4), z = 0 on the ground.

@@ -139,7 +139,7 @@ def _dividers(cell: FrontCell, x: Span, y: Span, z: Span, board: float, p: Cabin
 
 
 def _base(p: CabinetRecipe, x: tuple[float, float], y: tuple[float, float], height: float) -> list[Part]:
-    """What the carcass stands on."""
+    """The base below the carcass."""
     style, color = p.base, p.base_colour
     if style == "none":
         return []

@@ -1,4 +1,4 @@
-"""What a surface is of: a material in a color, as recipes write it and as models show it."""
+"""The finish of a surface: a material in a color, as recipes write it and as models show it."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -8,7 +8,7 @@ Surface = str | Sequence[float]  # as a recipe writes it: 'wood 0.55 0.36 0.2 1'
 
 
 class Material(NamedTuple):
-    """What things are made of.
+    """A material of things.
 
     colors: that it is sold in. repeat: metres that the picture of its texture covers, along and across; None: it shows
     its color alone. patterns: number of its grains, weaves... (`textures.py`).

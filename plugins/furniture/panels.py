@@ -14,7 +14,7 @@ EDGE_LENGTH = 0.94  # share of the panel's side that a profile runs along
 
 
 class Front(NamedTuple):
-    """Where a panel is: its front face at `x`, its rectangle in y and z, its thickness."""
+    """The place of a panel: its front face at `x`, its rectangle in y and z, its thickness."""
 
     x: float
     y: tuple[float, float]

@@ -58,7 +58,7 @@ class Generator(BaseModel):
         return self.model_validate(self.parameters() | changes)
 
     def parameters(self) -> dict[str, Any]:
-        """What was given or sampled, as the recipe of an asset records it."""
+        """The parameters, given or sampled, as the recipe of an asset records them."""
         return self.model_dump(exclude_unset=True)
 
 

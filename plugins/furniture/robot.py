@@ -35,7 +35,7 @@ def _link(name: str, parts: list[Part], origin: Matrix) -> Link:
 
 
 def _visual(part: Part, origin: Matrix, number: int) -> Visual:
-    """What is seen of a part; no two neighbours show the same piece of their texture."""
+    """The visual of a part; no two neighbours show the same piece of their texture."""
     slim = np.sort(part.mesh.extents)[1] < SLIM
     start = (number * GOLDEN % 1, number * GOLDEN**2 % 1)
     texture = None if slim else texture_of(part.finish)

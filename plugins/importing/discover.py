@@ -131,7 +131,7 @@ def _find_in_category(child: Path, folder: Path, kinds: Sequence[str]) -> list[F
 
 
 def _list_usable(here: Path, folder: Path, kinds: Sequence[str]) -> list[Path]:
-    """What lies in a folder and is looked at, sorted."""
+    """The files of a folder that are looked at, sorted."""
     return [child for child in sorted(here.iterdir()) if _explain_unusable(child, folder, kinds) is None]
 
 

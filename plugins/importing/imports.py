@@ -69,7 +69,7 @@ class ModelFile(NamedTuple):
 
     @property
     def notes_path(self) -> Path:
-        """Where the notes are, or would be."""
+        """The file of the notes, there or not."""
         return self.path.parent / "asset.json"
 
 

@@ -55,7 +55,7 @@ def find_grid(objects: Objects) -> tuple[int, Array]:
 def find_surfaces(
     rgb: NDArray[np.uint8], masks: NDArray[np.uint16], depth: NDArray[np.float32] | None, objects: Objects
 ) -> dict[str, Seen]:
-    """Where floor and walls are seen: pixels of no object whose ray meets the plane first, at about their depth.
+    """Visible floor and walls: pixels of no object whose ray meets the plane first, at about their depth.
 
     Args:
         rgb: the picture (H, W, 3).

@@ -18,7 +18,7 @@ MIN_AGE = 60  # seconds that a finished job must stay in the queue for squeue to
 
 
 def answer(*command: str, seconds: float = 30.0) -> str:
-    """What a command prints; '' if it is not there, fails or takes too long."""
+    """The output of a command; '' if it is not there, fails or takes too long."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=seconds)
     except (OSError, subprocess.TimeoutExpired):

@@ -1,4 +1,4 @@
-"""What containers of a run need from outside: files of the user's, the network, keys."""
+"""Outside needs of a run's containers: files of the user's, the network, keys."""
 
 from collections import Counter
 from pathlib import Path
@@ -35,7 +35,7 @@ def list_key_variables(config: Config) -> list[str] | None:
 
 
 def container_environment(config: Config, published: str) -> dict[str, str]:
-    """What containers/podman-shell asks for: images, folders to mount, keys if the network is used, a GPU.
+    """Environment variables for containers/podman-shell: images, folders to mount, keys if the network is used, a GPU.
 
     Args:
         published: folder of the tables of the paper's values.

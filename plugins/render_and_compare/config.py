@@ -8,7 +8,7 @@ from stages.contracts.section import Section
 
 
 class GeometryConfig(Section):
-    """What counts when a candidate, rendered in the object's place, is compared with it."""
+    """Weights with which a candidate, rendered in the object's place, is compared with it."""
 
     nearest: int = Field(30, ge=1, description="So many models, the nearest by distance, are rendered and compared.")
     # Cells along the longer side of the compared pictures.

@@ -15,7 +15,7 @@ from stages.matching.crop import View
 
 @dataclass(frozen=True)
 class Rendering:
-    """What is seen of a candidate in each cell (h, w): color (h, w, 3) 0 to 1, the same without textures, the share
+    """A rendered candidate in each cell (h, w): color (h, w, 3) 0 to 1, the same without textures, the share
     that it covers, depth where it covers anything."""
 
     rgb: NDArray[np.float32]

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Seen:
-    """What rays (N,) see: depth in units of their directions (0: nothing), unit normals (N, 3) in the frame around the
+    """Hits of rays (N,): depth in units of their directions (0: nothing), unit normals (N, 3) in the frame around the
     box, towards the eye, and colors (N, 3), linear: of the surface, and with every texture evened out to its mean."""
 
     depth: NDArray[np.float32]

@@ -1,4 +1,4 @@
-"""What the judges that render share: the object at hand, ready to be fitted to, and the models read so far."""
+"""The shared state of the judges that render: the object at hand, ready to be fitted to, and the models read so far."""
 
 import numpy as np
 

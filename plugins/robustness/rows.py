@@ -19,7 +19,7 @@ AS_SHIPPED = "as shipped"
 
 
 def _measure_draw(scores: pd.DataFrame) -> dict[str, float]:
-    """What one draw gives, over the objects of all rooms."""
+    """The measures of one draw over the objects of all rooms."""
     cell = {name: scores[name].mean() for name in ("l2_cm", *METRICS, *SHAPES, "shift_cm")}
     cell |= {name: scores[name].eq(True).sum() for name in (*COUNTS, *AFFORDANCES)}
     cell["worst_room_l2_cm"] = scores.groupby("scene")["l2_cm"].mean().max()

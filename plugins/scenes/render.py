@@ -27,7 +27,7 @@ def mask_values(cast_room: CastRoom) -> dict[str, int]:
 
 
 def truth_of(cast_room: CastRoom, world_from_camera: np.ndarray) -> Truth:
-    """Where everything really is."""
+    """The true places of all items."""
     values = mask_values(cast_room)
     objects = []
     for name, standing in cast_room.layout.standing.items():
@@ -53,7 +53,7 @@ def truth_of(cast_room: CastRoom, world_from_camera: np.ndarray) -> Truth:
 
 
 def annotations_of(cast_room: CastRoom) -> Annotations:
-    """What a captioner would say: labels, doors and drawers, which mask is the floor and which are walls."""
+    """The captions of a perfect captioner: labels, doors and drawers, which mask is the floor and which are walls."""
     values, assets = mask_values(cast_room), cast_room.assets
     count = len(values)
     return Annotations(

@@ -22,7 +22,7 @@ Rng = np.random.Generator
 
 @dataclass(frozen=True)
 class Appearance:
-    """Where the models lie by item name (none: in the library), direction of the key light, gain of each channel."""
+    """Folders of a room's models by item name (none: in the library), direction of the key light, channels' gains."""
 
     folders: dict[str, Path]
     light: tuple[float, float, float] | None = None

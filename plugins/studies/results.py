@@ -44,7 +44,7 @@ POLICY_STAGES = ["demonstrations", "training", "evaluation"]
 
 
 class StudyResults(NamedTuple):
-    """What a study found: facts about it, tables for people, CSV files by name, figures with their captions."""
+    """The results of a study: facts about it, tables for people, CSV files by name, figures with their captions."""
 
     title: str
     facts: list[tuple[str, str]]

@@ -1,4 +1,4 @@
-"""What is in rooms and in no library: office chairs, doors, windows, pipes, boilers, stairs, plain bodies."""
+"""Things that are in rooms and in no library: office chairs, doors, windows, pipes, boilers, stairs, plain bodies."""
 
 from collections.abc import Callable
 

@@ -72,7 +72,7 @@ def _write(name: str, solids: list[trimesh.Trimesh], pieces: list[trimesh.Trimes
 
 @cache
 def load_visual_mesh(folder: Path) -> trimesh.Trimesh:
-    """What is seen of an asset of one body, in its own frame at its own size; what collides may have faces inside."""
+    """The visible mesh of an asset of one body, in its own frame and size; what collides may have faces inside."""
     visuals = [visual.mesh for link in read_model(folder).links.values() for visual in link.visuals]
     mesh = trimesh.util.concatenate(visuals)
     assert isinstance(mesh, trimesh.Trimesh)
