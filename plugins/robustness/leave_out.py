@@ -7,7 +7,7 @@ from stages.contracts.library_folder import AssetFolders
 
 
 def run(*, truth: Path, library: Path, out: Path) -> None:
-    """Name every model of the true models' families: founders with their variations.
+    """Name every model of the true models' families: templates with their variations.
 
     A relative that stayed in the library would be nearly the model itself. This is all that matching learns of the
     truth.

@@ -101,7 +101,7 @@ def test_no_template_is_left_with_few_models_of_about_as_many_doors_and_drawers(
             assert alike >= 10, f"{category} with {doors} doors, {drawers} drawers: {alike}"
 
 
-def test_relatives_of_plain_things_are_of_their_founders_style() -> None:
+def test_relatives_of_plain_things_are_of_their_templates_style() -> None:
     template, relative = sample("chair", 3, 0), sample("chair", 3 + CATEGORIES["chair"].templates, 0)
     assert relative.variation_of == "chair_03"
     assert template.parameters["back"] == relative.parameters["back"]
