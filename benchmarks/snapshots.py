@@ -2,7 +2,7 @@
 
     python -m benchmarks.snapshots --library results/assets/library/library.json
 
-Raw: load the model, turn it, update the scene, take the picture, fetch colour and position. Ours: `Turntable`, which
+Raw: load the model, turn it, update the scene, take the picture, fetch color and position. Ours: `Turntable`, which
 also cleans and scales them, and the file they are packed into. CPU seconds of one thread, model by model in turn.
 """
 
@@ -26,7 +26,7 @@ from stages.articulated.asset_folder import read_asset
 from stages.assets.snapshots import PACKED, Turntable, largest_extent
 from stages.config.assets import SnapshotOptions
 from stages.contracts.library_folder import AssetFolders
-from stages.simulation.loading import load_looks, move, remove, root_pose
+from stages.simulation.loading import load_visual, move, remove, root_pose
 
 PARTS = ["SAPIEN: loading", "SAPIEN: pictures", "ours: `photograph`", "ours: packing"]
 
@@ -35,7 +35,7 @@ def time_sapien(turntable: Turntable, folder: Path, yaws: list[float]) -> dict[s
     """CPU seconds of what SAPIEN alone does: loading, rendering."""
     asset, clock = read_asset(folder), time.process_time
     started = clock()
-    body = load_looks(turntable.scene, folder, turntable.unit / largest_extent(asset))
+    body = load_visual(turntable.scene, folder, turntable.unit / largest_extent(asset))
     loaded = clock()
     camera = turntable.camera._component
     for yaw in yaws:

@@ -22,7 +22,7 @@ rule library:
     resources:
         **needs(1000, 10),
     params:
-        **verb("assets", "join", library="library"),
+        **command("assets", "join", library="library"),
     shell:
         "({params.command} --library {input.procedural:q} --own {input.own:q} --out {output.library:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
@@ -42,7 +42,7 @@ rule part:
     resources:
         **needs(1000, 10),
     params:
-        **verb("assets", "part", library="part"),
+        **command("assets", "part", library="part"),
     shell:
         "({params.command} --library {input.library:q} --shard {wildcards.shard} --out {output.part:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
@@ -73,7 +73,7 @@ rule snapshots:
             lambda wildcards: 10 + views_in(wildcards) / 3000,
         ),
     params:
-        **verb("assets", "snapshots", snapshots="images"),
+        **command("assets", "snapshots", snapshots="images"),
     shell:
         "({params.command} --library {input.part:q} --options {params.options:q} --out {output.images:q} && "
         "{params.check}) 2>&1 | tee {log:q}"

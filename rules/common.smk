@@ -1,4 +1,4 @@
-# Helpers: the config, the names that rules expand over, the parameters of a rule that runs a verb. No rules.
+# Helpers: the config, the names that rules expand over, the parameters of a rule that runs a command. No rules.
 import json
 import os
 import shlex
@@ -53,15 +53,15 @@ ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
 FURTHER_ROOMS = set([room for room in ROOMS if room in EXPERIMENT.inputs][8:])
 REPORT_ROOMS = [room for room in ROOMS if room not in FURTHER_ROOMS]
-# Variants, and that of the policy experiment; rooms by protocols, each with its variants.
+# Variants, and that of the policy experiment; perturbed rooms, each with its variants.
 VARIANTS = list(EXPERIMENT.variants)
 MATCHING = {variant: CONFIG.matching_of(variant) for variant in VARIANTS}
 POLICY_VARIANT = EXPERIMENT.policy_variant
-PROTOCOL_SCENES = [(scene, variant) for scene, named in EXPERIMENT.protocol_scenes().items() for variant in named]
-PROTOCOL_SCENES = columns("scene", "variant", rows=PROTOCOL_SCENES)
+PERTURBED_SCENES = [(scene, variant) for scene, named in EXPERIMENT.perturbed_scenes().items() for variant in named]
+PERTURBED_SCENES = columns("scene", "variant", rows=PERTURBED_SCENES)
 RANKS = list(range(1, CONFIG.generation.ranks + 1))
 # Shards of the procedural models, or of what a command of the user's makes in their place; then of the user's models.
-PROCEDURAL = any(CONFIG.assets.counts.values()) or any("library" in verbs for verbs in CONFIG.stages.values())
+PROCEDURAL = any(CONFIG.assets.counts.values()) or any("library" in own for own in CONFIG.stages.values())
 PROCEDURAL_SHARDS = list(range(CONFIG.assets.shards)) if PROCEDURAL else []
 SHARDS = [*PROCEDURAL_SHARDS, *OWN_SHARDS]
 # The picture of a run of one: parts of the library are drawn for it, as far as our own `match` looks.
@@ -106,11 +106,11 @@ wildcard_constraints:
     condition="|".join(CONFIG.evaluation.conditions) or "-",
 
 
-def verb(stage, name, uses=(), options=None, **outputs):
-    """What runs a verb, as parameters: `command`, a digest of its `code`, its `options`, a `check` of its outputs.
+def command(stage, name, uses=(), options=None, **outputs):
+    """What runs a command, as parameters: `command`, a digest of its `code`, its `options`, a `check` of its outputs.
 
     uses: modules of implementations whose code counts as well, or a function of wildcards that gives them.
-    options: a function of wildcards, in the place of what the verb reads of the config.
+    options: a function of wildcards, in the place of what the command reads of the config.
     outputs: contract = output, of those that are checked.
     """
 
@@ -128,7 +128,7 @@ def verb(stage, name, uses=(), options=None, **outputs):
 
 
 def read_options(stage, name):
-    """The --options of a verb, as JSON: what it reads of the config and no more, so that no other change runs it."""
+    """The --options of a command, as JSON: what it reads of the config and no more, so that no other change runs it."""
 
     @cache
     def read(**wildcards):
@@ -144,7 +144,7 @@ def read_options(stage, name):
 
 
 def unless_replaced(stage, name, **outputs):
-    """Outputs for people, of our own verb: a command in its place need not make them, nor a run without films."""
+    """Outputs for people, of our own command: the user's in its place need not make them, nor a run without films."""
     return outputs if FILMS.get(stage, True) and not replacement(CONFIG, stage, name) else {}
 
 

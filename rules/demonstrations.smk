@@ -28,7 +28,7 @@ rule demonstrate:
     resources:
         **needs(3000, lambda wildcards: 15 + episodes_of(wildcards) / 5),
     params:
-        **verb(
+        **command(
             "demonstrations",
             "collect",
             uses=with_films("demonstrations", task_modules),

@@ -37,7 +37,7 @@ rule rollout:
     resources:
         **needs(4000, 15 + test_episodes() / 10, gpu=True),
     params:
-        **verb("evaluation", "rollout", uses=with_films("evaluation", rollout_modules), rollouts="rollouts"),
+        **command("evaluation", "rollout", uses=with_films("evaluation", rollout_modules), rollouts="rollouts"),
         seed=CONFIG.seed,
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
@@ -68,7 +68,7 @@ rule merge:
     resources:
         **needs(1000, 10),
     params:
-        **verb("evaluation", "merge", rollouts="rollouts"),
+        **command("evaluation", "merge", rollouts="rollouts"),
     shell:
         "({params.command} --rollouts {input.rollouts:q} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"

@@ -34,7 +34,7 @@ rule select:
     resources:
         **needs(1000, 10),
     params:
-        **verb("experiment", "select", uses=task_modules, task="assets"),
+        **command("experiment", "select", uses=task_modules, task="assets"),
         task=task,
         object=target_object,
         cousins=EXPERIMENT.cousins,

@@ -30,7 +30,7 @@ rule extract:
     resources:
         **needs(2000, 10),
     params:
-        **verb("extraction", "extract", uses=modules(CONFIG.extraction, "source"), objects="objects"),
+        **command("extraction", "extract", uses=modules(CONFIG.extraction, "source"), objects="objects"),
         name=lambda wildcards: EXPERIMENT.scene(wildcards.scene).room,
         own=lambda wildcards, input: shlex.join(["--own", *input.own]) if input.own else "",
         corrections=corrections_flags,

@@ -31,7 +31,7 @@ rule generate:
     resources:
         **needs(2000, 20),
     params:
-        **verb("generation", "generate", generated="scenes"),
+        **command("generation", "generate", generated="scenes"),
         corrections=corrections_flags,
         corrected=corrections("generation"),
         image=lambda wildcards, input: shlex.join(["--image", str(input.image)]) if input.image else "",

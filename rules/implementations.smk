@@ -1,4 +1,4 @@
-# Helpers: implementations whose code counts beside that of a verb, as modules. Functions of a job's wildcards. No rules.
+# Helpers: implementations whose code counts beside that of a command, as modules. Functions of a job's wildcards. No rules.
 from stages.config.names import modules
 from stages.plugins import qualify_module
 

@@ -30,7 +30,7 @@ rule features:
             lambda wildcards: 10 + views_in(wildcards) / 200,
         ),
     params:
-        **verb("matching", "features", uses=store_modules, features="features"),
+        **command("matching", "features", uses=store_modules, features="features"),
     shell:
         "({params.command} --snapshots {input.images:q} --options {params.options:q} "
         "--out {output.features:q} && "
@@ -50,7 +50,7 @@ checkpoint shards:
     resources:
         **needs(2000, 10),
     params:
-        **verb("matching", "shards", uses=matching_modules("text_encoder"), shards="shards"),
+        **command("matching", "shards", uses=matching_modules("text_encoder"), shards="shards"),
         snapshots=lambda wildcards, input: str(Path(input.library).parents[1] / "snapshots"),
     shell:
         "({params.command} --objects {input.objects:q} --library {input.library:q} --snapshots {params.snapshots:q} "
@@ -94,7 +94,7 @@ rule match:
     resources:
         **needs(2000 + 0.1 * LIBRARY_SIZE, 30),
     params:
-        **verb(
+        **command(
             "matching",
             "match",
             uses=matching_modules("encoder", "text_encoder", "search", "model_selection", "orientation_selection"),
@@ -134,7 +134,7 @@ rule distances:
     resources:
         **needs(2000 + 0.2 * LIBRARY_SIZE, 10),
     params:
-        **verb("matching", "distances", uses=matching_modules("encoder", "search"), distances="distances"),
+        **command("matching", "distances", uses=matching_modules("encoder", "search"), distances="distances"),
         truth=truth_flags,
     shell:
         "({params.command} --cousins {input.cousins:q} --object {wildcards.object:q} --library {input.library:q} "

@@ -1,4 +1,4 @@
-# Scores of the generated scenes, one row per object (verb `score` of `evaluation`; paper B.1).
+# Scores of the generated scenes, one row per object (command `score` of `evaluation`; paper B.1).
 # Reads:  generated scenes and the truth of their rooms; the library.
 # Writes: results/evaluation/scenes/<variant>/<scene>/scores.csv.
 
@@ -26,7 +26,7 @@ rule score:
     resources:
         **needs(1000, 10),
     params:
-        **verb("evaluation", "score", scores="scores"),
+        **command("evaluation", "score", scores="scores"),
         protocol=lambda wildcards: EXPERIMENT.scene(wildcards.scene).protocol,
         draw=noise_seed,
     shell:

@@ -1,4 +1,4 @@
-# Rollouts on the twin that select checkpoints and policy configs (verbs of `evaluation`; paper B.3, B.4).
+# Rollouts on the twin that select checkpoints and policy configs (commands of `evaluation`; paper B.3, B.4).
 # If a policy has more configs than `experiment.best_configs`, each is trained with the first seed and rolled out on the twin;
 # when `choose` has named the best, Snakemake knows which policies to train with all seeds and to roll out on all test assets.
 # Reads:  policies and the assets of targets.
@@ -29,7 +29,7 @@ rule selection_rollout:
     resources:
         **needs(4000, lambda wildcards: 15 + selection_episodes(wildcards) / 10, gpu=True),
     params:
-        **verb("evaluation", "selection-rollout", uses=rollout_modules, rollouts="rollouts"),
+        **command("evaluation", "selection-rollout", uses=rollout_modules, rollouts="rollouts"),
         seed=CONFIG.seed,
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
@@ -57,7 +57,7 @@ checkpoint choose:
     resources:
         **needs(1000, 10),
     params:
-        **verb("evaluation", "choose", chosen="chosen"),
+        **command("evaluation", "choose", chosen="chosen"),
         best=EXPERIMENT.best_configs,
     shell:
         "({params.command} --rollouts {input.rollouts:q} --count {params.best} --out {output.chosen:q} && "

@@ -25,7 +25,7 @@ rule table2:
     resources:
         **needs(1000, 10),
     params:
-        **verb("tables", "scenes"),
+        **command("tables", "scenes"),
         paper=paper("table2"),
         comparisons=lambda wildcards, input: [
             f"{room}/{variant}={file}"
@@ -73,7 +73,7 @@ rule table3:
     resources:
         **needs(1000, 10),
     params:
-        **verb("tables", "policies", uses=MORE_TABLES),
+        **command("tables", "policies", uses=MORE_TABLES),
         paper=paper("table3"),
         modules=MORE_TABLES,
         out=subpath(output.csv, parent=True),

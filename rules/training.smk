@@ -24,7 +24,7 @@ rule train:
     resources:
         **needs(4000, training_minutes, gpu=True),
     params:
-        **verb("training", "train", uses=policy_modules, policy="config", metrics="metrics"),
+        **command("training", "train", uses=policy_modules, policy="config", metrics="metrics"),
         task=task,
         share=lambda wildcards: EXPERIMENT.share(wildcards.target, wildcards.training_set),
         device=CONFIG.device,

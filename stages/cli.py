@@ -1,7 +1,7 @@
-"""The command line of every stage and package: `python -m stages.<stage> <verb> --flag value ...`.
+"""The command line of every stage and package: `python -m stages.<stage> <command> --flag value ...`.
 
-A verb is a module `<verb>.py` of the package (`-` is `_` there; `import`, a word of Python's own, is `import_`) with a
-typed function `run`; its keyword arguments are the flags. Only the chosen verb is imported, which keeps start-up cheap.
+A command is a module `<command>.py` of the package (`-` is `_` there; `import`, a keyword of Python, is `import_`) with
+a typed function `run`; its keyword arguments are the flags. Only the chosen one is imported: start-up stays cheap.
 """
 
 import functools
@@ -18,19 +18,20 @@ T = TypeVar("T")
 SECONDS = 5.0  # from one line of progress to the next
 
 
-def main(package: str, verbs: dict[str, str]) -> None:
-    """Run the verb that `sys.argv[1]` names; an `InputError` or what the system refuses becomes a line, exit code 1."""
+def main(package: str, commands: dict[str, str]) -> None:
+    """Run the command in `sys.argv[1]`; `InputError`s and what the system refuses become a line and exit code 1."""
     from stages.contracts.errors import InputError, suggest_nearest
     from stages.contracts.system import line_of, start_job
 
-    usage = f"usage: python -m {package} VERB --help\n" + "".join(
-        f"  {verb:<12} {text}\n" for verb, text in verbs.items()
+    usage = f"usage: python -m {package} COMMAND --help\n" + "".join(
+        f"  {command:<12} {text}\n" for command, text in commands.items()
     )
     argv = sys.argv[1:]
-    if not argv or argv[0] not in verbs:
+    if not argv or argv[0] not in commands:
         asked_for_help = bool(argv) and argv[0] in ("-h", "--help")
         if argv and not asked_for_help:
-            print(f"error: {package} has no verb '{argv[0]}'. Fix: {suggest_nearest(argv[0], verbs)}", file=sys.stderr)
+            fix = suggest_nearest(argv[0], commands)
+            print(f"error: {package} has no command '{argv[0]}'. Fix: {fix}", file=sys.stderr)
         print(usage, file=sys.stdout if asked_for_help else sys.stderr)
         sys.exit(0 if asked_for_help else 2)
 
@@ -51,13 +52,13 @@ def main(package: str, verbs: dict[str, str]) -> None:
         sys.exit(1)
 
 
-def find_module(verb: str) -> str:
-    """The module of a verb in its package."""
-    return verb.replace("-", "_") + "_" * keyword.iskeyword(verb)
+def find_module(command: str) -> str:
+    """The module of a command in its package."""
+    return command.replace("-", "_") + "_" * keyword.iskeyword(command)
 
 
 def with_seeds_checked(run: Callable[..., None]) -> Callable[..., None]:
-    """A verb that refuses seeds that config would, too, before it does anything."""
+    """A command that refuses seeds that config would, too, before it does anything."""
 
     @functools.wraps(run)
     def run_checked(*args: Any, **flags: Any) -> None:

@@ -40,7 +40,7 @@ def list_passed_flags() -> dict[tuple[str, str], set[str]]:
     flags = {found[1]: part for part in parts if (found := re.match(r"def (\w+_flags)\(", part))}
     passed = {}
     for part in parts:
-        if found := re.search(r'\*\*verb\(\s*"(\w+)",\s*"([\w-]+)"', part):
+        if found := re.search(r'\*\*command\(\s*"(\w+)",\s*"([\w-]+)"', part):
             lines = [part[part.index("    shell:") :], *map(flags.get, re.findall(r"=(\w+_flags),", part))]
             passed[found[1], found[2]] = set(re.findall(r"--[a-z][a-z0-9-]*", "".join(lines)))
     return passed

@@ -21,7 +21,7 @@ from stages.contracts import InputError
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("verb", choices=["fetch", "render", "run", "score"])
+    parser.add_argument("command", choices=["fetch", "render", "run", "score"])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--half", choices=[*packs.HALVES, ""], default="", help="only this half")
     parser.add_argument("--only", default="", help="only pictures with this in their name")
@@ -36,14 +36,14 @@ def main() -> None:
     asked = parser.parse_args()
     halves = [asked.half] if asked.half else list(packs.HALVES)
     try:
-        if asked.verb == "fetch":
+        if asked.command == "fetch":
             fetch(asked.folder / "packs")
-        elif asked.verb == "render":
+        elif asked.command == "render":
             from benchmarks.open_rooms.pictures import make
 
             for half in halves:
                 make(asked.folder, half, asked.only, asked.samples)
-        elif asked.verb == "run":
+        elif asked.command == "run":
             from benchmarks.open_rooms.run import run
 
             run(asked.folder, asked.library, asked.half, asked.only, tuple(asked.masks), tuple(asked.rows))

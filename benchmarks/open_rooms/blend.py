@@ -95,11 +95,11 @@ def _read_structs(data: bytes, pointer: int) -> tuple[list[str], dict[str, tuple
 
 @dataclass(frozen=True)
 class Piece:
-    """Faces of one material: corners (F, 3, 3) in the world, uv (F, 3, 2) or None, colour (3,), picture or None."""
+    """Faces of one material: corners (F, 3, 3) in the world, uv (F, 3, 2) or None, color (3,), picture or None."""
 
     corners: NDArray[np.float64]
     uv: NDArray[np.float64] | None
-    colour: tuple[float, float, float]
+    color: tuple[float, float, float]
     picture: NDArray[np.uint8] | None
 
 
@@ -136,9 +136,9 @@ def _split_mesh(thing: Block, mesh: Block) -> Iterator[Piece]:
         corner = np.tile(CORNERS, (len(of), 1))
         keep = ~((corner[:, 2] == 3) & (quads[index, 3] == 0))
         index, corner = index[keep], corner[keep]
-        colour, picture = _read_looks(_find_material(thing, mesh, int(number)))
+        color, picture = _read_surface(_find_material(thing, mesh, int(number)))
         corners = vertices[quads[index[:, None], corner]]
-        yield Piece(corners, None if uv is None else uv[index[:, None], corner], colour, picture)
+        yield Piece(corners, None if uv is None else uv[index[:, None], corner], color, picture)
 
 
 def _find_material(thing: Block, mesh: Block, number: int) -> Block | None:
@@ -150,7 +150,7 @@ def _find_material(thing: Block, mesh: Block, number: int) -> Block | None:
     return None
 
 
-def _read_looks(material: Block | None) -> tuple[tuple[float, float, float], NDArray[np.uint8] | None]:
+def _read_surface(material: Block | None) -> tuple[tuple[float, float, float], NDArray[np.uint8] | None]:
     if material is None:
         return (0.7, 0.7, 0.7), None
     red, green, blue = (float(material.read_field(channel, "<f4")[0, 0]) for channel in "rgb")

@@ -72,14 +72,14 @@ class Kind:
 
 @dataclass(frozen=True)
 class Part:
-    """A mesh of one material: vertices (V, 3) metres, faces (F, 3), uv (V, 2) or None, colour (3,) as screens show it,
+    """A mesh of one material: vertices (V, 3) metres, faces (F, 3), uv (V, 2) or None, color (3,) as screens show it,
     picture RGB(A) or None, and the share of light that it stops."""
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int64]
     normals: NDArray[np.float64] | None
     uv: NDArray[np.float64] | None
-    colour: tuple[float, float, float]
+    color: tuple[float, float, float]
     picture: NDArray[np.uint8] | None
     opacity: float
 
@@ -178,7 +178,7 @@ def _convert_piece(piece: Piece) -> Part:
     uv = None if piece.uv is None else piece.uv.reshape(-1, 2)
     triangles = np.arange(3 * len(piece.corners)).reshape(-1, 3)
     picture = None if uv is None else piece.picture
-    return Part(piece.corners.reshape(-1, 3), triangles, None, uv, piece.colour, picture, 1.0)
+    return Part(piece.corners.reshape(-1, 3), triangles, None, uv, piece.color, picture, 1.0)
 
 
 def _transform_part(part: Part, transform: NDArray[np.float64]) -> Part:
@@ -188,7 +188,7 @@ def _transform_part(part: Part, transform: NDArray[np.float64]) -> Part:
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     vertices = part.vertices @ transform[:3, :3].T + transform[:3, 3]
     faces = part.faces if np.linalg.det(transform[:3, :3]) > 0 else part.faces[:, ::-1]
-    return Part(vertices, faces, normals, part.uv, part.colour, part.picture, part.opacity)
+    return Part(vertices, faces, normals, part.uv, part.color, part.picture, part.opacity)
 
 
 def _stand_parts(parts: list[Part]) -> list[Part]:
@@ -220,7 +220,7 @@ def _obj(path: Path, rotation: NDArray[np.float64], ordered: bool = True) -> Ite
             continue
         material = getattr(mesh.visual, "material", None) or SimpleMaterial()
         image = getattr(material, "image", None)
-        colour = np.asarray(getattr(material, "diffuse", (180, 180, 180, 255)), dtype=float)[:3] / 255
+        color = np.asarray(getattr(material, "diffuse", (180, 180, 180, 255)), dtype=float)[:3] / 255
         smooth = len(mesh.faces) < MOST_SMOOTHED
         mesh = trimesh.graph.smooth_shade(mesh, angle=SMOOTH) if smooth else mesh
         uv = getattr(mesh.visual, "uv", None)
@@ -229,7 +229,7 @@ def _obj(path: Path, rotation: NDArray[np.float64], ordered: bool = True) -> Ite
             np.array(mesh.faces),
             np.array(mesh.vertex_normals) if smooth else None,
             None if uv is None else np.array(uv),
-            (float(colour[0]), float(colour[1]), float(colour[2])),
+            (float(color[0]), float(color[1]), float(color[2])),
             None if image is None or min(image.size) < 3 else np.array(image.convert("RGBA")),
             opacities.get(str(material.name), 1.0),
         )
@@ -248,16 +248,16 @@ def _geom(world: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Part:
         if world.paths[world.mesh_pathadr[mesh] :].split(b"\0")[0].endswith(b".obj"):
             uv[:, 1] = 1 - uv[:, 1]  # MuJoCo turns over those alone
     material = world.geom_matid[geom]
-    colour = world.mat_rgba[material] if material >= 0 else world.geom_rgba[geom]
+    color = world.mat_rgba[material] if material >= 0 else world.geom_rgba[geom]
     texture = -1 if material < 0 else int(world.mat_texid[material].max())
     picture = None
     if texture >= 0 and uv is not None:
         height, width = world.tex_height[texture], world.tex_width[texture]
         channels, begin = world.tex_nchannel[texture], world.tex_adr[texture]
         picture = world.tex_data[begin : begin + height * width * channels].reshape(height, width, channels)
-    red, green, blue = (float(value) for value in colour[:3])
+    red, green, blue = (float(value) for value in color[:3])
     triangles = np.arange(len(corners)).reshape(-1, 3)
-    return Part(points + data.geom_xpos[geom], triangles, None, uv, (red, green, blue), picture, float(colour[3]))
+    return Part(points + data.geom_xpos[geom], triangles, None, uv, (red, green, blue), picture, float(color[3]))
 
 
 @cache

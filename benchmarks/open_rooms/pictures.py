@@ -1,4 +1,4 @@
-"""The folder of a picture: colour, depth as a sensor gives it, two sets of masks with labels, and the truth."""
+"""The folder of a picture: color, depth as a sensor gives it, two sets of masks with labels, and the truth."""
 
 import json
 import zlib
@@ -14,7 +14,7 @@ from benchmarks.open_rooms import packs, rooms, sensor, views
 from benchmarks.open_rooms.render import photograph
 from stages.contracts import write_atomically
 
-LEAST_PIXELS, LEAST_SEEN = 250, 0.15  # of a thing that a person would outline and name
+MIN_PIXELS, MIN_SEEN = 250, 0.15  # of a thing that a person would outline and name
 BY_HAND = ("exact", "drawn")  # masks whose values are the numbers of things
 MASKS = (*BY_HAND, "unaided", "corrected")  # corrected: the unaided ones, by clicks
 NO_WALLS, NO_FLOOR, ONE_WALL = 0.25, 0.12, 0.35  # how often people name no walls, no floor, all walls as one
@@ -179,7 +179,7 @@ def _truth(
                 int(mine.sum()),
                 round(share, 3),
                 bool(mine[0].any() or mine[-1].any() or mine[:, 0].any() or mine[:, -1].any()),
-                bool(names) and int(mine.sum()) >= LEAST_PIXELS and share >= LEAST_SEEN,
+                bool(names) and int(mine.sum()) >= MIN_PIXELS and share >= MIN_SEEN,
             )
         )
     return found

@@ -8,7 +8,7 @@ import pandas as pd
 
 from stages.tables.drawing import save, style
 
-COLOURS = {"work": "#6a6d70", "held_out": "#0072B2", "third": "#D55E00"}
+COLORS = {"work": "#6a6d70", "held_out": "#0072B2", "third": "#D55E00"}
 BINS = np.linspace(0, 1, 6)
 
 
@@ -27,14 +27,14 @@ def draw_sureness(rows: pd.DataFrame, path: Path) -> None:
     with style():
         figure, axes = plt.subplots(figsize=(4.6, 3.4), layout="constrained")
         axes.plot([0, 100], [0, 100], color="#22252a", linewidth=0.8, linestyle="--", label="as sure as right")
-        for place, (half, colour) in enumerate(COLOURS.items()):
+        for place, (half, color) in enumerate(COLORS.items()):
             found = bin_sureness(rows[rows["half"] == half])
             if found.empty:
                 continue
             deviation = np.sqrt(np.maximum(found["right"] * (1 - found["right"]), 0.05) / found["things"])
             axes.errorbar(
                 100 * found["sure"] + place - 1,  # side by side
-                100 * found["right"], yerr=100 * deviation, color=colour, marker="o",
+                100 * found["right"], yerr=100 * deviation, color=color, marker="o",
                 linewidth=1.8, elinewidth=1, capsize=2.5, label=f"{half.replace('_', ' ')} ({found['things'].sum()})",
             )  # fmt: skip
         axes.set_xlabel("sure of the size (%)")

@@ -30,7 +30,7 @@ def photograph(room: Room, half: str, packs: Path, pose: Floats, focal: float, s
         pose: world_from_camera (4, 4).
         focal: pixels.
         samples: per pixel.
-        seed: of light, colours and noise.
+        seed: of light, colors and noise.
 
     Raises:
         InputError: Mitsuba is not installed.
@@ -121,13 +121,13 @@ def _paper_room(half: str, packs: Path, rng: np.random.Generator) -> list[dict[s
     return [on_floor, _matt((0.88, 0.88, 0.86)), *[on_walls] * 4]
 
 
-def _linear(colour: NDArray[Any] | tuple[float, float, float]) -> list[float]:
-    values = np.asarray(colour, dtype=float)
+def _linear(color: NDArray[Any] | tuple[float, float, float]) -> list[float]:
+    values = np.asarray(color, dtype=float)
     return np.where(values < 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4).tolist()
 
 
-def _matt(colour: tuple[float, float, float]) -> dict[str, Any]:
-    inner = {"type": "diffuse", "reflectance": {"type": "rgb", "value": _linear(np.clip(colour, 0.02, 0.9))}}
+def _matt(color: tuple[float, float, float]) -> dict[str, Any]:
+    inner = {"type": "diffuse", "reflectance": {"type": "rgb", "value": _linear(np.clip(color, 0.02, 0.9))}}
     return {"type": "twosided", "bsdf": inner}
 
 
@@ -148,18 +148,18 @@ def _make_material(mi: Any, surface: Surface) -> dict[str, Any]:
         return {"type": "twosided", "bsdf": {"type": "conductor", "material": "Ag"}}
     if surface.kind == GLASS:
         return {"type": "thindielectric"}
-    colour: dict[str, Any] = {"type": "rgb", "value": _linear(np.clip(part.colour, 0.02, 0.92))}
+    color: dict[str, Any] = {"type": "rgb", "value": _linear(np.clip(part.color, 0.02, 0.92))}
     if part.picture is not None and part.uv is not None:
-        colour = _bitmap(part.picture[..., :3])
-    inner = {"type": "principled", "base_color": colour, "roughness": 0.55, "specular": 0.35}
-    looks: dict[str, Any] = {"type": "twosided", "bsdf": inner}
+        color = _bitmap(part.picture[..., :3])
+    inner = {"type": "principled", "base_color": color, "roughness": 0.55, "specular": 0.35}
+    bsdf: dict[str, Any] = {"type": "twosided", "bsdf": inner}
     if part.picture is not None and part.uv is not None and part.picture.shape[2] == 4:
         alpha = part.picture[..., 3:]
         if alpha.min() < 128:
-            return {"type": "mask", "opacity": _bitmap(alpha) | {"raw": True}, "bsdf": looks}
+            return {"type": "mask", "opacity": _bitmap(alpha) | {"raw": True}, "bsdf": bsdf}
     if part.opacity < 1:
-        return {"type": "mask", "opacity": float(max(part.opacity, 0.3)), "bsdf": looks}
-    return looks
+        return {"type": "mask", "opacity": float(max(part.opacity, 0.3)), "bsdf": bsdf}
+    return bsdf
 
 
 def _mesh(mi: Any, part: Part, bsdf: dict[str, Any], name: str) -> Any:

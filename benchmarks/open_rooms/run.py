@@ -124,7 +124,7 @@ def place_cousins(
     cousins, scenes = out / row / "cousins.json", out / row
     if not cousins.is_file():
         options = options_of(config, "matching", "match", {"variant": row})
-        looks = config.matching_of(row).compares_pictures
+        compares = config.matching_of(row).compares_pictures
         with log_stage(out / f"{row}.log"):
             cousins.parent.mkdir(exist_ok=True)
             match.run(
@@ -132,8 +132,8 @@ def place_cousins(
                 image=entry / "rgb.png",
                 library=shelf.library,
                 out=cousins,
-                features=shelf.features if looks else (),
-                snapshots=shelf.snapshots if looks else (),
+                features=shelf.features if compares else (),
+                snapshots=shelf.snapshots if compares else (),
                 options=json.dumps(options),
             )
     if not (scenes / "scene_1.json").is_file():

@@ -18,7 +18,7 @@ from plugins.report.doubts import collect_doubts
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.categories import find_usual_size
 from stages.contracts.doubt import Doubt
-from stages.contracts.generated import RIGHT_LEAST, RIGHT_SHARE, PlacedObject, measure_sureness
+from stages.contracts.generated import RIGHT_MIN, RIGHT_SHARE, PlacedObject, measure_sureness
 from stages.contracts.library import Asset
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.parts import HingeSide
@@ -29,7 +29,7 @@ from stages.geometry.frames import angle_difference, wrap_angle
 JUDGES = ("geometry", "hog", "no-image")
 PLACE = 0.05  # metres between true and found center
 YAW = np.deg2rad(15)
-FLOATS, BEHIND, TOO_LARGE = 0.03, 0.10, 2.0  # metres, metres, times the largest of its category
+FLOATS, MAX_BEHIND, TOO_LARGE = 0.03, 0.10, 2.0  # metres, metres, times the largest of its category
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def size_errors(true: pictures.TrueThing, size: tuple[float, float, float], yaw:
 
 def is_size_right(errors: NDArray[np.float64], truth: tuple[float, float, float]) -> bool:
     """Whether every extent is within 10 % or 3 cm."""
-    return bool((np.abs(errors) <= np.maximum(RIGHT_SHARE * np.array(truth), RIGHT_LEAST)).all())
+    return bool((np.abs(errors) <= np.maximum(RIGHT_SHARE * np.array(truth), RIGHT_MIN)).all())
 
 
 def measure_overreach(box: UprightBox, room: tuple[float, float]) -> float:
@@ -224,7 +224,7 @@ def _measure_thing(
         "support": item.support,
         "held": item.support == "unnamed",
         "floats": level is not None and bottom > level + FLOATS,
-        "behind": measure_overreach(box, truth.size) > BEHIND,
+        "behind": measure_overreach(box, truth.size) > MAX_BEHIND,
         "too_large": known is not None and bool((plan > known.high + np.log(TOO_LARGE)).any()),
         "doubt_of_size": any(doubt.cause == "size" for doubt in doubts),
         "sure_of_size": None if item.size_spread is None else round(measure_sureness(item.size, item.size_spread), 3),

@@ -88,7 +88,7 @@ def surfaces(room: Room) -> list[Surface]:
         parts = in_room(thing)
         whole = thing.model.size[1] * thing.model.size[2] if thing.model.kind == "mirror" else np.inf
         for part in parts:
-            dark = thing.model.kind in SCREENS and max(part.colour) < 0.25 and part.picture is None
+            dark = thing.model.kind in SCREENS and max(part.color) < 0.25 and part.picture is None
             kind = (
                 MIRROR
                 if _measure_facing_area(part, thing.yaw) > 0.5 * whole

@@ -1,4 +1,4 @@
-"""`python -m plugins.annotator VERB --help`."""
+"""`python -m plugins.annotator COMMAND --help`."""
 
 from stages.cli import main
 

@@ -100,7 +100,7 @@ class Handler(BaseHTTPRequestHandler):
             self._fail(error)
 
     def do_POST(self) -> None:
-        """One of the session's verbs, with a JSON body."""
+        """One of the session's commands, with a JSON body."""
         name = self._name()
         session = self.server.session
         if name not in session.posts:

@@ -14,7 +14,7 @@ from plugins.inputs.own_scene import is_clone, write_config
 from plugins.inputs.photo.metrology import View
 from plugins.inputs.rgbd.frame import is_stretched
 from stages.contracts import Annotations, Camera, InputError
-from stages.contracts.images import colour_of
+from stages.contracts.images import color_of
 from stages.contracts.objects import Box, object_ids
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
@@ -156,7 +156,7 @@ def tint_picture(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: lis
     Args:
         objects: mask values of objects; what else has one is floor or wall, and tinted lightly.
     """
-    tints = np.array([colour_of(value) for value in range(int(masks.max()) + 1)])[masks]
+    tints = np.array([color_of(value) for value in range(int(masks.max()) + 1)])[masks]
     strength = np.where(np.isin(masks, objects), 0.55, np.where(masks > 0, 0.22, 0.0))[..., None]
     return np.rint(rgb * (1 - strength) + tints * strength).astype(np.uint8)
 

@@ -14,7 +14,7 @@ from plugins.films.writing import write_film
 from stages.assets import join, snapshots
 from stages.config.inputs import scene_of_folder
 from stages.config.model import Config, load, with_defaults
-from stages.config.packages import list_drawers, shards_of, verb
+from stages.config.packages import list_drawers, load_command, shards_of
 from stages.config.reads import options_of
 from stages.config.sizes import fill_counts
 from stages.contracts.corrections import CORRECTIONS, corrections_of
@@ -43,11 +43,13 @@ def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Pa
     ours = [folder / f"shard_{number}.json" for number in range(shards)]
     for number, part in enumerate(ours):
         options = _options(settings, "furniture", "library")
-        verb("furniture", "library")(out=part, shard=number, shards=shards, options=options, seed=settings.seed)
+        load_command("furniture", "library")(out=part, shard=number, shards=shards, options=options, seed=settings.seed)
     for name, shard in theirs.items():
         models = tuple(f"{model}={path}" for model, path in shard.models.items())
         options = _options(settings, "importing", "own")
-        verb("importing", "own")(folder=shard.folder, models=models, out=folder / f"shard_{name}.json", options=options)
+        load_command("importing", "own")(
+            folder=shard.folder, models=models, out=folder / f"shard_{name}.json", options=options
+        )
     parts = [*ours, *(folder / f"shard_{name}.json" for name in theirs)]
     for part in parts:
         options = _options(settings, "assets", "snapshots")
@@ -70,7 +72,7 @@ def make_room(name: str, library: str | Path, out: str | Path, config: Mapping[s
     settings, folder = _settings(config), Path(out) / name
     ours = [part for part in _parts(Path(library)) if not part.stem.startswith("shard_own")]
     parts = tuple(ours) or (Path(library),)
-    verb("scenes", "render")(
+    load_command("scenes", "render")(
         library=parts, scene=name, out=folder, options=_options(settings, "scenes", "render"), seed=settings.seed
     )
     return folder / "input"
@@ -116,7 +118,9 @@ def make_scenes(
     scenes = tuple(folder / f"scene_{rank}.json" for rank in range(1, settings.generation_of(variant).ranks + 1))
     if settings.packages.get("pictures"):
         look = tuple(list_drawers(settings.packages, "generation"))
-        verb("pictures", "scenes")(scenes=scenes, objects=objects, image=image, library=index, out=folder, look=look)
+        load_command("pictures", "scenes")(
+            scenes=scenes, objects=objects, image=image, library=index, out=folder, look=look
+        )
     return list(scenes)
 
 
@@ -133,9 +137,9 @@ def _settings(config: Mapping[str, Any] | None) -> Config:
     return load(given, rooms_named=own)
 
 
-def _options(settings: Config, stage: str, verb: str, **wildcards: str) -> str:
-    """The --options that the workflow passes to a verb."""
-    return json.dumps(options_of(settings, stage, verb, wildcards), sort_keys=True)
+def _options(settings: Config, stage: str, command: str, **wildcards: str) -> str:
+    """The --options that the workflow passes to a command."""
+    return json.dumps(options_of(settings, stage, command, wildcards), sort_keys=True)
 
 
 def _parts(library: Path) -> list[Path]:

@@ -1,4 +1,4 @@
-"""What Pick and Place share: the object, how much room it takes in the hand, which plan to follow."""
+"""The state that Pick and Place share: the object, how much room it takes in the hand, which plan to follow."""
 
 from collections.abc import Sequence
 

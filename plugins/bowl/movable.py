@@ -1,4 +1,4 @@
-"""What a task tells Pick and Place: the object that they move, and its goal."""
+"""The task of Pick and Place: the object that they move, and its goal."""
 
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
@@ -29,4 +29,4 @@ class CarryEnv(Protocol):
     """An environment with something to carry."""
 
     def movable(self) -> Movable:
-        """What Pick and Place move, in the first environment."""
+        """The object that Pick and Place move, in the first environment."""

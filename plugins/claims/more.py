@@ -1,4 +1,4 @@
-"""What Table 3 has beside it: success over unseen assets, claims, stability of training, panels of Figure 4."""
+"""Additions to Table 3: success over unseen assets, claims, stability of training, panels of Figure 4."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -76,7 +76,7 @@ def make_panels(rollouts: pd.DataFrame, options: PolicyTables) -> Panels | None:
 
 
 def add_tables(found: PolicyResults, rows: pd.DataFrame, trainings: Sequence[Path], options: PolicyTables) -> More:
-    """What the verb `policies` of tables writes, too; `rows`: the rollouts before targets are pooled."""
+    """The tables that the command `policies` writes, too; `rows`: the rollouts before targets are pooled."""
     more, kinds = collect(found, options), kinds_of(options)
     failed = failed_note(read_trainings(next(iter(trainings), None)))
     unseen = asset_tables(more, options, kinds, [*policy_notes(options), *failed])

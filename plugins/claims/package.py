@@ -1,5 +1,5 @@
-"""What the core must know of this package."""
+"""The package as the core knows it."""
 
 from stages.config.packages import Package
 
-PACKAGE = Package(verbs={"trainings": None}, draws={"tables": "plugins.claims.more"})
+PACKAGE = Package(commands={"trainings": None}, draws={"tables": "plugins.claims.more"})

@@ -19,7 +19,7 @@ rule trainings:
     resources:
         **needs(1000, 10),
     params:
-        **verb("claims", "trainings"),
+        **command("claims", "trainings"),
         out=subpath(output.csv, parent=True),
     shell:
         "{params.command} --policies {input.configs:q} --out {params.out:q} 2>&1 | tee {log:q}"

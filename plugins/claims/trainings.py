@@ -111,7 +111,7 @@ def failed_note(table: pd.DataFrame) -> list[str]:
 
 
 def _cells(group: pd.DataFrame) -> list[str]:
-    """What a training set's trainings reached, over its seeds, and which of them failed."""
+    """The outcome of a training set's trainings over its seeds, and which of them failed."""
     losses = group["validation_loss"].dropna()
     if losses.empty:
         return [cell(NOTHING, count(len(group), "training")), NOTHING, NOTHING, ""]

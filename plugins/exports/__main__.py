@@ -1,4 +1,4 @@
-"""`python -m plugins.exports VERB --help`."""
+"""`python -m plugins.exports COMMAND --help`."""
 
 from stages.cli import main
 

@@ -1,4 +1,4 @@
-"""What the core must know of this package."""
+"""The package as the core knows it."""
 
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -12,13 +12,13 @@ from stages.plugins import qualify_module
 
 
 def find_mistakes(config: Any) -> Iterator[Mistake]:
-    """Scenes are exported with the light and colours that the package `pictures` draws them in."""
+    """Scenes are exported with the light and colors that the package `pictures` draws them in."""
     if not config.packages.get("pictures"):
-        what = "is off or not here, and exports of scenes have the light and colours of its pictures"
+        what = "is off or not here, and exports of scenes have the light and colors of its pictures"
         yield Mistake("packages.pictures", what, "packages: {pictures: true}, or {exports: false}, too")
 
 
-PACKAGE = Package(verbs={"scenes": None, "demonstrations": None, "policy": None}, mistakes=find_mistakes)
+PACKAGE = Package(commands={"scenes": None, "demonstrations": None, "policy": None}, mistakes=find_mistakes)
 
 
 def has_portable_form(run: PolicyConfig) -> bool:

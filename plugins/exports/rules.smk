@@ -26,7 +26,7 @@ rule export_scenes:
     resources:
         **needs(2000, 30),
     params:
-        **verb("exports", "scenes", uses=lambda wildcards: [f"plugins.exports.scene_formats.{wildcards.format}"]),
+        **command("exports", "scenes", uses=lambda wildcards: [f"plugins.exports.scene_formats.{wildcards.format}"]),
     shell:
         "{params.command} --scenes {input.scenes:q} --library {input.library:q} --format {wildcards.format} "
         "--look {input.look:q} --out {output.folder:q} 2>&1 | tee {log:q}"
@@ -51,7 +51,7 @@ rule export_demonstrations:
     resources:
         **needs(3000, 60),
     params:
-        **verb("exports", "demonstrations", uses=task_modules),
+        **command("exports", "demonstrations", uses=task_modules),
     shell:
         "{params.command} --episodes {input.episodes:q} --format {wildcards.format} --library {input.library:q} "
         "--out {output.folder:q} 2>&1 | tee {log:q}"
@@ -73,7 +73,7 @@ rule export_policy:
     resources:
         **needs(2000, 10),
     params:
-        **verb("exports", "policy", uses=policy_modules),
+        **command("exports", "policy", uses=policy_modules),
         action=CONFIG.evaluation.action,
         policy=subpath(input.policy, parent=True),
     shell:

@@ -29,7 +29,7 @@ def run(
         format: glb: scene.glb, to look at; urdf: scene.urdf and a URDF per object; mjcf: scene.xml for MuJoCo; usd:
             scene.usdc for Isaac Sim and others.
         out: folder; gets rank_<n>/ of each scene.
-        look: look.json of the picture, for the colours of floor and walls and the light; default: grey.
+        look: look.json of the picture, for the colors of floor and walls and the light; default: grey.
     """
     folders = AssetFolders(library)
     writer = glb if format == "glb" else import_module(f"plugins.exports.scene_formats.{format}")

@@ -1,4 +1,4 @@
-"""`python -m plugins.eyes VERB --help`."""
+"""`python -m plugins.eyes COMMAND --help`."""
 
 from stages.cli import main
 

@@ -15,7 +15,7 @@ from plugins.eyes.proposal import Array, Mask, Proposal, RoomView
 from plugins.eyes.surfaces import NOISE
 
 KNOWN = 0.3  # least score of a class of COCO from which on its outline comes first; chosen
-LEAST_PIXELS = 25  # of an outline, whose picture has a longer side of 256; chosen
+MIN_PIXELS = 25  # of an outline, whose picture has a longer side of 256; chosen
 LARGEST = 0.35  # share of the picture that a thing of no known class covers at most; chosen
 FREE = 0.7  # share of an outline that nothing chosen before it has taken; chosen
 FREE_KNOWN = 0.5  # likewise, of a known class: a sofa behind a table; chosen
@@ -30,7 +30,7 @@ CUT = 0.35  # share of its outline that may lie on the picture's edge; chosen
 SEATS = {"bed", "chair", "couch"}  # cushions and covers that lie on them belong to them
 WITHIN = 0.7  # share of a piece that lies within a thing's hull or box, above which it is a part; chosen
 ROW = 1.2  # metres that a row of things is long at least: fewer is a wardrobe with two doors; chosen
-LEAST_PIECE, IN_ROW = 0.15, 0.85  # share of a row that a piece has at least, and of a piece that lies in it; chosen
+MIN_PIECE, IN_ROW = 0.15, 0.85  # share of a row that a piece has at least, and of a piece that lies in it; chosen
 RISES, ON_TOP = 0.01, 0.6  # metres above a level top, and the share of a piece's points that rise so far; chosen
 LEVEL_TOP = 0.4  # share of a thing's points that lie at one height, within 2 `RISES`, if it has a level top; chosen
 ALIKE = 0.15  # metres by which the depth of a part is out of that of its thing at most; chosen
@@ -75,7 +75,7 @@ class Chooser:
         for one in sorted(known, key=lambda one: -one.known):
             free = one.mask & ~taken
             if (
-                free.sum() >= max(LEAST_PIXELS, FREE_KNOWN * one.mask.sum())
+                free.sum() >= max(MIN_PIXELS, FREE_KNOWN * one.mask.sum())
                 and share(self.floor, free) <= ON_GROUND_KNOWN
             ):
                 chosen.append(Choice(one, free))
@@ -86,11 +86,11 @@ class Chooser:
             flat = share(self.beyond, mask & (self.depth > 0)) > ON_WALL
             if mask.sum() > LARGEST * mask.size or share(self.floor, mask) > ON_GROUND:
                 continue
-            if mask.sum() < LEAST_PIXELS or (flat and not (one.score >= CRISP and self.hangs_flat(mask))):
+            if mask.sum() < MIN_PIXELS or (flat and not (one.score >= CRISP and self.hangs_flat(mask))):
                 continue
             carrier = self.find_carrier(chosen, mask)
             free = mask & ~taken if carrier is None else mask & (~taken | chosen[carrier].mask)
-            if free.sum() >= max(LEAST_PIXELS, FREE * mask.sum()):
+            if free.sum() >= max(MIN_PIXELS, FREE * mask.sum()):
                 if carrier is not None:
                     chosen[carrier] = replace(chosen[carrier], mask=chosen[carrier].mask & ~free)
                 chosen.append(Choice(one, free, flat))
@@ -100,12 +100,12 @@ class Chooser:
     def is_row(self, one: Proposal, proposals: Sequence[Proposal]) -> bool:
         """Whether a proposal is a row of things side by side, as cabinets of a kitchen, each proposed as well."""
         points = self.points[one.mask & (self.depth > 0)][:, :2]
-        if len(points) < LEAST_PIXELS or max(cv2.minAreaRect(points.astype(np.float32))[1]) < ROW:
+        if len(points) < MIN_PIXELS or max(cv2.minAreaRect(points.astype(np.float32))[1]) < ROW:
             return False
         tall, rest = one.mask.any(axis=1).sum(), one.mask.copy()
         for part in sorted(proposals, key=lambda part: -part.score):
             inside = part.mask & one.mask
-            is_piece = LEAST_PIECE < share(part.mask, one.mask) < 1 - LEAST_PIECE
+            is_piece = MIN_PIECE < share(part.mask, one.mask) < 1 - MIN_PIECE
             if (
                 is_piece
                 and share(one.mask, part.mask) > IN_ROW
@@ -143,7 +143,7 @@ class Chooser:
         """Whether most of a piece rises above the level at which most of its carrier lies."""
         heights = self.heights[carrier & (self.depth > 0)]
         own = self.heights[mask & (self.depth > 0)]
-        if len(heights) < LEAST_PIXELS or not len(own):
+        if len(heights) < MIN_PIXELS or not len(own):
             return False
         thick = max(2 * RISES, NOISE * float(np.median(self.depth[mask & (self.depth > 0)])) ** 2)
         counts, edges = np.histogram(heights, np.arange(heights.min(), heights.max() + 2 * thick, thick))

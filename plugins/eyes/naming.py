@@ -17,7 +17,7 @@ FLAT_CATEGORIES = {"picture": 0.5, "mirror": 0.2, "television": 0.1, "clock": 0.
 MIRROR = {"mirror": 0.9, "picture": 0.1}  # likewise, if much is seen behind it; chosen
 THROUGH = 0.2  # share of a flat thing through which what is behind its wall is seen, from which on it is so; chosen
 DOOR = 0.3, 1.6  # metres above the ground to which a door or window reaches down, and its least height; chosen
-LEAST_KNOWN = 0.2  # share of a thing's pixels with depth, below which nobody knows where it is; chosen
+MIN_KNOWN = 0.2  # share of a thing's pixels with depth, below which nobody knows where it is; chosen
 BEYOND = 0.5  # share of a thing that is seen behind a wall, above which it is in another room, or in a mirror; chosen
 HIGH = 1.6  # metres above the ground from which what no wall holds hangs from the ceiling; chosen
 AT_WALL = 0.15  # metres from a thing to a wall that holds it; chosen
@@ -78,7 +78,7 @@ def rests_on(heights: Array, other: Named, one: Named) -> bool:
 def decide(view: RoomView, thing: Outlined, sure: float) -> Named:
     """A thing with its names, left out if it is not placed well or not known well."""
     surfaces, known = view.surfaces, thing.mask & (view.depth > 0)
-    if known.sum() < max(3, LEAST_KNOWN * thing.mask.sum()):
+    if known.sum() < max(3, MIN_KNOWN * thing.mask.sum()):
         share = 100 * known.sum() / thing.mask.sum()
         nowhere = np.full(3, np.nan)
         return Named(thing, name(view, thing, known), nowhere, nowhere, f"depth is known on {share:.0f} % of it alone")

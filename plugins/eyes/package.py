@@ -1,4 +1,4 @@
-"""What the core must know of this package."""
+"""The package as the core knows it."""
 
 from pydantic import Field
 
@@ -16,7 +16,7 @@ def check_weights() -> tuple[str, bool, str]:
 
 
 PACKAGE = Package(
-    verbs={"see": EyesSection, "fetch": None},
+    commands={"see": EyesSection, "fetch": None},
     section="eyes",
     sections={"eyes": (EyesSection, Field(EyesSection(), description="What finds the things of a picture (A.2)."))},
     check=check_weights,

@@ -1,4 +1,4 @@
-"""What proposers look at, and what they propose: outlines that may each be one thing."""
+"""The input and output of proposers: a picture with depth, and outlines that may each be one thing."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -33,7 +33,7 @@ rule see:
     resources:
         **needs(2000, 10),
     params:
-        **verb("eyes", "see", uses=modules(CONFIG.eyes, "proposers"), annotations="annotations", things="things"),
+        **command("eyes", "see", uses=modules(CONFIG.eyes, "proposers"), annotations="annotations", things="things"),
         picture=subpath(input.rgb, parent=True),
         out=subpath(output.rgb, parent=True),
     shell:

@@ -32,7 +32,7 @@ NAMES = 5  # of a thing that are told; chosen
 
 @dataclass(frozen=True)
 class Seen:
-    """Where ground and walls are, and the things; those without a reason to be left out are placed."""
+    """Ground, walls and things; those without a reason to be left out are placed."""
 
     surfaces: Surfaces
     things: list[Named]
@@ -78,7 +78,7 @@ def see(frame: Frame, options: EyesSection) -> Seen:
 
 
 def propose(view: RoomView, options: EyesSection) -> list[Proposal]:
-    """What all proposers propose."""
+    """The proposals of all proposers."""
     return [one for name in list_proposers(options) for one in load("proposers", name)(view)]
 
 
@@ -146,7 +146,7 @@ def tell(seen: Seen, things: list[Named]) -> Things:
 
 
 def describe(things: Things) -> str:
-    """What was found, in a line for people."""
+    """The findings, in a line for people."""
     assert things.ground is not None
     left, all_ = len(things.left_out), len(things.things)
     walls = f"{things.walls or 'no'} wall{'s' * (things.walls != 1)}"

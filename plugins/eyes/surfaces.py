@@ -17,24 +17,24 @@ from stages.geometry.room_planes import GRAZING, PLANE_THRESHOLD, WALL_TILT, Wal
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 STEP, NEAR = 0.02, 11  # metres between planes that are tried, and how many of them are one; chosen
-LEAST_WALL = 0.8  # square metres that are seen of a wall; chosen
+MIN_WALL = 0.8  # square metres that are seen of a wall; chosen
 TOP = 1.5  # metres above the ground to which a wall reaches; chosen
 MAX_SHARE_BEHIND = (
     0.12  # share of what is seen within a wall's width that may lie behind it: doors, windows, mirrors; chosen
 )
 FARTHER = 0.25  # metres: what is farther behind a plane is behind it, not its noise; chosen
 ALONG = np.cos(np.deg2rad(25))  # of a surface's normal with its wall's: brick and noise are allowed for; chosen
-LEAST_OFF, NOISE = (
+MIN_OFF, NOISE = (
     0.015,
     0.006,
 )  # metres, and of the distance squared, 1 / metres, by which points are off planes; chosen
 DEEPEST = 1.0  # metres from the front of furniture to its wall; chosen
-LEAST_CEILING = 1.9, 8  # metres from the ground to a ceiling, and cells that show it; chosen
+MIN_CEILING = 1.9, 8  # metres from the ground to a ceiling, and cells that show it; chosen
 
 
 @dataclass(frozen=True)
 class Surfaces:
-    """Where ground, walls and ceiling are.
+    """Ground, walls and ceiling of a room.
 
     Attributes:
         frame: floor_from_camera (4, 4), z = 0 on the ground.
@@ -74,7 +74,7 @@ def find_surfaces(depth: Array, intrinsics: Array, max_tilt: float) -> Surfaces 
         return None
     frame = make_floor_frame(ground)
     points = transform_points(frame, in_camera)
-    off = np.maximum(LEAST_OFF, NOISE * depth**2)
+    off = np.maximum(MIN_OFF, NOISE * depth**2)
     floor = known & (points[..., 2] < off)
     on_ground = floor & (points[..., 2] > -off)
     centers, normals = cell_normals(in_camera, known)
@@ -129,7 +129,7 @@ def find_wall(points: Array, cells: Array, areas: Array, normal: Array, camera_h
     edges = np.arange(offsets.min() - STEP, -FARTHER + STEP, STEP)
     area = np.convolve(np.histogram(offsets, edges, weights=areas)[0], np.ones(NEAR), "same")
     found = None
-    for at in find_peaks(area, LEAST_WALL / 2):
+    for at in find_peaks(area, MIN_WALL / 2):
         near = points[np.abs(points @ normal - edges[at]) < FARTHER]
         wall = fit_wall(near, camera_height, np.random.default_rng(0))
         if wall is None or wall.normal @ normal < ALONG or not is_wall(wall, points, cells, areas):
@@ -156,7 +156,7 @@ def is_wall(wall: WallPlane, points: Array, cells: Array, areas: Array) -> bool:
     off = np.maximum(PLANE_THRESHOLD, NOISE * (points[:, :2] ** 2).sum(axis=1))
     on = np.abs(seen) < off
     area = areas[np.abs(cells @ wall.normal - wall.offset) < 2 * PLANE_THRESHOLD].sum()
-    if area < LEAST_WALL or np.quantile(points[on, 2], 0.97) < TOP:
+    if area < MIN_WALL or np.quantile(points[on, 2], 0.97) < TOP:
         return False
     left, right = np.quantile(across[on], [0.03, 0.97])
     within = (across > left) & (across < right) & (points[:, 2] > off)
@@ -165,7 +165,7 @@ def is_wall(wall: WallPlane, points: Array, cells: Array, areas: Array) -> bool:
 
 def find_ceiling(points: Array, cells: Array, facing: Array, off: Array) -> Mask:
     """Pixels (H, W) of the level surface that faces down, and of what lies above it; no pixel: none is seen."""
-    least, fewest = LEAST_CEILING
+    least, fewest = MIN_CEILING
     high = (facing[:, 2] < -LEVEL) & (cells[:, 2] > least)
     if high.sum() < fewest:
         return np.zeros(off.shape, dtype=bool)

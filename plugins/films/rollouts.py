@@ -23,7 +23,7 @@ class RolloutFilms:
 
     @cached_property
     def renderer(self) -> FilmRenderer:
-        """Where they are made."""
+        """The renderer of all films."""
         return FilmRenderer()
 
     def take(self, episodes: Sequence[RolloutEpisode], role: str) -> None:

@@ -1,4 +1,4 @@
-"""`python -m plugins.furniture VERB --help`."""
+"""`python -m plugins.furniture COMMAND --help`."""
 
 from stages.cli import main
 

@@ -139,18 +139,18 @@ def _dividers(cell: FrontCell, x: Span, y: Span, z: Span, board: float, p: Cabin
 
 
 def _base(p: CabinetRecipe, x: tuple[float, float], y: tuple[float, float], height: float) -> list[Part]:
-    """What the carcass stands on."""
-    style, colour = p.base, p.base_colour
+    """The base below the carcass."""
+    style, color = p.base, p.base_colour
     if style == "none":
         return []
     if style == "plinth":
-        return [part(box((x[0] + 0.01, x[1] - 0.05), (y[0] + 0.002, y[1] - 0.002), (0.0, height)), colour)]
+        return [part(box((x[0] + 0.01, x[1] - 0.05), (y[0] + 0.002, y[1] - 0.002), (0.0, height)), color)]
     if style == "skids":
         width = 0.08 * (y[1] - y[0])
-        return [part(box(x, span, (0.0, height)), colour) for span in ((y[0], y[0] + width), (y[1] - width, y[1]))]
+        return [part(box(x, span, (0.0, height)), color) for span in ((y[0], y[0] + width), (y[1] - width, y[1]))]
     inset = 0.035
     corners = [(a, b) for a in (x[0] + inset, x[1] - inset) for b in (y[0] + inset, y[1] - inset)]
     radius = 0.022
     if style == "legs":
-        return [part(rod((a, b, 0), (a, b, height), 0.55 * radius, radius), colour, smooth=True) for a, b in corners]
-    return [part(box((a - radius, a + radius), (b - radius, b + radius), (0.0, height)), colour) for a, b in corners]
+        return [part(rod((a, b, 0), (a, b, height), 0.55 * radius, radius), color, smooth=True) for a, b in corners]
+    return [part(box((a - radius, a + radius), (b - radius, b + radius), (0.0, height)), color) for a, b in corners]

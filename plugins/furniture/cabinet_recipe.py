@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from plugins.furniture.colours import METALS, WOODS
+from plugins.furniture.colors import METALS, WOODS
 from plugins.furniture.front_cells import CellKind
 from plugins.furniture.handles import Style
 from plugins.furniture.model import WOOD

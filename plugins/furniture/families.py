@@ -11,7 +11,7 @@ from typing import Any, get_args
 from plugins.furniture.cabinet import Cabinet
 from plugins.furniture.cabinet_recipe import PanelStyle
 from plugins.furniture.category import Category, Fronts
-from plugins.furniture.colours import APPLIANCE, METALS, PAINTS, WOODS, pick
+from plugins.furniture.colors import APPLIANCE, METALS, PAINTS, WOODS, pick
 from plugins.furniture.finishes import shade
 from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
 from plugins.furniture.recipe import Rng, Sampled, round_size, uniform
@@ -36,7 +36,7 @@ def vary_template(category: Category, template: Sampled, generation: int, rng: R
     fronts of their category, or with one cell more or less than it."""
     recipe, far = template.recipe, generation % 2 == 0
     assert isinstance(recipe, Cabinet)
-    changes: dict[str, Any] = _sample_looks(category, rng)
+    changes: dict[str, Any] = _sample_appearance(category, rng)
     # Wider and lower, or narrower and higher: a relative does not fit into its template's box unchanged.
     spread = 0.22 if far else 0.14
     wider = float(rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.0))
@@ -62,15 +62,15 @@ def vary_template(category: Category, template: Sampled, generation: int, rng: R
     return Sampled(round_size(x, y, z), recipe.change_parameters(**changes))
 
 
-def _sample_looks(category: Category, rng: Rng) -> dict[str, Any]:
-    """Colours, and where it is no appliance the style of the panels."""
+def _sample_appearance(category: Category, rng: Rng) -> dict[str, Any]:
+    """Colors, and where it is no appliance the style of the panels."""
     front = pick(rng, APPLIANCE) if category.appliance else pick(rng, PAINTS, WOODS)
     body = shade(front, 0.82) if rng.random() < 0.6 or category.appliance else pick(rng, PAINTS, WOODS)
-    looks: dict[str, Any] = {"front_colour": front, "body_colour": body, "handle_colour": pick(rng, METALS)}
+    appearance: dict[str, Any] = {"front_colour": front, "body_colour": body, "handle_colour": pick(rng, METALS)}
     if category.appliance:
-        return looks | {"field_colour": front}
+        return appearance | {"field_colour": front}
     panel = str(rng.choice(get_args(PanelStyle)))
-    return looks | {"field_colour": shade(front, float(rng.choice([0.72, 0.85, 1.2]))), "panel": panel}
+    return appearance | {"field_colour": shade(front, float(rng.choice([0.72, 0.85, 1.2]))), "panel": panel}
 
 
 def _change_cells(recipe: Cabinet) -> list[Fronts]:

@@ -1,4 +1,4 @@
-"""What a surface is of: a material in a colour, as recipes write it and as models show it."""
+"""The finish of a surface: a material in a color, as recipes write it and as models show it."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -8,13 +8,13 @@ Surface = str | Sequence[float]  # as a recipe writes it: 'wood 0.55 0.36 0.2 1'
 
 
 class Material(NamedTuple):
-    """What things are made of.
+    """A material of things.
 
-    colours: that it is sold in. repeat: metres that the picture of its texture covers, along and across; None: it shows
-    its colour alone. patterns: number of its grains, weaves... (`textures.py`).
+    colors: that it is sold in. repeat: metres that the picture of its texture covers, along and across; None: it shows
+    its color alone. patterns: number of its grains, weaves... (`textures.py`).
     """
 
-    colours: tuple[RGB, ...]
+    colors: tuple[RGB, ...]
     repeat: tuple[float, float] | None = None
     patterns: int = 1
 
@@ -58,21 +58,21 @@ DARK = (0.05, 0.05, 0.06)  # paint of screens, openings and hands of clocks
 
 
 class Finish(NamedTuple):
-    """A material in a colour; `pattern` tells apart the grains, weaves... of a material (`textures.py`)."""
+    """A material in a color; `pattern` tells apart the grains, weaves... of a material (`textures.py`)."""
 
     material: str
-    colour: RGB
+    color: RGB
     pattern: int = 0
 
     def __str__(self) -> str:
         """As a recipe writes it."""
-        r, g, b = self.colour
+        r, g, b = self.color
         return f"{self.material} {r:g} {g:g} {b:g} {self.pattern}"
 
-    def change_colour(self, colour: Sequence[float]) -> "Finish":
-        """The same in another colour."""
-        r, g, b = (round(min(max(float(channel), 0.0), 1.0), 3) for channel in colour)
-        return self._replace(colour=(r, g, b))
+    def change_color(self, color: Sequence[float]) -> "Finish":
+        """The same in another color."""
+        r, g, b = (round(min(max(float(channel), 0.0), 1.0), 3) for channel in color)
+        return self._replace(color=(r, g, b))
 
 
 def finish_of(surface: Surface) -> Finish:
@@ -89,17 +89,17 @@ def finish_of(surface: Surface) -> Finish:
     if material not in MATERIALS or not 0 <= int(pattern) < MATERIALS[material].patterns:
         raise ValueError(f"'{surface}': no such material ({', '.join(sorted(MATERIALS))}) or pattern")
     if not all(0 <= channel <= 1 for channel in (r, g, b)):
-        raise ValueError(f"'{surface}': colours go from 0 to 1")
+        raise ValueError(f"'{surface}': colors go from 0 to 1")
     return Finish(material, (r, g, b), int(pattern))
 
 
 def shade(surface: Surface, factor: float) -> str:
     """A darker or lighter version."""
     finish = finish_of(surface)
-    return str(finish.change_colour([factor * channel for channel in finish.colour]))
+    return str(finish.change_color([factor * channel for channel in finish.color]))
 
 
 def change_material(material: str, surface: Surface) -> str:
-    """The same colour on another material."""
+    """The same color on another material."""
     finish = finish_of(surface)
-    return str(Finish(material, finish.colour, finish.pattern % MATERIALS[material].patterns))
+    return str(Finish(material, finish.color, finish.pattern % MATERIALS[material].patterns))

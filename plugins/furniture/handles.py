@@ -38,7 +38,7 @@ def handle_parts(
     along: Literal["y", "z"],
     length: float,
     protrusion: float,
-    colour: Surface,
+    color: Surface,
 ) -> list[Part]:
     """Parts of a handle on a panel that faces +x.
 
@@ -51,42 +51,42 @@ def handle_parts(
     if style == "none":
         return []
     make = {"bar": _bar, "square_bar": _square_bar, "knob": _knob, "arch": _arch, "edge": _edge}[style]
-    parts = make(max(length, 0.06), protrusion, colour)
+    parts = make(max(length, 0.06), protrusion, color)
     if along == "y":
-        parts = [part(rotate(p.mesh, np.pi / 2, [1, 0, 0]), colour, p.density, p.smooth) for p in parts]
-    return [part(translate(p.mesh, at), colour, p.density, p.smooth) for p in parts]
+        parts = [part(rotate(p.mesh, np.pi / 2, [1, 0, 0]), color, p.density, p.smooth) for p in parts]
+    return [part(translate(p.mesh, at), color, p.density, p.smooth) for p in parts]
 
 
-def _bar(length: float, out: float, colour: Surface) -> list[Part]:
+def _bar(length: float, out: float, color: Surface) -> list[Part]:
     radius = 0.0055
     x, inset = out - radius, length * 0.38
     posts = [rod((-0.004, 0, z), (x, 0, z), 0.004) for z in (-inset, inset)]
     bar = rod((x, 0, -length / 2), (x, 0, length / 2), radius)
-    return [part(mesh, colour, METAL, smooth=True) for mesh in (bar, *posts)]
+    return [part(mesh, color, METAL, smooth=True) for mesh in (bar, *posts)]
 
 
-def _square_bar(length: float, out: float, colour: Surface) -> list[Part]:
+def _square_bar(length: float, out: float, color: Surface) -> list[Part]:
     thickness, width = 0.010, 0.013
     middle = (out - 0.003) / 2 - 0.002
     bar = slab((out - thickness / 2, 0, 0), (thickness, width, length))
     posts = [slab((middle, 0, z), (out - 0.001, width, 0.012)) for z in (0.006 - length / 2, length / 2 - 0.006)]
-    return [part(mesh, colour, METAL) for mesh in (bar, *posts)]
+    return [part(mesh, color, METAL) for mesh in (bar, *posts)]
 
 
-def _edge(length: float, out: float, colour: Surface) -> list[Part]:
+def _edge(length: float, out: float, color: Surface) -> list[Part]:
     """A profile along the panel that two fingers take hold of from either side."""
-    return [part(slab(((out - 0.004) / 2, 0, 0), (out + 0.004, 0.010, length)), colour, METAL)]
+    return [part(slab(((out - 0.004) / 2, 0, 0), (out + 0.004, 0.010, length)), color, METAL)]
 
 
-def _knob(length: float, out: float, colour: Surface) -> list[Part]:
+def _knob(length: float, out: float, color: Surface) -> list[Part]:
     head = lathe(
         [(0, out * 0.45), (0.009, out * 0.45), (0.015, out * 0.68), (0.015, out * 0.82), (0.010, out), (0, out)], 16
     )
     meshes = [rod((-0.004, 0, 0), (out * 0.5, 0, 0), 0.0065), rotate(head, np.pi / 2, [0, 1, 0])]
-    return [part(mesh, colour, METAL, smooth=True) for mesh in meshes]
+    return [part(mesh, color, METAL, smooth=True) for mesh in meshes]
 
 
-def _arch(length: float, out: float, colour: Surface) -> list[Part]:
+def _arch(length: float, out: float, color: Surface) -> list[Part]:
     half, thickness, width = length / 2, 0.010, 0.014
     angles = np.linspace(0, np.pi, 9)
     outline = np.column_stack([out * np.sin(angles) ** 0.7, -half * np.cos(angles)])
@@ -96,4 +96,4 @@ def _arch(length: float, out: float, colour: Surface) -> list[Part]:
     for k in range(len(angles) - 1):
         corners = [outline[k], outline[k + 1], inner[k], inner[k + 1]]
         pieces.append(hull([(x, y, z) for x, z in corners for y in (-width / 2, width / 2)]))
-    return [part(mesh, colour, METAL) for mesh in pieces]
+    return [part(mesh, color, METAL) for mesh in pieces]

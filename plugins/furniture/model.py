@@ -1,4 +1,4 @@
-"""A procedural model before it is written: parts with colour and density, some of them on joints."""
+"""A procedural model before it is written: parts with color and density, some of them on joints."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -32,9 +32,9 @@ class Part:
     smooth: bool = False
 
     @property
-    def colour(self) -> RGB:
+    def color(self) -> RGB:
         """Linear rgb."""
-        return self.finish.colour
+        return self.finish.color
 
     @property
     def pieces(self) -> tuple[Trimesh, ...]:

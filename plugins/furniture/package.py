@@ -1,6 +1,6 @@
-"""What the core must know of this package."""
+"""The package as the core knows it."""
 
 from stages.config.assets import LibraryOptions
 from stages.config.packages import Package
 
-PACKAGE = Package(verbs={"library": LibraryOptions}, section="assets", facts="plugins.furniture facts")
+PACKAGE = Package(commands={"library": LibraryOptions}, section="assets", facts="plugins.furniture facts")

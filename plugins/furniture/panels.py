@@ -14,7 +14,7 @@ EDGE_LENGTH = 0.94  # share of the panel's side that a profile runs along
 
 
 class Front(NamedTuple):
-    """Where a panel is: its front face at `x`, its rectangle in y and z, its thickness."""
+    """The place of a panel: its front face at `x`, its rectangle in y and z, its thickness."""
 
     x: float
     y: tuple[float, float]
@@ -30,28 +30,28 @@ class Front(NamedTuple):
         return self.z[1] - self.z[0]
 
 
-def panel_parts(front: Front, style: str, colour: Surface, second: Surface, density: float = WOOD) -> list[Part]:
+def panel_parts(front: Front, style: str, color: Surface, second: Surface, density: float = WOOD) -> list[Part]:
     """A panel as `flat`, `frame` (raised rim), `glass` (dark window), `planks` (grooves) or `raised` (raised field)."""
     (y0, y1), (z0, z1) = front.y, front.z
     x1, x0 = front.x, front.x - front.thickness
     wide = min(0.055, 0.22 * min(front.width, front.height))
     if style == "flat" or wide < 0.012:
-        return [part(box((x0, x1), front.y, front.z), colour, density)]
+        return [part(box((x0, x1), front.y, front.z), color, density)]
     back = x1 - RELIEF
     core = part(box((x0, back), front.y, front.z), second, density)
     if style in ("frame", "glass"):
         field = DARK if style == "glass" else second
         core = part(box((x0, back), front.y, front.z), field, GLASS if style == "glass" else density)
-        return [core, *[part(mesh, colour, density) for mesh in rim((back, x1), front.y, front.z, wide)]]
+        return [core, *[part(mesh, color, density) for mesh in rim((back, x1), front.y, front.z, wide)]]
     if style == "raised":
-        edge = part(box((x0, back), front.y, front.z), colour, density)
+        edge = part(box((x0, back), front.y, front.z), color, density)
         return [edge, part(box((back, x1), (y0 + wide, y1 - wide), (z0 + wide, z1 - wide)), second, density)]
     count = max(2, round(front.width / 0.09))
     pitch, groove = front.width / count, 0.006
     planks = [
         box((back, x1), (y0 + k * pitch + groove / 2, y0 + (k + 1) * pitch - groove / 2), front.z) for k in range(count)
     ]
-    return [core, *[part(mesh, colour, density) for mesh in planks]]
+    return [core, *[part(mesh, color, density) for mesh in planks]]
 
 
 def make_pulled_panel(front: Front, p: CabinetRecipe, kind: str, free_side: float, glass: bool = False) -> list[Part]:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from plugins.furniture.colours import Palette, pick
+from plugins.furniture.colors import Palette, pick
 from plugins.furniture.finishes import finish_of
 from plugins.furniture.model import Model, Size
 
@@ -20,7 +20,7 @@ def _check_surface(surface: str | list[float]) -> str | list[float]:
     return surface
 
 
-Coating = Annotated[str | list[float], AfterValidator(_check_surface)]  # a material in a colour: see `finishes`
+Coating = Annotated[str | list[float], AfterValidator(_check_surface)]  # a material in a color: see `finishes`
 
 
 class Generator(BaseModel):
@@ -58,7 +58,7 @@ class Generator(BaseModel):
         return self.model_validate(self.parameters() | changes)
 
     def parameters(self) -> dict[str, Any]:
-        """What was given or sampled, as the recipe of an asset records it."""
+        """The parameters, given or sampled, as the recipe of an asset records them."""
         return self.model_dump(exclude_unset=True)
 
 

@@ -1,4 +1,4 @@
-"""The same model in another finish: other colours and textures, the same geometry (protocol `recoloured`)."""
+"""The same model in another finish: other colors and textures, the same geometry (perturbation `recoloured`)."""
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
@@ -8,7 +8,7 @@ import numpy as np
 import open3d as o3d
 from trimesh import Trimesh
 
-from plugins.furniture.colours import ALTERNATIVES, pick
+from plugins.furniture.colors import ALTERNATIVES, pick
 from plugins.furniture.finishes import RGB, Finish, Surface, finish_of
 from plugins.furniture.folder import generate
 from plugins.furniture.model import parts_of
@@ -17,17 +17,17 @@ from stages.contracts.library import Recipe
 from stages.contracts.types import LARGEST
 
 FIXED = {"screen_colour", "panel_colour", "inside_colour"}  # the same on every model
-OTHER = 0.12  # distance from the old colour from which a colour is another one
+OTHER = 0.12  # distance from the old color from which a color is another one
 VIEW = (1.0, 0.5, 0.6)  # from where a thing is looked at: its front, one side and its top are seen
 DETAIL = 0.3  # of the pixels of what is seen most: what has fewer is a detail, as legs and handles are; chosen
 SIDE = 96  # of the picture, pixels; chosen
-SHADED = 0.02  # a colour that is a multiple of another, to this relative accuracy, stays its shade
+SHADED = 0.02  # a color that is a multiple of another, to this relative accuracy, stays its shade
 
 
 def refinish(recipe: Recipe, rng: np.random.Generator) -> Recipe:
     """The recipe with another finish for every part, of what such a material is sold in.
 
-    What was of one finish stays of one finish, a shade stays a shade of the other's new colour.
+    What was of one finish stays of one finish, a shade stays a shade of the other's new color.
     """
     new: dict[Finish, Finish] = {}
 
@@ -39,8 +39,8 @@ def refinish(recipe: Recipe, rng: np.random.Generator) -> Recipe:
     return _change_finishes(recipe, repaint)
 
 
-def paint(recipe: Recipe, colour: RGB) -> Recipe:
-    """The recipe with what is seen most in another colour, and shades of it as its shades; details stay as they are."""
+def paint(recipe: Recipe, color: RGB) -> Recipe:
+    """The recipe with what is seen most in another color, and shades of it as its shades; details stay as they are."""
     seen: dict[Finish, int] = defaultdict(int)
     known = dict.fromkeys(_list_finishes(recipe))
     parts = list(parts_of(generate(recipe)))
@@ -50,7 +50,7 @@ def paint(recipe: Recipe, colour: RGB) -> Recipe:
         if base is not None:
             seen[base] += pixels
     most = max(seen.values(), default=0)
-    new = {each: each.change_colour(colour) for each in known if seen[each] > DETAIL * most}
+    new = {each: each.change_color(color) for each in known if seen[each] > DETAIL * most}
     return _change_finishes(recipe, lambda old: new.get(old) or _shade_of(old, new) or old)
 
 
@@ -100,14 +100,14 @@ def is_finish(key: str) -> bool:
 
 def _another(old: Finish, rng: np.random.Generator) -> Finish:
     family = ALTERNATIVES[old.material]
-    others = [finish for finish in family if np.linalg.norm(np.subtract(finish.colour, old.colour)) > OTHER]
+    others = [finish for finish in family if np.linalg.norm(np.subtract(finish.color, old.color)) > OTHER]
     return finish_of(pick(rng, others or family))
 
 
 def _shade_of(old: Finish, new: dict[Finish, Finish]) -> Finish | None:
     """The same shade of the new finish of what `old` was a shade of."""
     for base, painted in new.items():
-        ratio = np.array(old.colour) / np.maximum(base.colour, 1e-3)
+        ratio = np.array(old.color) / np.maximum(base.color, 1e-3)
         if old.material == base.material and np.ptp(ratio) < SHADED * ratio.max():
-            return painted.change_colour([float(ratio.mean()) * channel for channel in painted.colour])
+            return painted.change_color([float(ratio.mean()) * channel for channel in painted.color])
     return None

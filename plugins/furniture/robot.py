@@ -13,7 +13,7 @@ from stages.geometry.frames import make_transform
 from stages.geometry.solids import MINIMUM_INERTIA
 
 BASE = "base"
-SLIM = 0.03  # metres: a part that is no wider in two directions shows its colour alone
+SLIM = 0.03  # metres: a part that is no wider in two directions shows its color alone
 
 
 def robot_of(model: Model, name: str) -> RobotModel:
@@ -35,11 +35,11 @@ def _link(name: str, parts: list[Part], origin: Matrix) -> Link:
 
 
 def _visual(part: Part, origin: Matrix, number: int) -> Visual:
-    """What is seen of a part; no two neighbours show the same piece of their texture."""
+    """The visual of a part; no two neighbours show the same piece of their texture."""
     slim = np.sort(part.mesh.extents)[1] < SLIM
     start = (number * GOLDEN % 1, number * GOLDEN**2 % 1)
     texture = None if slim else texture_of(part.finish)
-    return Visual(_shift_mesh(part.mesh, origin), (*part.colour, 1.0), not part.smooth, texture, start)
+    return Visual(_shift_mesh(part.mesh, origin), (*part.color, 1.0), not part.smooth, texture, start)
 
 
 def _joint(moving: Moving) -> JointModel:

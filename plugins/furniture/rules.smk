@@ -22,7 +22,7 @@ rule procedural:
     resources:
         **needs(1000, lambda wildcards: 10 + models_in(wildcards) / 20),
     params:
-        **verb("furniture", "library", library_part="part"),
+        **command("furniture", "library", library_part="part"),
         shards=len(PROCEDURAL_SHARDS),
         seed=CONFIG.seed,
     shell:

@@ -22,23 +22,23 @@ SIDE = 128  # texels
 
 @lru_cache(maxsize=1024)
 def texture_of(finish: Finish) -> Texture | None:
-    """The picture that a finish is drawn with; None: its colour alone."""
+    """The picture that a finish is drawn with; None: its color alone."""
     repeat = MATERIALS[finish.material].repeat
     shades = pattern_of(finish.material, finish.pattern) if repeat else None
     if repeat is None or shades is None:
         return None
-    linear = np.clip(shades[..., None] * np.array(finish.colour), 0.0, 1.0)
+    linear = np.clip(shades[..., None] * np.array(finish.color), 0.0, 1.0)
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     file = io.BytesIO()
     Image.fromarray((255 * encoded).round().astype(np.uint8)).save(file, "JPEG", quality=88)
-    red, green, blue = (round(255 * channel) for channel in finish.colour)
+    red, green, blue = (round(255 * channel) for channel in finish.color)
     name = f"{finish.material}_{finish.pattern}_{red:02x}{green:02x}{blue:02x}"
     return Texture(name, file.getvalue(), repeat)
 
 
 @cache
 def pattern_of(material: str, pattern: int) -> Array | None:
-    """Factors (SIDE, SIDE) on the colour, mean 1; rows run across, columns along the grain. None: a plain variant."""
+    """Factors (SIDE, SIDE) on the color, mean 1; rows run across, columns along the grain. None: a plain variant."""
     shades = PATTERNS[material](np.random.default_rng([len(material), pattern]), pattern)
     return None if shades is None else np.clip(shades / shades.mean(), 0.3, 1.7)
 

@@ -1,4 +1,4 @@
-"""`python -m plugins.importing VERB --help`."""
+"""`python -m plugins.importing COMMAND --help`."""
 
 from stages.cli import main
 

@@ -17,7 +17,7 @@ from stages.contracts.errors import escape_control
 
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")
-PAGE, PACK = "index.html", "pack.yaml"  # of the verb `import`, in the folder that it writes
+PAGE, PACK = "index.html", "pack.yaml"  # of the command `import`, in the folder that it writes
 WHOLE = {".urdf", ".xml"}  # models that name the meshes that they are made of
 NAMES = re.compile(rb"""file(?:name)?\s*=\s*["']([^"']+)["']""")
 
@@ -131,7 +131,7 @@ def _find_in_category(child: Path, folder: Path, kinds: Sequence[str]) -> list[F
 
 
 def _list_usable(here: Path, folder: Path, kinds: Sequence[str]) -> list[Path]:
-    """What lies in a folder and is looked at, sorted."""
+    """The files of a folder that are looked at, sorted."""
     return [child for child in sorted(here.iterdir()) if _explain_unusable(child, folder, kinds) is None]
 
 

@@ -33,7 +33,7 @@ class Shared(Contract):
 
 
 class Evidence(Contract):
-    """What a model shows about its file: up, unit and front.
+    """The evidence of a model about its file: up, unit and front.
 
     extents: (3,) in its frame and unit. hinges, slides: of it. foot: the direction in which alone its foot is at the
     origin's height. fronts: by up, where its doors and drawers open to. remarks: what its reader left out.

@@ -49,7 +49,7 @@ class Examined:
     picture: Annotated[Image.Image | None, Field(exclude=True)] = None
 
     def facts(self) -> list[str]:
-        """What it is taken for, in short."""
+        """A summary of what it is taken for."""
         if self.notes is None:
             return []
         notes = self.notes
@@ -154,7 +154,7 @@ def _examine_model(
 
 
 def explain(error: InputError, *files: Path) -> str:
-    """What an error says of the first of these files that it names, without the file."""
+    """The message of an error about the first of these files that it names, without the file."""
     text = str(error)
     for file in files:
         text = text.removeprefix(escape_control(f"{file}: "))

@@ -9,8 +9,8 @@ import numpy as np
 from plugins.importing.buttons import explain_unpushable
 from plugins.importing.hinges import (
     ALONG,
-    LEAST_OUT,
-    LEAST_TURN,
+    MIN_OUT,
+    MIN_TURN,
     THIN,
     list_carried_links,
     seen_points,
@@ -42,13 +42,13 @@ def align_to_axes(robot: RobotModel) -> tuple[RobotModel, float]:
     A model stays as it is without joints, without a common direction of its faces, or if it is askew by less than
     `ASKEW`.
     """
-    looks = (
+    shown = (
         merge_visuals(robot, robot.links, link_frames(robot)) if any(j.type != "fixed" for j in robot.joints) else None
     )
-    if looks is None:
+    if shown is None:
         return robot, 0.0
-    normals = looks.face_normals[:, :2]
-    weights = looks.area_faces * (np.hypot(*normals.T) > ALONG)
+    normals = shown.face_normals[:, :2]
+    weights = shown.area_faces * (np.hypot(*normals.T) > ALONG)
     total = (weights * np.exp(4j * np.arctan2(normals[:, 1], normals[:, 0]))).sum()
     turn = -float(np.angle(total)) / 4
     if abs(total) < ALONG * weights.sum() or abs(turn) < ASKEW:
@@ -112,15 +112,15 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> F
         if around is not None:
             front, body = ((box @ outward).max() for box in (np.array([low, high]), around))
             reach, depth = joint.upper - joint.lower, np.ptp(around @ outward)
-            if front + reach - body < LEAST_OUT * reach or body - front > BEHIND_FRONT * depth:
+            if front + reach - body < MIN_OUT * reach or body - front > BEHIND_FRONT * depth:
                 return "slides along what it is in"
         if slides_from_narrower(robot, joint, frames):
             return "slides on something narrower than itself"
     else:
         way = int(np.argmin(extents[:2]))
         across = 1 - way
-        if joint.upper - joint.lower < LEAST_TURN:
-            return f"turns by less than {np.rad2deg(LEAST_TURN):.0f} degrees"
+        if joint.upper - joint.lower < MIN_TURN:
+            return f"turns by less than {np.rad2deg(MIN_TURN):.0f} degrees"
         if abs(axis[way]) > 0.3 or extents[way] > THIN * extents[across]:
             return "turns no panel about its side"  # a stove's knob turns about the direction that it faces
         center = (low + high) / 2
@@ -142,12 +142,12 @@ def _box(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> 
 
 def _measure_skew(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix], outward: Matrix) -> float:
     """Angle in radians between a direction and the median normal, by area, of the front of some links."""
-    looks = merge_visuals(robot, links, frames)
-    if looks is None:
+    shown = merge_visuals(robot, links, frames)
+    if shown is None:
         return 0.0
-    along, aside = looks.face_normals @ outward, looks.face_normals @ np.cross([0, 0, 1], outward)
+    along, aside = shown.face_normals @ outward, shown.face_normals @ np.cross([0, 0, 1], outward)
     facing = (np.hypot(along, aside) > ALONG) & (along > 0.5)
-    angles, areas = np.arctan2(aside, along)[facing], looks.area_faces[facing]
+    angles, areas = np.arctan2(aside, along)[facing], shown.area_faces[facing]
     if not len(angles):
         return 0.0
     order = np.argsort(angles)

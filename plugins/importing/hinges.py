@@ -11,9 +11,9 @@ from stages.contracts.parts import PARTS
 from stages.geometry.frames import transform_points
 
 ALONG = 0.9  # cosine: a slide goes along a direction, a panel's hinge across it
-LEAST_TURN = PARTS["door"].motion[0]  # radians
+MIN_TURN = PARTS["door"].motion[0]  # radians
 THIN = 0.6  # thickness of a door, at most, as a share of its width
-LEAST_OUT = 0.3  # of a slide's way: what leaves its parent's box by less is a sliding door, no drawer
+MIN_OUT = 0.3  # of a slide's way: what leaves its parent's box by less is a sliding door, no drawer
 SMALL = 0.05  # of a thing's largest extent: what is smaller, or slides by less, says nothing of it
 AT_SIDE = 0.25  # of its width, by which the middle of a panel is away from its hinge at least
 MOUTH = 0.2  # of its extent along a slide: the end of a body that something slides out of
@@ -43,7 +43,7 @@ class Slide(NamedTuple):
 def find_hinges(robot: RobotModel) -> list[Hinge]:
     """The panels of a model that turn; knobs, wheels, levers and seats are none."""
     frames, box = link_frames(robot), measure_closed_box(robot)
-    turns = [joint for joint in robot.joints if joint.type == "revolute" and joint.upper - joint.lower > LEAST_TURN]
+    turns = [joint for joint in robot.joints if joint.type == "revolute" and joint.upper - joint.lower > MIN_TURN]
     found = (
         _hinge(joint, seen_points(robot, list_carried_links(joint, robot.joints), frames), frames, box)
         for joint in turns
@@ -84,7 +84,7 @@ def find_slides(robot: RobotModel) -> list[Slide]:
             continue
         ahead = (moving @ axis).max() - (body @ axis).max()
         lift = slides_from_narrower(robot, joint, frames)
-        if ahead > 0 if lift else ahead + reach > LEAST_OUT * reach:
+        if ahead > 0 if lift else ahead + reach > MIN_OUT * reach:
             found.append(Slide(along, not lift))
     return found
 

@@ -23,7 +23,7 @@ from plugins.importing.naming import number_names, snake_case
 from plugins.importing.pack import complete_pack, read_pack, write_pack
 from plugins.importing.portrait import Portraits
 from plugins.importing.reach import list_unreachable
-from stages.assets.snapshots import Look
+from stages.assets.snapshots import VisibilityCheck
 from stages.cli import progress
 from stages.contracts.errors import InputError, escape_control
 
@@ -60,7 +60,7 @@ def run(folder: Path, /, *, out: Path) -> None:
     pack = complete_pack(pack, common, [snake_case(one.category) for one in left])
     write_pack(out / PACK, pack, words)
     with tempfile.TemporaryDirectory() as scratch:
-        portraits, look = Portraits(), Look()
+        portraits, visibility = Portraits(), VisibilityCheck()
         for number, one in enumerate(left):
             work, kind = Path(scratch) / str(number), one.path.suffix.lower()
             category = pack.categories[snake_case(one.category)]
@@ -70,7 +70,7 @@ def run(folder: Path, /, *, out: Path) -> None:
             if model.asset is not None:
                 try:
                     with in_one_line(one.path):
-                        look.check(work / model.asset.id, one.path)
+                        visibility.check(work / model.asset.id, one.path)
                         model.picture = portraits.take(work / model.asset.id)
                         model.doubts += list_unreachable(work / model.asset.id)
                 except InputError as error:

@@ -1,4 +1,4 @@
-"""The page of the verb `import`: a picture and a few lines per model, one file."""
+"""The page of the command `import`: a picture and a few lines per model, one file."""
 
 import base64
 import io

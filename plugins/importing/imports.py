@@ -30,7 +30,7 @@ from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.part_types import assign_part_types
 from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_tree import THIN
-from stages.assets.snapshots import Look
+from stages.assets.snapshots import VisibilityCheck
 from stages.cli import progress
 from stages.contracts.errors import InputError, escape_control
 from stages.contracts.files import read_json
@@ -69,7 +69,7 @@ class ModelFile(NamedTuple):
 
     @property
     def notes_path(self) -> Path:
-        """Where the notes are, or would be."""
+        """The file of the notes, there or not."""
         return self.path.parent / "asset.json"
 
 
@@ -104,12 +104,12 @@ def _name(found: Found, kinds: dict[str, Importer]) -> str:
 
 def import_models(models: dict[str, Found], kinds: dict[str, Importer], folder: Path) -> tuple[list[Asset], list[str]]:
     """Write an asset folder below `folder` for every model, by name; and what is left out as broken, in a line each."""
-    assets, left_out, look = [], [], Look()
+    assets, left_out, visibility = [], [], VisibilityCheck()
     for name, found in progress(models.items(), "imports", len(models)):
         try:
             doubts = json.loads(run_in_fork(found.path, partial(_import_one, name, found, kinds, folder)))
             with in_one_line(found.path):
-                look.check(folder / name, found.path)
+                visibility.check(folder / name, found.path)
                 assets.append(read_asset(folder / name))
         except InputError as error:
             left_out.append(str(error))

@@ -1,4 +1,4 @@
-"""What models are called and of what category they are, as the names of files and folders say."""
+"""Names and categories of models, as the names of files and folders say."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""What the core must know of this package."""
+"""The package as the core knows it."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -16,4 +16,4 @@ def shards_of(config: AssetsConfig) -> Mapping[str, Any]:
     return own_shards(config)
 
 
-PACKAGE = Package(verbs={"own": OwnOptions}, section="assets", shards=shards_of)
+PACKAGE = Package(commands={"own": OwnOptions}, section="assets", shards=shards_of)

@@ -12,7 +12,7 @@ from plugins.importing.hinges import seen_points
 from stages.articulated.asset_folder import read_asset, read_model
 from stages.articulated.forward_kinematics import link_frames
 from stages.simulation.framing import frame_all, intrinsics_of
-from stages.simulation.loading import load_looks, remove
+from stages.simulation.loading import load_visual, remove
 from stages.simulation.rendering import RenderCamera, make_scene
 
 WIDTH, HEIGHT = 360, 288
@@ -32,7 +32,7 @@ class Portraits:
     def take(self, folder: Path) -> Image.Image:
         """The picture of an asset folder."""
         asset = read_asset(folder)
-        body = load_looks(self.scene, folder, 1.0)
+        body = load_visual(self.scene, folder, 1.0)
         if isinstance(body, PhysxArticulation):
             limits = body.get_qlimits()
             body.set_qpos((limits[:, 0] + OPEN * (limits[:, 1] - limits[:, 0])).astype(np.float32))

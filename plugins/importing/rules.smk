@@ -24,7 +24,7 @@ rule own:
     resources:
         **needs(4000, lambda wildcards: 10 + models_in(wildcards)),
     params:
-        **verb("importing", "own", uses=modules(CONFIG.assets, "importers"), library_part="part"),
+        **command("importing", "own", uses=modules(CONFIG.assets, "importers"), library_part="part"),
         folder=lambda wildcards, input: OWN_SHARDS[wildcards.shard].place(input.files[0]),
         models=lambda wildcards, input: OWN_SHARDS[wildcards.shard].list_files(
             OWN_SHARDS[wildcards.shard].place(input.files[0])

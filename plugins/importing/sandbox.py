@@ -48,7 +48,7 @@ def run_in_fork(path: Path, work: Callable[[], str]) -> str:
 
 
 def _work(path: Path, work: Callable[[], str], ours: Connection) -> None:
-    """What the child does."""
+    """The work of the child process."""
     _limit()
     try:
         reply = json.dumps([None, work()])

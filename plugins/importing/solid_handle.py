@@ -18,8 +18,8 @@ CUT = {"maxConvexHulls": 32, "resolution": 100_000, "maxNumVerticesPerCH": 32, "
 
 
 def with_solid_handles(robot: RobotModel) -> tuple[RobotModel, list[str]]:
-    """The model (z up, front towards +x, with roles), every handle that is seen as solid as it looks; a line for each
-    door or drawer whose collision shape hid its handle or lacked it, so that it was cut anew.
+    """The model (z up, front towards +x, with part types), every handle that is seen as solid as it looks; a line for
+    each door or drawer whose collision shape hid its handle or lacked it, so that it was cut anew.
 
     Grasps are planned on what collides. A hull around a panel with its handle is a blunt wedge, and files often give
     a box for a door.

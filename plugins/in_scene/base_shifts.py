@@ -1,4 +1,4 @@
-"""Where the robot's base may stand in a room, and what is in its way there."""
+"""Places for the robot's base in a room, and what is in its way there."""
 
 import numpy as np
 from sapien.physx import PhysxArticulationLinkComponent
@@ -22,7 +22,7 @@ def list_base_shifts() -> list[tuple[float, float]]:
 
 
 def find_obstacle(task: EnvWrapper, room: GeneratedRoom) -> str | None:
-    """What is in the way of the robot in its present pose, or of what the task brings along (props); or None."""
+    """The obstacle of the robot in its present pose, or of what the task brings along (props); or None."""
     things = {name: points for name, points in room.obstacles.items() if name != "floor"}
     base = task.env.agent.robot.pose.sp.to_transformation_matrix()
     arm, radii = arm_spheres(task.chain.frames(task.joints()[None, :7]), GRIPPER_OPEN)

@@ -11,7 +11,7 @@ from stages.contracts.types import Count, Id, Rank, Text, check_unique
 
 
 class SceneDemonstration(Contract):
-    """What became of one scene; a film and an episode (rank_<n>.h5) lie beside the file if it is ok."""
+    """The outcome in one scene; a film and an episode (rank_<n>.h5) lie beside the file if it is ok."""
 
     scene: Id
     variant: Id

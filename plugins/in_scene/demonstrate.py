@@ -31,7 +31,7 @@ SCENE_TRIES = 10  # attempts in one scene; chosen for time
 
 
 class Setting(NamedTuple):
-    """What is the same in all scenes; `cache`: folder for models at their sizes, `stores`: for episodes."""
+    """The settings for all scenes; `cache`: folder for models at their sizes, `stores`: for episodes."""
 
     object: str
     task: str

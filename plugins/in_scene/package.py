@@ -1,6 +1,6 @@
-"""What the core must know of this package."""
+"""The package as the core knows it."""
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.packages import Package
 
-PACKAGE = Package(verbs={"demonstrate": DemonstrationsConfig}, section="demonstrations")
+PACKAGE = Package(commands={"demonstrate": DemonstrationsConfig}, section="demonstrations")

@@ -49,7 +49,7 @@ class GeneratedRoom:
         return make_transform(yaw_matrix(self.target.box.yaw), [x, y, self.target.box.bottom])
 
     def stand(self, base: Array) -> Array:
-        """Where the robot stands, of its pose (4, 4) in the target's nominal frame: shifted, never below the floor."""
+        """The robot's place, of its pose (4, 4) in the target's nominal frame: shifted, never below the floor."""
         world: Array = self.world_from_nominal @ make_transform(np.eye(3), [*self.shift, 0.0]) @ base
         world[2, 3] = max(world[2, 3], 0.0)
         return world

@@ -33,7 +33,7 @@ rule demonstrate_in_scene:
     resources:
         **needs(3000, 60),
     params:
-        **verb("in_scene", "demonstrate", uses=task_modules, in_scene="in_scene"),
+        **command("in_scene", "demonstrate", uses=task_modules, in_scene="in_scene"),
         task_options=task_options,
         task=task,
         object=target_object,

@@ -1,1 +1,1 @@
-"""What brings pictures in: RGB-D frames, photographs drawn by hand or read by networks (docs/your-data.md)."""
+"""Inputs of the workflow: RGB-D frames, photographs drawn by hand or read by networks (docs/your-data.md)."""

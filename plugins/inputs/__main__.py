@@ -1,4 +1,4 @@
-"""`python -m plugins.inputs VERB --help`."""
+"""`python -m plugins.inputs COMMAND --help`."""
 
 from stages.cli import main
 

@@ -1,4 +1,4 @@
-"""Flags that rules give to the verbs of this package."""
+"""Flags that rules give to the commands of this package."""
 
 import json
 import shlex

@@ -24,11 +24,11 @@ def run(
     masks: Path | None = None,
     labels: Path | None = None,
 ) -> None:
-    """Write an input folder from colour and depth of one view.
+    """Write an input folder from color and depth of one view.
 
     Args:
         out: the input folder to write (docs/scenes.md).
-        rgb: the colour picture.
+        rgb: the color picture.
         depth: depth aligned to it, at any size: PNG, TIFF, PGM, EXR, NPZ, NPY.
         recording: instead of both, the folder of a recording: TUM, Open3D, RealSense, Record3D.
         number: which frame of the recording, from 0.
@@ -36,7 +36,7 @@ def run(
         camera: of the picture: a file of intrinsics (JSON, YAML, text), from which distortion is taken out, too; its
             name, e.g. realsense_d435; the field of view over the picture's width in degrees; or fx fy cx cy in pixels.
         depth_is: z: the distance along the optical axis; ray: along the ray of each pixel, as of many simulators.
-        masks: COCO or labelme JSON, or a PNG of indices or colours.
+        masks: COCO or labelme JSON, or a PNG of indices or colors.
         labels: names of the PNG's values, as JSON.
     """
     read_camera, camera_file = choose_camera(camera)

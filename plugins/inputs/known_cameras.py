@@ -2,7 +2,7 @@
 
 FIELD_OF_VIEW = 5, 135  # degrees over a picture's width: least and largest that are believed
 
-# Fields of view of colour cameras in degrees, width and height, by their makers. Pictures that are narrower than the
+# Fields of view of color cameras in degrees, width and height, by their makers. Pictures that are narrower than the
 # sensor are taken to be cut at the sides, wider ones above and below.
 FIELDS_OF_VIEW = {
     "azure_kinect": (90.0, 74.3),

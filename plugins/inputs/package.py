@@ -1,4 +1,4 @@
-"""What the core must know of this package."""
+"""The package as the core knows it."""
 
 import shlex
 from collections.abc import Iterator
@@ -65,7 +65,7 @@ def check_weights() -> tuple[str, bool, str]:
 
 
 PACKAGE = Package(
-    verbs={"estimate": PhotoConfig, "fetch": PhotoSection},
+    commands={"estimate": PhotoConfig, "fetch": PhotoSection},
     section="photo",
     sections={
         "depth": (str, Field("", description="Depth of the picture `image`, aligned to it.")),

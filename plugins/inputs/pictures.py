@@ -38,7 +38,7 @@ class Picture(Input):
     )
     masks: str = Field(
         "",
-        description="COCO or labelme JSON, or a PNG of indices or colours; none: networks find things (section `eyes`)",
+        description="COCO or labelme JSON, or a PNG of indices or colors; none: networks find things (section `eyes`)",
     )
     labels: str = Field("", description="what the PNG's values are called, as JSON")
     _row: str = PrivateAttr("")
@@ -64,7 +64,7 @@ class Picture(Input):
         return {key: path for key in keys if (path := getattr(self, key))}
 
     def mistakes(self, key: str) -> Iterator[Mistake]:
-        """What is wrong with it; `key`: where it stands in the config, if not in a table."""
+        """Its mistakes; `key`: where it stands in the config, if not in a table."""
         for name, *rest in self._list_contradictions():
             where = f"{key}.{name}".lstrip(".") if name != "folder" else key
             where = f"{self._row}, column {name}" if self._row else where
@@ -96,7 +96,7 @@ class Picture(Input):
 
 
 def _as_written(schema: dict[str, Any]) -> None:
-    """What may stand under `inputs`, for editors."""
+    """The values under `inputs`, for editors."""
     one = {"anyOf": [{"type": "string"}, schema.pop("additionalProperties")]}
     text = {"type": "string"}
     schema.pop("type")

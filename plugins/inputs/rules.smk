@@ -17,7 +17,7 @@ rule fetch:
     resources:
         **needs(1000, 60),
     params:
-        **verb("inputs", "fetch"),
+        **command("inputs", "fetch"),
     shell:
         "{params.command} --options {params.options:q} --out {output.record:q} 2>&1 | tee {log:q}"
 
@@ -43,7 +43,7 @@ rule estimate:
     resources:
         **needs(8000, 60, gpu=True),
     params:
-        **verb(
+        **command(
             "inputs",
             "estimate",
             options=lambda wildcards: picture_options(CONFIG, wildcards.scene),
@@ -75,7 +75,7 @@ rule view:
     resources:
         **needs(2000, 10),
     params:
-        **verb("inputs", "from-rgbd", camera="camera"),
+        **command("inputs", "from-rgbd", camera="camera"),
         frame=lambda wildcards, input: frame_flags(EXPERIMENT.inputs[wildcards.scene], input),
         out=subpath(output.rgb, parent=True),
     shell:
@@ -104,7 +104,7 @@ rule frame:
     resources:
         **needs(2000, 10),
     params:
-        **verb("inputs", "from-rgbd", camera="camera", annotations="annotations"),
+        **command("inputs", "from-rgbd", camera="camera", annotations="annotations"),
         frame=lambda wildcards, input: frame_flags(EXPERIMENT.inputs[wildcards.scene], input),
         out=subpath(output.rgb, parent=True),
     shell:

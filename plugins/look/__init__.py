@@ -1,1 +1,1 @@
-"""The look of a picture: where floor and walls are seen, their colours, and where the light comes from."""
+"""The look of a picture: where floor and walls are seen, their colors, and where the light comes from."""

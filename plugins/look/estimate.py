@@ -1,4 +1,4 @@
-"""The look of a room's picture: light by its shadows, colours such that a rendering has those of the picture."""
+"""The look of a room's picture: light by its shadows, colors such that a rendering has those of the picture."""
 
 from collections.abc import Mapping, Sequence
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from trimesh import Trimesh
 
 from plugins.look.surfaces import (
-    LEAST_CORRELATION,
+    MIN_CORRELATION,
     USUAL_LIGHT,
     Seen,
     estimate_light,
@@ -35,11 +35,11 @@ def estimate_look(
     """The look of a picture; one scene that was made of it says where furniture stands.
 
     Args:
-        pictures: colours, masks and depth as `find_surfaces` takes them.
+        pictures: colors, masks and depth as `find_surfaces` takes them.
     """
     seen = find_surfaces(*pictures, objects)
     direction, correlation = estimate_light(seen, merge_meshes(items))
-    found = correlation >= LEAST_CORRELATION
+    found = correlation >= MIN_CORRELATION
     light = direction if found else USUAL_LIGHT
     bounds = {name: find_bounds(name, one) for name, one in seen.items()}
     surfaces = [Surface(id=name, colour=(0.5, 0.5, 0.5), low=a, high=b) for name, (a, b) in bounds.items()]
@@ -50,15 +50,15 @@ def estimate_look(
         surfaces=surfaces,
     )
     scene = furnish(generated, items, look)
-    for _ in range(2):  # each mends the colours of the one before
-        look.surfaces = _adjust_colours(scene, look.surfaces, seen, objects)
+    for _ in range(2):  # each mends the colors of the one before
+        look.surfaces = _adjust_colors(scene, look.surfaces, seen, objects)
     return look
 
 
-def _adjust_colours(
+def _adjust_colors(
     scene: sapien.Scene, surfaces: Sequence[Surface], seen: Mapping[str, Seen], objects: Objects
 ) -> list[Surface]:
-    """Surfaces in colours nearer to the picture's, by how far a rendering misses their medians; the scene has them."""
+    """Surfaces in colors nearer to the picture's, by how far a rendering misses their medians; the scene has them."""
     step, intrinsics = find_grid(objects)
     camera = RenderCamera(scene, intrinsics, -(-objects.width // step), -(-objects.height // step))
     picture = camera.render(objects.floor_from_camera)
@@ -72,8 +72,8 @@ def _adjust_colours(
         if block is not None and both.any():
             wanted = np.median(seen[surface.id].rgb[both], axis=0)
             drawn = np.median(picture.rgb[rows[both], columns[both]] / 255.0, axis=0)
-            colour = np.array(surface.colour) * (wanted / np.maximum(drawn, 0.01)) ** GAMMA
-            r, g, b = np.clip(colour, 0.02, 1.0).round(4).tolist()
+            color = np.array(surface.colour) * (wanted / np.maximum(drawn, 0.01)) ** GAMMA
+            r, g, b = np.clip(color, 0.02, 1.0).round(4).tolist()
             surface = surface.model_copy(update={"colour": (r, g, b)})
             material = block.find_component_by_type(sapien.render.RenderBodyComponent).render_shapes[0].material
             material.base_color = [r, g, b, 1.0]

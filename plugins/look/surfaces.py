@@ -28,12 +28,12 @@ BEYOND_BORDER = 0.3  # metres that a surface goes on at the picture's border; ch
 AZIMUTHS, ELEVATIONS = np.radians(np.arange(0, 360, 15)), np.radians(np.arange(25, 76, 10))  # of light; then half steps
 DARKEST_LOG = 0.5  # of the logarithm of brightness, more counts no more; chosen
 USUAL_LIGHT: Array = np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)  # where the picture says nothing
-LEAST_CORRELATION = 0.25  # below it the picture shows no shadows to go by; chosen
+MIN_CORRELATION = 0.25  # below it the picture shows no shadows to go by; chosen
 
 
 @dataclass(frozen=True)
 class Seen:
-    """The pixels of the grid at which a surface is seen: row and column in it, place (N, 3), colour (N, 3) of 0 to 1.
+    """The pixels of the grid at which a surface is seen: row and column in it, place (N, 3), color (N, 3) of 0 to 1.
 
     `normal` faces the camera; `open_above`: the surface goes on beyond the picture's upper border.
     """
@@ -55,7 +55,7 @@ def find_grid(objects: Objects) -> tuple[int, Array]:
 def find_surfaces(
     rgb: NDArray[np.uint8], masks: NDArray[np.uint16], depth: NDArray[np.float32] | None, objects: Objects
 ) -> dict[str, Seen]:
-    """Where floor and walls are seen: pixels of no object whose ray meets the plane first, at about their depth.
+    """Visible floor and walls: pixels of no object whose ray meets the plane first, at about their depth.
 
     Args:
         rgb: the picture (H, W, 3).

@@ -41,11 +41,11 @@ class DepthCamera:
         every = mujoco.mjtCatBit.mjCAT_ALL.value
         mujoco.mjv_updateScene(self.model, data, self._options, None, self._view, every, self._scene)
         mujoco.mjr_render(self._rect, self._scene, self._context)
-        colours, raw = np.zeros((size, size, 3), np.uint8), np.zeros((size, size), np.float32)
-        mujoco.mjr_readPixels(colours, raw, self._rect, self._context)
+        colors, raw = np.zeros((size, size, 3), np.uint8), np.zeros((size, size), np.float32)
+        mujoco.mjr_readPixels(colors, raw, self._rect, self._context)
         near, far = (value * self.model.stat.extent for value in (self.model.vis.map.znear, self.model.vis.map.zfar))
         depth = near / (1 - raw.astype(float) * (1 - near / far))
-        number = colours.astype(np.int64) @ [1, 256, 65536]  # of the scene's geoms, from 1
+        number = colors.astype(np.int64) @ [1, 256, 65536]  # of the scene's geoms, from 1
         shown = self._scene.geoms[: self._scene.ngeom]
         ids = np.full(self._scene.ngeom + 1, -1)
         for geom in shown:

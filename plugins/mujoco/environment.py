@@ -65,7 +65,7 @@ class MujocoTaskEnv(EnvWrapper):
 
     @property
     def env(self) -> Any:
-        """What skills ask of the world: the task itself answers."""
+        """The world that skills ask: the task itself answers."""
         return self
 
     def place(self, seed: int) -> None:
@@ -132,7 +132,7 @@ class MujocoTaskEnv(EnvWrapper):
         return np.asarray(self.chain.pose(self.joints()[None, :7])[0])
 
     def moment(self) -> Moment:
-        """Where everything is, for a film."""
+        """The poses of all bodies, for a film."""
         arm = dict(zip((*ARM_JOINTS, *FINGER_JOINTS), self.joints().tolist(), strict=True))
         return Moment(self.base, arm, self.root, self._positions(), [])
 

@@ -13,7 +13,7 @@ from PIL import Image
 from stages.articulated import mesh_writer
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel
-from stages.articulated.surfaces import ColouredMesh, surfaces, write_obj
+from stages.articulated.surfaces import ColoredMesh, surfaces, write_obj
 from stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION
 from stages.contracts.parts import PARTS
 from stages.contracts.system import sync
@@ -117,13 +117,13 @@ class ModelWriter:
             ET.SubElement(self.assets, "mesh", name=name, file=f"{name}.obj", inertia="shell")
             ET.SubElement(element, "geom", {"class": "collision", "type": "mesh", "mesh": name})
 
-    def _add_visual(self, element: ET.Element, name: str, surface: ColouredMesh) -> None:
+    def _add_visual(self, element: ET.Element, name: str, surface: ColoredMesh) -> None:
         write_obj(surface, self.folder / "meshes" / f"{name}.obj")
         ET.SubElement(self.assets, "mesh", name=name, file=f"{name}.obj", inertia="shell")
-        looks = {"name": name, "rgba": text(surface.shown_colour), "specular": "0.1", "shininess": "0.1"}
+        material = {"name": name, "rgba": text(surface.shown_color), "specular": "0.1", "shininess": "0.1"}
         if surface.image is not None:
-            looks["texture"] = self._texture(surface.image)
-        ET.SubElement(self.assets, "material", looks)
+            material["texture"] = self._texture(surface.image)
+        ET.SubElement(self.assets, "material", material)
         ET.SubElement(element, "geom", {"class": "visual", "mesh": name, "material": name})
 
     def _texture(self, image: Image.Image) -> str:

@@ -1,4 +1,4 @@
-"""What is observed of a mask: its shape and what is around it, and what ImageNet's classifier takes it for."""
+"""Observations of a mask: its shape and what is around it, and what ImageNet's classifier takes it for."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -22,7 +22,7 @@ WITHOUT = f"names are right less often without ImageNet's classifier: {INSTALL}"
 
 @dataclass(frozen=True)
 class Observed:
-    """What is observed of a mask.
+    """The observations of a mask.
 
     Attributes:
         shape: None: there is too little depth.

@@ -15,7 +15,7 @@ FAR = -5.0  # metres, where the points around lie of a mask that has nothing aro
 
 
 class Shape(NamedTuple):
-    """What the network sees of a mask.
+    """The network's input for a mask.
 
     Attributes:
         points: (POINTS, 3) float32 metres: away from, and across what the camera looks at; the origin is below the

@@ -1,4 +1,4 @@
-"""`python -m plugins.ops VERB --help`."""
+"""`python -m plugins.ops COMMAND --help`."""
 
 from stages.cli import main
 

@@ -14,11 +14,11 @@ from pathlib import Path
 from plugins.ops.doctor import Check, report
 
 PLUGIN = "snakemake-executor-plugin-slurm"
-LEAST_AGE = 60  # seconds that a finished job must stay in the queue for squeue to tell how it ended
+MIN_AGE = 60  # seconds that a finished job must stay in the queue for squeue to tell how it ended
 
 
 def answer(*command: str, seconds: float = 30.0) -> str:
-    """What a command prints; '' if it is not there, fails or takes too long."""
+    """The output of a command; '' if it is not there, fails or takes too long."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=seconds)
     except (OSError, subprocess.TimeoutExpired):
@@ -55,10 +55,8 @@ def check_accounting(config: str) -> Check:
         return Check("accounting", True, what)
     age = int(re.sub(r"\D", "", setting(config, "MinJobAge")) or 0)
     what = f"none; squeue tells for {age} s how a job ended"
-    fix = (
-        f"have MinJobAge=300 set in slurm.conf: profiles/slurm asks squeue, which must remember {LEAST_AGE} s at least"
-    )
-    return Check("accounting", age >= LEAST_AGE, what, fix)
+    fix = f"have MinJobAge=300 set in slurm.conf: profiles/slurm asks squeue, which must remember {MIN_AGE} s at least"
+    return Check("accounting", age >= MIN_AGE, what, fix)
 
 
 def check_flock(folder: Path) -> Check:

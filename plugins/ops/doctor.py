@@ -114,7 +114,7 @@ def check_containers() -> Check:
 
 
 def check_of_packages() -> list[Check]:
-    """What packages beside the core may want: optional."""
+    """The checks of packages beside the core: optional."""
     try:
         from stages.config.packages import find_packages
 

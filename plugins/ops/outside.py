@@ -1,4 +1,4 @@
-"""What containers of a run need from outside: files of the user's, the network, keys."""
+"""Outside needs of a run's containers: files of the user's, the network, keys."""
 
 from collections import Counter
 from pathlib import Path
@@ -13,7 +13,7 @@ MANY = 8  # files in one folder: containers see it whole then
 
 def list_outside_paths(config: Config) -> list[str]:
     """Absolute paths, outside the working directory, of what the config names: scenes, models, weights, code."""
-    commands = [own for verbs in config.stages.values() for own in verbs.values()]
+    commands = [own for stage in config.stages.values() for own in stage.values()]
     matching = map(config.matching_of, config.experiment.variants)
     named = [
         *_of_inputs(config),
@@ -35,7 +35,7 @@ def list_key_variables(config: Config) -> list[str] | None:
 
 
 def container_environment(config: Config, published: str) -> dict[str, str]:
-    """What containers/podman-shell asks for: images, folders to mount, keys if the network is used, a GPU.
+    """Environment variables for containers/podman-shell: images, folders to mount, keys if the network is used, a GPU.
 
     Args:
         published: folder of the tables of the paper's values.

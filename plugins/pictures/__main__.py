@@ -1,4 +1,4 @@
-"""`python -m plugins.pictures VERB --help`."""
+"""`python -m plugins.pictures COMMAND --help`."""
 
 from stages.cli import main
 

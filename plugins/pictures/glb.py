@@ -9,7 +9,7 @@ from trimesh import Trimesh
 from trimesh.exchange.gltf import export_glb
 
 from stages.articulated.model import JointModel
-from stages.articulated.surfaces import ColouredMesh, surfaces
+from stages.articulated.surfaces import ColoredMesh, surfaces
 from stages.contracts import GeneratedScene, write_atomically
 from stages.generation.scene_models import CAMERA, Body, Room, surface_of
 from stages.geometry.cameras import OPENGL
@@ -84,16 +84,16 @@ def _set_aspect(tree: dict[str, Any], generated: GeneratedScene) -> None:
     tree["cameras"][0]["perspective"]["aspectRatio"] = generated.width / generated.height
 
 
-def _mesh(surface: ColouredMesh, largest: int | None) -> Trimesh:
+def _mesh(surface: ColoredMesh, largest: int | None) -> Trimesh:
     image = surface.image
     if image is not None and largest is not None:
         image = image.convert("RGB")
         image.thumbnail((largest, largest))
     material = trimesh.visual.material.PBRMaterial(
-        baseColorFactor=np.array(surface.colour),
+        baseColorFactor=np.array(surface.color),
         baseColorTexture=image,
         metallicFactor=0.0,
         roughnessFactor=0.8,
     )
-    looks = trimesh.visual.TextureVisuals(uv=surface.uv, material=material)
-    return Trimesh(surface.vertices, surface.faces, vertex_normals=surface.normals, visual=looks, process=False)
+    visual = trimesh.visual.TextureVisuals(uv=surface.uv, material=material)
+    return Trimesh(surface.vertices, surface.faces, vertex_normals=surface.normals, visual=visual, process=False)

@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts import Objects, read_json, write_atomically
 from stages.contracts.extracted import read_object_masks
-from stages.contracts.images import Colour, check_size, colour_of, read_rgb
+from stages.contracts.images import Color, check_size, color_of, read_rgb
 from stages.contracts.objects import SceneObject
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
@@ -35,7 +35,7 @@ def run(*, objects: Path, image: Path, out: Path) -> None:
 
 
 def _tint_masks(
-    rgb: NDArray[np.uint8], masks: NDArray[np.uint16], colors: dict[int, Colour], scale: float
+    rgb: NDArray[np.uint8], masks: NDArray[np.uint16], colors: dict[int, Color], scale: float
 ) -> NDArray[Any]:
     size, finest = (WIDTH, round(scale * rgb.shape[0])), cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
     image = cv2.resize(rgb, size, interpolation=finest)
@@ -47,7 +47,7 @@ def _tint_masks(
     return image
 
 
-def _wireframe(canvas: ImageDraw.ImageDraw, item: SceneObject, objects: Objects, color: Colour, scale: float) -> None:
+def _wireframe(canvas: ImageDraw.ImageDraw, item: SceneObject, objects: Objects, color: Color, scale: float) -> None:
     if item.box is None:
         return
     box = UprightBox(item.box.center, item.box.size, item.box.yaw)
@@ -77,7 +77,7 @@ class _Captions:
         self.font = ImageFont.load_default(26)
         self.taken: list[tuple[float, float, float, float]] = []
 
-    def write(self, text: str, at: tuple[float, float], color: Colour) -> None:
+    def write(self, text: str, at: tuple[float, float], color: Color) -> None:
         """Write `text` centered above the point, or at the nearest free place above or below."""
         x0, y0, x1, y1 = self.canvas.textbbox((0, 0), text, font=self.font)
         width, height = x1 - x0 + 2 * PADDING, y1 - y0 + 2 * PADDING
@@ -99,7 +99,7 @@ class _Captions:
 def draw_overview(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: Objects) -> Image.Image:
     """The picture, `WIDTH` pixels wide; objects that failed are listed at its lower edge with their reason."""
     good = [item for item in objects.objects if item.status == "ok"]
-    colors = {item.mask: colour_of(k) for k, item in enumerate(good)}
+    colors = {item.mask: color_of(k) for k, item in enumerate(good)}
     scale = WIDTH / rgb.shape[1]
     image = Image.fromarray(_tint_masks(rgb, masks, colors, scale))
     canvas = ImageDraw.Draw(image)

@@ -22,7 +22,7 @@ rule draw_snapshots:
     resources:
         **needs(1000, 10),
     params:
-        **verb("pictures", "snapshots"),
+        **command("pictures", "snapshots"),
     shell:
         "{params.command} --snapshots {input.images:q} 2>&1 | tee {log:q}"
 
@@ -44,7 +44,7 @@ rule draw_objects:
     resources:
         **needs(1000, 10),
     params:
-        **verb("pictures", "objects"),
+        **command("pictures", "objects"),
     shell:
         "{params.command} --objects {input.objects:q} --image {input.image:q} --out {output.overview:q} "
         "2>&1 | tee {log:q}"
@@ -73,7 +73,7 @@ rule draw_cousins:
     resources:
         **needs(1000, 10),
     params:
-        **verb("pictures", "cousins", uses=list_drawers(CONFIG.packages, "matching")),
+        **command("pictures", "cousins", uses=list_drawers(CONFIG.packages, "matching")),
         in_place=list_drawers(CONFIG.packages, "matching"),
     shell:
         "{params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
@@ -82,7 +82,7 @@ rule draw_cousins:
 
 
 rule draw_scenes:
-    """Draw the generated scenes of one room beside its picture, in its light and colours, and export them as GLB."""
+    """Draw the generated scenes of one room beside its picture, in its light and colors, and export them as GLB."""
     input:
         library="results/assets/library/library.json",
         models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
@@ -107,7 +107,7 @@ rule draw_scenes:
     resources:
         **needs(2000, 10),
     params:
-        **verb("pictures", "scenes", uses=list_drawers(CONFIG.packages, "generation")),
+        **command("pictures", "scenes", uses=list_drawers(CONFIG.packages, "generation")),
         look=list_drawers(CONFIG.packages, "generation"),
         out=subpath(output.comparison, parent=True),
     shell:

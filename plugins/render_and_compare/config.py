@@ -8,7 +8,7 @@ from stages.contracts.section import Section
 
 
 class GeometryConfig(Section):
-    """What counts when a candidate, rendered in the object's place, is compared with it."""
+    """Weights with which a candidate, rendered in the object's place, is compared with it."""
 
     nearest: int = Field(30, ge=1, description="So many models, the nearest by distance, are rendered and compared.")
     # Cells along the longer side of the compared pictures.
@@ -16,7 +16,7 @@ class GeometryConfig(Section):
     outline: float = Field(1.0, ge=0, description="Weight of the overlap of the outlines, 0 to 1.")
     depth: float = Field(0.5, ge=0, description="Weight of the agreement of depth, 0 to 1.")
     lines: float = Field(0.5, ge=0, description="Weight of the agreement of lines: doors, drawers, handles; 0 to 1.")
-    colour: float = Field(0.0, ge=0, description="Weight of the agreement of colours, 0 to 1.")
+    colour: float = Field(0.0, ge=0, description="Weight of the agreement of colors, 0 to 1.")
     # Taken off for stretching axes unlike: per unit of the logarithms' range.
     proportions: ClassVar[float] = 0.3
 

@@ -10,7 +10,7 @@ from plugins.render_and_compare.fitting import Measured, lay_over, measure
 from plugins.render_and_compare.noisy_cloud import NoisyCloud
 from plugins.render_and_compare.observation import observe
 from plugins.render_and_compare.rendering import Rendering, render
-from plugins.render_and_compare.solid import ColouredSolid
+from plugins.render_and_compare.solid import ColoredSolid
 from plugins.render_and_compare.terms import Terms, compare, line_field
 from plugins.render_and_compare.yaws import aligned_yaws, is_front_known, touched_walls
 from stages.contracts import Objects
@@ -59,11 +59,11 @@ class Fitter:
         self.front_known = is_front_known(item, scene)
         self.aligned = aligned_yaws(item, scene)
 
-    def fit(self, solid: ColouredSolid, yaws: Sequence[float]) -> list[Fit]:
+    def fit(self, solid: ColoredSolid, yaws: Sequence[float]) -> list[Fit]:
         """The model at several yaws of the floor frame, those left out that its symmetry makes equal."""
         return [self._fit(solid, yaw) for yaw in leave_out_equal(yaws, SYMMETRY_PERIOD[solid.asset.symmetry])]
 
-    def _fit(self, solid: ColouredSolid, yaw: float) -> Fit:
+    def _fit(self, solid: ColoredSolid, yaw: float) -> Fit:
         known = self._fits.get((solid.asset.id, yaw))
         if known is not None:
             return known
@@ -74,7 +74,7 @@ class Fitter:
         self._fits[solid.asset.id, yaw] = fit
         return fit
 
-    def box_of(self, solid: ColouredSolid, yaw: float) -> UprightBox:
+    def box_of(self, solid: ColoredSolid, yaw: float) -> UprightBox:
         """The box of a model that stands at a yaw of the floor frame in the object's place."""
         if yaw not in self._measured:
             self._measured[yaw] = measure(self.sight, self.box, yaw, self.wall)

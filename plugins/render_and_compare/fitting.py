@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from plugins.render_and_compare.noisy_cloud import NoisyCloud
 from plugins.render_and_compare.observation import Observation
-from plugins.render_and_compare.solid import ColouredSolid
+from plugins.render_and_compare.solid import ColoredSolid
 from stages.geometry.boxes import UprightBox
 from stages.geometry.estimate import BIN, TRIM
 from stages.geometry.frames import SYMMETRY_PERIOD, yaw_matrix
@@ -60,7 +60,7 @@ def measure(sight: NoisyCloud, box: UprightBox, yaw: float, wall: tuple[Array, f
     return Measured(np.take_along_axis(ends, order, axis=0), np.take_along_axis(errors, order, axis=0), yaw)
 
 
-def lay_over(solid: ColouredSolid, measured: Measured, seen: Observation) -> UprightBox:
+def lay_over(solid: ColoredSolid, measured: Measured, seen: Observation) -> UprightBox:
     """The box whose outline in the picture reaches the sides of the mask, near the measured one.
 
     Gauss-Newton over place and logarithms of the extents, with Cauchy's weights. Three kinds of residuals: sides of

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.render_and_compare.observation import Observation
-from plugins.render_and_compare.solid import ColouredSolid
+from plugins.render_and_compare.solid import ColoredSolid
 from stages.contracts.look import GAMMA, ROOM_LIGHT
 from stages.geometry.boxes import UprightBox
 from stages.matching.crop import View
@@ -15,7 +15,7 @@ from stages.matching.crop import View
 
 @dataclass(frozen=True)
 class Rendering:
-    """What is seen of a candidate in each cell (h, w): colour (h, w, 3) 0 to 1, the same without textures, the share
+    """A rendered candidate in each cell (h, w): color (h, w, 3) 0 to 1, the same without textures, the share
     that it covers, depth where it covers anything."""
 
     rgb: NDArray[np.float32]
@@ -33,13 +33,13 @@ class Rendering:
         return View((self.rgb * 255).round().astype(np.uint8), there, depth.astype(np.float32), intrinsics, up)
 
 
-def render(solid: ColouredSolid, box: UprightBox, seen: Observation) -> Rendering:
-    """Render a model in a box under one light; colours as in the model's materials."""
-    look = solid.look(seen.eye, seen.rays.reshape(-1, 3), box)
-    lit = -look.normals @ np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)
+def render(solid: ColoredSolid, box: UprightBox, seen: Observation) -> Rendering:
+    """Render a model in a box under one light; colors as in the model's materials."""
+    hits = solid.cast_rays(seen.eye, seen.rays.reshape(-1, 3), box)
+    lit = -hits.normals @ np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)
     shade = (0.5 + np.clip(lit, 0, None) / 2)[:, None]
-    there = (look.depth > 0)[:, None]
-    rgb, plain = (np.clip(colour * shade, 0, 1) ** (1 / GAMMA) * there for colour in (look.colour, look.plain))
+    there = (hits.depth > 0)[:, None]
+    rgb, plain = (np.clip(color * shade, 0, 1) ** (1 / GAMMA) * there for color in (hits.color, hits.plain))
 
     def cells(values: NDArray[np.floating] | NDArray[np.bool_]) -> NDArray[np.float32]:
         """Means over the rays of each cell."""
@@ -53,4 +53,4 @@ def render(solid: ColouredSolid, box: UprightBox, seen: Observation) -> Renderin
         """Means over what it covers of each cell."""
         return np.asarray(cells(values) / np.maximum(cover, 1e-6), np.float32)
 
-    return Rendering(seen_part(rgb), seen_part(plain), cover[..., 0], seen_part(look.depth)[..., 0])
+    return Rendering(seen_part(rgb), seen_part(plain), cover[..., 0], seen_part(hits.depth)[..., 0])

@@ -1,4 +1,4 @@
-"""How well a rendered candidate agrees with the object, term by term: outline, depth, lines, colour, proportions."""
+"""How well a rendered candidate agrees with the object, term by term: outline, depth, lines, color, proportions."""
 
 from typing import NamedTuple
 
@@ -9,12 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 from plugins.render_and_compare.observation import Observation
 from plugins.render_and_compare.rendering import Rendering
 from stages.geometry.estimate import REACH
-from stages.matching.colours import LIGHTNESS
+from stages.matching.colors import LIGHTNESS
 
 DEPTH_SCALE = 0.06  # of the diagonal, beyond the noise of depth: a difference that counts as wholly wrong; chosen
 LINE_DIRECTIONS, LINE_BLUR, LINE_WINDOW = 6, 1.2, 4.0  # of half a turn; cells: lines may be off, are compared within
 FAINTEST_LINE = 0.1  # lines weaker than this are noise; chosen
-COLOUR_SCALE = 0.3  # of Lab / 100: a difference that counts as wholly wrong; chosen
+COLOR_SCALE = 0.3  # of Lab / 100: a difference that counts as wholly wrong; chosen
 Array = NDArray[np.float32]
 
 
@@ -44,7 +44,7 @@ def compare(seen: Observation, shown: Rendering, size: ArrayLike, native: ArrayL
         outline,
         1 - float(np.minimum(off, 1).mean()),
         line_agreement(given, line_field(shown.plain), shared),
-        colour_agreement(seen.rgb[both], shown.rgb[both]),
+        color_agreement(seen.rgb[both], shown.rgb[both]),
         distortion(size, native),
     )
 
@@ -99,12 +99,12 @@ def _by_direction(field: Array, where: NDArray[np.bool_]) -> Array:
     return np.asarray(cv2.GaussianBlur(channels, (0, 0), LINE_BLUR), np.float32)
 
 
-def colour_agreement(given: Array, shown: Array) -> float:
-    """Agreement of colours (N, 3); the lightness of the whole does not count, nor does half of that of its parts."""
+def color_agreement(given: Array, shown: Array) -> float:
+    """Agreement of colors (N, 3); the lightness of the whole does not count, nor does half of that of its parts."""
     a, b = (cv2.cvtColor(np.ascontiguousarray(rgb[None]), cv2.COLOR_RGB2LAB)[0] / 100 for rgb in (given, shown))
     off = a - b
     off[:, 0] = LIGHTNESS * (off[:, 0] - np.median(off[:, 0]))
-    return 1 - float(np.minimum(np.linalg.norm(off, axis=1) / COLOUR_SCALE, 1).mean())
+    return 1 - float(np.minimum(np.linalg.norm(off, axis=1) / COLOR_SCALE, 1).mean())
 
 
 def distortion(size: ArrayLike, native: ArrayLike) -> float:

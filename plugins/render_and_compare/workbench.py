@@ -1,9 +1,9 @@
-"""What the judges that render share: the object at hand, ready to be fitted to, and the models read so far."""
+"""The shared state of the judges that render: the object at hand, ready to be fitted to, and the models read so far."""
 
 import numpy as np
 
 from plugins.render_and_compare.fits import Fitter
-from plugins.render_and_compare.solid import ColouredSolid
+from plugins.render_and_compare.solid import ColoredSolid
 from stages.contracts.library_folder import AssetFolders
 from stages.geometry.masks import MIN_PIXELS
 from stages.matching.question import AbstainedError, Question
@@ -17,7 +17,7 @@ class Workbench:
     def __init__(self, judge: str, resolution: int) -> None:
         self.judge, self.resolution = judge, resolution
         self._folders: AssetFolders | None = None
-        self._solids: dict[str, ColouredSolid] = {}
+        self._solids: dict[str, ColoredSolid] = {}
         self._object: tuple[str, Fitter] | None = None
 
     def fitter(self, question: Question) -> Fitter:
@@ -38,7 +38,7 @@ class Workbench:
             self._object = (question.name, Fitter(view, item, scene, self.resolution))
         return self._object[1]
 
-    def solid(self, question: Question, asset: str) -> ColouredSolid:
+    def solid(self, question: Question, asset: str) -> ColoredSolid:
         """A model of the library.
 
         Raises:
@@ -50,5 +50,5 @@ class Workbench:
                 raise AbstainedError(f"{self.judge}: there is no {archive.name} beside {question.library.name}")
             while len(self._solids) >= MODELS:
                 self._solids.pop(next(iter(self._solids)))
-            self._solids[asset] = ColouredSolid(self._folders[asset])
+            self._solids[asset] = ColoredSolid(self._folders[asset])
         return self._solids[asset]

@@ -1,4 +1,4 @@
-"""`python -m plugins.report VERB --help`."""
+"""`python -m plugins.report COMMAND --help`."""
 
 from stages.cli import main
 

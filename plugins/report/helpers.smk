@@ -34,7 +34,7 @@ def tell_of_failures():
 
 
 def films_of(stage, name, found):
-    """Films, which a command in the place of our verb need not make."""
+    """Films, which the user's command in the place of ours need not make."""
     return unless_replaced(stage, name, films=found).get("films", [])
 
 
@@ -91,9 +91,9 @@ BENCHMARKS = [
     *expand("benchmarks/training/{target}_{policy}_{training_set}_{run}_{seed}.tsv", zip, **POSSIBLE),
     *expand("benchmarks/evaluation/trial_{target}_{policy}_{training_set}_{run}_{seed}.tsv", zip, **POSSIBLE),
     *expand("benchmarks/evaluation/{target}_{policy}_{training_set}_{run}_{seed}.tsv", zip, **POSSIBLE),
-    *expand("benchmarks/{stage}/{scene}.tsv", stage=["scenes", "extraction"], scene=PROTOCOL_SCENES["scene"]),
-    *expand("benchmarks/matching/{variant}_{scene}.tsv", zip, **PROTOCOL_SCENES),
-    *expand("benchmarks/generation/{variant}_{scene}.tsv", zip, **PROTOCOL_SCENES),
-    *expand("benchmarks/evaluation/{variant}_{scene}.tsv", zip, **PROTOCOL_SCENES),
+    *expand("benchmarks/{stage}/{scene}.tsv", stage=["scenes", "extraction"], scene=PERTURBED_SCENES["scene"]),
+    *expand("benchmarks/matching/{variant}_{scene}.tsv", zip, **PERTURBED_SCENES),
+    *expand("benchmarks/generation/{variant}_{scene}.tsv", zip, **PERTURBED_SCENES),
+    *expand("benchmarks/evaluation/{variant}_{scene}.tsv", zip, **PERTURBED_SCENES),
     *expand("benchmarks/tables/{table}.tsv", table=["table2", "table3"]),
 ]

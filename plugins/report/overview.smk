@@ -22,7 +22,7 @@ rule overview_page:
     resources:
         **needs(2000, 30),
     params:
-        **verb("report", "overview"),
+        **command("report", "overview"),
         results=lambda wildcards, input: input.objects[0].partition("extraction/")[0],
         scenes=ROOMS,
     shell:

@@ -1,4 +1,4 @@
-"""What the core must know of this package."""
+"""The package as the core knows it."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -16,7 +16,7 @@ def find_mistakes(config: Any) -> Iterator[Mistake]:
 
 
 PACKAGE = Package(
-    verbs={"viewer": None, "report": PolicyTables, "overview": None, "picture": TablesConfig},
+    commands={"viewer": None, "report": PolicyTables, "overview": None, "picture": TablesConfig},
     section="tables",
     mistakes=find_mistakes,
 )

@@ -20,7 +20,7 @@ rule viewer:
     resources:
         **needs(1000, 10),
     params:
-        **verb("report", "viewer"),
+        **command("report", "viewer"),
     shell:
         "{params.command} --out {output.script:q} 2>&1 | tee {log:q}"
 
@@ -66,7 +66,7 @@ rule report_page:
     resources:
         **needs(2000, 30),
     params:
-        **verb("report", "report"),
+        **command("report", "report"),
         paper=paper("table3"),
         images=lambda wildcards, input: [f"{room}={image}" for room, image in zip(REPORT_ROOMS, input.images)],
         files=lambda wildcards, input: [file for file in input if file != input.viewer],
@@ -119,7 +119,7 @@ rule scene_page:
     resources:
         **needs(1000, 10),
     params:
-        **verb("report", "picture"),
+        **command("report", "picture"),
     shell:
         "{params.command} --files {input.snapshots:q} {input.found:q} {input.cousins:q} {input.scenes:q} {input.previews:q} {input.exports:q} {input.views:q} "
         "--image {input.rgb:q} --camera {input.camera:q} --scene {wildcards.scene} --viewer {input.viewer:q} "

@@ -1,4 +1,4 @@
-"""`python -m plugins.robustness VERB --help`."""
+"""`python -m plugins.robustness COMMAND --help`."""
 
 from stages.cli import main
 

@@ -1,4 +1,4 @@
-"""`leave_out`: the true models of a room and their whole families, left out of matching (protocol `unknown`)."""
+"""`leave_out`: the true models of a room and their whole families, left out of matching (perturbation `unknown`)."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ from stages.contracts.library_folder import AssetFolders
 
 
 def run(*, truth: Path, library: Path, out: Path) -> None:
-    """Name every model of the true models' families: founders with their variations.
+    """Name every model of the true models' families: templates with their variations.
 
     A relative that stayed in the library would be nearly the model itself. This is all that matching learns of the
     truth.

@@ -1,5 +1,5 @@
-"""What the core must know of this package."""
+"""The package as the core knows it."""
 
 from stages.config.packages import Package
 
-PACKAGE = Package(verbs={"leave_out": None, "table": None})
+PACKAGE = Package(commands={"leave_out": None, "table": None})

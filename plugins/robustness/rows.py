@@ -1,4 +1,4 @@
-"""Robustness variants of Table 2's rooms: a row per protocol and variant, mean and spread over its seeds."""
+"""Robustness variants of Table 2's rooms: a row per perturbation and variant, mean and spread over its seeds."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -19,7 +19,7 @@ AS_SHIPPED = "as shipped"
 
 
 def _measure_draw(scores: pd.DataFrame) -> dict[str, float]:
-    """What one draw gives, over the objects of all rooms."""
+    """The measures of one draw over the objects of all rooms."""
     cell = {name: scores[name].mean() for name in ("l2_cm", *METRICS, *SHAPES, "shift_cm")}
     cell |= {name: scores[name].eq(True).sum() for name in (*COUNTS, *AFFORDANCES)}
     cell["worst_room_l2_cm"] = scores.groupby("scene")["l2_cm"].mean().max()
@@ -28,11 +28,11 @@ def _measure_draw(scores: pd.DataFrame) -> dict[str, float]:
 
 
 def build(scores: pd.DataFrame, asked: Sequence[tuple[str, str]] = ()) -> pd.DataFrame:
-    """One row per protocol and variant with `COLUMNS`; empty if there is no such room.
+    """One row per perturbation and variant with `COLUMNS`; empty if there is no such room.
 
     Args:
-        scores: rows of `SceneScore`; rank 1 is used. Those without protocol are the first rows, `as shipped`.
-        asked: pairs of protocol and variant that get a row without figures where they were not run.
+        scores: rows of `SceneScore`; rank 1 is used. Those without a perturbation are the first rows, `as shipped`.
+        asked: pairs of perturbation and variant that get a row without figures where they were not run.
 
     Every figure is the mean over draws (seeds) of what a draw gives over the objects of all its rooms; counts, too.
     The standard deviation, a sample one, is over draws; there is none of one draw.

@@ -21,7 +21,7 @@ rule leave_out:
     resources:
         **needs(1000, 10),
     params:
-        **verb("robustness", "leave_out"),
+        **command("robustness", "leave_out"),
     shell:
         "{params.command} --truth {input.truth:q} --library {input.library:q} --out {output.assets:q} 2>&1 | tee {log:q}"
 
@@ -30,7 +30,7 @@ rule table2_robustness:
     """The companion of Table 2: its rooms changed, and drawn anew."""
     input:
         scores=expand("results/evaluation/scenes/{variant}/{room}/scores.csv", variant=VARIANTS, room=SCORED_ROOMS),
-        robustness=expand("results/evaluation/scenes/{variant}/{scene}/scores.csv", zip, **PROTOCOL_SCENES),
+        robustness=expand("results/evaluation/scenes/{variant}/{scene}/scores.csv", zip, **PERTURBED_SCENES),
     output:
         csv="results/tables/table2_robustness.csv",
         html="results/tables/table2_robustness.html",
@@ -43,7 +43,7 @@ rule table2_robustness:
     resources:
         **needs(1000, 10),
     params:
-        **verb("robustness", "table"),
+        **command("robustness", "table"),
         out=subpath(output.csv, parent=True),
     shell:
         "{params.command} --scores {input.scores:q} {input.robustness:q} --out {params.out:q} 2>&1 | tee {log:q}"

@@ -1,4 +1,4 @@
-"""Random variants of a room: places, camera, colours and models are sampled until every object is seen well."""
+"""Random variants of a room: places, camera, colors and models are sampled until every object is seen well."""
 
 import colorsys
 import zlib
@@ -12,7 +12,7 @@ from plugins.scenes.casting import ATTEMPTS, CastRoom, choose_models, templates
 from plugins.scenes.config import ScenesConfig
 from plugins.scenes.framing import frame
 from plugins.scenes.layout import arrange
-from plugins.scenes.recipe import Against, Beside, CameraStand, Colour, Floor, Hung, Item, On, Place, Room, WallName
+from plugins.scenes.recipe import Against, Beside, CameraStand, Color, Floor, Hung, Item, On, Place, Room, WallName
 from stages.contracts import Asset, InputError
 from stages.geometry.boxes import UprightBox, corners, distances_along
 from stages.geometry.cameras import MARGIN
@@ -63,11 +63,11 @@ def redraw_recipe(room: Room, rng: Rng, reach: float = 1.0) -> Room:
         fov=stand.fov + FOV * rng.uniform(-1, 1),
     )
     walls = tuple(MIRRORED[wall] for wall in room.walls) if mirror else room.walls
-    return room.model_copy(update={"items": items, "camera": camera, "walls": walls, **colours(rng)})
+    return room.model_copy(update={"items": items, "camera": camera, "walls": walls, **colors(rng)})
 
 
-def colours(rng: Rng) -> dict[str, Colour]:
-    """Colours of walls and floor."""
+def colors(rng: Rng) -> dict[str, Color]:
+    """Colors of walls and floor."""
     wall = colorsys.hsv_to_rgb(rng.random(), rng.uniform(0.02, 0.25), rng.uniform(0.65, 0.92))
     floor = colorsys.hsv_to_rgb(rng.uniform(0.04, 0.13), rng.uniform(0.15, 0.55), rng.uniform(0.35, 0.75))
     return {"wall_colour": wall, "floor_colour": floor}

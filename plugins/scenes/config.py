@@ -10,4 +10,4 @@ class ScenesConfig(Section):
 
     width: int = Field(800, ge=64, description="Width of the photograph in pixels.")
     height: int = Field(600, ge=48, description="Height of the photograph in pixels.")
-    supersampling: int = Field(2, ge=1, le=4, description="Colours are rendered so many times larger and averaged.")
+    supersampling: int = Field(2, ge=1, le=4, description="Colors are rendered so many times larger and averaged.")

@@ -16,7 +16,7 @@ def room_library(wildcards):
 
 
 def room_flags(wildcards):
-    """The file of a room of the user's, and the seeds by which its protocol has it drawn and painted."""
+    """The file of a room of the user's, and the seeds by which its perturbation has it drawn and painted."""
     path, protocol = ROOM_FILES.get(wildcards.room), EXPERIMENT.protocols.get(wildcards.get("protocol"))
     flags = {
         "--room": path if path is not None and path not in series() else None,

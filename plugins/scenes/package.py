@@ -1,4 +1,4 @@
-"""What the core must know of this package."""
+"""The package as the core knows it."""
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
@@ -55,7 +55,7 @@ def _lacking(room: str, files: list[Path], counts: Mapping[str, int]) -> Iterato
 
 
 PACKAGE = Package(
-    verbs={"render": ScenesConfig},
+    commands={"render": ScenesConfig},
     section="scenes",
     sections={"scenes": (ScenesConfig, Field(ScenesConfig(), description="The sim-to-sim rooms (B.1, Table 2)."))},
     rooms=rooms_of,

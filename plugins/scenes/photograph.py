@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from plugins.scenes.casting import CastRoom
 from plugins.scenes.config import ScenesConfig
 from plugins.scenes.recipe import Room
-from plugins.scenes.repaint import AS_IS, Look
+from plugins.scenes.repaint import AS_IS, Appearance
 from stages.simulation.backdrop import THICKNESS
 from stages.simulation.loading import load_asset, root_pose
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
@@ -89,15 +89,15 @@ def photograph(
     world_from_camera: NDArray[np.float64],
     options: ScenesConfig,
     seed: int,
-    look: Look = AS_IS,
+    appearance: Appearance = AS_IS,
 ) -> Photograph:
-    """The picture of a room from one camera; colours are smoothed by `supersampling`, depth and masks are not."""
+    """The picture of a room from one camera; colors are smoothed by `supersampling`, depth and masks are not."""
     room = cast_room.room
     side = 1.0 if "right" in room.walls and "left" not in room.walls else -1.0  # light comes over the open side
-    scene = make_scene(shadows=True, light=look.light or (-0.55, 0.5 * side, -1.0))
+    scene = make_scene(shadows=True, light=appearance.light or (-0.55, 0.5 * side, -1.0))
     length = float(world_from_camera[0, 3]) + 1.0
     shell = _shell(scene, room, cast_room.layout.half_width, length, seed)
-    bodies = furnish(scene, cast_room, folders, fixed=True, made=look.folders)
+    bodies = furnish(scene, cast_room, folders, fixed=True, made=appearance.folders)
 
     groups = [[instance_id(body)] for body in bodies.values()]
     groups += [[instance_id(entity) for entity in part] for part in shell]
@@ -112,6 +112,6 @@ def photograph(
         fine[:2, 2] += (n - 1) / 2  # pixel centers are at integers
         large = RenderCamera(scene, fine, n * options.width, n * options.height).render(world_from_camera).rgb
         rgb = np.asarray(cv2.resize(large, (options.width, options.height), interpolation=cv2.INTER_AREA))
-    if look.gain is not None:
-        rgb = np.clip(rgb * look.gain, 0, 255).astype(np.uint8)
+    if appearance.gain is not None:
+        rgb = np.clip(rgb * appearance.gain, 0, 255).astype(np.uint8)
     return Photograph(rgb, plain.depth, masks)

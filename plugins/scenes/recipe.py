@@ -1,4 +1,4 @@
-"""What a room is described by: items, where they stand, and which models may play them. One YAML file per room.
+"""A room's description: items, where they stand, and which models may play them. One YAML file per room.
 
 Room frame: the back wall is the plane x = 0 and x grows towards the viewer; y grows to the viewer's
 right; z is up. `along`, `x` and `y` are in metres before the room is stretched to its scale.
@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from stages.contracts.library import Asset
-from stages.contracts.look import Colour
+from stages.contracts.look import Color
 from stages.contracts.section import Positive, check_range
 
 WallName = Literal["back", "left", "right"]
@@ -84,7 +84,7 @@ Place = Annotated[
 
 
 class ModelConstraints(RecipePart):
-    """What a model must be like to play an item: counts, and extents of its closed box in metres."""
+    """Conditions on a model that plays an item: counts, and extents of its closed box in metres."""
 
     doors: Counts = (0, 99)
     drawers: Counts = (0, 99)
@@ -122,7 +122,7 @@ class Item(RecipePart):
 
 
 class CameraStand(RecipePart):
-    """Where the photographer stands: degrees to the right of straight ahead, eye height, vertical field of view."""
+    """The photographer's place: degrees to the right of straight ahead, eye height, vertical field of view."""
 
     azimuth: Annotated[float, Field(gt=-90, lt=90)] = 0.0
     height: Positive = 1.6
@@ -138,8 +138,8 @@ class Room(RecipePart):
     walls: tuple[WallName, ...] = ("back",)
     half_width: Positive = Field(1.8, description="of the floor, before it is stretched")
     camera: CameraStand = CameraStand()
-    wall_colour: Colour = (0.86, 0.84, 0.79)
-    floor_colour: Colour = (0.62, 0.45, 0.30)
+    wall_colour: Color = (0.86, 0.84, 0.79)
+    floor_colour: Color = (0.62, 0.45, 0.30)
 
     @model_validator(mode="after")
     def _check_items(self) -> "Room":

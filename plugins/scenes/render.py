@@ -27,7 +27,7 @@ def mask_values(cast_room: CastRoom) -> dict[str, int]:
 
 
 def truth_of(cast_room: CastRoom, world_from_camera: np.ndarray) -> Truth:
-    """Where everything really is."""
+    """The true places of all items."""
     values = mask_values(cast_room)
     objects = []
     for name, standing in cast_room.layout.standing.items():
@@ -53,7 +53,7 @@ def truth_of(cast_room: CastRoom, world_from_camera: np.ndarray) -> Truth:
 
 
 def annotations_of(cast_room: CastRoom) -> Annotations:
-    """What a captioner would say: labels, doors and drawers, which mask is the floor and which are walls."""
+    """The captions of a perfect captioner: labels, doors and drawers, which mask is the floor and which are walls."""
     values, assets = mask_values(cast_room), cast_room.assets
     count = len(values)
     return Annotations(
@@ -92,8 +92,8 @@ def run(
         options: JSON of the config section `scenes`.
         seed: decides which models are used.
         room: YAML file of a room of your own, which draws its models from the whole library; default: ours.
-        layout_seed: draw places, camera, colours and models of the room by chance.
-        finish_seed: draw finish and size of every model, colours and light by chance.
+        layout_seed: draw places, camera, colors and models of the room by chance.
+        finish_seed: draw finish and size of every model, colors and light by chance.
     """
     config = read_options(ScenesConfig, options)
     if room is None and scene not in room_files():
@@ -108,12 +108,12 @@ def run(
     else:
         cast_room = draw_room(rooms[-1], models, layout_seed, where, config)
     with TemporaryDirectory() as folder:
-        look = AS_IS
+        appearance = AS_IS
         if finish_seed is not None:
-            cast_room, look = repaint_room(cast_room, folders, Path(folder), finish_seed)
+            cast_room, appearance = repaint_room(cast_room, folders, Path(folder), finish_seed)
         points = np.concatenate([corners(standing.box) for standing in cast_room.layout.standing.values()])
         intrinsics, world_from_camera = frame(points, cast_room.room.camera, config.width, config.height, MARGIN)
-        picture = photograph(cast_room, folders, intrinsics, world_from_camera, config, seed, look)
+        picture = photograph(cast_room, folders, intrinsics, world_from_camera, config, seed, appearance)
 
     camera = Camera(width=config.width, height=config.height, intrinsics=intrinsics.tolist())
     annotations = annotations_of(cast_room)

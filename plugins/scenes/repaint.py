@@ -1,4 +1,4 @@
-"""Robustness variant of a room: other colours, light and model sizes (protocol `recoloured`)."""
+"""Robustness variant of a room: other colors, light and model sizes (perturbation `recoloured`)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -8,31 +8,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.scenes.casting import ATTEMPTS, CastRoom
-from plugins.scenes.chance import colours
+from plugins.scenes.chance import colors
 from plugins.scenes.layout import arrange
 from stages.articulated.asset_folder import write_asset
 from stages.articulated.resizing import load_maker, resize_model
 from stages.contracts import Asset, InputError
 from stages.contracts.library import Vector
 
-CHANGE, TINT = 0.15, 0.06  # largest relative change of an extent or of all colours, and of one colour channel
+CHANGE, TINT = 0.15, 0.06  # largest relative change of an extent or of all colors, and of one color channel
 SALT = 0xF1715
 Rng = np.random.Generator
 
 
 @dataclass(frozen=True)
-class Look:
-    """Where the models lie by item name (none: in the library), direction of the key light, gain of each channel."""
+class Appearance:
+    """Folders of a room's models by item name (none: in the library), direction of the key light, channels' gains."""
 
     folders: dict[str, Path]
     light: tuple[float, float, float] | None = None
     gain: NDArray[np.float64] | None = None
 
 
-AS_IS = Look({})
+AS_IS = Appearance({})
 
 
-def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, seed: int) -> tuple[CastRoom, Look]:
+def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, seed: int) -> tuple[CastRoom, Appearance]:
     """The room with models made anew in `out`: other sizes, finishes, walls and light; ids and counts stay.
 
     `library`: folders of its models, by id. Models without a recipe (a user's) keep their finish.
@@ -55,10 +55,10 @@ def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, se
         name: _paint_model(asset, library[asset.id], sizes[name], folders[name], rng)
         for name, asset in cast_room.assets.items()
     }
-    room = cast_room.room.model_copy(update=colours(rng))
+    room = cast_room.room.model_copy(update=colors(rng))
     light = (-rng.uniform(0.3, 0.8), rng.uniform(-0.7, 0.7), -1.0)
     gain = (1 + CHANGE * rng.uniform(-1, 1)) * (1 + TINT * rng.uniform(-1, 1, 3))
-    return replace(cast_room, room=room, layout=layout, assets=assets), Look(folders, light, gain)
+    return replace(cast_room, room=room, layout=layout, assets=assets), Appearance(folders, light, gain)
 
 
 def _stretch_size(size: Vector, rng: Rng) -> Vector:

@@ -30,7 +30,7 @@ rule room:
     resources:
         **needs(2000, 10),
     params:
-        **verb("scenes", "render", camera="camera", annotations="annotations", truth="truth"),
+        **command("scenes", "render", camera="camera", annotations="annotations", truth="truth"),
         room=room_flags,
         recipe=lambda wildcards: recipe_digest(ROOM_FILES.get(wildcards.room)),
         seed=CONFIG.seed,

@@ -1,6 +1,6 @@
-"""What the core must know of this package."""
+"""The package as the core knows it."""
 
 from stages.config.evaluation import SkillOptions
 from stages.config.packages import Package
 
-PACKAGE = Package(verbs={"skill": SkillOptions}, section="evaluation")
+PACKAGE = Package(commands={"skill": SkillOptions}, section="evaluation")

@@ -22,7 +22,7 @@ rule skill:
     resources:
         **needs(3000, 15 + test_episodes() / 10),
     params:
-        **verb("scripted", "skill", uses=skill_modules, rollouts="rollouts"),
+        **command("scripted", "skill", uses=skill_modules, rollouts="rollouts"),
         skill_options=CONFIG.demonstrations.model_dump_json(include=set(MotionOptions.model_fields)),
         task_options=task_options,
         seed=CONFIG.seed,

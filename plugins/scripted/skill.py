@@ -30,7 +30,7 @@ def run(
 ) -> None:
     """Do a task by its skills from the states of `evaluation rollout`, without noise and disturbances.
 
-    It knows the true model. The test role `trained` is left out.
+    It knows the true model. The test asset `trained` is left out.
 
     Args:
         assets: the experiment's assets (contract TaskAssets).
@@ -47,11 +47,12 @@ def run(
     with VectorEnv(assets, library, world, settings) as envs:
         (task,) = envs.tasks(1, envs.plan.assets[0])
         skill = SkillChain(task, read_options(DemonstrationsConfig, skill_options))
-        for role, starts in starts_of(envs.plan, assets, settings, (), seed).items():
+        for test_asset, starts in starts_of(envs.plan, assets, settings, (), seed).items():
             episodes = [play(envs, task, skill, start) for start in starts]
-            print(f"evaluation: {role} {sum(episode.success for episode in episodes)}/{len(starts)}", file=sys.stderr)
+            successes = sum(episode.success for episode in episodes)
+            print(f"evaluation: {test_asset} {successes}/{len(starts)}", file=sys.stderr)
             acting = Acting(target, "skill", "skill", "scripted", 0, "none")
-            rows += envs.rows(acting, role, episodes)
+            rows += envs.rows(acting, test_asset, episodes)
     write_rows(out, rows)
 
 

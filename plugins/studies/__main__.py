@@ -1,4 +1,4 @@
-"""`python -m plugins.studies VERB --help`."""
+"""`python -m plugins.studies COMMAND --help`."""
 
 from stages.cli import main
 

@@ -1,4 +1,4 @@
-"""What the rules of the rooms that are not ours ask of `benchmarks/open_rooms`, which only a clone has."""
+"""Helpers for the rules of rooms that are not ours, from `benchmarks/open_rooms`, which only a clone has."""
 
 from collections.abc import Callable
 from typing import Any

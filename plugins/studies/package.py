@@ -1,4 +1,4 @@
-"""What the core must know of this package."""
+"""The package as the core knows it."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -17,4 +17,4 @@ def find_mistakes(config: Any) -> Iterator[Mistake]:
         yield Mistake("packages.scripted", what, "packages: {scripted: true}, or {studies: false}, too")
 
 
-PACKAGE = Package(verbs={"conditions": MethodTables, "pinned": None}, section="tables", mistakes=find_mistakes)
+PACKAGE = Package(commands={"conditions": MethodTables, "pinned": None}, section="tables", mistakes=find_mistakes)

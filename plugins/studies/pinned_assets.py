@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def pinned_assets(config: "Config") -> Iterator[Mistake]:
-    """What is wrong with `experiment.targets.<name>.assets`."""
+    """Mistakes in `experiment.targets.<name>.assets`."""
     experiment = config.experiment
     for name, target in experiment.targets.items():
         key, file = f"experiment.targets.{name}", target.assets

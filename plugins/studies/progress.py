@@ -20,7 +20,7 @@ KEYS = ["target", "policy", "condition", "training_set"]
 
 
 def policy_file(results: Path, condition: str, cell: Cell, run: str, seed: int) -> Path:
-    """Where the rollouts of a policy lie; `condition`: empty for the usual one."""
+    """The files of a policy's rollouts; `condition`: empty for the usual one."""
     folder = results / "evaluation" / (f"conditions/{condition}" if condition else "policies")
     return folder / Path(*cell) / f"{run}/seed_{seed}/rollouts.csv"
 

@@ -44,7 +44,7 @@ POLICY_STAGES = ["demonstrations", "training", "evaluation"]
 
 
 class StudyResults(NamedTuple):
-    """What a study found: facts about it, tables for people, CSV files by name, figures with their captions."""
+    """The results of a study: facts about it, tables for people, CSV files by name, figures with their captions."""
 
     title: str
     facts: list[tuple[str, str]]
@@ -198,26 +198,26 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Stud
 
 
 def score_files(config: Config, results: Path) -> list[Path]:
-    """The scores of the study that are there; of a draw of a protocol only if all its rooms are there."""
+    """The scores of the study that are there; of a draw of a perturbation only if all its rooms are there."""
     experiment = config.experiment
     groups: dict[tuple[str, str], list[Path]] = {}
     for variant in experiment.variants:
         for room in (room for room in experiment.rooms if room not in experiment.inputs):
             groups[variant, room] = [results / f"evaluation/scenes/{variant}/{room}/scores.csv"]
-    for scene, variants in experiment.protocol_scenes().items():
+    for scene, variants in experiment.perturbed_scenes().items():
         for variant in variants:
             path = results / f"evaluation/scenes/{variant}/{scene}/scores.csv"
             groups.setdefault((variant, scene.partition(".")[2]), []).append(path)
     return [path for paths in groups.values() if all(each.is_file() for each in paths) for path in paths]
 
 
-def list_protocols(config: Config) -> list[tuple[str, str]]:
-    """Protocols of the study with their variants; '' is the rooms as they are."""
+def list_perturbations(config: Config) -> list[tuple[str, str]]:
+    """Perturbations of the study with their variants; '' is the rooms as they are."""
     experiment = config.experiment
-    protocols = {"": experiment.variants} | {
-        name: protocol.variants or experiment.variants for name, protocol in experiment.protocols.items()
+    perturbations = {"": experiment.variants} | {
+        name: perturbation.variants or experiment.variants for name, perturbation in experiment.protocols.items()
     }
-    return [(name, variant) for name, variants in protocols.items() for variant in variants]
+    return [(name, variant) for name, variants in perturbations.items() for variant in variants]
 
 
 def _library(results: Path) -> str:
@@ -232,8 +232,8 @@ def _scenes(config: Config, results: Path, published: Path, out: Path, variants:
     experiment, files = config.experiment, score_files(config, results)
     rows = read_rows(SceneScore, files, ONE_SCENE)
     scenes = table2.build(rows, published_scenes(published), config.tables)
-    companion = robustness.build(rows, list_protocols(config))
-    seeds = [f"{name} {' '.join(map(str, protocol.seeds))}" for name, protocol in experiment.protocols.items()]
+    companion = robustness.build(rows, list_perturbations(config))
+    seeds = [f"{name} {' '.join(map(str, perturbation.seeds))}" for name, perturbation in experiment.protocols.items()]
     pairs = [(room, variant) for room in experiment.rooms for variant in variants or experiment.variants]
     paths = {pair: results / f"generation/{pair[1]}/{pair[0]}/comparison.png" for pair in pairs}
     pictures = {pair: path for pair, path in paths.items() if path.is_file()}

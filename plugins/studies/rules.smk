@@ -56,7 +56,7 @@ rule conditions:
     resources:
         **needs(1000, 10),
     params:
-        **verb("studies", "conditions"),
+        **command("studies", "conditions"),
         names=list(CONFIG.evaluation.conditions),
         out=subpath(output.csv, parent=True),
     shell:
@@ -84,7 +84,7 @@ rule pinned:
     resources:
         **needs(1000, 10),
     params:
-        **verb("studies", "pinned", uses=task_modules, task="assets"),
+        **command("studies", "pinned", uses=task_modules, task="assets"),
         task=task,
     shell:
         "({params.command} --assets {input.assets:q} --task {params.task} --library {input.library:q} "

@@ -1,4 +1,4 @@
-"""What a study's page is made of: facts about the run, its tables in Markdown, what it cost."""
+"""The parts of a study's page: facts about the run, its tables in Markdown, what it cost."""
 
 import os
 from collections.abc import Iterable

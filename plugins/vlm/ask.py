@@ -79,7 +79,7 @@ class Asker:
         return answer_of(entry, answer)
 
     def summary(self) -> str:
-        """What this process asked, and what the whole ledger has cost, in one line."""
+        """Counts of this process's questions and the cost of the whole ledger, in one line."""
         spent = self.ledger.sum_costs()
         return (
             f"{self.options.model}: {self.known} answers from the ledger, {self.asked} asked for; "

@@ -53,7 +53,7 @@ class VlmConfig(Section):
     max_cost: float | None = Field(10.0, ge=0, description="Likewise their cost. null: any.")
 
     def keep_deciding(self) -> "VlmConfig":
-        """What decides on the answers; where and how they are got is left at its default."""
+        """The keys that decide on the answers; where and how they are got is left at its default."""
         return VlmConfig(**self.model_dump(include={"model", "options", "image_size", "choices"}))
 
     @field_validator("url")

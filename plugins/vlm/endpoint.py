@@ -112,7 +112,7 @@ class Endpoint:
         raise (RefusedError if status < 500 and status not in BUSY else UnreachedError)(said) from None
 
     def quote_server(self, text: str) -> str:
-        """What a server says, in one line that may be shown."""
+        """A server's answer in one line that may be shown."""
         return escape_control(self.hide_key(" ".join(text.split()))[:MAX_QUOTED])
 
     def hide_key(self, text: str) -> str:
@@ -125,7 +125,7 @@ class Endpoint:
 
 
 def _message(error: "openai.APIStatusError") -> str:
-    """What the server says of an error."""
+    """The server's message about an error."""
     body = error.body
     words = [body.get("code"), body.get("message")] if isinstance(body, dict) else [body or error.response.text]
     return " ".join(str(word) for word in words if word)

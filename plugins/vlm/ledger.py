@@ -26,7 +26,7 @@ class Exchange(Contract):
 
 
 class Entry(Document):
-    """What one model was asked, what it answered, and what that cost."""
+    """A question to one model, its answer, and the cost."""
 
     key: Text
     question: Text  # digest of `asked`, equal for all models

@@ -16,7 +16,7 @@ DETAIL = "auto"  # how closely the model looks at a picture: it decides
 
 
 class Prompt(NamedTuple):
-    """What is asked, of whatever model; the text also says in words what answer is wanted."""
+    """A question to any model; the text also says in words what answer is wanted."""
 
     system: str
     parts: Sequence[str | Picture]

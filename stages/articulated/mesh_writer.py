@@ -1,4 +1,4 @@
-"""Write meshes: OBJ for what has one colour, GLB for what carries its own looks, with sharp edges where they are."""
+"""Write meshes: OBJ for what has one color, GLB for what carries its own looks, with sharp edges where they are."""
 
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -150,14 +150,14 @@ def _solid_looking(mesh: Trimesh) -> Trimesh:
 
 
 def _painted_by_picture(mesh: Trimesh) -> Trimesh:
-    """The mesh with the colours of its corners or faces in a picture, one texel each: renderers show no others. A face
+    """The mesh with the colors of its corners or faces in a picture, one texel each: renderers show no others. A face
     whose corners differ has their mean."""
-    looks: Any = mesh.visual
-    colours = looks.face_colors if looks.kind == "face" else looks.vertex_colors[mesh.faces].mean(axis=1).round()
-    colours = np.asarray(colours, dtype=np.uint8)
-    if len(np.unique(colours, axis=0)) > MOST_TEXELS**2:
-        colours = colours // 8 * 8 + 4
-    shades, texel = np.unique(colours, axis=0, return_inverse=True)
+    visual: Any = mesh.visual
+    colors = visual.face_colors if visual.kind == "face" else visual.vertex_colors[mesh.faces].mean(axis=1).round()
+    colors = np.asarray(colors, dtype=np.uint8)
+    if len(np.unique(colors, axis=0)) > MOST_TEXELS**2:
+        colors = colors // 8 * 8 + 4
+    shades, texel = np.unique(colors, axis=0, return_inverse=True)
     side = int(np.ceil(np.sqrt(len(shades))))
     texels = np.resize(shades, (side * side, 4)).reshape(side, side, 4)
     welded = Trimesh(mesh.vertices, mesh.faces, process=False)

@@ -30,11 +30,11 @@ class Texture(NamedTuple):
 
 @dataclass(frozen=True)
 class Visual:
-    """A mesh to see. `colour` None: the mesh carries its own looks. `flat`: every edge looks sharp, else only those
-    that are. `texture`: drawn on it instead of the colour, along its longest extent, from `start` (shares) on."""
+    """A mesh to see. `color` None: the mesh carries its own looks. `flat`: every edge looks sharp, else only those
+    that are. `texture`: drawn on it instead of the color, along its longest extent, from `start` (shares) on."""
 
     mesh: Trimesh
-    colour: RGBA | None = None
+    color: RGBA | None = None
     flat: bool = False
     texture: Texture | None = None
     start: tuple[float, float] = (0.0, 0.0)
@@ -44,12 +44,12 @@ class Visual:
         return replace(self, mesh=transform_mesh(self.mesh, transform))
 
     def paint(self) -> Trimesh:
-        """The mesh with its colour as a material."""
-        if self.colour is None:
+        """The mesh with its color as a material."""
+        if self.color is None:
             return self.mesh
         mesh = self.mesh.copy()
         material = trimesh.visual.material.PBRMaterial(
-            baseColorFactor=np.array(self.colour), metallicFactor=0.0, roughnessFactor=0.8
+            baseColorFactor=np.array(self.color), metallicFactor=0.0, roughnessFactor=0.8
         )
         mesh.visual = trimesh.visual.TextureVisuals(material=material)
         return mesh

@@ -33,12 +33,12 @@ class Maker(Protocol):
         """A model whose closed box has the size; placement and symmetry of `about` are replaced."""
         ...
 
-    def paint(self, recipe: Recipe, colour: tuple[float, float, float]) -> Recipe:
-        """The recipe of the same model whose main colour is another one, linear rgb."""
+    def paint(self, recipe: Recipe, color: tuple[float, float, float]) -> Recipe:
+        """The recipe of the same model whose main color is another one, linear rgb."""
         ...
 
     def refinish(self, recipe: Recipe, rng: np.random.Generator) -> Recipe:
-        """The recipe of the same model in other colours and textures."""
+        """The recipe of the same model in other colors and textures."""
         ...
 
 

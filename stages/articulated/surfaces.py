@@ -1,4 +1,4 @@
-"""What is seen of a link, as other tools' formats want it: triangles with normals, one colour, perhaps a texture."""
+"""What is seen of a link, as other tools' formats want it: triangles with normals, one color, perhaps a texture."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,39 +17,39 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class ColouredMesh:
-    """vertices and normals (V, 3), faces (F, 3); colour linear; uv (V, 2) where there is an image."""
+class ColoredMesh:
+    """vertices and normals (V, 3), faces (F, 3); color linear; uv (V, 2) where there is an image."""
 
     vertices: Array
     faces: NDArray[np.int64]
     normals: Array
-    colour: RGBA
+    color: RGBA
     uv: Array | None = None
     image: Image.Image | None = None
 
     @property
-    def shown_colour(self) -> RGBA:
-        """The colour as a screen shows it (sRGB, nearly)."""
-        r, g, b = (round(value ** (1 / GAMMA), 4) for value in self.colour[:3])
-        return r, g, b, self.colour[3]
+    def shown_color(self) -> RGBA:
+        """The color as a screen shows it (sRGB, nearly)."""
+        r, g, b = (round(value ** (1 / GAMMA), 4) for value in self.color[:3])
+        return r, g, b, self.color[3]
 
 
-def surfaces(link: Link) -> list[ColouredMesh]:
-    """What is seen of a link, in its frame; everything of one colour is one surface."""
-    plain: dict[RGBA, list[ColouredMesh]] = {}
+def surfaces(link: Link) -> list[ColoredMesh]:
+    """What is seen of a link, in its frame; everything of one color is one surface."""
+    plain: dict[RGBA, list[ColoredMesh]] = {}
     textured = []
     for visual in link.visuals:
-        if visual.colour is None and has_texture(visual.mesh):
+        if visual.color is None and has_texture(visual.mesh):
             textured.append(_textured(visual))
             continue
-        colour = visual.colour or _colour(visual.mesh.visual)
+        color = visual.color or _color(visual.mesh.visual)
         pieces = split_sharp_edges(visual)
         normals = pieces.normals if pieces.normals is not None else np.zeros_like(pieces.vertices)
-        plain.setdefault(colour, []).append(ColouredMesh(pieces.vertices, pieces.faces, normals, colour))
+        plain.setdefault(color, []).append(ColoredMesh(pieces.vertices, pieces.faces, normals, color))
     return [_merge_parts(parts) for parts in plain.values()] + textured
 
 
-def write_obj(surface: ColouredMesh, path: Path) -> None:
+def write_obj(surface: ColoredMesh, path: Path) -> None:
     """An OBJ with normals and, where there are any, texture coordinates."""
     lines = [f"v {x:.5f} {y:.5f} {z:.5f}\n" for x, y, z in surface.vertices + 0.0]
     lines += [f"vn {x:.4f} {y:.4f} {z:.4f}\n" for x, y, z in surface.normals + 0.0]
@@ -60,30 +60,30 @@ def write_obj(surface: ColouredMesh, path: Path) -> None:
     path.write_text("".join(lines), encoding="ascii")
 
 
-def _merge_parts(parts: list[ColouredMesh]) -> ColouredMesh:
+def _merge_parts(parts: list[ColoredMesh]) -> ColoredMesh:
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
-    return ColouredMesh(
+    return ColoredMesh(
         np.concatenate([part.vertices for part in parts]),
         np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=False)]),
         np.concatenate([part.normals for part in parts]),
-        parts[0].colour,
+        parts[0].color,
     )
 
 
-def _textured(visual: Visual) -> ColouredMesh:
+def _textured(visual: Visual) -> ColoredMesh:
     mesh = visual.mesh
-    looks: Any = mesh.visual
-    material = looks.material
+    shown: Any = mesh.visual
+    material = shown.material
     material = material.to_pbr() if hasattr(material, "to_pbr") else material
-    colour = (1.0, 1.0, 1.0, 1.0) if material.baseColorFactor is None else _rgba(material.baseColorFactor)
-    uv = np.asarray(looks.uv, dtype=np.float64)
+    color = (1.0, 1.0, 1.0, 1.0) if material.baseColorFactor is None else _rgba(material.baseColorFactor)
+    uv = np.asarray(shown.uv, dtype=np.float64)
     vertices, normals = np.asarray(mesh.vertices), np.asarray(mesh.vertex_normals)
-    return ColouredMesh(vertices, np.asarray(mesh.faces), normals, colour, uv, material.baseColorTexture)
+    return ColoredMesh(vertices, np.asarray(mesh.faces), normals, color, uv, material.baseColorTexture)
 
 
-def _colour(looks: Any) -> RGBA:
-    """The one colour of a mesh that carries its own looks."""
-    material = getattr(looks, "material", looks)
+def _color(visual: Any) -> RGBA:
+    """The one color of a mesh that carries its own material."""
+    material = getattr(visual, "material", visual)
     given = getattr(material, "baseColorFactor", None)
     return _rgba(getattr(material, "main_color", (160, 160, 160, 255)) if given is None else given)
 

@@ -46,7 +46,7 @@ def close_at_lower(joint: JointModel) -> JointModel:
 class UrdfReader:
     """The links of one URDF, read when they are asked for; `joints` are closed at their lower limits.
 
-    Shapes, colours and masses that cannot be used are left out, which `remarks` say.
+    Shapes, colors and masses that cannot be used are left out, which `remarks` say.
     """
 
     def __init__(self, path: Path, folder: Path) -> None:
@@ -60,7 +60,7 @@ class UrdfReader:
         """A link with what collides and its mass."""
         element, where = self.tree.links[name], f"link '{name}'"
         visuals, collisions = self._visuals(element, where), element.findall("collision")
-        shapes = [self._read_usable(collision, where, looks=False) for collision in collisions]
+        shapes = [self._read_usable(collision, where, visible=False) for collision in collisions]
         visuals = visuals or [visual.transform(np.eye(4)) for shape in shapes for visual in shape]
         pieces = [
             piece
@@ -77,13 +77,13 @@ class UrdfReader:
     def visuals(self, name: str) -> list[Visual]:
         """What is seen of a link."""
         element, where = self.tree.links[name], f"link '{name}'"
-        return self._visuals(element, where) or self._shapes(element.findall("collision"), where, looks=False)
+        return self._visuals(element, where) or self._shapes(element.findall("collision"), where, visible=False)
 
     def _visuals(self, element: ET.Element, where: str) -> list[Visual]:
-        return self._shapes(element.findall("visual"), where, looks=True)
+        return self._shapes(element.findall("visual"), where, visible=True)
 
-    def _shapes(self, elements: Iterable[ET.Element], where: str, looks: bool) -> list[Visual]:
-        return [visual for element in elements for visual in self._read_usable(element, where, looks)]
+    def _shapes(self, elements: Iterable[ET.Element], where: str, visible: bool) -> list[Visual]:
+        return [visual for element in elements for visual in self._read_usable(element, where, visible)]
 
     def check_whole(self, shown: set[str]) -> None:
         """Refuse the model if links have no shape left that carry others, or are as many as those that have.
@@ -99,10 +99,10 @@ class UrdfReader:
         if lost and (carries or len(lost) >= len(shown)):
             raise next(iter(lost.values()))
 
-    def _read_usable(self, element: ET.Element, where: str, looks: bool) -> list[Visual]:
+    def _read_usable(self, element: ET.Element, where: str, visible: bool) -> list[Visual]:
         """What a shape looks like; nothing if it cannot be used."""
         try:
-            return self._shape(element, where, looks)
+            return self._shape(element, where, visible)
         except InputError as error:
             self._broken.setdefault(where.removeprefix("link '").removesuffix("'"), error)
             self._remark("left out", error)
@@ -111,20 +111,20 @@ class UrdfReader:
     def _remark(self, what: str, error: InputError) -> None:
         self.remarks.append(f"{what}: {str(error).removeprefix(f'{self.path}: ')}")
 
-    def _shape(self, element: ET.Element, where: str, looks: bool) -> list[Visual]:
+    def _shape(self, element: ET.Element, where: str, visible: bool) -> list[Visual]:
         where = f"{where}, <{element.tag}>"
         geometry = element.find("geometry")
         kind = next(iter(geometry), None) if geometry is not None else None
         if kind is None:
             raise InputError(self.path, f"{where}: has no <geometry>.", code="E-URDF-GEOMETRY")
         pose = self.tree.origin(element, where)
-        meshes = self._geometry(kind, where, looks)
+        meshes = self._geometry(kind, where, visible)
         if (pose != np.eye(4)).any():
             meshes = [transform_mesh(mesh, pose) for mesh in meshes]
-        colour = self._colour(element, where) if looks else None
-        return [Visual(mesh, None if kind.tag == "mesh" and has_texture(mesh) else colour) for mesh in meshes]
+        color = self._color(element, where) if visible else None
+        return [Visual(mesh, None if kind.tag == "mesh" and has_texture(mesh) else color) for mesh in meshes]
 
-    def _geometry(self, kind: ET.Element, where: str, looks: bool) -> list[Trimesh]:
+    def _geometry(self, kind: ET.Element, where: str, visible: bool) -> list[Trimesh]:
         if kind.tag == "mesh":
             one = len(kind.get("scale", "").split()) == 1  # for all axes, as Drake and PyBullet take it
             scale = self.tree.numbers(kind, "scale", "1" if one else "1 1 1", 1 if one else 3, where) * np.ones(3)
@@ -136,7 +136,7 @@ class UrdfReader:
             meshes, lost = load_meshes(file, self.folder)
             if (up := find_reader(file).up(file)) not in ("", "Z_UP"):
                 lost = [*lost, f"{file.name} says {up}: not turned, as a URDF's meshes never are (RViz)"]
-            self.remarks += lost if looks else []
+            self.remarks += lost if visible else []
             if (scale == 1).all():
                 return meshes
             return [transform_mesh(mesh, np.diag([*scale, 1.0])) for mesh in meshes]
@@ -152,7 +152,7 @@ class UrdfReader:
             return [mesh]
         raise InputError(self.path, f"{where}: <{kind.tag}> is not a known geometry.", code="E-URDF-GEOMETRY")
 
-    def _colour(self, element: ET.Element, where: str) -> RGBA | None:
+    def _color(self, element: ET.Element, where: str) -> RGBA | None:
         material = element.find("material")
         if material is None:
             return None
@@ -161,13 +161,13 @@ class UrdfReader:
                 f"{where}: is shown without '{texture.get('filename', '')}', which its mesh does not name"
             )
         found = material.find("color")
-        found = self.tree.colours.get(material.get("name", "")) if found is None else found
+        found = self.tree.colors.get(material.get("name", "")) if found is None else found
         if found is None:
             return None
         try:
             r, g, b, a = self.tree.numbers(found, "rgba", "", 4, where, low=0.0).tolist()
         except InputError as error:
-            self._remark("without its colour", error)
+            self._remark("without its color", error)
             return None
         if max(r, g, b, a) > 1.0:
             self.remarks.append(f'{where}: rgba="{found.get("rgba")}" is above 1, taken for bytes')

@@ -106,10 +106,10 @@ class UrdfTree:
         return dict(zip(names, elements, strict=True))
 
     @cached_property
-    def colours(self) -> dict[str, ET.Element]:
+    def colors(self) -> dict[str, ET.Element]:
         """<color> elements of the named materials."""
         found = ((m.get("name", ""), m.find("color")) for m in self.robot.iter("material"))
-        return {name: colour for name, colour in found if colour is not None}
+        return {name: color for name, color in found if color is not None}
 
     def numbers(
         self, element: ET.Element | None, key: str, default: str, count: int, where: str, low: float = -MAX_NUMBER

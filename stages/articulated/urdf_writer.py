@@ -1,6 +1,6 @@
 """Write a `RobotModel` as model.urdf and meshes/, with model.srdf where links touch when closed.
 
-What has one colour or texture becomes one OBJ per link and colour, what carries its own looks one GLB per link; boxes
+What has one color or texture becomes one OBJ per link and color, what carries its own looks one GLB per link; boxes
 and convex OBJs collide.
 """
 
@@ -107,18 +107,18 @@ def _add_link(root: ET.Element, folder: Path, link: Link, stem: str) -> None:
 
 
 def _add_visuals(element: ET.Element, folder: Path, link: Link, stem: str) -> None:
-    looks = dict.fromkeys((visual.colour, visual.texture) for visual in link.visuals if visual.colour is not None)
-    for number, (colour, texture) in enumerate(looks):
+    finishes = dict.fromkeys((visual.color, visual.texture) for visual in link.visuals if visual.color is not None)
+    for number, (color, texture) in enumerate(finishes):
         name = f"{stem}_{number}"
         shown = ET.SubElement(element, "visual", name=name)
         _add_mesh(shown, f"meshes/{name}.obj")
-        alike = [visual for visual in link.visuals if (visual.colour, visual.texture) == (colour, texture)]
+        alike = [visual for visual in link.visuals if (visual.color, visual.texture) == (color, texture)]
         write_obj(folder / f"meshes/{name}.obj", list(map(split_sharp_edges, alike)), texture)
         if texture is None:
-            ET.SubElement(ET.SubElement(shown, "material", name=name), "color", rgba=numbers(colour or ()))
+            ET.SubElement(ET.SubElement(shown, "material", name=name), "color", rgba=numbers(color or ()))
         else:
             write_texture(folder / "meshes", texture)
-    own: list[Trimesh] = [visual.mesh for visual in link.visuals if visual.colour is None]
+    own: list[Trimesh] = [visual.mesh for visual in link.visuals if visual.color is None]
     if own:
         write_glb(folder / f"meshes/{stem}.glb", own)
         _add_mesh(ET.SubElement(element, "visual", name=stem), f"meshes/{stem}.glb")

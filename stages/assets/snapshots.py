@@ -71,11 +71,11 @@ class Turntable:
     def photograph(self, folder: Path, yaws: list[float]) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
         """Pictures at the given turns: rgb (V, H, W, 3), depth (V, H, W) in thousandths of the largest extent."""
         from stages.articulated.asset_folder import read_asset
-        from stages.simulation.loading import load_looks, measure_bounds, move, remove, root_pose
+        from stages.simulation.loading import load_visual, measure_bounds, move, remove, root_pose
 
         asset = read_asset(folder)
         scale = self.unit / largest_extent(asset)
-        body = load_looks(self.scene, folder, scale)
+        body = load_visual(self.scene, folder, scale)
         move(body, root_pose(asset, (0.0, 0.0, 0.0), 0.0, scale))
         check_box(asset, np.ptp(measure_bounds(body), axis=0) / scale)
         rgb = np.empty((len(yaws), *self.shape, 3), np.uint8)
@@ -89,7 +89,7 @@ class Turntable:
         return rgb, depth
 
 
-class Look:
+class VisibilityCheck:
     """Tells whether anything is seen of an asset in its representative picture, which everything later needs."""
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""What rules run for a verb: its command line, the digest of its code, the check of what it wrote."""
+"""The parameters of a rule that runs a command: its line, the digest of its code, the check of what it wrote."""
 
 import shlex
 from collections.abc import Mapping
@@ -6,29 +6,29 @@ from collections.abc import Mapping
 from stages.config.code import code_digest, files_digest
 from stages.config.model import Config
 from stages.config.packages import home_of, packages_on
-from stages.config.replaced import VerbCommand
+from stages.config.replaced import ReplacementCommand
 
 
-def replacement(config: Config, stage: str, verb: str) -> VerbCommand | None:
-    """The user's own command in the place of a verb."""
-    return config.stages.get(stage, {}).get(verb)
+def replacement(config: Config, stage: str, command: str) -> ReplacementCommand | None:
+    """The user's own command in the place of ours."""
+    return config.stages.get(stage, {}).get(command)
 
 
-def command_line(config: Config, stage: str, verb: str) -> str:
-    """The command line of a verb: ours, or the user's own, which ends with the workflow as ours do."""
-    own = replacement(config, stage, verb)
+def command_line(config: Config, stage: str, command: str) -> str:
+    """The line that runs a command: ours, or the user's own, which ends with the workflow as ours do."""
+    own = replacement(config, stage, command)
     if own is None:
-        return f"python -m {home_of(stage)} {verb}"
+        return f"python -m {home_of(stage)} {command}"
     guards = [
         word for package in packages_on(config.packages) if package.guard for word in ("python", "-m", package.guard)
     ]
-    return shlex.join([*guards, "bash", "-c", own.command + ' "$@"', verb])
+    return shlex.join([*guards, "bash", "-c", own.command + ' "$@"', command])
 
 
-def command_digest(config: Config, stage: str, verb: str, *used: str) -> str:
-    """Digest of the code behind a verb and of the modules that it uses besides: an edit re-runs what uses it."""
-    own = replacement(config, stage, verb)
-    return files_digest(own.code) if own else code_digest(f"{home_of(stage)}.{verb.replace('-', '_')}", *used)
+def command_digest(config: Config, stage: str, command: str, *used: str) -> str:
+    """Digest of the code behind a command and of the modules that it uses besides: an edit re-runs what uses it."""
+    own = replacement(config, stage, command)
+    return files_digest(own.code) if own else code_digest(f"{home_of(stage)}.{command.replace('-', '_')}", *used)
 
 
 def check_line(outputs: Mapping[str, str | list[str]]) -> str:

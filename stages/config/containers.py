@@ -36,7 +36,7 @@ class ContainersConfig(Section):
         return self.image.replace("{tag}", tag()).removeprefix("docker://")
 
     def _apptainer(self, family: str) -> str:
-        """What the directive `container:` of a family's rules names: local images are files in images/."""
+        """The value of the directive `container:` of a family's rules: local images are files in images/."""
         image = self.image.replace("{tag}", tag()).replace("{family}", family)
         if not image.startswith(LOCAL):
             return image

@@ -1,4 +1,4 @@
-"""What a config asks for that cannot be: found before anything runs, all at once, each with its mend."""
+"""Contradictions in a config: found before anything runs, all at once, each with its mend."""
 
 import os
 from collections import Counter
@@ -31,7 +31,7 @@ def contradictions(config: "Config") -> list[Mistake]:
 
 
 def _packages(config: "Config") -> Iterator[Mistake]:
-    """What a config asks of packages that are off or not here, and what those that are on find."""
+    """Keys of packages that are off or not here, and the mistakes that packages which are on find."""
     rooms = [config.experiment.inputs[room] for room in config.experiment.rooms if room in config.experiment.inputs]
     asked = (
         ("scenes", "experiment.room_files", bool(config.experiment.room_files)),
@@ -76,7 +76,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
         yield from _list_repeated(f"experiment.{key}", getattr(experiment, key))
     for key, chosen in (
         ("placements", experiment.placements),
-        *((f"protocols.{name}.variants", protocol.variants or []) for name, protocol in experiment.protocols.items()),
+        *((f"protocols.{name}.variants", change.variants or []) for name, change in experiment.protocols.items()),
     ):
         for variant in chosen:
             if variant not in experiment.variants:
@@ -87,8 +87,8 @@ def _names(config: "Config") -> Iterator[Mistake]:
     for name, policy in experiment.policies.items():
         for key in ("targets", "training_sets", "configs", "seeds"):
             yield from _list_repeated(f"experiment.policies.{name}.{key}", getattr(policy, key) or ())
-    for name, protocol in experiment.protocols.items():
-        yield from _list_repeated(f"experiment.protocols.{name}.seeds", protocol.seeds)
+    for name, perturbation in experiment.protocols.items():
+        yield from _list_repeated(f"experiment.protocols.{name}.seeds", perturbation.seeds)
     yield from _list_repeated("evaluation.test_assets", config.evaluation.test_assets)
 
 
@@ -122,7 +122,7 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
 def _corrections(config: "Config") -> Iterator[Mistake]:
     """Files of corrections beside the scenes' pictures that can be read."""
     experiment = config.experiment
-    for scene in (*experiment.rooms, *experiment.protocol_scenes()):
+    for scene in (*experiment.rooms, *experiment.perturbed_scenes()):
         path = Path(experiment.input_folder(scene), CORRECTIONS)
         try:
             corrections_of((path,) if path.is_file() else (), "extraction")
@@ -196,10 +196,10 @@ def _of_environment(config: "Config", key: str, task: TaskConfig) -> Iterator[Mi
 
 
 def _stages(config: "Config") -> Iterator[Mistake]:
-    """Replaced verbs: scripts that can be executed, files that exist."""
+    """Replaced commands: scripts that can be executed, files that exist."""
     for stage, commands in config.stages.items():
-        for verb, own in commands.items():
-            key, script = f"stages.{stage}.{verb}", own.command.partition(" ")[0]
+        for command, own in commands.items():
+            key, script = f"stages.{stage}.{command}", own.command.partition(" ")[0]
             here = script.startswith(".") or Path(script).is_file()  # else it may be in an image alone
             if "/" in script and here and not os.access(script, os.X_OK):
                 mend = f"chmod +x {script}, or correct the path"

@@ -65,7 +65,7 @@ class SelectionOptions(ActingOptions):
 
 
 class SkillOptions(SceneOptions):
-    """What policies are rolled out on, and the scripted skill beside them."""
+    """The test assets and initial states of policies, and of the scripted skill beside them."""
 
     test_assets: list[str] = Field(
         ["twin", "cousin_2", "cousin_6", "dissimilar", "trained"],

@@ -12,7 +12,7 @@ from stages.contracts.section import Rank, Section, Seed
 from stages.contracts.training_sets import DRAWN, RANDOMISED, RULES, drawn_role, read_set
 
 
-class Protocol(Section):
+class Perturbation(Section):
     """The rooms of Table 2, changed: rows of its companion `table2_robustness.csv`."""
 
     seeds: list[Seed] = Field(
@@ -21,7 +21,7 @@ class Protocol(Section):
         description="Every room is tested once with each: the seed of the depth noise and of what is drawn below.",
     )
     layout: Literal["recipe", "drawn"] = Field(
-        "recipe", description="drawn: places, camera, colours and models of the room are drawn by chance."
+        "recipe", description="drawn: places, camera, colors and models of the room are drawn by chance."
     )
     finish: Literal["library", "other"] = Field(
         "library",
@@ -41,12 +41,12 @@ class Protocol(Section):
 
 
 class Scene(NamedTuple):
-    """What the name of a scene says; `protocol` is '' and `seed` None where none is followed."""
+    """The parts of a scene's name; `protocol`, the name of a perturbation, is '' and `seed` None if it has none."""
 
     room: str
     protocol: str
     seed: int | None
-    options: Protocol
+    options: Perturbation
 
 
 class ExperimentConfig(Section):
@@ -72,7 +72,7 @@ class ExperimentConfig(Section):
     placements: dict[str, dict[str, Any]] = Field(
         {}, description="How variants are placed, where that differs: name of a variant -> keys of `generation`."
     )
-    protocols: dict[str, Protocol] = Field(
+    protocols: dict[str, Perturbation] = Field(
         {},
         description="Variants of the rooms, for table2_robustness: name -> {seeds, layout: drawn, finish: other, "
         "unknown: true, scale_error: false, variants}, as far as they differ (docs/scenes.md).",
@@ -145,14 +145,14 @@ class ExperimentConfig(Section):
 
     def scene(self, name: str) -> Scene:
         """A scene by its name: `<room>`, `<room>.<protocol>.<seed>`, or that of a picture of the user's."""
-        room, _, followed = name.partition(".")
-        if not followed:
-            return Scene(room, "", None, Protocol())
-        protocol, _, seed = followed.rpartition(".")
+        room, _, perturbed = name.partition(".")
+        if not perturbed:
+            return Scene(room, "", None, Perturbation())
+        protocol, _, seed = perturbed.rpartition(".")
         return Scene(room, protocol, int(seed), self.protocols[protocol])
 
     def picture_of(self, scene: str) -> str:
-        """The scene in whose picture a scene is seen: only some protocols take their own."""
+        """The scene in whose picture a scene is seen: only some perturbations take their own."""
         return scene if self.scene(scene).options.own_pictures else self.scene(scene).room
 
     def input_folder(self, scene: str) -> str:
@@ -160,13 +160,13 @@ class ExperimentConfig(Section):
         own = self.inputs.get(scene)
         return own.place(scene) if own else f"results/scenes/{self.picture_of(scene)}/input"
 
-    def protocol_scenes(self) -> dict[str, list[str]]:
-        """The scenes of all protocols, each with its variants."""
+    def perturbed_scenes(self) -> dict[str, list[str]]:
+        """The scenes of all perturbed rooms, each with its variants."""
         scored = [room for room in self.rooms if room not in self.inputs]
         return {
-            f"{room}.{name}.{seed}": protocol.variants or list(self.variants)
-            for name, protocol in self.protocols.items()
-            for seed in protocol.seeds
+            f"{room}.{name}.{seed}": perturbation.variants or list(self.variants)
+            for name, perturbation in self.protocols.items()
+            for seed in perturbation.seeds
             for room in scored
         }
 
@@ -175,7 +175,7 @@ class ExperimentConfig(Section):
         return self.targets[target].task or target
 
     def plan(self, policy: str) -> PolicyPlan:
-        """What is asked of a policy; the pools among its targets are resolved."""
+        """The targets, training sets and seeds of a policy; the pools among its targets are resolved."""
         own = self.policies[policy]
         named = list(self.targets) if own.targets is None else own.targets
         return PolicyPlan(

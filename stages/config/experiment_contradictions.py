@@ -1,4 +1,4 @@
-"""What is wrong with the policy experiment: its targets, pools, policies, training sets and test assets."""
+"""Contradictions in the policy experiment: its targets, pools, policies, training sets and test assets."""
 
 from collections.abc import Iterator
 from math import lcm

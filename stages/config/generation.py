@@ -57,7 +57,7 @@ class GenerationConfig(Section):
     # Looks
     finish: Literal["library", "picture"] = Field(
         "library",
-        description="What cousins look like. library: as the library has them. picture: the main colour of each is the "
+        description="What cousins look like. library: as the library has them. picture: the main color of each is the "
         "one that the picture shows of its object; models of yours keep theirs.",
     )
 

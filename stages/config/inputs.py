@@ -47,7 +47,7 @@ class Input(Section):
         return {"folder": self.folder} if self.folder else {}
 
     def mistakes(self, key: str) -> Iterator[Mistake]:
-        """What is wrong with it; `key`: where it stands in the config."""
+        """Its mistakes; `key`: where it stands in the config."""
         for what in describe_missing(Path(self.folder)) if self.folder else ():
             yield Mistake(key, what, HOLDS, "E-CONFIG-FILE")
 
@@ -64,7 +64,7 @@ def scene_of_folder(folder: Path) -> str:
 
 
 def describe_missing(folder: Path) -> list[str]:
-    """What an input folder lacks, in words."""
+    """The files that an input folder lacks, in words."""
     if not folder.is_dir():
         return [f"no folder {folder}"]
     return [f"{folder} has no {name}" for name in INPUT_FILES if not (folder / name).is_file()]

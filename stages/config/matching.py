@@ -156,7 +156,7 @@ class MatchingSection(ComparisonOptions, CandidateOptions):
         description="Share, in a distance, of the way back from the picture's patches to the object's (paper: 0).",
     )
     colour: float = Field(
-        0.0, ge=0, description="Weight of the patches' colours (Lab, a difference of 30 counts as 1; paper: 0)."
+        0.0, ge=0, description="Weight of the patches' colors (Lab, a difference of 30 counts as 1; paper: 0)."
     )
     label_weight: float = Field(
         2.0,

@@ -30,7 +30,7 @@ class Mistake(NamedTuple):
 
     @classmethod
     def of(cls, error: InputError, key: str = "") -> "Mistake":
-        """What an error says, of a key if it names none itself."""
+        """The message of an error, of a key if it names none itself."""
         return cls(key or error.where, error.what.rstrip("."), error.fix, error.code)
 
 
@@ -66,7 +66,7 @@ def validate_config(model: type[M], given: dict[str, Any]) -> tuple[M, list[Mist
 
 
 def truths(given: Any, annotation: Any, key: str = "") -> list[Mistake]:
-    """Where a number is true or false, which YAML makes of yes, no, on and off, and Python takes for 1 and 0."""
+    """Keys whose number is true or false, which YAML makes of yes, no, on and off, and Python takes for 1 and 0."""
     if isinstance(given, dict):
         models = _models(annotation)
         fields = models[0].model_fields if models and get_origin(annotation) is not dict else {}

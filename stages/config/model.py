@@ -66,7 +66,7 @@ class Config(Section):
     tables: TablesConfig = Field(TablesConfig(), description="Tables, figures and the report page.")
     stages: Replaced = Field(
         {},
-        description="Replace verbs of stages by commands of yours, "
+        description="Replace commands of stages by commands of yours, "
         "e.g. {matching: {match: {command: python mine.py, code: [mine.py]}}} (docs/extending.md).",
     )
     containers: ContainersConfig = Field(ContainersConfig(), description="Images of the rules, for `--sdm apptainer`.")
@@ -205,7 +205,7 @@ def _is_silent(section: str) -> bool:
 
 
 def _overlays(config: Config) -> Iterator[Mistake]:
-    """What is wrong with the keys that variants, placements and targets change; such changes are taken back."""
+    """Mistakes in the keys that variants, placements and targets change; such changes are taken back."""
     kinds: tuple[tuple[str, type[Section], Callable[[str], Section]], ...] = (
         ("variants", MatchingConfig, config.matching_of),
         ("placements", GenerationConfig, config.generation_of),

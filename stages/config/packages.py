@@ -17,16 +17,16 @@ Objects = Callable[[], Mapping[str, Mapping[str, bool]]]
 
 @dataclass(frozen=True)
 class Package:
-    """What the core must know of a package.
+    """A package as the core knows it.
 
     Attributes:
         judges: whether judges of matching read its sections, each that of its name, so that variants may change them.
-        draws: modules with which verbs show more, by stage: matching: `InPlace` shows cousins in an object's place;
-            generation: `estimate_look` finds a picture's light and colours; demonstrations: `film_demonstrations` and
+        draws: modules with which commands show more, by stage: matching: `InPlace` shows cousins in an object's place;
+            generation: `estimate_look` finds a picture's light and colors; demonstrations: `film_demonstrations` and
             evaluation: `RolloutFilms` film episodes; tables: `add_tables` adds to Table 3.
-        section: of config.yaml that its verbs read.
+        section: of config.yaml that its commands read.
         shards: of the section `assets`, the shards of models that its rules add to the library, by name.
-        verbs: its commands that rules call, and what each reads of the config (None: nothing).
+        commands: its commands that rules call, and what each reads of the config (None: nothing).
         rooms: of the whole config, scenes that it makes: by name, what gives their objects, each with whether it has a
             door, a drawer; empty: not known.
         sections: of config.yaml that belong to it, and further keys, by name, as pydantic fields.
@@ -37,7 +37,7 @@ class Package:
         mistakes: of the whole config, `Mistake`s that the package finds in it.
         check: what of this machine the package may want: its name, whether all is there, what is or is not.
         guard: module that runs a user's command, `python -m GUARD COMMAND ...`, so that it ends with the workflow.
-        facts: module and verb that write what the core knows of the package, `python -m FACTS`.
+        facts: module and command that write what the core knows of the package, `python -m FACTS`.
         keys: of the whole config, environment variables of keys that it sends to a server; None: it asks none.
     """
 
@@ -48,7 +48,7 @@ class Package:
     draws: Mapping[str, str] = field(default_factory=dict)
     rooms: Callable[[Any], Mapping[str, Objects]] = lambda config: {}
     shards: Callable[[Any], Mapping[str, Any]] = lambda assets: {}
-    verbs: Mapping[str, type[Section] | None] = field(default_factory=dict)
+    commands: Mapping[str, type[Section] | None] = field(default_factory=dict)
     sections: Mapping[str, tuple[Any, Any]] = field(default_factory=dict)
     widens: Mapping[str, type[Section]] = field(default_factory=dict)
     expand: Callable[[dict[str, Any]], tuple[dict[str, Any], list[Any]]] = lambda given: (given, [])
@@ -76,7 +76,7 @@ def packages_on(on: Mapping[str, bool]) -> list[Package]:
 
 
 def list_drawers(on: Mapping[str, bool], stage: str) -> list[str]:
-    """Modules of packages that are on with which a verb of a stage shows more."""
+    """Modules of packages that are on with which a command of a stage shows more."""
     return [package.draws[stage] for package in packages_on(on) if stage in package.draws]
 
 
@@ -109,12 +109,12 @@ def shards_of(config: Any) -> dict[str, Any]:
     return {name: shard for package in on for name, shard in package.shards(config.assets).items()}
 
 
-def verb(stage: str, name: str) -> Callable[..., None]:
-    """A verb of a stage or package as a function."""
+def load_command(stage: str, name: str) -> Callable[..., None]:
+    """A command of a stage or package as a function."""
     run: Callable[..., None] = import_module(f"{home_of(stage)}.{name}").run
     return run
 
 
 def home_of(stage: str) -> str:
-    """The Python package of a stage's verbs: `stages.<stage>`, or that of a package beside the core."""
+    """The Python package of a stage's commands: `stages.<stage>`, or that of a package beside the core."""
     return f"plugins.{stage}" if f"plugins.{stage}" in plugins.list_shipped() else f"stages.{stage}"

@@ -1,4 +1,4 @@
-"""What tables say of policies, by the config: their kinds in words, what is pooled, how they see test assets."""
+"""The words of tables for policies, by the config: their kinds in words, what is pooled, how they see test assets."""
 
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,7 @@ PAPERS = ("bc_rnn_gmm", False, True)  # kind of the paper's policies, whatever t
 
 
 def list_traits(config: PolicyConfig) -> tuple[str, bool, bool]:
-    """What makes it another kind of policy, not the same with other hyper-parameters."""
+    """The keys that make it another kind of policy, not the same with other hyper-parameters."""
     return config.policy, config.handle, has_eyes(config)
 
 
@@ -44,7 +44,7 @@ def about_policies(config: "Config") -> dict[str, PolicyAbout]:
 
 
 def policy_tables(config: "Config") -> PolicyTables:
-    """The section `tables`, and what its verbs about policies read of the others."""
+    """The section `tables`, and what its commands about policies read of the others."""
     experiment, policies = config.experiment, about_policies(config)
     trained = {name: config.training.configs[about.configs[0]] for name, about in policies.items()}
     tasks = map(config.task_of, experiment.targets)

@@ -1,4 +1,4 @@
-"""What a file was made of, to be kept in it: the same code, options, inputs and seed give the same bytes."""
+"""The provenance of a file, to be kept in it: the same code, options, inputs and seed give the same bytes."""
 
 import hashlib
 from collections.abc import Iterable
@@ -12,11 +12,11 @@ from stages.contracts.provenance import Provenance
 
 
 def record_provenance(module: str, options: BaseModel, inputs: Iterable[Path], seed: int | None = None) -> Provenance:
-    """Digests of a verb's code, options and inputs.
+    """Digests of a command's code, options and inputs.
 
     Args:
-        module: the verb's, with all that it imports.
-        options: as the verb takes them, defaults filled in.
+        module: the command's, with all that it imports.
+        options: as the command takes them, defaults filled in.
         inputs: files that it reads, by content.
         seed: of the random numbers behind it, its own or its inputs'; None: none.
     """

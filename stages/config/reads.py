@@ -1,4 +1,4 @@
-"""What each verb reads of the config: its --options hold that and no more, so that no other change runs it again."""
+"""The part of the config that each command reads: its --options hold no more, so that no other change runs it again."""
 
 from typing import Any
 
@@ -34,14 +34,14 @@ CORE: dict[tuple[str, str], type[Section]] = {
     ("tables", "policies"): PolicyTables,
 }
 READS = CORE | {
-    (name, verb): reads
+    (name, command): reads
     for name, package in find_packages().items()
-    for verb, reads in package.verbs.items()
+    for command, reads in package.commands.items()
     if reads is not None
 }
 
 
-# Wildcards of rules by which the options of a verb differ.
+# Wildcards of rules by which the options of a command differ.
 WILDCARDS = ("scene", "variant", "store", "role", "run", "condition")
 
 
@@ -52,7 +52,7 @@ def section_name(stage: str) -> str:
 
 
 def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section:
-    """The section that a stage's verbs read: that of a variant, config or protocol where there are several."""
+    """The section that a stage's commands read: that of a variant, config or perturbation where there are several."""
     if "variant" in wildcards and stage == "matching":
         return config.matching_of(wildcards["variant"])
     if "variant" in wildcards and stage == "generation":
@@ -69,11 +69,11 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
     return section
 
 
-def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str]) -> dict[str, Any]:
-    """The --options of a verb."""
-    if (stage, verb) == ("matching", "features"):
+def options_of(config: Config, stage: str, command: str, wildcards: dict[str, str]) -> dict[str, Any]:
+    """The --options of a command."""
+    if (stage, command) == ("matching", "features"):
         return stores(config)[wildcards["store"]].keep_stored()
-    section, reads = section_of(config, stage, wildcards), READS[stage, verb]
+    section, reads = section_of(config, stage, wildcards), READS[stage, command]
     kinds = [field for field in type(section).model_fields if kind_of(type(section), field)]
     if beside := {name: getattr(config, name).model_dump() for name in _sections(reads, section, config)}:
         section = reads.model_construct(**dict(section), **beside)
@@ -88,7 +88,7 @@ def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str])
 
 
 def _sections(reads: type[Section], section: Section, config: Config) -> list[str]:
-    """Sections that a verb reads beside its own, of packages that are on."""
+    """Sections that a command reads beside its own, of packages that are on."""
     names = {name for package in find_packages().values() for name in package.sections if hasattr(config, name)}
     return sorted(names & set(reads.model_fields) - set(type(section).model_fields))
 

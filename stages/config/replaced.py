@@ -1,4 +1,4 @@
-"""Config section `stages`: verbs of stages that are replaced by the user's own commands."""
+"""Config section `stages`: commands of stages that are replaced by the user's own."""
 
 from typing import Annotated, Any
 
@@ -8,7 +8,7 @@ from stages.config.packages import find_packages
 from stages.contracts.errors import suggest_nearest
 from stages.contracts.section import Section
 
-VERBS = {
+COMMANDS = {
     "assets": ("join", "part", "snapshots"),
     "extraction": ("extract",),
     "matching": ("features", "shards", "match", "distances"),
@@ -21,12 +21,12 @@ VERBS = {
 }
 
 
-class VerbCommand(Section):
-    """Replaces one verb of a stage by a command of yours, in any language."""
+class ReplacementCommand(Section):
+    """Replaces one command of a stage by a command of yours, in any language."""
 
     command: str = Field(
         min_length=1,
-        description="Called as `<command> --flags ...` with the flags of the verb (docs/extending.md); what it "
+        description="Called as `<command> --flags ...` with the flags of the command (docs/extending.md); what it "
         "writes is checked against the contract before the workflow goes on.",
     )
     code: list[str] = Field(
@@ -34,16 +34,17 @@ class VerbCommand(Section):
     )
 
 
-def _known_verbs(value: Any) -> Any:
-    """Refuse stages and verbs that do not exist, with the nearest one that does."""
-    verbs = VERBS | {name: tuple(package.verbs) for name, package in find_packages().items() if package.verbs}
+def _known_commands(value: Any) -> Any:
+    """Refuse stages and commands that do not exist, with the nearest one that does."""
+    known = COMMANDS | {name: tuple(package.commands) for name, package in find_packages().items() if package.commands}
     for stage, commands in value.items() if isinstance(value, dict) else ():
-        if stage not in verbs:
-            raise ValueError(f"no stage is called '{stage}'; {suggest_nearest(stage, verbs)}")
-        for verb in commands if isinstance(commands, dict) else ():
-            if verb not in verbs[stage]:
-                raise ValueError(f"no verb of {stage} is called '{verb}'; {suggest_nearest(verb, verbs[stage])}")
+        if stage not in known:
+            raise ValueError(f"no stage is called '{stage}'; {suggest_nearest(stage, known)}")
+        for command in commands if isinstance(commands, dict) else ():
+            if command not in known[stage]:
+                mend = suggest_nearest(command, known[stage])
+                raise ValueError(f"no command of {stage} is called '{command}'; {mend}")
     return value
 
 
-Replaced = Annotated[dict[str, dict[str, VerbCommand]], BeforeValidator(_known_verbs)]
+Replaced = Annotated[dict[str, dict[str, ReplacementCommand]], BeforeValidator(_known_commands)]

@@ -1,4 +1,4 @@
-"""What the config leaves to the size of the library: `null` in `assets.shards` and `matching`."""
+"""Defaults that follow the size of the library: `null` in `assets.shards` and `matching`."""
 
 from typing import Any
 

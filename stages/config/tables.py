@@ -54,7 +54,7 @@ class MethodTables(TablesConfig):
 
 
 class PolicyTables(MethodTables):
-    """What tables say of the policies, as far as it is known.
+    """Facts about the policies for the tables, as far as they are known.
 
     kinds: policy -> its kind in words. papers: policies of the paper's kind. encoder: that whose features give the
     distance from the twin. sensing: how policies see the test assets. starts: per target, how far the robot starts off

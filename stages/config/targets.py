@@ -11,7 +11,7 @@ TrainingSet = Annotated[str, Field(pattern=f"^{SET_NAME}$")]
 
 
 class Target(Section):
-    """What is opened: an object of a room."""
+    """A task with the object of a room that it is about."""
 
     task: str | None = Field(None, description="door, drawer, ... or a task of yours; null: as the target is named")
     room: str = Field("room_3", description="room of the object, one of `rooms`")

@@ -34,7 +34,7 @@ class UsualSize(NamedTuple):
         return float(np.maximum(0, np.maximum(self.low - spread - extents, extents - self.high - spread)).sum())
 
     def factor(self, size: ArrayLike) -> float:
-        """What would make it as large as usual, two digits."""
+        """The factor that would make it as large as usual, two digits."""
         return float(f"{np.exp(np.mean((self.low + self.high) / 2 - log_extents(size))):.2g}")
 
     def __str__(self) -> str:
@@ -82,7 +82,7 @@ class Category(Contract):
 
 
 def describe_unusual(category: Category | None, size: ArrayLike, spread: float = USUAL_SPREAD) -> str:
-    """What is odd about extents (depth, width, height), metres, of a thing of a category; empty: nothing is known.
+    """Oddities of extents (depth, width, height), metres, of a thing of a category; empty: nothing is known.
 
     `spread`: as `USUAL_SPREAD`.
     """

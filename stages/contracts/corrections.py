@@ -90,13 +90,13 @@ class Corrections(Document):
         return {name: FLOOR for name in stated.values() if name != FLOOR} | stated
 
     def read_by(self, stage: Reader) -> "Corrections":
-        """What concerns a stage, and nothing else."""
+        """The corrections that concern a stage, no others."""
         kept = [item.model_dump(include={"mask", *READ[stage]}, exclude_defaults=True) for item in self.objects]
         return Corrections(objects=[Correction.model_validate(item) for item in kept if len(item) > 1])
 
 
 def corrections_of(paths: tuple[Path, ...], stage: Reader) -> dict[int, Correction]:
-    """What a stage reads of corrections.json, by mask value; `paths`: the file, or nothing.
+    """The corrections for a stage, of corrections.json, by mask value; `paths`: the file, or nothing.
 
     Raises:
         InputError: it is broken.

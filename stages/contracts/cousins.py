@@ -20,7 +20,7 @@ class CategoryMatch(Contract):
 
 
 class Judged(Contract):
-    """What the judge that decided says of a candidate or a yaw, if it gives scores."""
+    """The scores of a candidate or a yaw by the judge that decided, if it gives any."""
 
     score: Finite | None = Field(None, description="more is better; null: the judge gives none, or did not look at it")
     terms: dict[str, Finite] = Field({}, description="what the score is made of, by name, before weights")
@@ -68,7 +68,7 @@ class Cousin(Judged):
 
 
 class ObjectCousins(Contract):
-    """What matching found for one object."""
+    """The cousins of one object."""
 
     id: Id
     label: Text

@@ -1,4 +1,4 @@
-"""What may be wrong with an object of a scene and a person can mend. All else that is odd is a note."""
+"""Doubts about an object of a scene that a person can mend. All else that is odd is a note."""
 
 from enum import Enum, unique
 from typing import Any, Literal
@@ -22,7 +22,7 @@ MEND: dict[Cause, str] = {
 
 
 class Doubt(Contract):
-    """What may be wrong, in words; `MEND` has what helps against each cause."""
+    """The causes of doubts, in words; `MEND` has what helps against each cause."""
 
     model_config = ConfigDict(frozen=True)
 

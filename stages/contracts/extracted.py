@@ -1,4 +1,4 @@
-"""What extraction hands on: objects.json with masks.png, depth.npz and clouds.npz beside it."""
+"""The output of extraction: objects.json with masks.png, depth.npz and clouds.npz beside it."""
 
 from functools import partial
 from pathlib import Path

@@ -58,7 +58,7 @@ def open_features(path: Path) -> tuple[FeatureIndex, NDArray[Any]]:
 
 
 def open_companion(path: Path, index: FeatureIndex, rows: NDArray[Any]) -> dict[str, NDArray[Any]]:
-    """What goes with the rows of a shard (`path` with .npz): `wholes`, and for compressed rows their codec.
+    """The arrays beside the rows of a shard (`path` with .npz): `wholes`, and for compressed rows their codec.
 
     Raises:
         InputError: it is missing or broken, or arrays do not fit each other.

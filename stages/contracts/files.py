@@ -101,7 +101,7 @@ def first_error(error: ValidationError) -> str:
 
 
 def refusal(model: type[BaseModel], error: ValidationError) -> str:
-    """What is wrong with a file, as the second part of an `InputError`."""
+    """The fault of a file, as the second part of an `InputError`."""
     return f"breaks the {model.__name__} contract at {first_error(error)}."
 
 

@@ -1,4 +1,4 @@
-"""Where doors and drawers lie on the front of a thing."""
+"""The layout of doors and drawers on the front of a thing."""
 
 from collections.abc import Sequence
 

@@ -29,7 +29,7 @@ from stages.contracts.types import (
     check_view,
 )
 
-RIGHT_SHARE, RIGHT_LEAST = 0.10, 0.03  # a size is right if every extent is: within a share of it, or metres
+RIGHT_SHARE, RIGHT_MIN = 0.10, 0.03  # a size is right if every extent is: within a share of it, or metres
 
 
 class PlacedObject(Contract):
@@ -83,13 +83,13 @@ class Plausibility(Contract):
 
     @property
     def kept(self) -> str:
-        """What stands only as it is helped, in words; empty: nothing does."""
+        """Items that stand only as they are helped, in words; empty: none does."""
         named = {"held, for nothing that was named carries it": self.held, "reaches behind a wall": self.behind}
         return "; ".join(f"{what}: {', '.join(names)}" for what, names in named.items() if names)
 
     @property
     def verdict(self) -> str:
-        """Whether the scene stands, and what of it does not or is helped."""
+        """A line: whether the scene stands, and what of it does not or is helped."""
         first = f"does not stand: {self.wrong}" if self.wrong else "stands"
         return f"{first}; {self.kept}" if self.kept else first
 
@@ -134,5 +134,5 @@ class GeneratedScene(Document):
 
 def measure_sureness(size: Iterable[float], spread: Iterable[float]) -> float:
     """The chance that extents (3,), metres, are all right, given the standard deviations (3,) of their logarithms."""
-    within = (math.log1p(max(RIGHT_SHARE, RIGHT_LEAST / extent)) for extent in size)
+    within = (math.log1p(max(RIGHT_SHARE, RIGHT_MIN / extent)) for extent in size)
     return math.prod(math.erf(far / (each * math.sqrt(2))) for far, each in zip(within, spread, strict=True))

@@ -21,7 +21,7 @@ COLUMNS, TILE, LETTERS = 6, 192, 16  # of a sheet of small pictures: in a row; p
 GOLDEN = 0.618034  # golden ratio: steps of hue that keep neighbours apart
 DEEP = ("I;16", "I;16B", "I;16L", "I;16N", "I")  # modes of one channel with more than 8 bits
 
-Colour = tuple[int, int, int]
+Color = tuple[int, int, int]
 
 
 def read_upright(path: Path) -> Image.Image:
@@ -102,11 +102,11 @@ def check_shown(path: Path, rgb: NDArray[np.uint8]) -> None:
     """Refuse a picture (H, W, 3) that shows nothing: black, white, or transparent all over.
 
     Raises:
-        InputError: it is all of one colour.
+        InputError: it is all of one color.
     """
     if float(rgb.std(axis=(0, 1)).max()) < MIN_CONTRAST:
         raise InputError(
-            path, "shows nothing: it is all of one colour.", "take another photograph", code="E-PICTURE-BLANK"
+            path, "shows nothing: it is all of one color.", "take another photograph", code="E-PICTURE-BLANK"
         )
 
 
@@ -143,7 +143,7 @@ def check_size(path: Path, array: NDArray[Any], width: int, height: int, source:
         )
 
 
-def colour_of(index: int) -> Colour:
-    """A bright colour, different from that of the neighbouring indices."""
+def color_of(index: int) -> Color:
+    """A bright color, different from that of the neighbouring indices."""
     red, green, blue = colorsys.hsv_to_rgb((0.02 + index * GOLDEN) % 1.0, 0.75, 1.0)
     return round(255 * red), round(255 * green), round(255 * blue)

@@ -83,7 +83,7 @@ class Joint(Contract):
         return self
 
 
-Finish = dict[str, str | list[str]]  # parameters of a recipe, of what it is made of in which colours
+Finish = dict[str, str | list[str]]  # parameters of a recipe, of what it is made of in which colors
 
 
 class Recipe(Contract):
@@ -129,7 +129,7 @@ class Asset(Document):
         for part, stated in zip(PARTS, (self.doors, self.drawers, self.buttons), strict=True):
             count = sum(joint.part_type == part for joint in self.joints)
             if stated != count:
-                raise ValueError(f"{part}s: says {stated}, but {count} joints have the role {part}")
+                raise ValueError(f"{part}s: says {stated}, but {count} joints are {part}s")
         return self
 
     @property
@@ -144,7 +144,7 @@ class Asset(Document):
 
     @property
     def panels(self) -> list[Panel]:
-        """Where the doors and drawers lie on its front, as far as they are seen there."""
+        """The layout of its doors and drawers, as far as they are seen on its front."""
         found = (
             joint.panel.measure_on_front(front, self.size)
             for joint in self.joints
@@ -167,7 +167,7 @@ class Asset(Document):
 
 
 class LeftOut(Document):
-    """Models that matching does without: the true ones of a room and their relatives (protocol `unknown`)."""
+    """Models that matching does without: the true ones of a room and their relatives (perturbation `unknown`)."""
 
     assets: list[Id]
 

@@ -7,16 +7,16 @@ from pydantic import Field, model_validator
 from stages.contracts.files import Contract, Document
 from stages.contracts.types import Coordinate, Finite, Fraction, Id, UnitVector, check_unique
 
-Colour = tuple[Fraction, Fraction, Fraction]
-GAMMA = 2.2  # of pictures; base colours are linear
+Color = tuple[Fraction, Fraction, Fraction]
+GAMMA = 2.2  # of pictures; base colors are linear
 ROOM_LIGHT = (0.55, -0.5, -1.0)  # over the photographer's left shoulder: x of the floor frame is the viewing direction
 
 
 class Surface(Contract):
-    """Floor or wall: its base colour (linear RGB), and the part of it that the picture shows."""
+    """Floor or wall: its base color (linear RGB), and the part of it that the picture shows."""
 
     id: Id = Field(description="'floor', or the id of a wall")
-    colour: Colour
+    colour: Color
     low: tuple[Coordinate, Coordinate] = Field(description="floor: least x and y; wall: left along its tangent, and 0")
     high: tuple[Coordinate, Coordinate] = Field(description="floor: largest x and y; wall: right, and height")
 

@@ -44,7 +44,7 @@ FAR_FROM_WALL = 2.0  # metres: what touches a wall is never so far away from it,
 
 
 class DepthError(NamedTuple):
-    """What is wrong with depth: the standard deviation, metres, with which it lies about what it shows, a + b z^2."""
+    """The error of a depth map: the standard deviation, metres, with which it lies about what it shows, a + b z^2."""
 
     a: NonNegative
     b: NonNegative
@@ -201,7 +201,7 @@ def distance_between(box: Box, wall: Wall) -> float:
 
 
 def check_status(name: str, status: str, reason: str) -> None:
-    """What failed says why."""
+    """Refuse an object that failed and does not say why."""
     if status == "failed" and not reason:
         raise ValueError(f"objects: '{name}' failed, but reason is empty")
 

@@ -1,4 +1,4 @@
-"""What a file was made of."""
+"""The provenance of a file: digests of code, options and inputs."""
 
 from pydantic import Field
 
@@ -14,6 +14,6 @@ class Provenance(Contract):
     """
 
     seed: Seed | None = Field(None, description="of the random numbers behind it, its own or its inputs'; null: none")
-    options: Text = Field(description="digest of the verb's options")
-    inputs: Text = Field(description="digest of the files that the verb was given")
-    code: Text = Field(description="digest of the verb's code and of all that it imports")
+    options: Text = Field(description="digest of the command's options")
+    inputs: Text = Field(description="digest of the files that the command was given")
+    code: Text = Field(description="digest of the command's code and of all that it imports")

@@ -69,7 +69,7 @@ class Held(Contract):
 
 
 class Annotation(Contract):
-    """What a captioner would say of one object of the image (paper A.2, A.7)."""
+    """The caption of one object of the image (paper A.2, A.7)."""
 
     mask: MaskValue = Field(description="value of the object's pixels in masks.png; 1 or more")
     label: Text = Field(description="free text, e.g. 'cabinet'")

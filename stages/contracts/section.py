@@ -15,7 +15,7 @@ class Section(BaseModel):
         return set()
 
     def keep_deciding(self) -> Self:
-        """What decides on results; where and how they are got is left at its default."""
+        """The keys that decide on results; where and how they are got is left at its default."""
         return self
 
 

@@ -1,4 +1,4 @@
-"""What the operating system refuses, in one line; and what it has to have on the disk before a file is finished."""
+"""Refusals of the operating system, in one line; and what it has to have on the disk before a file is finished."""
 
 import contextlib
 import errno
@@ -31,7 +31,7 @@ def start_job() -> None:
 
 
 def line_of(error: Exception) -> str | None:
-    """What the operating system refused: the file, why, how to mend it. None for errors of another kind."""
+    """The refusal as a line: the file, why, how to mend it. None for errors of another kind."""
     if isinstance(error, MemoryError) or any(words in str(error) for words in FULL_MEMORY):
         fix = "run fewer jobs at once (--cores), or with smaller options"
         reported = InputError("", "out of memory.", fix, code="E-SYSTEM-MEMORY")

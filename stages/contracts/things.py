@@ -29,12 +29,12 @@ class Thing(Contract):
 
     @property
     def guess(self) -> str:
-        """What it may be, e.g. `chair, 62 %`."""
+        """The names that it may have, e.g. `chair, 62 %`."""
         return f"{self.names[0].name}, {100 * self.names[0].probability:.0f} %" if self.names else "thing"
 
 
 class Ground(Contract):
-    """Where the ground is, by geometry."""
+    """The ground plane, by geometry."""
 
     camera_height: Extent = Field(description="of the camera above the ground, metres")
     taken_from: Text = Field(description="what shows it, for people: 'a level surface below which 0.3 % of points lie'")
@@ -55,11 +55,11 @@ class Things(Document):
 
     @property
     def left_out(self) -> list[Thing]:
-        """What is not placed."""
+        """Things that are not placed."""
         return [item for item in self.things if item.left_out]
 
 
 def read_things(folder: Path) -> Things | None:
-    """What was found by itself in the picture of an input folder; None: its masks are from elsewhere."""
+    """The things that were found in the picture of an input folder; None: its masks are from elsewhere."""
     path = folder / THINGS
     return read_json(Things, path) if path.is_file() else None

@@ -11,7 +11,7 @@ LATE = 0.25  # of the steps; healthy trainings took at most 0.16 (of 83)
 
 
 class TrainingStore(Contract):
-    """What was used of one episode store."""
+    """The episodes of one store that training used."""
 
     file: Text = Field(description="the last three names of its path, wherever results/ lies")
     asset: Id

@@ -12,7 +12,7 @@ ROLE_NAME = rf"(?:twin|all|(?:{'|'.join(RULES.values())})_[1-9]\d*)(?:{RANDOMISE
 
 
 class SetName(NamedTuple):
-    """What the name of a training set says: `cousins_8_randomised` is eight cousins, randomised."""
+    """The parts of a training set's name: `cousins_8_randomised` is eight cousins, randomised."""
 
     rule: str
     size: int  # stores of demonstrations: one per asset; `all` is one store of many assets
@@ -20,7 +20,7 @@ class SetName(NamedTuple):
 
 
 def read_set(name: str) -> SetName:
-    """What the name of a training set says; it matches `SET_NAME`."""
+    """The parts of a training set's name, which matches `SET_NAME`."""
     rule, _, size = strip_randomised(name).partition("_")
     return SetName(rule, int(size or 1), is_randomised(name))
 

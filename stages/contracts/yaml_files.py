@@ -1,4 +1,4 @@
-"""What is wrong with a YAML file that a person wrote, by its line."""
+"""Mistakes in a YAML file that a person wrote, by line."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ def line_of(path: Path, error: yaml.YAMLError) -> str:
 
 
 def fault_of(error: yaml.YAMLError) -> str:
-    """What could not be read, in one line; with where it began, as what is left open is found out later only."""
+    """The error of a parser in one line; with where it began, as what is left open is found out later only."""
     what = getattr(error, "problem", None) or getattr(error, "reason", None) or str(error)
     began, context = getattr(error, "context_mark", None), getattr(error, "context", None)
     since = f", {context} of line {began.line + 1}" if began and context else ""

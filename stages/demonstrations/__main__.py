@@ -1,4 +1,4 @@
-"""`python -m stages.demonstrations VERB`."""
+"""`python -m stages.demonstrations COMMAND`."""
 
 from stages.cli import main
 

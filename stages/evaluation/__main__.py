@@ -1,4 +1,4 @@
-"""`python -m stages.evaluation VERB`."""
+"""`python -m stages.evaluation COMMAND`."""
 
 from stages.cli import main
 

@@ -1,4 +1,4 @@
-"""Command `rollout`: success of one policy on roles and on unseen assets, one row per episode (paper B.3, Table 3)."""
+"""Command `rollout`: success of a policy on test assets and unseen ones, a row per episode (paper B.3, Table 3)."""
 
 import sys
 from importlib import import_module
@@ -33,7 +33,7 @@ def run(
     seed: int = 0,
     device: Literal["cpu", "cuda"] = "cpu",
 ) -> None:
-    """Roll a policy out on the test roles and on the unseen assets of a split, with the task options that it was
+    """Roll a policy out on the test assets and on the unseen assets of a split, with the task options that it was
     trained with and each asset shown as `options` say.
 
     Args:
@@ -63,15 +63,15 @@ def run(
         checkpoint = checkpoint_of(settings, selection)
         network = envs.network(checkpoint)
         acting = Acting(target, policy_name, training_set, run_name, envs.trained.seed, checkpoint)
-        for role, starts in tested.items():
+        for test_asset, starts in tested.items():
             same = tuple((asset.asset, state) for asset, state in starts)
             if same not in played:
                 played[same] = envs.episodes(network, starts, record=bool(filmers))
                 for filmer in filmers:
-                    filmer.take(played[same], role)
+                    filmer.take(played[same], test_asset)
             successes = sum(episode.success for episode in played[same])
-            print(f"evaluation: {role} {successes}/{len(starts)} succeeded", file=sys.stderr)
-            rows += envs.rows(acting, role, played[same])
+            print(f"evaluation: {test_asset} {successes}/{len(starts)} succeeded", file=sys.stderr)
+            rows += envs.rows(acting, test_asset, played[same])
     for filmer in filmers:
         filmer.write(out.parent, envs.options.control_frequency)
     write_rows(out, rows)

@@ -13,7 +13,7 @@ from stages.contracts.policies import TaskAsset, TaskAssets
 Purpose = Literal["roles", "test", "validation", "selection"]
 Start = tuple[TaskAsset, int]
 FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was trained on
-TRAINED = "trained"  # test role of the assets that a policy was trained on
+TRAINED = "trained"  # test asset: those that a policy was trained on
 
 
 def initial_states(purpose: Purpose, seed: int, count: int, place: int = 0) -> list[int]:
@@ -33,22 +33,23 @@ def initial_states(purpose: Purpose, seed: int, count: int, place: int = 0) -> l
 def starts_of(
     plan: TaskAssets, where: Path, settings: SkillOptions, trained: Sequence[str], seed: int
 ) -> dict[str, list[Start]]:
-    """The episodes of every test role, and of the split under its name.
+    """The episodes of every test asset, and of the split under its name.
 
     Args:
         plan: the experiment's assets, read from the file `where`.
-        trained: roles that the policy was trained on; none: nothing is rolled out for the role `trained`.
+        trained: roles that the policy was trained on; none: nothing is rolled out on `trained`.
 
     Raises:
         InputError: `where` has no asset of a role.
     """
     states = initial_states("roles", seed, settings.rollouts)
     starts: dict[str, list[Start]] = {}
-    for role in settings.test_assets:
-        if role != TRAINED:
-            starts[role] = [(plan.find_asset(role, where), state) for state in states]
+    for test_asset in settings.test_assets:
+        if test_asset != TRAINED:
+            starts[test_asset] = [(plan.find_asset(test_asset, where), state) for state in states]
         elif trained:
-            starts[role] = share_states([asset for name in trained for asset in plan.assets_of(name, where)], states)
+            known = [asset for name in trained for asset in plan.assets_of(name, where)]
+            starts[test_asset] = share_states(known, states)
     unseen = list_unseen_starts(plan, settings, seed)
     return starts | {settings.split: unseen} if unseen else starts
 

@@ -120,15 +120,15 @@ class VectorEnv:
             return asset
         return asset.model_copy(update={"size": read_json(Asset, self.folder(asset) / "asset.json").size})
 
-    def rows(self, acting: Acting, role: str, episodes: Sequence[RolloutEpisode]) -> list[Rollout]:
-        """Episodes on a test role as rows."""
+    def rows(self, acting: Acting, test_asset: str, episodes: Sequence[RolloutEpisode]) -> list[Rollout]:
+        """Episodes on a test asset as rows."""
         return [
             Rollout.model_validate(
                 acting._asdict()
                 | {
                     "task": shorten_name(self.plan.task),
                     "cloud": self.options.cloud,
-                    "test_asset": role,
+                    "test_asset": test_asset,
                     "asset": episode.asset.asset,
                     "family": episode.asset.family,
                     "handle": episode.asset.handle,

@@ -1,4 +1,4 @@
-"""`python -m stages.experiment VERB --help`."""
+"""`python -m stages.experiment COMMAND --help`."""
 
 from stages.cli import main
 

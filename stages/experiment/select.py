@@ -42,7 +42,7 @@ def run(
     between representative snapshots, as in Table 3; if those are too few, also what `count_threshold` held back of
     their categories. Each is of another family than the twin and the other cousins, and opens to the twin's side at
     the joint most like the twin's. The dissimilar asset is the farthest one of the whole library whose kind of handle
-    and hinge side some training asset shows: it differs in shape. The families that are left are dealt to training,
+    and hinge side some training asset shows: it differs in shape. The families that are left are split into training,
     validation and test. Every asset is loaded in the box of the object, as the official code does.
 
     Args:
@@ -59,7 +59,7 @@ def run(
         held_out: numbers of the cousins that no policy is trained on.
         test_assets: at most so many assets in the lists of validation and of test each.
         draws: how often assets are drawn for the training sets random_n and cover_n.
-        seed: of the deal and of the assets drawn by chance.
+        seed: of the split and of the assets drawn by chance.
     """
     kind: Task = load("tasks", task)
     folders = AssetFolders(library)

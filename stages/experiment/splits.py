@@ -16,11 +16,11 @@ T = TypeVar("T")
 Handle = tuple[str, float, float]  # kind, length in metres, height on the front
 Stratum = tuple[str, bool, bool]  # kind, longer and higher than most of this kind
 # To whom families go in turns. Four in seven to test: of the default library's doors that makes 20 families.
-DEALT = ("test", "validation", "test", "train", "test", "validation", "test")
+SPLIT_TURNS = ("test", "validation", "test", "train", "test", "validation", "test")
 
 
 class Splits(NamedTuple):
-    """Assets of the families that are dealt."""
+    """Assets of the families in each split."""
 
     train: list[TaskAsset]
     validation: list[TaskAsset]
@@ -37,7 +37,7 @@ def with_lists(
             training set `all` are used.
         nearest: categories that the training set `all` is of.
         count: at most so many assets in the lists of validation and of test each.
-        seed: of the deal and of the assets drawn by chance.
+        seed: of the split and of the assets drawn by chance.
         draws: how often assets are drawn for the training sets `random_n` and `cover_n`.
     """
     rng = np.random.default_rng(seed)
@@ -45,7 +45,7 @@ def with_lists(
     trained = {asset.family for asset in plan.assets} - hidden
     twins = {asset.family for asset in plan.assets if asset.role in ("twin", "matched")}
     same = [asset for asset in usable if asset.hinge == plan.assets[0].hinge]
-    splits = deal((asset for asset in same if asset.family not in trained | hidden), rng)
+    splits = split_by_family((asset for asset in same if asset.family not in trained | hidden), rng)
     trained |= {asset.family for asset in splits.train}
     train = [asset for asset in same if asset.family in trained]
     apart = hidden | {asset.family for asset in [*splits.validation, *splits.test]}
@@ -70,10 +70,10 @@ def with_lists(
     )
 
 
-def deal(assets: Iterable[TaskAsset], rng: np.random.Generator) -> Splits:
-    """Deal whole families: about half of them to test, a quarter to validation, the rest to training.
+def split_by_family(assets: Iterable[TaskAsset], rng: np.random.Generator) -> Splits:
+    """Assign whole families to splits: about half of them to test, a quarter to validation, the rest to training.
 
-    Families with the same kind of handle, about as long and as high on the front, are dealt one after another, in an
+    Families with the same kind of handle, about as long and as high on the front, are assigned one after another, in an
     order by chance, so that every split gets its share of them.
     """
     families: dict[str, list[TaskAsset]] = {}
@@ -82,7 +82,7 @@ def deal(assets: Iterable[TaskAsset], rng: np.random.Generator) -> Splits:
     strata = _strata({name: _pick_typical(members) for name, members in families.items()})
     splits = Splits([], [], [])
     for turn, name in enumerate(sorted(_shuffle_items(families, rng), key=lambda name: strata[name])):
-        getattr(splits, DEALT[turn % len(DEALT)]).extend(families[name])
+        getattr(splits, SPLIT_TURNS[turn % len(SPLIT_TURNS)]).extend(families[name])
     return splits
 
 

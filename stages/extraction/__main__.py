@@ -1,4 +1,4 @@
-"""`python -m stages.extraction VERB --help`."""
+"""`python -m stages.extraction COMMAND --help`."""
 
 from stages.cli import main
 

@@ -9,7 +9,7 @@ TOO_LOW = {"depth in centimetres, taken for millimetres": 10.0, "intrinsics of t
 
 
 def doubt_height(height: float) -> str:
-    """What is odd about a camera's height over the floor, metres, and which mistakes make such a height; empty: none.
+    """A warning about a camera's height over the floor, metres, and which mistakes make such a height; empty: none.
 
     Depth of 8 bits has steps of no known size: it is named wherever the camera is too low.
     """

@@ -1,4 +1,4 @@
-"""What an object touches, by what the picture shows of the space between: walls, surfaces below it (paper A.2).
+"""Contacts of an object, by what the picture shows of the space between: walls, surfaces below it (paper A.2).
 
 A single picture shows one side of an object. A gap between it and a wall counts only if the camera sees into it;
 hidden space is taken to be filled by the object.
@@ -26,7 +26,7 @@ JUST_BELOW = 0.15  # metres; farther down furniture may stand before a picture t
 
 @dataclass(frozen=True, eq=False)
 class DepthView(PointMap):
-    """What a picture shows (depth is 0 where it is cropped away), in the floor frame, and how far its depth errs."""
+    """A picture (depth is 0 where it is cropped away) in the floor frame, and how far its depth errs."""
 
     error: DepthError = USUAL_ERROR
 
@@ -59,7 +59,7 @@ class DepthView(PointMap):
         return float((~hidden[shown > 0]).mean()) if (shown > 0).any() else 0.0
 
     def intersect_level(self, columns: NDArray[np.integer], rows: NDArray[np.integer], height: float) -> Array:
-        """Where the rays through pixels (N,), (N,) meet the plane z = `height` of the floor frame: (N, 3), else NaN."""
+        """Points (N, 3) where rays through pixels (N,), (N,) meet z = `height` in the floor frame, else NaN."""
         pixels = np.stack([columns, rows, np.ones_like(rows)], axis=1).astype(np.float64)
         rays = pixels @ np.linalg.inv(self.intrinsics).T @ self.frame[:3, :3].T
         down = np.where(rays[:, 2] < 0, rays[:, 2], np.nan)

@@ -132,7 +132,7 @@ def paint_masks(things: dict[int, Correction], found: NDArray[np.uint16], cut: C
 
 
 def list_losses(things: dict[int, Correction], painted: Painted) -> dict[int, str]:
-    """What is lost of things, by mask value: all their pixels, or most of them to a later outline."""
+    """Things that lost pixels, by mask value: all their pixels, or most of them to a later outline."""
     shown = set(np.unique(painted.masks).tolist())
     losses = {mask: "no pixel shows it, left out" for mask in things if mask not in shown}
     for mask, (share, by) in painted.swallowed.items():
@@ -192,7 +192,7 @@ def is_opening(item: Correction, found: Annotation | None) -> bool:
 
 
 def keep_names(item: Correction, before: Annotation) -> dict[str, Any]:
-    """What is left of the names that were proposed for it, and of their doubts: nothing, if a person names it."""
+    """The names that were proposed for it, and their doubts, as far as they still count: none, if a person names it."""
     if item.named or item.label != before.label:
         return {}
     doubts = [one for one in before.doubts if one.cause == "name"]

@@ -1,4 +1,4 @@
-"""`python -m stages.generation VERB --help`."""
+"""`python -m stages.generation COMMAND --help`."""
 
 from stages.cli import main
 

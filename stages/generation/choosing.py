@@ -23,7 +23,7 @@ def choose_models(inputs: Inputs, rank: int, places: Places) -> tuple[list[Place
         try:
             item = choose(one, rank, models, places)
             models[one.object.mask] = item.asset.id
-            items.append(resize(paint(item, one.colour)))
+            items.append(resize(paint(item, one.color)))
         except InputError as error:
             failed[one.object.id] = error.what
     return items, failed

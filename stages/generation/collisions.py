@@ -116,7 +116,7 @@ def forbidden_shifts(mover: list[Prism], others: list[Prism], touch: float) -> B
 
 
 def _movers(pair: Pair, scene: _Scene) -> list[str]:
-    """Who gives way, first choice first: what stands free, what stands at a wall, what hangs; small before large.
+    """The order in which items give way: what stands free, what stands at a wall, what hangs; small before large.
 
     What carries the other would take it along.
     """
@@ -143,7 +143,7 @@ def shortest_push(name: str, scene: _Scene, limit: float) -> NDArray[np.float64]
 
 
 def allowed_shifts(name: str, scene: _Scene, limit: float) -> BaseGeometry:
-    """Where an item may go: not far, not into walls, not off its support; along its wall only if it touches one."""
+    """Limits of an item's way: not far, not into walls, not off its support; along its wall only if it touches one."""
     item = scene.items[name]
     region: BaseGeometry = Point(0, 0).buffer(limit)
     touched = [wall for wall in scene.walls if wall.id in item.mounting.walls]

@@ -1,4 +1,4 @@
-"""The colours that a picture shows of its objects, and models of the library in them: `finish: picture`."""
+"""The colors that a picture shows of its objects, and models of the library in them: `finish: picture`."""
 
 from dataclasses import replace
 from typing import Any
@@ -18,10 +18,10 @@ SHADING = (0.3, 0.9)  # quantiles of lightness between which a surface is neithe
 ROUNDS = 3  # in each the half of the pixels that is nearest to the median gives the next one; chosen
 
 
-def measure_colours(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: Objects) -> dict[str, RGB]:
-    """The colour that most of every object has in the picture, by id; of what shows too few pixels none.
+def measure_colors(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: Objects) -> dict[str, RGB]:
+    """The color that most of every object has in the picture, by id; of what shows too few pixels none.
 
-    The light's tint stays in it, as in the colours of floor and walls (look.json).
+    The light's tint stays in it, as in the colors of floor and walls (look.json).
 
     Args:
         rgb: the picture (H, W, 3).
@@ -29,11 +29,11 @@ def measure_colours(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: 
     """
     lab = cv2.cvtColor(rgb.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
     pixels = {item.id: lab[masks == item.mask] for item in objects.objects}
-    return {name: find_main_colour(each) for name, each in pixels.items() if len(each) >= MIN_PIXELS}
+    return {name: find_main_color(each) for name, each in pixels.items() if len(each) >= MIN_PIXELS}
 
 
-def find_main_colour(lab: NDArray[np.float32]) -> RGB:
-    """The colour of most of N pixels (N, 3), Lab, as linear rgb: away from shadows and glare, others left out."""
+def find_main_color(lab: NDArray[np.float32]) -> RGB:
+    """The color of most of N pixels (N, 3), Lab, as linear rgb: away from shadows and glare, others left out."""
     low, high = np.quantile(lab[:, 0], SHADING)
     kept = lab[(lab[:, 0] >= low) & (lab[:, 0] <= high)]
     for _ in range(ROUNDS):
@@ -44,14 +44,14 @@ def find_main_colour(lab: NDArray[np.float32]) -> RGB:
     return r, g, b
 
 
-def paint(item: Placed, colour: RGB | None) -> Placed:
-    """The item in the colour of its object, by its recipe; a model without one, and one of no known colour, stays."""
-    if colour is None:
+def paint(item: Placed, color: RGB | None) -> Placed:
+    """The item in the color of its object, by its recipe; a model without one, and one of no known color, stays."""
+    if color is None:
         return item
     if item.asset.recipe is None:
-        return replace(item, steps=(*item.steps, "in its own colours: a model that is no recipe's cannot be painted"))
+        return replace(item, steps=(*item.steps, "in its own colors: a model that is no recipe's cannot be painted"))
     before = item.asset.recipe
-    painted = load_maker().paint(before, colour)
+    painted = load_maker().paint(before, color)
     finish: Any = {key: value for key, value in painted.parameters.items() if before.parameters[key] != value}
     asset = item.asset.model_copy(update={"recipe": painted})
     return replace(item, asset=asset, finish=finish)

@@ -43,7 +43,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Observation(FloorCamera):
-    """What the picture shows of an object: its outline (None: no mask) and points (N, 3) of it, floor frame."""
+    """An object as the picture shows it: its outline (None: no mask) and points (N, 3) of it, floor frame."""
 
     outline: Outline | None
     points: Array
@@ -70,7 +70,7 @@ class SizePrior(NamedTuple):
 
 @dataclass(frozen=True)
 class Prior:
-    """What is known of an object but for its looks.
+    """Prior knowledge of an object but for its appearance.
 
     native: extents (3,) of the model in the library. is_round: from above. usual: None where no one says. bottom:
     height of what carries it; None: it hangs. walls: of the room. touched: those at which it ends.
@@ -150,8 +150,8 @@ def improve_box(solid: Solid, start: UprightBox, seen: Observation, known: Prior
 
 
 def find_correspondences(solid: Solid, seen: Observation, box: UprightBox) -> Correspondences:
-    """Where rays from the camera to the points meet the model when its box is `box`; of points whose rays miss it,
-    what of its surface is nearest to them in the unit box."""
+    """Points where rays from the camera to the seen points meet the model in `box`; for those whose rays miss it, the
+    nearest of its surface in the unit box."""
     turn = yaw_matrix(box.yaw)
     origin, ends = (seen.eye - box.center) @ turn / box.size, (seen.points - box.center) @ turn / box.size
     rays = np.concatenate([np.broadcast_to(origin, ends.shape), ends - origin], axis=1).astype(np.float32)

@@ -1,4 +1,4 @@
-"""What generation reads: every object with its cloud and its cousins, and the library's models."""
+"""The inputs of generation: every object with its cloud and its cousins, and the library's models."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from stages.contracts.extracted import read_clouds, read_metres, read_object_mas
 from stages.contracts.images import read_rgb
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.objects import SceneObject
-from stages.generation.finishing import RGB, measure_colours
+from stages.generation.finishing import RGB, measure_colors
 from stages.geometry.boxes import THINNEST
 from stages.geometry.cameras import back_project
 from stages.geometry.estimate import REACH
@@ -30,7 +30,7 @@ class MatchedObject:
     """One object with all that is known of it.
 
     cousins: best first. distances: of its label to categories. cloud: (N, 3), floor frame. outline: of its mask; None:
-    it has none. correction: what a person says of it. failed: why no cousin can stand for it; empty: one can. colour:
+    it has none. correction: what a person says of it. failed: why no cousin can stand for it; empty: one can. color:
     that its cousins are painted in; None: they keep theirs.
     """
 
@@ -41,12 +41,12 @@ class MatchedObject:
     outline: Outline | None
     correction: Correction
     failed: str = ""
-    colour: RGB | None = None
+    color: RGB | None = None
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """What the scenes of all ranks share.
+    """The inputs that the scenes of all ranks share.
 
     objects: as extraction wrote them. matched: an object that takes the model of another one comes after that one.
     folders: of the library's models, by asset id. categories: by name, as the library knows them.
@@ -75,7 +75,7 @@ def read_inputs(
     corrections: tuple[Path, ...] = (),
     image: Path | None = None,
 ) -> Inputs:
-    """Read and check all of it; `image`: the picture, if cousins are painted in its colours.
+    """Read and check all of it; `image`: the picture, if cousins are painted in its colors.
 
     Raises:
         InputError: a file is missing or broken, or cousins and objects are of different scenes.
@@ -87,7 +87,7 @@ def read_inputs(
     clouds = read_clouds(objects, extracted)
     masks = read_object_masks(objects, extracted)
     outlines = measure_outlines(extracted, masks, read_metres(objects, extracted))
-    colours = measure_colours(read_rgb(image), masks, extracted) if image else {}
+    colors = measure_colors(read_rgb(image), masks, extracted) if image else {}
     corrected = corrections_of(corrections, "generation")
     by_id = {entry.id: entry for entry in matched.objects}
     found = []
@@ -102,7 +102,7 @@ def read_inputs(
                 outline=outlines.get(item.id),
                 correction=corrected.get(item.mask, Correction(mask=item.mask)),
                 failed=_find_failure(item, entry, item.id in clouds),
-                colour=colours.get(item.id),
+                color=colors.get(item.id),
             )
         )
     folders = AssetFolders(library)
@@ -133,7 +133,7 @@ def _turn(item: SceneObject, scene: Objects, cousins: list[Cousin]) -> list[Cous
 
 
 def _sort_leaders_first(matched: list[MatchedObject]) -> list[MatchedObject]:
-    """What takes the model of another one comes after it."""
+    """Objects in an order in which one that takes another's model comes after it."""
     by_mask = {one.object.mask: one for one in matched}
 
     def leaders(one: MatchedObject) -> int:

@@ -79,7 +79,7 @@ def summarise(scene: GeneratedScene, left: list[tuple[str, str]]) -> list[str]:
 
 
 def read_items(generated: GeneratedScene, folders: Mapping[str, Path], cache: Path, path: Path) -> list[Placed]:
-    """What stands in a scene, with models at their sizes.
+    """The objects of a scene, with models at their sizes.
 
     Args:
         folders: of the library's models, by asset id.

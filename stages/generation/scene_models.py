@@ -12,7 +12,7 @@ from stages.articulated.asset_folder import read_model
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.mesh_writer import split_sharp_edges
 from stages.articulated.model import JointModel, RobotModel, Visual
-from stages.articulated.surfaces import ColouredMesh
+from stages.articulated.surfaces import ColoredMesh
 from stages.contracts import Asset, GeneratedScene
 from stages.contracts.look import ROOM_LIGHT, Look
 from stages.generation.placed import Placed
@@ -78,8 +78,8 @@ def room_of(generated: GeneratedScene, items: list[Placed], look: Look | None) -
     return Room(generated, bodies, blocks, np.array(look.light if look else ROOM_LIGHT))
 
 
-def surface_of(block: Block) -> ColouredMesh:
+def surface_of(block: Block) -> ColoredMesh:
     """A block of the backdrop, about its own center."""
     generated = split_sharp_edges(Visual(trimesh.creation.box(block.size), flat=True))
     assert generated.normals is not None
-    return ColouredMesh(generated.vertices, generated.faces, generated.normals, (*block.colour, 1.0))
+    return ColoredMesh(generated.vertices, generated.faces, generated.normals, (*block.color, 1.0))

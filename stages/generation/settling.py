@@ -101,7 +101,7 @@ def run_physics(
 
 
 def describe_fall(shift: NDArray[np.float64], tilt: float, overlapped: str, options: GenerationConfig) -> str:
-    """What an item did that did not stay.
+    """The motion of an item that did not stay.
 
     Args:
         shift: (3,) of its middle, metres.

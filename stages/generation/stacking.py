@@ -1,4 +1,4 @@
-"""What stands on what, and at which height: the 70 % rule (paper A.3), on top of a thing and not in front of it."""
+"""Supports and heights: the 70 % rule (paper A.3), on top of a thing and not in front of it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What things stand on: the surface of one that carries another, and where on it the other stands firmly."""
+"""Support surfaces: that of a thing which carries another, and where on it the other stands firmly."""
 
 from typing import NamedTuple
 
@@ -17,13 +17,13 @@ STEADY = 0.1  # of the width of what stands near an edge: the least distance of 
 
 
 class SupportSurface(NamedTuple):
-    """What something stands on: its height, and its outline from above."""
+    """A support surface: its height, and its outline from above."""
 
     height: float
     area: BaseGeometry  # within the hull of what is highest: a raised rim carries what is inside it
 
     def steady_region(self, item: Placed) -> BaseGeometry:
-        """Where the center of an item may be that stands on it: over it, and not just above its edge."""
+        """The region for the center of an item that stands on it: over it, and not just above its edge."""
         side = min(measure_shorter_side(footprint(item.box)), measure_shorter_side(self.area.convex_hull))
         inset = self.area.buffer(-STEADY * side)
         return self.area if inset.is_empty else inset

@@ -39,7 +39,7 @@ def farthest_points(points: NDArray[np.float32], count: int) -> NDArray[np.float
     if len(points) <= count:
         return points[np.resize(np.arange(len(points)), count)]
     cloud = _open3d_cloud(points[:, :3])
-    if points.shape[1] == 4:  # Open3D keeps colours with their points
+    if points.shape[1] == 4:  # Open3D keeps colors with their points
         cloud.colors = o3d.utility.Vector3dVector(np.repeat(points[:, 3:].astype(np.float64), 3, axis=1))
     chosen = cloud.farthest_point_down_sample(count)
     columns = (np.asarray(chosen.points), np.asarray(chosen.colors)[:, :1])

@@ -6,7 +6,7 @@ from scipy.ndimage import uniform_filter
 
 IMAGE_UP = np.array([0.0, -1.0, 0.0])  # camera frame: y is down
 CELLS = 64  # cells across a picture, a normal of each: enough noise is averaged out at 4 m of a stereo camera
-LEAST_KNOWN = 0.6  # share of a cell's pixels of known depth; below it lies at an edge or a hole
+MIN_KNOWN = 0.6  # share of a cell's pixels of known depth; below it lies at an edge or a hole
 NOISE = 0.0025  # metres of depth at 1 m, growing with the square of the distance: of a stereo camera
 WITHIN = np.sin(np.deg2rad(8))  # a surface counts as level or upright up to here: the error of a normal at 4 m
 LEVEL = np.sqrt(1 - WITHIN**2)  # cosine of the same angle
@@ -29,7 +29,7 @@ def cell_normals(points: Array, known: NDArray[np.bool_]) -> tuple[Array, Array]
     moments = np.stack([weight, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z], axis=-1)
     sums = moments.reshape(height // side, side, width // side, side, -1).mean(axis=(1, 3))
     sums = uniform_filter(sums, (3, 3, 1), mode="constant")  # of the 3 x 3 cells around each
-    kept = sums[..., 0] > LEAST_KNOWN
+    kept = sums[..., 0] > MIN_KNOWN
     mean = sums[kept][:, 1:] / sums[kept][:, :1]
     first, second = mean[:, :3], mean[:, [3, 4, 5, 4, 6, 7, 5, 7, 8]].reshape(-1, 3, 3)
     spread, axes = np.linalg.eigh(second - first[:, :, None] * first[:, None, :])

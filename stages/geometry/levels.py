@@ -15,7 +15,7 @@ from stages.geometry.room_planes import (
     scale_threshold,
 )
 
-LEAST_LEVEL = 0.05  # share of the largest level that another has at least: less is noise of a far floor; chosen
+MIN_LEVEL = 0.05  # share of the largest level that another has at least: less is noise of a far floor; chosen
 FEWEST = 8  # cells of a level
 OFF_LEVEL = 0.006  # share of the distance by which points of a level may be off; chosen
 LEVEL_FIT = np.cos(np.deg2rad(5))  # a plane fitted to a level is tilted by less, or it is none; chosen
@@ -51,7 +51,7 @@ def find_levels(points: Array, known: NDArray[np.bool_], up: Array) -> list[Plan
             break
         height = float(order[counts.argmax()])
         if not levels:
-            least = max(FEWEST, LEAST_LEVEL * counts.max())
+            least = max(FEWEST, MIN_LEVEL * counts.max())
             up, height = _fit_level(cloud, up, height, off)
             heights = cells @ up
         along = cloud @ up

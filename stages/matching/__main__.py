@@ -1,4 +1,4 @@
-"""`python -m stages.matching VERB --help`."""
+"""`python -m stages.matching COMMAND --help`."""
 
 from stages.cli import main
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from stages.geometry.masks import pixel_bounds
 
-GREY = 127  # colour of what is masked out
+GREY = 127  # color of what is masked out
 
 
 @dataclass(frozen=True)

@@ -73,8 +73,8 @@ def run(
     entries = [
         note_differences(entry, item, assets) for entry, item in zip(agree_on_order(entries, items), items, strict=True)
     ]
-    looks = [path.with_suffix(".npz") for path in features]  # of every view as a whole: a store has a gigabyte
-    seen = [image, *looks] if settings.compares_pictures else []
+    wholes = [path.with_suffix(".npz") for path in features]  # of every view as a whole: a store has a gigabyte
+    seen = [image, *wholes] if settings.compares_pictures else []
     asked = settings.keep_deciding()
     seed = scene.objects.made.seed if scene.objects.made else None
     origin = record_provenance("stages.matching.match", asked, [objects, *seen, library, *without], seed)

@@ -50,13 +50,13 @@ def apply_weights(rows: NDArray[np.floating], weights: NDArray[np.float32]) -> N
     return rows[:, used].astype(np.float32) * weights[used]
 
 
-def make_query(view: View, encoder: PatchEncoder, colour: float = 0.0) -> Query | None:
+def make_query(view: View, encoder: PatchEncoder, color: float = 0.0) -> Query | None:
     """Encode an object; normals count if half of its pixels or more have depth. None: it has no foreground patch.
 
-    `colour`: the weight of the patches' colours.
+    `color`: the weight of the patches' colors.
     """
     known = 0 if view.depth is None else np.count_nonzero(view.depth[view.mask])
-    weights = column_weights(encoder, bool(2 * known >= np.count_nonzero(view.mask)), colour)
+    weights = column_weights(encoder, bool(2 * known >= np.count_nonzero(view.mask)), color)
     rows = encode_rows(encoder, [view])[0]  # as the other side is stored
     return Query(apply_weights(rows, weights), weights, pool_patches(rows)) if len(rows) else None
 

@@ -7,7 +7,7 @@ import numpy as np
 import sapien
 from numpy.typing import NDArray
 
-from stages.contracts.look import Colour, Look
+from stages.contracts.look import Color, Look
 from stages.contracts.objects import Wall
 from stages.geometry.boxes import UprightBox, corners
 from stages.simulation.rendering import add_block
@@ -19,13 +19,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Block:
-    """A box of one colour (linear RGB), turned by `yaw` about z; metres."""
+    """A box of one color (linear RGB), turned by `yaw` about z; metres."""
 
     name: str
     center: tuple[float, float, float]
     size: tuple[float, float, float]
     yaw: float
-    colour: Colour
+    color: Color
 
 
 def make_backdrop(
@@ -37,7 +37,7 @@ def make_backdrop(
 
     Args:
         camera: its position (3,); the floor reaches below it.
-        look: colours and bounds of surfaces that the picture shows; others get the usual colours.
+        look: colors and bounds of surfaces that the picture shows; others get the usual colors.
     """
     seen = {surface.id: surface for surface in look.surfaces} if look else {}
     points = np.concatenate([corners(box) for box in boxes] + [camera[None]])
@@ -48,27 +48,27 @@ def make_backdrop(
             continue
         tangent = np.array([-normal[1], normal[0], 0.0])
         along = points @ tangent
-        left, right, height, colour = along.min() - BEYOND, along.max() + BEYOND, WALL_HEIGHT, (0.86, 0.85, 0.82)
+        left, right, height, color = along.min() - BEYOND, along.max() + BEYOND, WALL_HEIGHT, (0.86, 0.85, 0.82)
         if wall.id in seen:
-            (left, _), (right, height), colour = seen[wall.id].low, seen[wall.id].high, seen[wall.id].colour
+            (left, _), (right, height), color = seen[wall.id].low, seen[wall.id].high, seen[wall.id].colour
             edges.append(wall.offset * normal[None, :2] + np.outer([left, right], tangent[:2]))
         center = normal * (wall.offset - THICKNESS / 2) + tangent * (left + right) / 2 + [0, 0, height / 2]
         yaw = float(np.arctan2(normal[1], normal[0]))
-        shown.append(_block(wall.id, center, [THICKNESS, right - left, height], yaw, colour))
+        shown.append(_block(wall.id, center, [THICKNESS, right - left, height], yaw, color))
     low, high = points[:, :2].min(axis=0) - BEYOND, points[:, :2].max(axis=0) + BEYOND
-    colour = (0.62, 0.57, 0.50)
+    color = (0.62, 0.57, 0.50)
     if "floor" in seen:
-        colour = seen["floor"].colour
+        color = seen["floor"].colour
         low = np.min([low, seen["floor"].low, *(edge.min(axis=0) for edge in edges)], axis=0)
         high = np.max([high, seen["floor"].high, *(edge.max(axis=0) for edge in edges)], axis=0)
-    floor = _block("floor", [*(low + high) / 2, -THICKNESS / 2], [*(high - low), THICKNESS], 0.0, colour)
+    floor = _block("floor", [*(low + high) / 2, -THICKNESS / 2], [*(high - low), THICKNESS], 0.0, color)
     return [floor, *shown]
 
 
-def _block(name: str, center: Sequence[float] | Array, size: Sequence[float], yaw: float, colour: Colour) -> Block:
+def _block(name: str, center: Sequence[float] | Array, size: Sequence[float], yaw: float, color: Color) -> Block:
     x, y, z = (float(value) for value in center)
     a, b, c = (float(value) for value in size)
-    return Block(name, (x, y, z), (a, b, c), yaw, colour)
+    return Block(name, (x, y, z), (a, b, c), yaw, color)
 
 
 def add_backdrop(
@@ -76,4 +76,4 @@ def add_backdrop(
 ) -> list[sapien.Entity]:
     """Add the blocks of `make_backdrop` to a scene."""
     blocks = make_backdrop(boxes, walls, camera, look)
-    return [add_block(scene, block.center, block.size, block.colour, block.name, block.yaw) for block in blocks]
+    return [add_block(scene, block.center, block.size, block.color, block.name, block.yaw) for block in blocks]

@@ -1,6 +1,6 @@
 """Shaders for the policy's cameras: positions and entities alone.
 
-SAPIEN's `minimal` shaders also compute a lit colour that no policy sees, which takes three times as long on a CPU.
+SAPIEN's `minimal` shaders also compute a lit color that no policy sees, which takes three times as long on a CPU.
 """
 
 import hashlib

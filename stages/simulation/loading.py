@@ -101,7 +101,7 @@ def _scratch() -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix="acdc-stretched-")
 
 
-def load_looks(
+def load_visual(
     scene: sapien.Scene, folder: Path, scale: float, stretch: NDArray[np.float64] | None = None
 ) -> PhysxArticulation | sapien.Entity:
     """Add the visuals of an asset, closed and scaled; it is fixed and collides with nothing.

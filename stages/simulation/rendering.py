@@ -1,4 +1,4 @@
-"""Pictures from SAPIEN's rasteriser: colour, metric depth and one instance id per object."""
+"""Pictures from SAPIEN's rasteriser: color, metric depth and one instance id per object."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -107,17 +107,17 @@ class RenderCamera:
         self._entity.set_pose(sapien.Pose(pose[:3, 3], quaternion_from_matrix(rotation)))
         self.scene.update_render()
         self._component.take_picture()
-        colour = self._component.get_picture("Color")
+        color = self._component.get_picture("Color")
         if self._pack == "minimal":
             position = self._component.get_picture("PositionSegmentation")
             entities, forward = position[..., 3].astype(np.int32), position[..., 2] * np.float32(-0.001)
         else:
             forward = -self._component.get_picture("Position")[..., 2]
             entities = self._component.get_picture("Segmentation")[..., 1].astype(np.int32)
-            colour = (np.clip(colour, 0.0, 1.0) * 255).round().astype(np.uint8)
+            color = (np.clip(color, 0.0, 1.0) * 255).round().astype(np.uint8)
         seen = entities > 0
         depth = np.where(seen, forward, np.float32(0))
-        return RenderedImage(_blend_background(colour, seen), depth, self._instances(entities))
+        return RenderedImage(_blend_background(color, seen), depth, self._instances(entities))
 
     def close(self) -> None:
         """Take the camera out of the scene."""
@@ -134,7 +134,7 @@ class RenderCamera:
 
 
 def _blend_background(rgba: NDArray[np.uint8], seen: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    """Colours (H, W, 3) of pixels (H, W, 4) that show something, elsewhere the background; four bytes at a time."""
+    """Colors (H, W, 3) of pixels (H, W, 4) that show something, elsewhere the background; four bytes at a time."""
     background = np.array([0.82, 0.82, 0.84, 0.0]) * 255
     pixels = np.where(
         seen, np.ascontiguousarray(rgba).view(np.uint32)[..., 0], background.round().astype("u1").view("u4")
@@ -146,18 +146,18 @@ def add_block(
     scene: sapien.Scene,
     center: Sequence[float],
     size: Sequence[float],
-    colour: Sequence[float],
+    color: Sequence[float],
     name: str,
     yaw: float = 0.0,
     roughness: float = 0.9,
 ) -> sapien.Entity:
-    """A kinematic box: floor, wall. Its extents are `size`, its surface one colour (if the scene shows anything)."""
+    """A kinematic box: floor, wall. Its extents are `size`, its surface one color (if the scene shows anything)."""
     half = (np.asarray(size, dtype=float) / 2).tolist()
     builder = scene.create_actor_builder()
     builder.add_box_collision(half_size=half)
     if has_renderer(scene):
         material = sapien.render.RenderMaterial()
-        material.base_color = [*colour, 1.0]
+        material.base_color = [*color, 1.0]
         material.roughness, material.specular = roughness, 0.1
         builder.add_box_visual(half_size=half, material=material)
     builder.initial_pose = sapien.Pose(list(center), [np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])

@@ -49,11 +49,11 @@ def keep(folder: Path, files: dict[str, str]) -> Path:
 
 
 def use(pack: Pack) -> None:
-    """The next cameras are made with a pack: `default` (colour and positions as floats), or `minimal`, thrice as fast
-    (colour as bytes, positions and segmentation as 16 bit integers, millimetres)."""
+    """The next cameras are made with a pack: `default` (color and positions as floats), or `minimal`, thrice as fast
+    (color as bytes, positions and segmentation as 16 bit integers, millimetres)."""
     sapien.render.set_camera_shader_dir(make_skyless_pack(pack))
-    colour, position = FORMATS[pack]
-    for name, texture in (("Color", colour), ("ColorRaw", colour), ("PositionSegmentation", position)):
+    color, position = FORMATS[pack]
+    for name, texture in (("Color", color), ("ColorRaw", color), ("PositionSegmentation", position)):
         sapien.render.set_picture_format(name, texture)
 
 

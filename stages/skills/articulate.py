@@ -1,4 +1,4 @@
-"""What Open and Close share (paper A.4): Approach, Converge, Grasp, Articulate, Ungrasp, and again after a miss."""
+"""The steps of Open and Close (paper A.4): Approach, Converge, Grasp, Articulate, Ungrasp, and again after a miss."""
 
 from abc import abstractmethod
 from collections import Counter

@@ -38,7 +38,7 @@ def style() -> AbstractContextManager[None]:
 
 
 def color(training_set: str) -> str:
-    """Colour of a training set, randomised or not; grey for others, as sets by chance."""
+    """Color of a training set, randomised or not; grey for others, as sets by chance."""
     return COLORS.get(training_set, COLORS.get(strip_randomised(training_set), "#444444"))
 
 

@@ -113,7 +113,7 @@ def figure9(cells: pd.DataFrame, published: pd.DataFrame) -> Figure:
     """
     cells = _select_tested(cells)
     rows, sets = _rows(cells, published), sorted({*cells["training_set"], *published["training_set"]}, key=set_key)
-    roles = sorted({*cells["test_asset"], *published["test_asset"]}, key=set_key)
+    test_assets = sorted({*cells["test_asset"], *published["test_asset"]}, key=set_key)
     figure, axes = plt.subplots(
         len(rows), len(sets), figsize=(2.1 * len(sets), 2.0 * len(rows) + 0.5), squeeze=False, sharex=True,
         sharey=True, layout="constrained",
@@ -122,28 +122,28 @@ def figure9(cells: pd.DataFrame, published: pd.DataFrame) -> Figure:
         for column, name in enumerate(sets):
             panel = axes[number, column]
             rate_axis(panel, column == 0)
-            panel.set_xticks(range(len(roles)), [title(role) for role in roles], size=6.5, rotation=30)
-            panel.set_xlim(-0.4, len(roles) - 0.6)
+            panel.set_xticks(range(len(test_assets)), [title(name) for name in test_assets], size=6.5, rotation=30)
+            panel.set_xlim(-0.4, len(test_assets) - 0.6)
             if number == 0:
                 panel.set_title(title(name), color=color(name))
-            _positions(panel, name, roles, of_row(cells, row, name), of_row(published, row, name))
+            _positions(panel, name, test_assets, of_row(cells, row, name), of_row(published, row, name))
         axes[number, 0].set_ylabel(f"{fill(row_title(row), 16)}\nsuccess (%)")
     _legend(figure, 6)
     return figure
 
 
-def _positions(panel: Axes, name: str, roles: list[str], ours: pd.DataFrame, theirs: pd.DataFrame) -> None:
+def _positions(panel: Axes, name: str, test_assets: list[str], ours: pd.DataFrame, theirs: pd.DataFrame) -> None:
     """One panel of Figure 9."""
     if len(theirs):
-        theirs = _with_deviation(theirs.sort_values("test_asset", key=lambda column: column.map(roles.index)))
-        places = theirs["test_asset"].map(roles.index)
+        theirs = _with_deviation(theirs.sort_values("test_asset", key=lambda column: column.map(test_assets.index)))
+        places = theirs["test_asset"].map(test_assets.index)
         panel.plot(places, 100 * theirs["mean"], "--", color=GREY, linewidth=1, alpha=0.8, label="paper, mean ± std")
         panel.fill_between(places, 100 * theirs["low"], 100 * theirs["high"], color=GREY, alpha=0.12, linewidth=0)
     if ours.empty:
         height = 0.5 if theirs.empty else 0.13 if theirs["mean"].mean() > 0.35 else 0.8  # clear of the paper's line
         mark_not_run(panel, "not run" if len(theirs) else "not run,\nnor in the paper", height)
         return
-    ours = ours.sort_values("test_asset", key=lambda column: column.map(roles.index))
+    ours = ours.sort_values("test_asset", key=lambda column: column.map(test_assets.index))
     deviation = _with_deviation(ours)
     bars = ours.assign(**{end: np.where(ours["runs"] > 1, deviation[end], ours[end]) for end in ("low", "high")})
-    draw_rates(panel, ours["test_asset"].map(roles.index), bars, name)
+    draw_rates(panel, ours["test_asset"].map(test_assets.index), bars, name)

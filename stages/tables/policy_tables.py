@@ -15,7 +15,7 @@ from stages.tables.scene_tables import format_confidence
 from stages.tables.text import NOT_RUN, cell, count, interval, number, percent
 
 
-def _role(row: dict[str, Any]) -> tuple[str, str]:
+def _format_rate(row: dict[str, Any]) -> tuple[str, str]:
     """Value and remark of a cell of Table 3."""
     counts = f"{interval(row)} {row['successes']}/{row['episodes']}, {count(row['runs'], 'run')}"
     official = f"official {percent(row['official_successes'] / row['episodes'])}"
@@ -50,7 +50,7 @@ def policies_table(
         for name in sets:
             paper = theirs.get((*of, name))
             missing = (NOT_RUN if paper or ran else "", "")
-            value, remark = _role(ran[name]) if name in ran else missing
+            value, remark = _format_rate(ran[name]) if name in ran else missing
             line.append(cell(value, remark, percent(paper["mean"], paper["std"]) if paper else ""))
         rows.append(line)
     return Table(

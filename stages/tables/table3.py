@@ -19,8 +19,8 @@ DIFFERENCE_COLUMNS = [*CELL, *GAIN]
 BASELINE, RANDOMISED, UNSEEN, TRAINED = "twin", "twin_randomised", "unseen", "trained"
 
 
-def of_roles(rollouts: pd.DataFrame) -> pd.DataFrame:
-    """The rollouts of policies on the roles of Table 3."""
+def of_test_assets(rollouts: pd.DataFrame) -> pd.DataFrame:
+    """The rollouts of policies on the test assets of Table 3."""
     return rollouts[~rollouts["test_asset"].isin(SPLITS) & (rollouts["training_set"] != SKILL)]
 
 
@@ -33,7 +33,7 @@ def build(rollouts: pd.DataFrame, asked: pd.DataFrame, options: TablesConfig) ->
     """
     rows: list[dict[str, Any]] = []
     keys = [*CELL, "run", "seed", "checkpoint"]
-    for key, group in of_roles(rollouts).groupby(keys, sort=False):
+    for key, group in of_test_assets(rollouts).groupby(keys, sort=False):
         successes, episodes = int(group["success"].sum()), len(group)
         low, high = wilson(successes, episodes, options.confidence)
         rows.append(
@@ -56,24 +56,24 @@ def build(rollouts: pd.DataFrame, asked: pd.DataFrame, options: TablesConfig) ->
 
 
 def _assets(names: pd.Series) -> str:
-    """The asset of some episodes; of the role `trained` there may be several."""
+    """The asset of some episodes; of `trained` there may be several."""
     return str(names.iloc[0]) if names.nunique() == 1 else f"{names.nunique()} assets"
 
 
 def cells(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """Cells of Table 3 over their runs, one asset each (`trained`: those that the policy was trained on)."""
-    return rates(of_roles(rollouts), CELL, options)
+    return rates(of_test_assets(rollouts), CELL, options)
 
 
 def differences(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """Success of a training set minus that of the twin's, per target, policy and test asset: `DIFFERENCE_COLUMNS`.
 
-    The test asset `unseen` pools all roles but the twin: what the comparison is about (paper B.4). The role `trained`
-    stands for other assets in every set: there is nothing to pair.
+    The test asset `unseen` pools all but the twin: what the comparison is about (paper B.4). `trained` stands for
+    other assets in every set: there is nothing to pair.
     """
-    compared = of_roles(rollouts)
+    compared = of_test_assets(rollouts)
     compared = compared[compared["test_asset"] != TRAINED]
     unseen = compared[compared["test_asset"] != BASELINE]
-    roles = unseen.groupby(["target", "policy"])["test_asset"].transform("nunique")
-    compared = pd.concat([compared, unseen[roles > 1].assign(test_asset=UNSEEN)])
+    tested = unseen.groupby(["target", "policy"])["test_asset"].transform("nunique")
+    compared = pd.concat([compared, unseen[tested > 1].assign(test_asset=UNSEEN)])
     return tabulate_gains(compared, ["target", "policy", "test_asset"], "training_set", BASELINE, options)

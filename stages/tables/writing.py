@@ -1,4 +1,4 @@
-"""A table as the files that the verbs write."""
+"""A table as the files that the commands write."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Where the robot stands before a door: where it always does, or where its arm can follow the handle all the way."""
+"""The robot's place before a door: the usual one, or one from which its arm can follow the handle all the way."""
 
 from collections.abc import Callable, Iterator
 
@@ -79,7 +79,7 @@ def can_follow(base_from_asset: Array, joints: Array, surroundings: Surroundings
 
 
 def nearby_bases(base: Array, target: Target) -> Iterator[Array]:
-    """Where the robot may stand, first where it always does."""
+    """Places for the robot, first where it always stands."""
     yield base
     for out, towards in NEARBY:
         yield make_transform(np.eye(3), [out, -target.side * towards, 0.0]) @ base

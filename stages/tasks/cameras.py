@@ -37,7 +37,7 @@ class Camera:
         return make_transform(np.stack([forward, left, np.cross(forward, left)], axis=1), self.eye)
 
     def config(self, robot: AcdcPanda, options: TaskConfig) -> CameraConfig:
-        """What ManiSkill makes it from; it is posed when an episode starts."""
+        """Its config for ManiSkill; it is posed when an episode starts."""
         return CameraConfig(
             uid=self.name,
             pose=sapien.Pose(),

@@ -258,7 +258,7 @@ class OpenTaskEnv(FilmedEnv):
         }
 
     def observe(self, render: bool = True) -> list[Observation]:
-        """What a policy sees in each environment; without `render` the clouds are empty."""
+        """The observation in each environment; without `render` the clouds are empty."""
         pictures = []
         if render:
             self.scene.update_render(update_sensors=True, update_human_render_cameras=False)

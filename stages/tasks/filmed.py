@@ -1,4 +1,4 @@
-"""What people see of a task: what a film needs to be recorded, and `render`."""
+"""Films of a task for people: what is recorded for them, and `render`."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -34,7 +34,7 @@ class FilmedEnv(BaseEnv):
         raise NotImplementedError
 
     def props(self) -> list[tuple[Prop, Array]]:
-        """What is shown besides robot and asset, with its pose (4, 4) in the world."""
+        """Bodies besides robot and asset that are shown, with their poses (4, 4) in the world."""
         return []
 
     def moment(self, index: int = 0) -> Moment:

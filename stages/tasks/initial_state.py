@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class InitialState:
-    """What varies between episodes. Offsets are uniform in the ranges of the `task` section; metres, radians."""
+    """The variation between episodes. Offsets are uniform in the ranges of the `task` section; metres, radians."""
 
     variant: int  # which of the scale variants
     base_offset: Array  # (3,)

@@ -1,4 +1,4 @@
-"""What a policy is given at each step, by the environment as by the stores (paper B.3)."""
+"""The observation of a policy at each step, from the environment as from the stores (paper B.3)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ Float = NDArray[np.float32]
 
 
 class Observation(TypedDict):
-    """What a policy sees, in the robot base frame.
+    """An observation of a policy, in the robot base frame.
 
     point_cloud: (P, 4) float32 xyz in metres and a flag: 0 scene, 1 gripper finger. Fingers come last.
     proprio: (9,) float32 end-effector position, quaternion wxyz, the two finger joints.
@@ -101,7 +101,7 @@ class CameraRig:
     def observation(
         self, joints: Array, pictures: Sequence[NDArray[np.int16]], shown: NDArray[np.int16], index: int
     ) -> Observation:
-        """What a policy sees in environment `index`.
+        """The observation in environment `index`.
 
         Args:
             joints: (9,) measured ones of arm and fingers.

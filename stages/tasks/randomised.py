@@ -9,7 +9,7 @@ from stages.config.demonstrations import RandomiseOptions
 
 
 class Factors(NamedTuple):
-    """What friction of the surfaces, mass of the links, and friction and damping of the joints are multiplied by."""
+    """Factors on friction of the surfaces, mass of the links, and friction and damping of the joints."""
 
     friction: float
     mass: float

@@ -1,4 +1,4 @@
-"""`python -m stages.training VERB`."""
+"""`python -m stages.training COMMAND`."""
 
 from stages.cli import main
 

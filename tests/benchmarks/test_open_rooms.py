@@ -399,7 +399,7 @@ def test_meshes_are_read_out_of_a_blend(tmp_path: Path) -> None:
     assert red.corners.shape == (2, 3, 3) and plain.corners.shape == (1, 3, 3)  # two of a quad, one of a triangle
     assert np.ptp(red.corners.reshape(-1, 3), axis=0) == pytest.approx([2, 1, 0])
     assert red.corners[..., 0].min() == pytest.approx(5)
-    assert red.colour == pytest.approx((0.8, 0.1, 0.2)) and red.picture is None
+    assert red.color == pytest.approx((0.8, 0.1, 0.2)) and red.picture is None
     assert red.uv is not None and red.uv[0] == pytest.approx(np.array([(0, 0), (1, 0), (1, 1)]))
     assert not list(blend.read_pieces(tmp_path / "props.blend", "chair"))
 
@@ -420,7 +420,7 @@ def test_groups_of_an_obj_get_their_looks(tmp_path: Path) -> None:
     )
     assert wood.picture is not None and wood.picture[0, 0].tolist() == [10, 200, 30, 255]
     assert wood.uv is not None and orange.picture is None
-    assert orange.colour == pytest.approx((1, 128 / 255, 0), abs=0.01)
+    assert orange.color == pytest.approx((1, 128 / 255, 0), abs=0.01)
 
 
 def test_pictures_are_the_right_way_up_on_what_mujoco_reads(tmp_path: Path) -> None:

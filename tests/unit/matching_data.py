@@ -198,6 +198,6 @@ def view_of_box(
 
 
 def before_noise(view: View) -> View:
-    """The same object before a background of random colours."""
+    """The same object before a background of random colors."""
     noise = np.random.default_rng(0).integers(0, 255, view.rgb.shape, dtype=np.uint8)
     return replace(view, rgb=np.where(view.mask[..., None], view.rgb, noise))

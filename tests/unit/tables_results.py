@@ -293,7 +293,7 @@ def write_run(root: Path) -> Path:
 
 
 def declared(root: Path) -> dict[str, object]:
-    """What the rule of the page names: all files of the run, as arguments of the verb."""
+    """What the rule of the page names: all files of the run, as arguments of the command."""
     results = root / "results"
     files = [path for path in results.rglob("*") if path.is_file() and path.parent.name not in ("films", "report")]
     return {

@@ -189,7 +189,7 @@ def test_roles_and_handles_survive_stretching(tmp_path: Path) -> None:
     assert wide.size == pytest.approx((0.45, 1.2, 0.925), abs=1e-5)
 
 
-def test_colours_are_kept_exactly_and_looks_of_their_own_too(tmp_path: Path) -> None:
+def test_colors_are_kept_exactly_and_looks_of_their_own_too(tmp_path: Path) -> None:
     painted = trimesh.creation.box([0.1, 0.1, 0.1])
     painted.visual.vertex_colors = [10, 200, 30, 255]
     plain = trimesh.creation.icosphere(1, 0.2)
@@ -200,12 +200,12 @@ def test_colours_are_kept_exactly_and_looks_of_their_own_too(tmp_path: Path) -> 
     assert sorted(path.name for path in (tmp_path / "meshes").iterdir()) == [
         "link_0.glb", "link_0_0.obj", "link_0_hull_0.obj"
     ]  # fmt: skip
-    coloured, own = read_urdf(tmp_path / "model.urdf", tmp_path).links["Body 1"].visuals
-    assert coloured.colour == (0.351, 0.2, 0.1, 1.0)
-    assert own.colour is None
+    colored, own = read_urdf(tmp_path / "model.urdf", tmp_path).links["Body 1"].visuals
+    assert colored.color == (0.351, 0.2, 0.1, 1.0)
+    assert own.color is None
     picture = texture_of(own.paint())
     assert picture is not None
-    assert np.asarray(picture).tolist() == [[[10, 200, 30, 255]]], "what renderers show of colours of corners"
+    assert np.asarray(picture).tolist() == [[[10, 200, 30, 255]]], "what renderers show of colors of corners"
 
 
 @pytest.mark.parametrize(("flat", "corners"), [(True, 3 * 80), (False, 42)])
@@ -258,10 +258,10 @@ def test_a_material_file_that_is_missing_is_no_texture(tmp_path: Path) -> None:
         '<material name="red"><color rgba="1 0 0 1"/></material></visual></link></robot>'
     )
     (textured,) = read(tmp_path, text).links["a"].visuals
-    assert textured.colour is None, "the texture wins over the colour"
+    assert textured.color is None, "the texture wins over the color"
     (tmp_path / "box.mtl").unlink()
     (plain,) = read(tmp_path, text).links["a"].visuals
-    assert plain.colour == (1.0, 0.0, 0.0, 1.0)
+    assert plain.color == (1.0, 0.0, 0.0, 1.0)
 
 
 def test_joints_in_any_order(tmp_path: Path) -> None:

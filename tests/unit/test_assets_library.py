@@ -1,4 +1,4 @@
-"""The library verb: index, archives, one clear line for a bad option."""
+"""The library command: index, archives, one clear line for a bad option."""
 
 import json
 import zipfile

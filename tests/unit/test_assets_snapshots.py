@@ -47,9 +47,9 @@ SLAB = (
 def shard(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("library")
     (folder / "mine" / "slab").mkdir(parents=True)
-    (folder / "mine" / "slab" / "coloured.urdf").write_text(SLAB)
+    (folder / "mine" / "slab" / "colored.urdf").write_text(SLAB)
     library.run(out=folder / "procedural.json", options=json.dumps({"counts": {"mug": 2}}))
-    slab = f"slab_coloured={folder / 'mine/slab/coloured.urdf'}"
+    slab = f"slab_colored={folder / 'mine/slab/colored.urdf'}"
     own.run(folder=folder / "mine", models=(slab,), out=folder / "own_0.json")
     join.run(library=(folder / "procedural.json",), own=(folder / "own_0.json",), out=folder / "library.json")
     snapshots.run(library=folder / "library.json", out=folder / "shard_0.h5", options=OPTIONS)
@@ -58,7 +58,7 @@ def shard(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_shard_holds_every_asset_from_all_sides(shard: Path) -> None:
     about = read_json(SnapshotShard, shard / "shard_0.json")
-    assert about.assets == ["mug_00", "mug_01", "slab_coloured"]
+    assert about.assets == ["mug_00", "mug_01", "slab_colored"]
     assert about.yaws == pytest.approx([0, np.pi / 2, np.pi, 3 * np.pi / 2])
     with h5py.File(shard / "shard_0.h5") as file:
         rgb, depth = file["rgb"][:], file["depth"][:]

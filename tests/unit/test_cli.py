@@ -1,4 +1,4 @@
-"""Every verb refuses the seeds that config would before it reads or writes anything; progress is told."""
+"""Every command refuses the seeds that config would before it reads or writes anything; progress is told."""
 
 import importlib
 import inspect
@@ -16,12 +16,12 @@ from tests.refusals import refused
 
 
 def seeded() -> list[Callable[..., None]]:
-    """The verbs with a seed among their flags."""
+    """The commands with a seed among their flags."""
     root = Path(cli.__file__).parents[1]
     paths = [path for home in ("stages", "plugins") for path in (root / home).glob("*/*.py")]
     files = [path for path in paths if "\ndef run(" in path.read_text("utf-8")]
-    verbs = (path for path in files if re.search(r"\bseed: int", path.read_text("utf-8")))
-    runs = [importlib.import_module(".".join(path.relative_to(root).with_suffix("").parts)).run for path in verbs]
+    commands = (path for path in files if re.search(r"\bseed: int", path.read_text("utf-8")))
+    runs = [importlib.import_module(".".join(path.relative_to(root).with_suffix("").parts)).run for path in commands]
     return [run for run in runs if any(name.endswith("seed") for name in inspect.signature(run).parameters)]
 
 
@@ -31,10 +31,10 @@ def test_seeds_are_those_of_config() -> None:
 
 
 @pytest.mark.parametrize("seed", [-1, 2**53, 2**63, 10**30])
-def test_every_verb_refuses_them(seed: int) -> None:
-    verbs = seeded()
-    assert len(verbs) >= 8
-    for run in verbs:
+def test_every_command_refuses_them(seed: int) -> None:
+    commands = seeded()
+    assert len(commands) >= 8
+    for run in commands:
         for name in (name for name in inspect.signature(run).parameters if name.endswith("seed")):
             with refused("E-SEED", f"--{name.replace('_', '-')}: {seed} is no seed"):
                 cli.with_seeds_checked(run)(**{name: seed})

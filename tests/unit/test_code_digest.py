@@ -29,9 +29,9 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     code.forget()
 
 
-def digest(verb: str) -> str:
+def digest(command: str) -> str:
     code.forget()
-    return code.code_digest(verb)
+    return code.code_digest(command)
 
 
 @needs("report")
@@ -43,7 +43,7 @@ def test_the_page_has_templates_a_style_and_a_script() -> None:
 @pytest.mark.parametrize("name", DATA, ids=str)
 def test_an_edit_of_a_template_style_or_script_changes_the_digest_of_the_page(copied: Path, name: Path) -> None:
     page = "plugins.report.viewer" if "three" in name.parts else "plugins.report.report"
-    before = {verb: digest(verb) for verb in (page, "stages.matching.match")}
+    before = {command: digest(command) for command in (page, "stages.matching.match")}
     text = (copied.parent / name).read_text()
     (copied.parent / name).write_text(text + "\n")
     try:
@@ -67,7 +67,7 @@ def test_other_data_beside_a_module_counts(copied: Path, suffix: str) -> None:
 
 
 def test_a_package_that_imports_all_its_modules_needs_them_and_those_to_come(copied: Path) -> None:
-    before = {verb: digest(verb) for verb in ("plugins.furniture.library", "stages.extraction.extract")}
+    before = {command: digest(command) for command in ("plugins.furniture.library", "stages.extraction.extract")}
     new = copied.with_name("plugins") / "furniture/categories/plinths.py"
     new.write_text('"""Plinths."""\n')
     try:
@@ -79,14 +79,14 @@ def test_a_package_that_imports_all_its_modules_needs_them_and_those_to_come(cop
 
 @needs("furniture")
 def test_who_resizes_models_needs_the_code_of_their_maker() -> None:
-    for verb in ("stages.generation.generate", "plugins.scenes.render"):
-        assert "plugins.furniture.folder" in code.closure(verb)
+    for command in ("stages.generation.generate", "plugins.scenes.render"):
+        assert "plugins.furniture.folder" in code.closure(command)
 
 
 @needs("mujoco")
 def test_a_rollout_needs_the_code_of_its_own_simulator() -> None:
-    for verb in ("stages.evaluation.selection_rollout", "stages.evaluation.rollout", "plugins.scripted.skill"):
-        assert len(needed := code.closure(verb)) > 20
+    for command in ("stages.evaluation.selection_rollout", "stages.evaluation.rollout", "plugins.scripted.skill"):
+        assert len(needed := code.closure(command)) > 20
         assert not [name for name in needed if "mujoco" in name or "mjcf" in name]
     needed = code.closure("plugins.mujoco.environment")
     assert "plugins.mujoco.mjcf_writer" in needed

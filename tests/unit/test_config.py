@@ -11,7 +11,7 @@ from stages.config.experiment import ExperimentConfig
 from stages.config.model import load
 from stages.config.packages import find_packages, home_of
 from stages.config.reference import write_yaml
-from stages.config.replaced import VERBS
+from stages.config.replaced import COMMANDS
 from stages.contracts import InputError
 from stages.contracts.section import Section
 from tests.refusals import refused
@@ -163,16 +163,16 @@ def test_code_digest_follows_what_a_registry_names_as_text(tmp_path: Path, monke
         ({"maching": {}}, "stages: no stage is called 'maching'; did you mean 'matching'"),
         (
             {"matching": {"command": "./mine.sh"}},
-            "stages: no verb of matching is called 'command'; there are: features, shards, match",
+            "stages: no command of matching is called 'command'; there are: features, shards, match",
         ),
         (
             {"matching": {"macth": {"command": "x"}}},
-            "stages: no verb of matching is called 'macth'; did you mean 'match'",
+            "stages: no command of matching is called 'macth'; did you mean 'match'",
         ),
         ({"matching": {"match": {"code": []}}}, "stages.matching.match.command: Field required"),
     ],
 )
-def test_only_verbs_that_exist_are_replaced(stages: dict, message: str) -> None:
+def test_only_commands_that_exist_are_replaced(stages: dict, message: str) -> None:
     with pytest.raises(InputError) as caught:
         load({"stages": stages})
     assert message in str(caught.value)
@@ -188,12 +188,12 @@ FOR_PEOPLE = {  # pages and helpers that no rule calls: there is nothing to repl
 }
 
 
-@pytest.mark.parametrize("stage", [*VERBS, *(name for name, package in find_packages().items() if package.verbs)])
-def test_every_verb_can_be_replaced(stage: str) -> None:
+@pytest.mark.parametrize("stage", [*COMMANDS, *(name for name, package in find_packages().items() if package.commands)])
+def test_every_command_can_be_replaced(stage: str) -> None:
     tree = ast.parse((ROOT / home_of(stage).replace(".", "/") / "__main__.py").read_text())
     offered = next(node for node in ast.walk(tree) if isinstance(node, ast.Dict))
-    called_by_rules = [verb for verb in ast.literal_eval(offered) if f"{stage} {verb}" not in FOR_PEOPLE]
-    assert called_by_rules == list(VERBS[stage] if stage in VERBS else find_packages()[stage].verbs)
+    called_by_rules = [command for command in ast.literal_eval(offered) if f"{stage} {command}" not in FOR_PEOPLE]
+    assert called_by_rules == list(COMMANDS[stage] if stage in COMMANDS else find_packages()[stage].commands)
 
 
 def test_digest_of_code_files_sees_edits_and_names_not_caches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -114,14 +114,14 @@ def test_a_snakemake_that_does_not_find_the_package_says_how_to(tmp_path: Path) 
     assert done.returncode == 1 and "Fix: source .venv/bin/activate" in done.stderr.splitlines()[-1], done.stderr
 
 
-def test_an_unknown_verb_is_told_with_the_nearest(
+def test_an_unknown_command_is_told_with_the_nearest(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["tables", "resluts"])
     with pytest.raises(SystemExit):
         main("stages.tables", {"results": "...", "report": "..."})
     assert capsys.readouterr().err.startswith(
-        "error: stages.tables has no verb 'resluts'. Fix: did you mean 'results'?\n"
+        "error: stages.tables has no command 'resluts'. Fix: did you mean 'results'?\n"
     )
 
 

@@ -1,4 +1,4 @@
-"""What runs again when a key of the config changes: the options of every verb hold what it reads and no more."""
+"""What runs again when a key of the config changes: the options of every command hold what it reads and no more."""
 
 import ast
 import re
@@ -17,7 +17,7 @@ from tests.commands import list_rule_files
 from tests.packages import needs
 
 ROOT = Path(__file__).resolve().parents[2]
-LISTED = {  # keys that do not simply run the one verb of their section again
+LISTED = {  # keys that do not simply run the one command of their section again
     "assets.counts": {"library"},
     "assets.variations": {"library"},
     "assets.folders": set(),  # parameters of a shard's own
@@ -59,14 +59,14 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "evaluation.conditions": set(),  # read with a condition alone
     "tables": {"scenes", "policies", "conditions", "report", "picture"},
 }
-ONE = {"assets": {"snapshots"}, "matching": {"match"}}  # the verb of the other keys of a section
+ONE = {"assets": {"snapshots"}, "matching": {"match"}}  # the command of the other keys of a section
 Config = complete()
 CONFIG = Config()
 
 
-def told(stage: str, verb: str) -> str:
-    """A verb, with its stage if another one has such a verb."""
-    return verb if [name for _, name in READS].count(verb) == 1 else f"{stage} {verb}"
+def told(stage: str, command: str) -> str:
+    """A command, with its stage if another one has such a command."""
+    return command if [name for _, name in READS].count(command) == 1 else f"{stage} {command}"
 
 
 def leaves(section: BaseModel, path: str) -> list[str]:
@@ -88,14 +88,14 @@ def changed(section: Any, path: list[str]) -> Any:
 
 
 def digests(config: Any) -> dict[str, str]:
-    """What each verb is told of a config, as text."""
+    """What each command is told of a config, as text."""
     made = {}
-    for stage, verb in READS:
+    for stage, command in READS:
         wildcards = {"variant": "b", "run": "lite", "scene": "room_1"}
-        if verb == "features":
-            made[verb] = repr(sorted(stores(config)))
+        if command == "features":
+            made[command] = repr(sorted(stores(config)))
             continue
-        made[told(stage, verb)] = repr(options_of(config, stage, verb, wildcards))
+        made[told(stage, command)] = repr(options_of(config, stage, command, wildcards))
     return made
 
 
@@ -117,17 +117,17 @@ def test_a_key_runs_again_what_reads_it(key: str, monkeypatch: pytest.MonkeyPatc
     before, after = digests(CONFIG), digests(other)
     listed = [LISTED[prefix] for prefix in (key, key.rpartition(".")[0], key.partition(".")[0]) if prefix in LISTED]
     section = key.partition(".")[0]
-    verbs = [name for name in READS if section_name(name[0]) == section]
-    own = [name for name in verbs if key.split(".")[1] in READS[name].model_fields]
-    only = ONE.get(section) or {told(*name) for name in own or verbs}
-    expected = (listed[0] if listed else only) & before.keys()  # a package with such a verb may not be here
-    assert {verb for verb in before if before[verb] != after[verb]} == expected
+    commands = [name for name in READS if section_name(name[0]) == section]
+    own = [name for name in commands if key.split(".")[1] in READS[name].model_fields]
+    only = ONE.get(section) or {told(*name) for name in own or commands}
+    expected = (listed[0] if listed else only) & before.keys()  # a package with such a command may not be here
+    assert {command for command in before if before[command] != after[command]} == expected
 
 
-@pytest.mark.parametrize(("stage", "verb"), READS)
-def test_a_verb_can_read_nothing_else(stage: str, verb: str) -> None:
+@pytest.mark.parametrize(("stage", "command"), READS)
+def test_a_command_can_read_nothing_else(stage: str, command: str) -> None:
     """Its options are parsed by the model that they were made from, which refuses other keys."""
-    tree = ast.parse((ROOT / home_of(stage).replace(".", "/") / f"{verb.replace('-', '_')}.py").read_text())
+    tree = ast.parse((ROOT / home_of(stage).replace(".", "/") / f"{command.replace('-', '_')}.py").read_text())
     models = {
         node.args[0].id
         for node in ast.walk(tree)
@@ -135,7 +135,7 @@ def test_a_verb_can_read_nothing_else(stage: str, verb: str) -> None:
         if isinstance(node.args[0], ast.Name)
     }
     models |= {"MatchingConfig"} if "read_options(matching_model(find_packages())" in ast.unparse(tree) else set()
-    assert READS[stage, verb].__name__ in models
+    assert READS[stage, command].__name__ in models
 
 
 def test_ranges_of_what_is_randomised_run_its_demonstrations_alone_again() -> None:
@@ -146,10 +146,10 @@ def test_ranges_of_what_is_randomised_run_its_demonstrations_alone_again() -> No
         assert "randomise" in told, role
 
 
-def test_rules_pass_options_to_the_verbs_that_read_any() -> None:
+def test_rules_pass_options_to_the_commands_that_read_any() -> None:
     for path in list_rule_files():
         for body in re.split(r"^(?:rule|checkpoint) ", path.read_text(), flags=re.MULTILINE)[1:]:
-            for called in re.findall(r'\*\*verb\(\s*"(\w+)",\s*"([\w-]+)"', body):
+            for called in re.findall(r'\*\*command\(\s*"(\w+)",\s*"([\w-]+)"', body):
                 assert (called in READS) == ("{params.options:q}" in body), called
 
 

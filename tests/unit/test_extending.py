@@ -1,4 +1,4 @@
-"""Every kind of implementation from a package outside the checkout: the one of docs/extending.md, through the verbs."""
+"""Every kind of implementation from a package outside the checkout: that of docs/extending.md, through the commands."""
 
 import importlib
 import json
@@ -97,20 +97,20 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
     config = load(
         {
             "plugins": ["my_package"],
-            "matching": {"encoder": "colours", "kwargs": {"colours": {"grid": 8}}},
+            "matching": {"encoder": "colors", "kwargs": {"colors": {"grid": 8}}},
             "assets": {"importers": ["urdf", "off"]},
             "experiment": experiment,
             "training": training,
         }
     )
-    assert config.matching.encoder == "my_package.encoders.colours" and config.matching.search == "torch"
+    assert config.matching.encoder == "my_package.encoders.colors" and config.matching.search == "torch"
     assert config.assets.importers == ["urdf", "my_package.importers.off"]
     assert config.matching_of("b").model_selection == "my_package.judges.by_name"
     assert config.training.configs["mine"].policy == "my_package.policies.mean_action"
     for wrong, kind, named in (
-        ({"matching": {"encoder": "colour"}}, "E-PLUGIN-UNKNOWN", "did you mean 'colours'?"),
-        ({"matching": {"kwargs": {"colors": {}}}}, "E-PLUGIN-UNKNOWN", "matching.kwargs.colors"),
-        ({"matching": {"kwargs": {"colours": {"gird": 8}}}}, "E-CONFIG-KEY", "did you mean 'grid'?"),
+        ({"matching": {"encoder": "color"}}, "E-PLUGIN-UNKNOWN", "did you mean 'colors'?"),
+        ({"matching": {"kwargs": {"paints": {}}}}, "E-PLUGIN-UNKNOWN", "matching.kwargs.paints"),
+        ({"matching": {"kwargs": {"colors": {"gird": 8}}}}, "E-CONFIG-KEY", "did you mean 'grid'?"),
         (
             {"training": {"configs": {"lite": {"policy": "mean_action", "kwargs": {"gain": 2}}}}},
             "E-CONFIG-KEY",
@@ -125,7 +125,7 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
 
 def test_a_module_that_is_not_there_or_defines_nothing_is_one_line(package: Path) -> None:
     with refused("E-PLUGIN-PACKAGE"):
-        implementation("encoders", "my_package.encoders.colour")
+        implementation("encoders", "my_package.encoders.color")
     with refused("E-PLUGIN-SYMBOL"):
         implementation("encoders", "my_package.judges.by_name")
     (package / "judges" / "broken.py").write_text("import nothing_of_that_name\nclass Judge: ...")
@@ -151,10 +151,10 @@ def test_an_edit_of_a_plugin_or_of_what_it_imports_changes_the_digest(
 
     def digest() -> str:
         code.forget()
-        return code.code_digest("stages.matching.match", "my_package.encoders.colours")
+        return code.code_digest("stages.matching.match", "my_package.encoders.colors")
 
     seen = {digest()}
-    encoder, helper = package / "encoders" / "colours.py", package / "helper.py"
+    encoder, helper = package / "encoders" / "colors.py", package / "helper.py"
     text = encoder.read_text()
     for path, content in ((encoder, "from ..helper import x\n" + text), (helper, "x = 1"), (helper, "x = 2")):
         path.write_text(content)
@@ -207,11 +207,11 @@ def test_a_judge_that_answers_wrongly_is_named(
 def test_encoder_text_encoder_search_and_judge(package: Path, tmp_path: Path) -> None:
     world = World(
         tmp_path,
-        encoder="my_package.encoders.colours",
+        encoder="my_package.encoders.colors",
         text_encoder="my_package.text_encoders.last_word",
         search="my_package.searches.brute",
         model_selection="my_package.judges.by_name",
-        kwargs={"colours": {"grid": 8}},
+        kwargs={"colors": {"grid": 8}},
     )
     first = world.match(tmp_path / "cousins.json", count_threshold=None).objects[0]
     assert first.decided_by == "my_package.judges.by_name" and first.orientation_decided_by == "distance"
@@ -220,7 +220,7 @@ def test_encoder_text_encoder_search_and_judge(package: Path, tmp_path: Path) ->
     nearest = first.by_distance[0]
     assert (
         nearest.asset == "cabinet_00" and np.load(world.features[0]).shape[1] == 5 + 3
-    )  # and the colour that every row has
+    )  # and the color that every row has
 
 
 def test_source(package: Path, tmp_path: Path) -> None:
@@ -369,7 +369,7 @@ def test_a_run_with_plugins_has_a_dag(tmp_path: Path) -> None:
         "plugins: [my_package]\n"
         "assets: {importers: [urdf, 'off']}\n"
         "extraction: {source: smoothed}\n"
-        "matching: {encoder: colours, text_encoder: last_word, search: brute, model_selection: by_name}\n"
+        "matching: {encoder: colors, text_encoder: last_word, search: brute, model_selection: by_name}\n"
         "training: {configs: {mean: {policy: mean_action, points: 64, num_checkpoints: 1}}}\n"
         "experiment: {rooms: [room_1, attic], targets: {touch: {room: room_1, object: cabinet_1}, door: null},\n"
         "  policies: {mean: {}, micro: null, micro_handle: null}}\n"
@@ -379,7 +379,7 @@ def test_a_run_with_plugins_has_a_dag(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout[-3000:]
     for text in (
         "my_package/rooms/attic.yaml",
-        '"encoder": "my_package.encoders.colours"',
+        '"encoder": "my_package.encoders.colors"',
         '"policy": "my_package.policies.mean_action"',
         "--task my_package.tasks.touch",
         "results/demonstrations/touch/twin/episodes.h5",

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from stages.config.extraction import ExtractionConfig
-from stages.config.packages import verb
+from stages.config.packages import load_command
 from stages.contracts import Objects, read_json
 from stages.contracts.__main__ import main as check_contract
 from stages.contracts.objects import Mounting
@@ -102,7 +102,7 @@ def test_ids_files_and_annotations(furnished: tuple[Path, Objects]) -> None:
 def test_what_was_found_is_drawn(furnished: tuple[Path, Objects]) -> None:
     folder, _ = furnished
     files = {"objects": folder / "out/objects.json", "image": folder / "input/rgb.png"}
-    verb("pictures", "objects")(**files, out=folder / "overview.png")
+    load_command("pictures", "objects")(**files, out=folder / "overview.png")
     assert (folder / "overview.png").stat().st_size > 10_000
 
 

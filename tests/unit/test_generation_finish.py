@@ -1,4 +1,4 @@
-"""Cousins in the colours of the picture: what colour an object has, and that nothing but looks changes."""
+"""Cousins in the colors of the picture: what color an object has, and that nothing but looks changes."""
 
 import json
 from pathlib import Path
@@ -12,7 +12,7 @@ from stages.contracts import GeneratedScene, read_json
 from stages.contracts.images import read_masks
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.look import GAMMA
-from stages.generation.finishing import find_main_colour, paint
+from stages.generation.finishing import find_main_color, paint
 from stages.generation.generate import run
 from stages.generation.scene_file import read_items
 from tests.refusals import refused
@@ -22,18 +22,18 @@ from tests.unit.test_generation_run import scene  # noqa: F401  (a fixture)
 RED, BLUE = (180, 40, 30), (30, 60, 170)
 
 
-def test_the_main_colour_is_that_of_most_pixels_in_neither_shadow_nor_glare() -> None:
+def test_the_main_color_is_that_of_most_pixels_in_neither_shadow_nor_glare() -> None:
     rng = np.random.default_rng(0)
     shown = np.array([RED] * 600 + [(60, 13, 10)] * 100 + [(250, 250, 250)] * 100 + [BLUE] * 200)
     rgb = np.clip(shown + rng.normal(0, 5, shown.shape), 0, 255).astype(np.float32) / 255
-    found = find_main_colour(cv2.cvtColor(rgb[None], cv2.COLOR_RGB2LAB)[0])
+    found = find_main_color(cv2.cvtColor(rgb[None], cv2.COLOR_RGB2LAB)[0])
     assert found == pytest.approx((np.array(RED) / 255) ** GAMMA, abs=0.03)
 
 
-def test_what_lies_half_in_shadow_has_the_colour_that_is_lit() -> None:
+def test_what_lies_half_in_shadow_has_the_color_that_is_lit() -> None:
     shown = np.array([RED] * 400 + [(60, 13, 10)] * 550 + [(250, 250, 250)] * 50)
     rgb = np.clip(shown + np.random.default_rng(0).normal(0, 5, shown.shape), 0, 255).astype(np.float32) / 255
-    found = find_main_colour(cv2.cvtColor(rgb[None], cv2.COLOR_RGB2LAB)[0])
+    found = find_main_color(cv2.cvtColor(rgb[None], cv2.COLOR_RGB2LAB)[0])
     assert found == pytest.approx((np.array(RED) / 255) ** GAMMA, abs=0.03)
 
 
@@ -44,7 +44,7 @@ def test_a_model_that_is_no_recipe_s_stays_as_it_is_and_says_so() -> None:
     assert kept.finish == {} and kept.steps[-1].startswith("in its own colours")
 
 
-def test_cousins_wear_the_colours_of_the_picture_and_stand_as_before(
+def test_cousins_wear_the_colors_of_the_picture_and_stand_as_before(
     scene: dict[str, Path],  # noqa: F811
     tmp_path: Path,
 ) -> None:
@@ -70,10 +70,10 @@ def test_cousins_wear_the_colours_of_the_picture_and_stand_as_before(
     before, after = ([*read_model(item.folder).links.values()] for item in both)
     for one, other in zip(before, after, strict=True):
         assert all((a.vertices == b.vertices).all() for a, b in zip(one.collisions, other.collisions, strict=True))
-    looks = [
-        [visual.texture or visual.colour for link in links for visual in link.visuals] for links in (before, after)
+    finishes = [
+        [visual.texture or visual.color for link in links for visual in link.visuals] for links in (before, after)
     ]
-    assert looks[0] != looks[1]
+    assert finishes[0] != finishes[1]
 
     with refused("E-OPTION-MISSING"):
         run(**given, options=options["picture"], out=tmp_path / "none")

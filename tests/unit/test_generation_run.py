@@ -1,4 +1,4 @@
-"""The verb `generate` on a cabinet with a mug on it: files, places, failures, physics, repeatability."""
+"""The command `generate` on a cabinet with a mug on it: files, places, failures, physics, repeatability."""
 
 import json
 import re
@@ -16,7 +16,7 @@ from plugins.furniture.folder import build as build_asset
 from stages.articulated.asset_folder import read_model
 from stages.articulated.forward_kinematics import measure_closed_box
 from stages.config.generation import GenerationConfig
-from stages.config.packages import verb
+from stages.config.packages import load_command
 from stages.contracts import Asset, Cousins, GeneratedScene, InputError, Objects, read_json, write_json
 from stages.contracts.categories import known_categories
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
@@ -153,7 +153,7 @@ def draw(scene: dict[str, Path], out: Path) -> Path:
     image = scene["objects"].parent / "rgb.png"
     scenes = tuple(sorted(out.glob("scene_*.json")))
     files = {"scenes": scenes, "objects": scene["objects"], "image": image, "library": scene["library"]}
-    verb("pictures", "scenes")(**files, out=out, width=128)
+    load_command("pictures", "scenes")(**files, out=out, width=128)
     return out
 
 

@@ -86,7 +86,7 @@ def test_the_core_names_no_package() -> None:
     packages = sorted(path.parent.name for path in (ROOT / "plugins").glob("*/package.py"))
     module = re.compile(rf"plugins\.({'|'.join(packages)})(\.\w+)*")
     asked = re.compile(
-        rf"""(home_of|verb|replacement)\([^)"']*["']({"|".join(packages)})["']"""
+        rf"""(home_of|command|replacement)\([^)"']*["']({"|".join(packages)})["']"""
         rf"""|packages(\.get\(|\[)\s*["']({"|".join(packages)})["']"""
     )
     found = []

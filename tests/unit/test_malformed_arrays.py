@@ -89,7 +89,7 @@ def test_a_companion(bench: Bench, kind: str, name: str, how: Callable[[Path], N
 EXTRACTED = {
     "unnamed mask value": ("masks.png", np.where(masks() < 3, masks(), 9).astype(np.uint16), "holds the value 9"),
     "mask of another size": ("masks.png", masks()[:20] % 3, "48x20"),
-    "colour masks": ("masks.png", np.dstack([masks().astype(np.uint8)] * 3), "3 channels"),
+    "color masks": ("masks.png", np.dstack([masks().astype(np.uint8)] * 3), "3 channels"),
     "depth of another size": ("depth.npz", {"depth": np.ones((9, 9), np.float32)}, "is 9x9 pixels"),
     "depth in millimetres": ("depth.npz", {"depth": np.full((HEIGHT, WIDTH), 2500, np.uint16)}, "has type uint16"),
     "depth NaN": ("depth.npz", {"depth": np.full((HEIGHT, WIDTH), np.nan, np.float32)}, "holds NaN"),

@@ -14,7 +14,7 @@ import pytest
 from plugins.furniture.catalogue import sample
 from plugins.furniture.folder import generate
 from plugins.scenes.config import ScenesConfig
-from stages.cli import main as stage
+from stages.cli import main
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import EvaluationConfig
@@ -115,7 +115,7 @@ def truncated(path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("verb", "file", "how"),
+    ("command", "file", "how"),
     [
         ("extraction extract", "input/camera.json", no_json), ("extraction extract", "input/annotations.json", older),
         ("extraction extract", "input/rgb.png", truncated), ("extraction extract", "input/depth.npz", truncated),
@@ -143,7 +143,7 @@ def test_a_stage_ends_with_one_line(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-    verb: str,
+    command: str,
     file: str,
     how: Callable[[Path], None],
 ) -> None:
@@ -151,12 +151,12 @@ def test_a_stage_ends_with_one_line(
     monkeypatch.chdir(tmp_path / "run")
     how(Path(file))
     before = contents(tmp_path)
-    name, command = verb.split()
-    monkeypatch.setattr(sys, "argv", ["stages", command, *COMMANDS[verb].split()])
-    if verb == "matching match":
+    stage, name = command.split()
+    monkeypatch.setattr(sys, "argv", ["stages", name, *COMMANDS[command].split()])
+    if command == "matching match":
         digest_of_the_store(monkeypatch)
     with pytest.raises(SystemExit) as end:
-        stage(home_of(name), {command: ""})
+        main(home_of(stage), {name: ""})
     error = capsys.readouterr().err
     assert end.value.code == 1
     assert error.startswith("error: ") and error.count("\n") == 1 and Path(file).name in error, error

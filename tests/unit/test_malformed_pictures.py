@@ -92,7 +92,7 @@ def picture_of(mode: str) -> tuple[Image.Image, np.ndarray]:
 
 
 @pytest.mark.parametrize("mode", ["RGB", "L", "1", "P", "I;16", "RGBA", "LA", "CMYK"])
-def test_colours_of_every_kind_become_rgb(tmp_path: Path, mode: str) -> None:
+def test_colors_of_every_kind_become_rgb(tmp_path: Path, mode: str) -> None:
     image, seen = picture_of(mode)
     image.save(tmp_path / "rgb.png", "TIFF" if mode == "CMYK" else "PNG")
     picture = read_rgb(tmp_path / "rgb.png")
@@ -101,7 +101,7 @@ def test_colours_of_every_kind_become_rgb(tmp_path: Path, mode: str) -> None:
 
 
 def deep_png(values: np.ndarray) -> bytes:
-    """A PNG (H, W, 3) with 16 bits per colour, which PIL does not write."""
+    """A PNG (H, W, 3) with 16 bits per color, which PIL does not write."""
     rows = b"".join(b"\0" + row.astype(">u2").tobytes() for row in values)
 
     def chunk(name: bytes, data: bytes) -> bytes:
@@ -111,7 +111,7 @@ def deep_png(values: np.ndarray) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
 
 
-def test_colours_of_16_bits(tmp_path: Path) -> None:
+def test_colors_of_16_bits(tmp_path: Path) -> None:
     (tmp_path / "rgb.png").write_bytes(deep_png(gradient().astype(np.uint16) * 257))
     np.testing.assert_array_equal(read_rgb(tmp_path / "rgb.png"), gradient())
 
@@ -222,7 +222,7 @@ def test_a_picture_that_is_none(bench: Bench, case: str) -> None:
 MASKS = {
     "empty": (b"", "not a readable image"),
     "cut": (png(masks())[:90], "not a readable image"),
-    "colour": (png(np.dstack([masks()] * 3).astype(np.uint8)), "3 channels"),
+    "color": (png(np.dstack([masks()] * 3).astype(np.uint8)), "3 channels"),
     "alpha": (png(np.dstack([masks()] * 4).astype(np.uint8)), "4 channels"),
     "float": (png(masks().astype(np.float32), "TIFF"), "float pixels"),
     "JPEG": (png(masks().astype(np.uint8), "JPEG"), "is a JPEG"),

@@ -257,7 +257,7 @@ def test_a_part_that_cannot_be_shown_is_left_out(folder: Path) -> None:
 NOTES = [
     ("{", "breaks the Notes contract"),
     ("[]", "breaks the Notes contract"),
-    ('{"colour": "red"}', "colour"),
+    ('{"color": "red"}', "color"),
     ('{"scale": 0}', "scale"),
     ('{"scale": -1}', "scale"),
     ('{"scale": 1e999}', "scale"),

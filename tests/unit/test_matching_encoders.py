@@ -38,7 +38,7 @@ def test_background_does_not_matter() -> None:
         np.testing.assert_array_equal(a, b)
 
 
-def test_gradients_are_unit_and_blind_to_inverted_colours() -> None:
+def test_gradients_are_unit_and_blind_to_inverted_colors() -> None:
     view = view_of_box(0.0)
     inside = replace(view, mask=np.zeros_like(view.mask))
     inside.mask[50:80, 50:80] = True

@@ -1,4 +1,4 @@
-"""Matching: what is added to a model's distance, the way back of the patches, and colour."""
+"""Matching: what is added to a model's distance, the way back of the patches, and color."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +11,7 @@ from stages.contracts.cousins import CategoryMatch
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.matching.candidates import Candidates
-from stages.matching.colours import patch_colours
+from stages.matching.colors import patch_colors
 from stages.matching.crop import foreground
 from stages.matching.encoders import make_encoder
 from stages.matching.priors import is_misplaced, list_addends, size_gap
@@ -109,21 +109,21 @@ def test_the_mean_of_the_nearest_views_is_taken(world: World, tmp_path: Path) ->
         assert two[cousin.asset] == pytest.approx(sum(nearest[:2]) / 2, abs=1e-4)
 
 
-def test_colours_are_those_of_the_object_alone() -> None:
+def test_colors_are_those_of_the_object_alone() -> None:
     view = view_of_box(0.4)
     red = np.where(view.mask[..., None], np.uint8([200, 40, 40]), np.uint8([0, 255, 0]))
     positions = make_encoder(MatchingConfig()).encode([view])[0].positions
-    colours = patch_colours(replace(view, rgb=red), positions)
-    assert colours.shape == (len(positions), 3)
-    assert np.ptp(colours, axis=0).max() < 0.05 and colours[0, 1] > 1.5  # the same red everywhere, no green let in
+    colors = patch_colors(replace(view, rgb=red), positions)
+    assert colors.shape == (len(positions), 3)
+    assert np.ptp(colors, axis=0).max() < 0.05 and colors[0, 1] > 1.5  # the same red everywhere, no green let in
     blue = np.arange(red.shape[1]) > np.flatnonzero(view.mask.any(axis=0)).mean()  # the right half
-    halves = patch_colours(replace(view, rgb=np.where(blue[:, None], np.uint8([40, 40, 200]), red)), positions)
+    halves = patch_colors(replace(view, rgb=np.where(blue[:, None], np.uint8([40, 40, 200]), red)), positions)
     assert (halves[positions[:, 0] > 0.3, 2] < -1).all() and (halves[positions[:, 0] < -0.3, 2] > 0).all()
     empty = replace(view, mask=np.zeros_like(view.mask))
-    assert patch_colours(empty, np.empty((0, 2), np.float32)).shape == (0, 3)
+    assert patch_colors(empty, np.empty((0, 2), np.float32)).shape == (0, 3)
 
 
-def test_colour_counts_only_with_a_weight() -> None:
+def test_color_counts_only_with_a_weight() -> None:
     view, encoder = view_of_box(0.4), make_encoder(MatchingConfig())
     grey, inverted = (make_query(one, encoder, 1.0) for one in (view, replace(view, rgb=255 - view.rgb)))
     blind = make_query(view, encoder)

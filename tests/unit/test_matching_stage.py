@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.config.packages import verb
+from stages.config.packages import load_command
 from stages.contracts import LeftOut, write_json
 from stages.geometry.frames import angle_difference
 from stages.matching.match import run as match
@@ -62,7 +62,7 @@ def test_one_bad_object_does_not_stop_the_scene(world: World, tmp_path: Path) ->
 def test_objects_are_drawn_beside_their_cousins(world: World, tmp_path: Path) -> None:
     world.match(tmp_path / "cousins.json")
     files = {"cousins": tmp_path / "cousins.json", "objects": world.objects, "image": world.objects.parent / "rgb.png"}
-    verb("pictures", "cousins")(**files, snapshots=world.snapshots, out=tmp_path / "cousins.png")
+    load_command("pictures", "cousins")(**files, snapshots=world.snapshots, out=tmp_path / "cousins.png")
     assert (tmp_path / "cousins.png").stat().st_size > 10_000
 
 
@@ -85,15 +85,15 @@ def test_backends_pick_the_same_and_a_second_run_writes_the_same_bytes(world: Wo
 
 def test_other_features_are_told_by_the_digest_of_what_went_in(world: World, tmp_path: Path) -> None:
     first, again = (world.match(tmp_path / f"{name}.json").made for name in ("first", "again"))
-    looks = world.features[0].with_suffix(".npz")
-    kept = looks.read_bytes()
-    with np.load(looks) as stored:
+    wholes_file = world.features[0].with_suffix(".npz")
+    kept = wholes_file.read_bytes()
+    with np.load(wholes_file) as stored:
         wholes = {name: stored[name] for name in stored.files}
-    np.savez(looks, **(wholes | {"wholes": wholes["wholes"] * 0.5}))
+    np.savez(wholes_file, **(wholes | {"wholes": wholes["wholes"] * 0.5}))
     try:
         other = world.match(tmp_path / "other.json").made
     finally:
-        looks.write_bytes(kept)
+        wholes_file.write_bytes(kept)
     assert first and other and first == again and first.inputs != other.inputs
 
 

@@ -45,7 +45,7 @@ def test_a_section_belongs_to_its_package(name: str) -> None:
     assert all(hasattr(on, section) and not hasattr(off, section) for section in sections)
 
 
-def test_verbs_are_found_in_their_homes() -> None:
+def test_commands_are_found_in_their_homes() -> None:
     assert home_of("matching") == "stages.matching" and home_of("exports") == "plugins.exports"
     assert list_available("simulators")["mujoco"] == "plugins.mujoco.simulators.mujoco"
 
@@ -76,9 +76,9 @@ def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -
         packages |= {"report": False, "exports": False}
     config = load(given | {"packages": packages}, rooms_named=name != "scenes")
     wildcards = {"variant": "b", "run": "lite", "scene": "", "store": next(iter(stores(config)))}
-    for stage, verb in READS:
+    for stage, command in READS:
         if stage != name and stage != "inputs":
-            options_of(config, stage, verb, wildcards)
+            options_of(config, stage, command, wildcards)
     if name != "inputs":
         assert "lens" in options_of(config, "inputs", "estimate", {})
 

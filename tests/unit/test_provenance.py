@@ -8,18 +8,18 @@ import numpy as np
 from stages.config.generation import GenerationConfig
 from stages.config.provenance import record_provenance
 
-VERB = "stages.generation.generate"
+COMMAND = "stages.generation.generate"
 
 
 def test_each_of_what_a_file_is_made_of_changes_its_own_digest(tmp_path: Path) -> None:
     file = tmp_path / "a.json"
     file.write_text("{}")
-    first = record_provenance(VERB, GenerationConfig(), [file], seed=3)
-    assert first == record_provenance(VERB, GenerationConfig(), [file], seed=3) and first.seed == 3
-    other = record_provenance(VERB, GenerationConfig(ranks=3), [file])
+    first = record_provenance(COMMAND, GenerationConfig(), [file], seed=3)
+    assert first == record_provenance(COMMAND, GenerationConfig(), [file], seed=3) and first.seed == 3
+    other = record_provenance(COMMAND, GenerationConfig(ranks=3), [file])
     assert other.options != first.options and (other.inputs, other.code) == (first.inputs, first.code)
     file.write_text("[]")
-    assert record_provenance(VERB, GenerationConfig(), [file]).inputs != first.inputs
+    assert record_provenance(COMMAND, GenerationConfig(), [file]).inputs != first.inputs
     assert record_provenance("stages.matching.match", GenerationConfig(), [file]).code != first.code
 
 
@@ -30,6 +30,6 @@ def test_arrays_are_known_by_their_values_not_by_the_header_of_their_archive(tmp
         packed.writestr("depth.npy", stored.read("depth.npy"))
     assert one.read_bytes() != two.read_bytes()
     assert (
-        record_provenance(VERB, GenerationConfig(), [one]).inputs
-        == record_provenance(VERB, GenerationConfig(), [two]).inputs
+        record_provenance(COMMAND, GenerationConfig(), [one]).inputs
+        == record_provenance(COMMAND, GenerationConfig(), [two]).inputs
     )

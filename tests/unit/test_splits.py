@@ -9,7 +9,7 @@ import pytest
 from stages.contracts import TaskAssets
 from stages.contracts.policies import TaskAsset
 from stages.contracts.training_sets import DRAW
-from stages.experiment.splits import by_chance, cover, deal, order_by_family, with_lists
+from stages.experiment.splits import by_chance, cover, order_by_family, split_by_family, with_lists
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset
 
@@ -42,7 +42,7 @@ def kinds(assets: list[TaskAsset]) -> Counter[str]:
 
 
 def test_families_are_dealt_whole_and_every_split_gets_its_share_of_every_kind() -> None:
-    splits = deal(library(), np.random.default_rng(0))
+    splits = split_by_family(library(), np.random.default_rng(0))
     sizes = [len(families(split)) for split in splits]
     assert sizes == [8, 16, 32] and sum(map(len, splits)) == len(library())
     assert len(set.union(*map(families, splits))) == sum(sizes), "no family is on two sides"
@@ -52,7 +52,7 @@ def test_families_are_dealt_whole_and_every_split_gets_its_share_of_every_kind()
 
 
 def test_the_deal_follows_the_seed_and_not_the_order_of_the_library() -> None:
-    first, again, other = (deal(assets, np.random.default_rng(seed)) for assets, seed in (
+    first, again, other = (split_by_family(assets, np.random.default_rng(seed)) for assets, seed in (
         (library(), 0), (library()[::-1], 0), (library(), 1)))  # fmt: skip
     assert first == again and families(first.test) != families(other.test)
 

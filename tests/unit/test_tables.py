@@ -212,7 +212,7 @@ def test_table3_pools_what_the_twin_is_not_as_unseen() -> None:
 # Files ---------------------------------------------------------------------------------------------------------------
 
 
-def test_verb_writes_the_tables_with_fixed_columns_and_the_same_bytes(tmp_path: Path) -> None:
+def test_command_writes_the_tables_with_fixed_columns_and_the_same_bytes(tmp_path: Path) -> None:
     scored = write_rows(tmp_path / "scores.csv", [score(number=1), score(number=2, orientation_rad=None)])
     episodes = write_rows(tmp_path / "rollouts.csv", rollouts())
     for out in ("one", "two"):
@@ -233,7 +233,7 @@ def test_verb_writes_the_tables_with_fixed_columns_and_the_same_bytes(tmp_path: 
     assert "not run" in page and "paper 90 ± 4 %" in page and "http" not in page
 
 
-def test_verb_without_any_rows_says_not_run(tmp_path: Path) -> None:
+def test_command_without_any_rows_says_not_run(tmp_path: Path) -> None:
     scenes.run(out=tmp_path, published=PUBLISHED)
     table = pd.read_csv(tmp_path / "table2.csv")
     assert set(table["status"]) == {"not run"} and len(table) == 32

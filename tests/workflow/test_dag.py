@@ -211,10 +211,10 @@ def test_corrections_are_an_input_of_the_rules_that_they_concern(folder: Path, t
         f"experiment: {{rooms: [mine], inputs: {{mine: {mine}}}, targets: {{door: null}}}}"
     )
     scene = "results/generation/b/mine/scene_1.json"
-    for told, verb in (({"panels": []}, "extract"), ({"nudge": [0.1, 0]}, "generate")):
+    for told, command in (({"panels": []}, "extract"), ({"nudge": [0.1, 0]}, "generate")):
         (mine / "corrections.json").write_text(json.dumps({"version": 1, "objects": [{"mask": 1, **told}]}))
         done = dry_run(folder, scene, "-p", "--configfile", str(tmp_path / "mine.yaml"))
-        assert re.findall(rf" (\w+) [^\n]*--corrections {mine}/corrections.json", done.stdout) == [verb], done.stdout
+        assert re.findall(rf" (\w+) [^\n]*--corrections {mine}/corrections.json", done.stdout) == [command], done.stdout
     (mine / "corrections.json").write_text('{"version": 1, "objects": [{"hight": 1}]}')
     done = dry_run(folder, scene, "--configfile", str(tmp_path / "mine.yaml"))
     assert done.returncode and "corrections.json: breaks the Corrections contract" in done.stdout
@@ -261,7 +261,7 @@ def test_a_variant_that_looks_at_no_picture_plans_no_features(folder: Path) -> N
     assert half["features"] == half["snapshots"] > 0  # one judge that looks is enough
 
 
-def test_cousins_in_the_colours_of_the_picture_need_it(folder: Path) -> None:
+def test_cousins_in_the_colors_of_the_picture_need_it(folder: Path) -> None:
     room = "experiment: {rooms: [room_1], targets: {door: null}}"
     (folder / "painted.yaml").write_text(f"{room[:-1]}, placements: {{b: {{finish: picture}}}}}}")
     done = dry_run(folder, "generation", "-p", "--configfile", "painted.yaml")
@@ -461,7 +461,7 @@ def rules_text() -> dict[str, str]:
 
 PLUMBING = re.compile(
     r"^    (?:log|benchmark|group|container|threads|resources):"
-    r"|^        (?:\*\*verb\(|(?:command|code|check|options)=)",
+    r"|^        (?:\*\*command\(|(?:command|code|check|options)=)",
     re.MULTILINE,
 )
 
@@ -473,7 +473,7 @@ def test_every_working_rule_has_container_log_resources_and_code() -> None:
             continue
         for directive in ("container:", "log:", "**needs(", "params:"):
             assert directive in body, f"rule {name} lacks {directive}"
-        assert "**verb(" in body or " code=" in body, f"rule {name} does not see edits of its code"
+        assert "**command(" in body or " code=" in body, f"rule {name} does not see edits of its code"
 
 
 def test_rules_say_little_that_is_not_theirs() -> None:

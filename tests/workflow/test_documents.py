@@ -26,7 +26,7 @@ FENCE = re.compile(
 )
 OURS = re.compile(r"^(\.venv/bin/)?(snakemake|python -m stages\.|make |source )")
 # The package of docs/extending.md is run by tests/unit/test_extending.py; a page's room file by the test of that room.
-PACKAGE = re.compile("my_package|colours")
+PACKAGE = re.compile("my_package|colors")
 
 
 class Block(NamedTuple):
@@ -108,7 +108,7 @@ def test_a_command_is_one(folder: Path, page: str, line: str) -> None:
 
 
 def check_flags(package: str, words: list[str]) -> None:
-    """A verb of a stage or package takes these flags, and needs no others."""
+    """A command of a stage or package takes these flags, and needs no others."""
     folder = ROOT / package.replace(".", "/")
     if not folder.is_dir():  # doctor
         assert folder.with_suffix(".py").is_file() and words in ([], ["--slurm"])
@@ -132,12 +132,12 @@ def check_snakemake(folder: Path, words: list[str]) -> None:
     assert done.returncode == 0 and "total" in done.stdout, done.stdout[-3000:]
 
 
-def test_the_workflow_passes_flags_that_the_verbs_have() -> None:
+def test_the_workflow_passes_flags_that_the_commands_have() -> None:
     passed = list_passed_flags()
     assert len(passed) > 40
-    for (stage, verb), words in passed.items():
-        known, needed = read_flags(ROOT / home_of(stage).replace(".", "/"), verb)
-        assert needed <= words <= known, (stage, verb)
+    for (stage, command), words in passed.items():
+        known, needed = read_flags(ROOT / home_of(stage).replace(".", "/"), command)
+        assert needed <= words <= known, (stage, command)
 
 
 def test_what_is_not_run_says_why() -> None:

@@ -12,7 +12,7 @@ from tests.commands import list_commands, list_rule_files
 from tests.workflow.workspace import ROOT
 
 FAMILY = re.compile(r"CONFIG\.containers\.(\w+)")
-VERB = re.compile(r'\bverb\(\s*"(\w+)",\s*"([\w-]+)"')
+COMMAND = re.compile(r'\*\*command\(\s*"(\w+)",\s*"([\w-]+)"')
 
 IMPORTS = """
 import importlib, importlib.metadata, re, sys
@@ -39,7 +39,7 @@ for name in sys.argv[2:]:
 
 
 def list_modules() -> dict[str, set[str]]:
-    """Modules of the verbs that rules run, by the family of the rule's image."""
+    """Modules of the commands that rules run, by the family of the rule's image."""
     folders = {folder.rpartition("/")[2]: folder.replace("/", ".") for folder, _ in list_commands()}
     found: dict[str, set[str]] = defaultdict(set)
     for path in list_rule_files():
@@ -47,13 +47,13 @@ def list_modules() -> dict[str, set[str]]:
         usual = FAMILY.search(head)
         for text in rules:
             own = FAMILY.search(text) or usual
-            for stage, name in VERB.findall(text):
+            for stage, name in COMMAND.findall(text):
                 assert own, f"{path}: {stage} {name} has no image"
                 found[own[1]].add(f"{folders[stage]}.{find_module(name)}")
     return found
 
 
-def test_every_verb_of_a_rule_is_found() -> None:
+def test_every_command_of_a_rule_is_found() -> None:
     found = set().union(*list_modules().values())
     known = {f"{folder.replace('/', '.')}.{find_module(name)}" for folder, name in list_commands()}
     assert len(found) > 40 and found <= known

@@ -13,7 +13,7 @@ ENDINGS = {".md", ".py", ".smk", ".sh", ".yaml", ".yml", ".jinja", ".toml"}
 FOLDERS = ("docs", "stages", "plugins", "rules", "benchmarks", "reference", "config", "envs")
 
 
-def test_every_module_and_verb_that_is_named_is_there() -> None:
+def test_every_module_and_command_that_is_named_is_there() -> None:
     known = defaultdict(set)
     for folder, name in list_commands():
         known[folder].add(name)

@@ -18,13 +18,13 @@ REPORT = {"trainings", "table2", "table2_robustness", "table3", "report_page"}
 NO_POLICIES = "\nexperiment: {training_sets: []}"  # they read nothing that a stranger writes
 
 
-def stages(stage: str, verb: str, command: str, *code: str) -> str:
-    """Overlay that replaces one verb."""
-    return f"stages: {{{stage}: {{{verb}: {{command: '{command}', code: [{', '.join(code)}]}}}}}}"
+def stages(stage: str, command: str, line: str, *code: str) -> str:
+    """Overlay that replaces one command."""
+    return f"stages: {{{stage}: {{{command}: {{command: '{line}', code: [{', '.join(code)}]}}}}}}"
 
 
 @pytest.mark.parametrize(
-    ("stage", "verb", "script", "targets", "runs"),
+    ("stage", "command", "script", "targets", "runs"),
     [
         (
             "extraction", "extract", "extract.py", ("extraction", "matching", "generation", SCORES, ASSETS),
@@ -41,20 +41,20 @@ def stages(stage: str, verb: str, command: str, *code: str) -> str:
     ],
     ids=["extraction", "matching", "generation"],
 )  # fmt: skip
-def test_a_verb_by_a_stranger(
-    run: Path, tmp_path: Path, stage: str, verb: str, script: str, targets: tuple[str, ...], runs: set[str]
+def test_a_command_by_a_stranger(
+    run: Path, tmp_path: Path, stage: str, command: str, script: str, targets: tuple[str, ...], runs: set[str]
 ) -> None:
     folder = copy(run, tmp_path / "run")
     own = folder / script
     shutil.copy(STRANGERS / script, own)
-    config = overlay(folder, stages(stage, verb, f"{PYTHON} {script}", script) + NO_POLICIES)
+    config = overlay(folder, stages(stage, command, f"{PYTHON} {script}", script) + NO_POLICIES)
     done = snakemake(folder, *targets, *config)
     assert done.returncode == 0, done.stdout[-5000:]
     assert set(planned(done.stdout)) - set(targets) == runs - set(targets)  # nothing before it, everything after it
     again = dry_run(folder, *targets, *config)
     assert "Nothing to be done" in again.stdout, again.stdout[-3000:]
     own.write_text(own.read_text() + "\n")  # an edit counts, although the command is the same
-    assert verb in planned(dry_run(folder, *targets, *config).stdout)
+    assert command in planned(dry_run(folder, *targets, *config).stdout)
     shutil.copy(STRANGERS / script, own)
     scene = json.loads((folder / "results/generation/b/room_1/scene_1.json").read_text())
     assert sum(item.get("status", "ok") == "ok" for item in scene["objects"]) >= 4
@@ -78,14 +78,14 @@ WRONG = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("stage", "verb", "edit", "file", "field", "kept"), WRONG)
+@pytest.mark.parametrize(("stage", "command", "edit", "file", "field", "kept"), WRONG)
 def test_wrong_output_is_refused_in_one_line_and_kept(
-    run: Path, tmp_path: Path, stage: str, verb: str, edit: str, file: str, field: str, kept: list[str]
+    run: Path, tmp_path: Path, stage: str, command: str, edit: str, file: str, field: str, kept: list[str]
 ) -> None:
     folder = copy(run, tmp_path / "run")
-    shutil.copy(STRANGERS / f"{verb}.py", folder / "stranger.py")
+    shutil.copy(STRANGERS / f"{command}.py", folder / "stranger.py")
     (folder / "mine.py").write_text(BREAK.replace("EDIT", edit))
-    done = snakemake(folder, stage, *overlay(folder, stages(stage, verb, f"{PYTHON} mine.py", "mine.py")))
+    done = snakemake(folder, stage, *overlay(folder, stages(stage, command, f"{PYTHON} mine.py", "mine.py")))
     assert done.returncode == 1
     errors = [line for line in dict.fromkeys(done.stdout.splitlines()) if line.startswith("error: ")]
     assert len(errors) == 1, done.stdout[-3000:]

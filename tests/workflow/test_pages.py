@@ -106,7 +106,7 @@ def test_a_step_calls_what_there_is(step: str) -> None:
 
 
 def check_flags(module: Path, words: list[str]) -> None:
-    """A benchmark, or a verb of a package, has these flags; files that are named are there."""
+    """A benchmark, or a command of a package, has these flags; files that are named are there."""
     if module.name == "__init__.py":
         main = module.with_name("__main__.py")
         module = main if "add_argument" in main.read_text(encoding="utf-8") else module.with_name(f"{words[0]}.py")

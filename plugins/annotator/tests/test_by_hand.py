@@ -127,7 +127,7 @@ def test_what_is_no_photograph_is_said_in_one_line(
         Image.fromarray(_noise(*size) * (what != "black")).save(path)
     with pytest.raises(InputError) as caught:
         annotate.run(path, browser=False)
-    says = {"wide": "panorama", "black": "one colour", "heic": "pillow-heif", "tiny": "too small"}.get(what, what)
+    says = {"wide": "panorama", "black": "one color", "heic": "pillow-heif", "tiny": "too small"}.get(what, what)
     expected = {"text": "not a readable image", "none": "no such file"}.get(what, says)
     assert expected in str(caught.value) and "\n" not in str(caught.value)
     assert list(tmp_path.iterdir()) == ([] if what == "none" else [path])  # no folder was begun
@@ -573,10 +573,10 @@ def test_hostile_drawings_are_refused_in_a_line(served: tuple[PageServer, Sessio
         (json.dumps({**good, "scale": {"metres": -1}}).encode(), 400),
         (b'{"a": NaN}', 400),
     ]
-    for verb in ("solve", "save", "write", "support"):
+    for command in ("solve", "save", "write", "support"):
         for body, status in evil:
-            found, answer = _ask(server, "POST", base + verb, body)
-            assert found == status and "\n" not in json.loads(answer)["error"], (verb, body[:40])
+            found, answer = _ask(server, "POST", base + command, body)
+            assert found == status and "\n" not in json.loads(answer)["error"], (command, body[:40])
     assert (
         _ask(server, "POST", base + "save", None, Content_Length="99999999999", Content_Type="application/json")[0]
         == 413

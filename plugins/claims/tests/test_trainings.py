@@ -123,7 +123,7 @@ def stuck(root: Path) -> tuple[Path, ...]:
             trained(root, "cousins_4", 1, -3.5, error=0.6))  # fmt: skip
 
 
-def test_the_verb_names_them_and_table_3_and_the_page_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_names_them_and_table_3_and_the_page_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     root = write_run(tmp_path)
     tables, episodes = root / "results/tables", write_rows(tmp_path / "rollouts.csv", rollouts())
     trainings.run(out=tables, policies=stuck(root))

@@ -1,1 +1,1 @@
-"""What the config finds here: the patch encoder `efficientnet`."""
+"""The patch encoder `efficientnet`."""

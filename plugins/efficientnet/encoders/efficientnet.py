@@ -36,7 +36,7 @@ class Encoder:
         self.network = load()
 
     def settings(self) -> dict[str, Any]:
-        """What a feature store depends on."""
+        """The settings that a feature store depends on."""
         digest = hashlib.sha256()
         for weight in self.network.state_dict().values():
             digest.update(weight.numpy().tobytes())

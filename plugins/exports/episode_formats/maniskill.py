@@ -23,7 +23,7 @@ Trajectory = tuple[int, NDArray[np.float32]]  # seed and executed actions of an 
 
 
 class Subject(NamedTuple):
-    """What a file of trajectories is about: an asset, the joint that is opened, and the asset's nominal size.
+    """The subject of a file of trajectories: an asset, the joint that is opened, and the asset's nominal size.
 
     `randomise`: JSON of the ranges that the asset was drawn from, if it was randomised.
     """

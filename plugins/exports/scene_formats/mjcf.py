@@ -30,8 +30,8 @@ def _furnish(writer: ModelWriter, world: ET.Element, room: Room) -> None:
     ET.SubElement(world, "light", light, diffuse="0.8 0.78 0.74", castshadow="true")
     _camera(world, room)
     for block in room.blocks:
-        colour = [*(value ** (1 / GAMMA) for value in block.colour), 1.0]
-        box = {"name": block.name, "type": "box", "size": text(np.array(block.size) / 2), "rgba": text(colour)}
+        color = [*(value ** (1 / GAMMA) for value in block.color), 1.0]
+        box = {"name": block.name, "type": "box", "size": text(np.array(block.size) / 2), "rgba": text(color)}
         place = {"pos": text(block.center), "quat": text(yaw_quaternion(block.yaw))}
         ET.SubElement(world, "geom", box | place, friction=TOUCHED)
     for body in room.bodies:

@@ -25,7 +25,7 @@ NAMES = {"link": "name", "joint": "name", "material": "name", "parent": "link", 
 def write(room: Room, out: Path) -> None:
     """Write the folder `out`. Free objects hang on the world by joints of type `floating`.
 
-    Colours are as screens show them: viewers of URDF take them so, SAPIEN alone takes them as linear.
+    Colors are as screens show them: viewers of URDF take them so, SAPIEN alone takes them as linear.
     """
     with atomic_folder(out) as folder:
         robot = ET.Element("robot", name=f"{room.scene.scene}_rank_{room.scene.rank}")
@@ -38,9 +38,9 @@ def write(room: Room, out: Path) -> None:
             model = folder / "models" / body.id
             shutil.copytree(body.folder, model, ignore=shutil.ignore_patterns("asset.json"))
             tree = ET.parse(model / body.asset.urdf)
-            for colour in tree.iter("color"):
-                *rgb, alpha = (float(value) for value in colour.get("rgba", "1 1 1 1").split())
-                colour.set("rgba", _text([*_encode_gamma(rgb), alpha]))
+            for color in tree.iter("color"):
+                *rgb, alpha = (float(value) for value in color.get("rgba", "1 1 1 1").split())
+                color.set("rgba", _text([*_encode_gamma(rgb), alpha]))
             tree.write(model / body.asset.urdf, encoding="unicode")
             _add_body(robot, body, tree.getroot())
         ET.indent(robot)
@@ -74,7 +74,7 @@ def _add_block(world: ET.Element, block: Block) -> None:
         ET.SubElement(ET.SubElement(element, "geometry"), "box", size=_text(block.size))
         if kind == "visual":
             material = ET.SubElement(element, "material", name=block.name)
-            ET.SubElement(material, "color", rgba=_text([*_encode_gamma(block.colour), 1.0]))
+            ET.SubElement(material, "color", rgba=_text([*_encode_gamma(block.color), 1.0]))
 
 
 def _add_place(robot: ET.Element, name: str, child: str, kind: str, pose: Matrix) -> None:
@@ -99,8 +99,8 @@ def _add_body(robot: ET.Element, body: Body, model: ET.Element) -> None:
         robot.append(part)
 
 
-def _encode_gamma(colour: ArrayLike) -> list[float]:
-    shown: list[float] = (np.asarray(colour, dtype=float) ** (1 / GAMMA)).tolist()
+def _encode_gamma(color: ArrayLike) -> list[float]:
+    shown: list[float] = (np.asarray(color, dtype=float) ** (1 / GAMMA)).tolist()
     return shown
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import JointModel, Link, Matrix
-from stages.articulated.surfaces import ColouredMesh, surfaces
+from stages.articulated.surfaces import ColoredMesh, surfaces
 from stages.articulated.urdf_writer import DAMPING, SURFACE_FRICTION
 from stages.contracts import InputError
 from stages.contracts.system import sync
@@ -145,11 +145,11 @@ class _Writer:
         mesh.CreateSubdivisionSchemeAttr("none")
         return mesh
 
-    def _write_visual(self, path: str, surface: ColouredMesh) -> None:
+    def _write_visual(self, path: str, surface: ColoredMesh) -> None:
         mesh = self._mesh(path, surface.vertices, surface.faces)
         mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(surface.normals.astype(np.float32)))
         mesh.SetNormalsInterpolation("vertex")
-        mesh.CreateDisplayColorAttr(Vt.Vec3fArray([Gf.Vec3f(*surface.colour[:3])]))
+        mesh.CreateDisplayColorAttr(Vt.Vec3fArray([Gf.Vec3f(*surface.color[:3])]))
         if surface.uv is not None:
             at = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, "vertex")
             at.Set(Vt.Vec2fArray.FromNumpy(surface.uv.astype(np.float32)))
@@ -165,8 +165,8 @@ class _Writer:
             self.rough, UsdShade.Tokens.weakerThanDescendants, "physics"
         )
 
-    def _material(self, surface: ColouredMesh) -> Any:
-        key = (surface.colour, None if surface.image is None else surface.image.tobytes())
+    def _material(self, surface: ColoredMesh) -> Any:
+        key = (surface.color, None if surface.image is None else surface.image.tobytes())
         if key in self.materials:
             return self.materials[key]
         path = f"{LOOKS}/look_{len(self.materials)}"
@@ -175,13 +175,13 @@ class _Writer:
         shader.CreateIdAttr("UsdPreviewSurface")
         shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(0.8)
         diffuse = shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f)
-        diffuse.Set(Gf.Vec3f(*surface.colour[:3]))
+        diffuse.Set(Gf.Vec3f(*surface.color[:3]))
         if surface.image is not None:
             diffuse.ConnectToSource(self._texture(path, surface).ConnectableAPI(), "rgb")
         material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
         return material
 
-    def _texture(self, path: str, surface: ColouredMesh) -> Any:
+    def _texture(self, path: str, surface: ColoredMesh) -> Any:
         assert surface.image is not None
         image = surface.image.convert("RGB")
         file = self.textures.setdefault((image.size, image.tobytes()), f"textures/texture_{len(self.textures)}.png")
@@ -193,7 +193,7 @@ class _Writer:
         texture = UsdShade.Shader.Define(self.stage, f"{path}/texture")
         texture.CreateIdAttr("UsdUVTexture")
         texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(f"./{file}")
-        texture.CreateInput("scale", Sdf.ValueTypeNames.Float4).Set(Gf.Vec4f(*surface.colour))
+        texture.CreateInput("scale", Sdf.ValueTypeNames.Float4).Set(Gf.Vec4f(*surface.color))
         texture.CreateInput("st", Sdf.ValueTypeNames.Float2).ConnectToSource(reader.ConnectableAPI(), "result")
         texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3)
         return texture

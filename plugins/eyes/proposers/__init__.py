@@ -1,4 +1,4 @@
-"""What proposes outlines: `propose` of each module here, or of yours (docs/extending.md)."""
+"""Proposers of outlines: `propose` of each module here, or of yours (docs/extending.md)."""
 
 from collections.abc import Callable
 

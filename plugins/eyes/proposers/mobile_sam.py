@@ -7,7 +7,7 @@ from plugins.eyes.proposal import Mask, Proposal, RoomView
 
 MOST = 120  # clicks; chosen for time
 AT_ONCE = 12  # clicks between two looks at what is left; chosen
-LEAST_REACH = 2.5  # pixels of an outline, from a click to what needs none; chosen
+MIN_REACH = 2.5  # pixels of an outline, from a click to what needs none; chosen
 AROUND = 3  # pixels around a click that need no further one
 SCORE, STABILITY = 0.7, 0.75  # least ones of an outline that is proposed; chosen
 SURE = 0.8  # least of both of an outline that covers, so that nothing inside is clicked; chosen
@@ -44,7 +44,7 @@ def choose_clicks(rest: Mask, count: int) -> list[tuple[int, int]]:
     for _ in range(count):
         reach = cv2.distanceTransform(left, cv2.DIST_L2, 3)
         y, x = np.unravel_index(int(reach.argmax()), reach.shape)
-        if reach[y, x] < LEAST_REACH:
+        if reach[y, x] < MIN_REACH:
             break
         clicks.append((int(x) - 1, int(y) - 1))
         cv2.circle(left, (int(x), int(y)), max(2 * AROUND, round(float(reach[y, x]))), 0, -1)

@@ -104,7 +104,7 @@ def test_other_weights_are_refused(tmp_path: Path) -> None:
 
 
 def test_the_sign_is_found_by_name(published: None) -> None:
-    """At its place, by its colours in their order."""
+    """At its place, by its colors in their order."""
     rgb, truth = draw_sign()
     (found,) = Ssd().detect(rgb)
     x, y, width, height = cv2.boundingRect(truth.astype(np.uint8))

@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from plugins.furniture.category import category
-from plugins.furniture.colours import FABRICS, METALS, WOODS, pick
+from plugins.furniture.colors import FABRICS, METALS, WOODS, pick
 from plugins.furniture.model import FOAM, Model, Part, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, of, round_size
 from plugins.furniture.shapes import beam, box, cushion, hull, rod
@@ -93,14 +93,14 @@ def sample_armchair(rng: Rng, index: int) -> Sampled:
     style = ["open", "wing", "tub", "open"][index % 4]
     tall = {"open": (0.74, 0.88), "wing": (0.95, 1.12), "tub": (0.68, 0.8)}[style]
     size = round_size(rng.uniform(0.68, 0.82), rng.uniform(0.62, 0.8), rng.uniform(*tall))
-    colour = pick(rng, FABRICS)
+    color = pick(rng, FABRICS)
     recipe = Armchair.sample_parameters(
         rng,
         index,
         style=style,
         seat=round(rng.uniform(0.4, 0.45) / size[2], 3),
         arm_height=lambda: round(rng.uniform(0.56, 0.63) / size[2], 3),
-        colour=colour,
-        cushion_colour=lambda: colour if rng.random() < 0.6 else pick(rng, FABRICS),
+        colour=color,
+        cushion_colour=lambda: color if rng.random() < 0.6 else pick(rng, FABRICS),
     )
     return Sampled(size, recipe)

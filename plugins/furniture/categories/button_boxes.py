@@ -3,7 +3,7 @@
 from typing import Literal
 
 from plugins.furniture.category import Category, sized
-from plugins.furniture.colours import METALS, PAINTS
+from plugins.furniture.colors import METALS, PAINTS
 from plugins.furniture.finishes import shade
 from plugins.furniture.model import PLASTIC, Model, Moving, Parts, Size, part
 from plugins.furniture.recipe import Coating, Generator, between, chance, in_turn, of, one_of

@@ -4,7 +4,7 @@ from typing import Any
 
 from plugins.furniture.cabinet import Cabinet
 from plugins.furniture.category import Fronts, category
-from plugins.furniture.colours import PAINTS, STONES, TILES, WOODS, Palette, pick
+from plugins.furniture.colors import PAINTS, STONES, TILES, WOODS, Palette, pick
 from plugins.furniture.finishes import shade
 from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
 from plugins.furniture.model import Size

@@ -7,7 +7,7 @@ import numpy as np
 from plugins.furniture.cabinet import Cabinet
 from plugins.furniture.categories.cabinets import Layout, box_of, cabinet_of, cells_of
 from plugins.furniture.category import category
-from plugins.furniture.colours import APPLIANCE, METALS, pick
+from plugins.furniture.colors import APPLIANCE, METALS, pick
 from plugins.furniture.finishes import finish_of, shade
 from plugins.furniture.recipe import Rng, Sampled, uniform
 
@@ -15,7 +15,7 @@ from plugins.furniture.recipe import Rng, Sampled, uniform
 def _appliance(rng: Rng, layout: Layout, **changes: Any) -> Cabinet:
     """A recipe in metal or glass, with a handle that is seen before the front."""
     front = pick(rng, APPLIANCE)
-    handle = METALS[2] if np.mean(finish_of(front).colour) > 0.4 else METALS[0]
+    handle = METALS[2] if np.mean(finish_of(front).color) > 0.4 else METALS[0]
     plain: dict[str, Any] = {
         "panel": "flat",
         "handle": str(rng.choice(["bar", "square_bar"])),

@@ -9,7 +9,7 @@ from trimesh import Trimesh
 
 from plugins.furniture.categories.decor import Television
 from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colours import METALS, PAINTS
+from plugins.furniture.colors import METALS, PAINTS
 from plugins.furniture.finishes import Surface, finish_of, shade
 from plugins.furniture.model import PLASTIC, Model, Part, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, uniform

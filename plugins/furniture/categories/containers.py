@@ -7,7 +7,7 @@ import numpy as np
 
 from plugins.furniture.categories.vessels import hollow
 from plugins.furniture.category import category
-from plugins.furniture.colours import APPLIANCE, FABRICS, METALS, PAINTS, WICKER
+from plugins.furniture.colors import APPLIANCE, FABRICS, METALS, PAINTS, WICKER
 from plugins.furniture.model import FILLED, Model, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size
 from plugins.furniture.shapes import box, cushion, lathe, make_sides, rod

@@ -3,7 +3,7 @@
 from typing import Literal
 
 from plugins.furniture.category import category
-from plugins.furniture.colours import GLAZES, METALS, PAINTS, WOODS, pick
+from plugins.furniture.colors import GLAZES, METALS, PAINTS, WOODS, pick
 from plugins.furniture.finishes import change_material
 from plugins.furniture.model import STEEL, Model, Parts, Size
 from plugins.furniture.recipe import (
@@ -86,8 +86,8 @@ class Picture(Generator):
         wide, tall, front = y1 - y0, z1 - z0, (face, face + 0.001)
         parts.add(box((face - 0.004, face), (y0, y1), (z0, z1)), self.colour_1, solid=False)
         if self.motif == "bands":
-            for low, high, colour in ((0.0, 0.3, self.colour_2), (0.3, 0.45, self.colour_3)):
-                parts.add(box(front, (y0, y1), (z0 + low * tall, z0 + high * tall)), colour, solid=False)
+            for low, high, color in ((0.0, 0.3, self.colour_2), (0.3, 0.45, self.colour_3)):
+                parts.add(box(front, (y0, y1), (z0 + low * tall, z0 + high * tall)), color, solid=False)
         elif self.motif == "circle":
             disc = rod((front[0], 0, z / 2), (front[1], 0, z / 2), 0.3 * min(wide, tall), segments=32)
             parts.add(disc, self.colour_2, solid=False)

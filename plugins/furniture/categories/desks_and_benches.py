@@ -8,7 +8,7 @@ from plugins.furniture.cabinet import Cabinet
 from plugins.furniture.cabinet_recipe import PanelStyle
 from plugins.furniture.categories.tables_and_beds import Legs, supports
 from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colours import FABRICS, METALS, PAINTS, WOODS, pick
+from plugins.furniture.colors import FABRICS, METALS, PAINTS, WOODS, pick
 from plugins.furniture.finishes import shade
 from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES, Style
 from plugins.furniture.model import FOAM, METAL, Model, Moving, Parts, Size, move_model

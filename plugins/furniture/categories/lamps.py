@@ -6,7 +6,7 @@ import numpy as np
 
 from plugins.furniture.categories.turned import revolve_outline
 from plugins.furniture.category import category
-from plugins.furniture.colours import GLAZES, METALS, SHADES
+from plugins.furniture.colors import GLAZES, METALS, SHADES
 from plugins.furniture.model import CERAMIC, METAL, STEEL, WOOD, Model, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, uniform
 from plugins.furniture.shapes import ball, lathe, rod

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colours import FABRICS, METALS, PAINTS, WOODS
+from plugins.furniture.colors import FABRICS, METALS, PAINTS, WOODS
 from plugins.furniture.finishes import DARK, shade
 from plugins.furniture.model import METAL, PLASTIC, Model, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, one_of, round_size, whole

@@ -6,7 +6,7 @@ import numpy as np
 from trimesh import Trimesh
 
 from plugins.furniture.category import category
-from plugins.furniture.colours import FABRICS, SHADES, WOODS
+from plugins.furniture.colors import FABRICS, SHADES, WOODS
 from plugins.furniture.finishes import finish_of
 from plugins.furniture.model import FOAM, Model, Part, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size

@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 
 from plugins.furniture.category import category
-from plugins.furniture.colours import CARDBOARD, GLAZES, GREENS
+from plugins.furniture.colors import CARDBOARD, GLAZES, GREENS
 from plugins.furniture.model import FILLED, WOOD, Model, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, whole
 from plugins.furniture.shapes import ball, hull, lathe, rod

@@ -8,7 +8,7 @@ from trimesh import Trimesh
 
 from plugins.furniture.categories.vessels import Profile, hollow
 from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colours import METALS, WOODS
+from plugins.furniture.colors import METALS, WOODS
 from plugins.furniture.model import METAL, PLASTIC, Model, Parts, Size, move_model
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, chance, in_turn, of, one_of, round_size
 from plugins.furniture.shapes import box, cushion, hull, lathe, rod, rotate, widen
@@ -24,10 +24,10 @@ def lift(parts: Parts, by: float, forward: float = 0.0) -> Parts:
     return Parts(move_model(Model(parts), (forward, 0.0, by)).base)
 
 
-def oval(outer: Profile, wall: float, x: float, y: float, colour: str | list[float]) -> Parts:
+def oval(outer: Profile, wall: float, x: float, y: float, color: str | list[float]) -> Parts:
     """An open vessel whose profile of (share of half its extents, z) reaches from -x to x and from -y to y."""
     radius = min(x, y)
-    made = hollow([(radius * share, z) for share, z in outer], wall, colour, colour, SHELL)
+    made = hollow([(radius * share, z) for share, z in outer], wall, color, color, SHELL)
 
     def stretch(mesh: Trimesh) -> Trimesh:
         return Trimesh(mesh.vertices * [x / radius, y / radius, 1.0], mesh.faces, process=False)
@@ -35,15 +35,15 @@ def oval(outer: Profile, wall: float, x: float, y: float, colour: str | list[flo
     return Parts(replace(one, mesh=stretch(one.mesh), collisions=tuple(map(stretch, one.pieces))) for one in made)
 
 
-def tap(x: float, z: float, height: float, colour: str | list[float]) -> Parts:
+def tap(x: float, z: float, height: float, color: str | list[float]) -> Parts:
     """A mixer tap that stands at (x, 0, z), its spout towards +x."""
     reach = 0.75 * height
     parts = Parts()
-    parts.add(rod((x, 0, z), (x, 0, z + height), 0.014), colour, METAL, smooth=True)
+    parts.add(rod((x, 0, z), (x, 0, z + height), 0.014), color, METAL, smooth=True)
     spout = rod((x, 0, z + 0.75 * height), (x + reach, 0, z + 0.65 * height), 0.011)
-    parts.add(spout, colour, METAL, smooth=True, solid=False)
+    parts.add(spout, color, METAL, smooth=True, solid=False)
     lever = box((x - 0.01, x + 0.05), (-0.008, 0.008), (z + height - 0.012, z + height))
-    parts.add(lever, colour, METAL, solid=False)
+    parts.add(lever, color, METAL, solid=False)
     return parts
 
 

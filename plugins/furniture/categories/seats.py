@@ -6,7 +6,7 @@ import numpy as np
 from trimesh import Trimesh
 
 from plugins.furniture.category import category
-from plugins.furniture.colours import FABRICS, METALS, PAINTS, WOODS, pick
+from plugins.furniture.colors import FABRICS, METALS, PAINTS, WOODS, pick
 from plugins.furniture.model import Model, Part, Parts, Size
 from plugins.furniture.recipe import (
     Coating,

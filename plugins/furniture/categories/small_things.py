@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from plugins.furniture.category import category
-from plugins.furniture.colours import METALS, PAINTS, WOODS
+from plugins.furniture.colors import METALS, PAINTS, WOODS
 from plugins.furniture.finishes import DARK, shade
 from plugins.furniture.model import CERAMIC, FILLED, METAL, PLASTIC, Model, Parts, Size, move_model, part
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size, uniform

@@ -5,7 +5,7 @@ import itertools
 from pydantic import Field
 
 from plugins.furniture.category import category
-from plugins.furniture.colours import FABRICS, METALS, WOODS, pick
+from plugins.furniture.colors import FABRICS, METALS, WOODS, pick
 from plugins.furniture.model import FOAM, Model, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, of, round_size
 from plugins.furniture.shapes import box, cushion, rod
@@ -61,13 +61,13 @@ def sample_sofa(rng: Rng, index: int) -> Sampled:
     """Armchair to three-seater."""
     seats = [2, 3, 1, 3][index % 4]
     size = round_size(rng.uniform(0.8, 0.98), 0.45 + 0.55 * seats + rng.uniform(-0.05, 0.15), rng.uniform(0.7, 0.9))
-    colour = pick(rng, FABRICS)
+    color = pick(rng, FABRICS)
     recipe = Sofa.sample_parameters(
         rng,
         index,
         seats=seats,
         pillows=lambda: seats > 1 and rng.random() < 0.6,
-        colour=colour,
-        cushion_colour=lambda: colour if rng.random() < 0.6 else pick(rng, FABRICS),
+        colour=color,
+        cushion_colour=lambda: color if rng.random() < 0.6 else pick(rng, FABRICS),
     )
     return Sampled(size, recipe)

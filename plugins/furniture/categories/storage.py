@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from plugins.furniture.category import category
-from plugins.furniture.colours import CARDBOARD, FABRICS, GLAZES, METALS, PAINTS, WOODS, pick
+from plugins.furniture.colors import CARDBOARD, FABRICS, GLAZES, METALS, PAINTS, WOODS, pick
 from plugins.furniture.finishes import change_material, shade
 from plugins.furniture.model import PAPER, Model, Part, Parts, Size
 from plugins.furniture.recipe import (
@@ -42,7 +42,7 @@ class Bookshelf(Generator):
     def build(self, size: Size) -> Model:
         x, y, z = size[0] / 2, size[1] / 2, size[2]
         board = min(self.board, 0.06 * min(size))
-        colour, count, columns = self.colour, self.shelves, self.columns
+        color, count, columns = self.colour, self.shelves, self.columns
         levels, parts = [k * (z - board) / count for k in range(count + 1)], Parts()
         if self.frame == "posts":
             post = 1.6 * board
@@ -52,15 +52,15 @@ class Bookshelf(Generator):
             inner = (-y, y)
         else:
             for b in (-y, y - board):
-                parts.add(box((-x, x), (b, b + board), (0, z)), colour)
+                parts.add(box((-x, x), (b, b + board), (0, z)), color)
             inner = (-y + board, y - board)
         for level in levels:
-            parts.add(box((-x, x), inner, (level, level + board)), colour)
+            parts.add(box((-x, x), inner, (level, level + board)), color)
         if self.back:
-            parts.add(box((-x, -x + 0.006), inner, (levels[0], z)), shade(colour, 0.8))
+            parts.add(box((-x, -x + 0.006), inner, (levels[0], z)), shade(color, 0.8))
         for k in range(1, columns):
             middle = inner[0] + k * (inner[1] - inner[0]) / columns
-            parts.add(box((-x, x), (middle - board / 2, middle + board / 2), (levels[0], levels[-1])), colour)
+            parts.add(box((-x, x), (middle - board / 2, middle + board / 2), (levels[0], levels[-1])), color)
         rng = np.random.default_rng(self.books_seed)
         bay = (inner[1] - inner[0]) / columns
         for low, high in itertools.pairwise(levels):
@@ -92,9 +92,9 @@ def sample_bookshelf(rng: Rng, index: int) -> Sampled:
     columns = 1 + index % 2
     wider = [1.0, 1.5][index % 2]
     size = round_size(rng.uniform(0.26, 0.36), rng.uniform(0.55, 0.75) * wider, rng.uniform(0.9, 2.0))
-    colour = pick(rng, WOODS, PAINTS)
+    color = pick(rng, WOODS, PAINTS)
     shelves = max(2, round(size[2] / rng.uniform(0.3, 0.42)))
-    return Sampled(size, Bookshelf.sample_parameters(rng, index, shelves=shelves, columns=columns, colour=colour))
+    return Sampled(size, Bookshelf.sample_parameters(rng, index, shelves=shelves, columns=columns, colour=color))
 
 
 class Carton(Generator):
@@ -109,22 +109,22 @@ class Carton(Generator):
     def build(self, size: Size) -> Model:
         x, y, z = size[0] / 2, size[1] / 2, size[2]
         wall = min(self.wall, 0.1 * min(size))
-        colour, second, style = self.colour, self.second_colour, self.style
+        color, second, style = self.colour, self.second_colour, self.style
         parts = Parts()
         if style in ("closed", "lid"):
             rim = 0.006 if style == "lid" else 0.0
-            parts.add(box((-x + rim, x - rim), (-y + rim, y - rim), (0, z - rim)), colour, 150.0)
+            parts.add(box((-x + rim, x - rim), (-y + rim, y - rim), (0, z - rim)), color, 150.0)
             if style == "lid":
                 parts.add(box((-x, x), (-y, y), (0.72 * z, z)), second, 150.0)
             else:
                 parts.add(box((-x, x), (-0.12 * y, 0.12 * y), (z, z + 0.001)), second, solid=False)
         else:
             slats = [(0.0, 1.0)] if style == "open" else [(0.0, 0.28), (0.36, 0.62), (0.70, 1.0)]
-            parts.add(box((-x, x), (-y, y), (0, wall)), colour)
+            parts.add(box((-x, x), (-y, y), (0, wall)), color)
             for a, b in slats:
                 low, high = wall + a * (z - wall), wall + b * (z - wall)
                 sides = make_sides(x, y, (low, high), wall)
-                for side, shown in zip(sides, (colour, colour, second, second), strict=True):
+                for side, shown in zip(sides, (color, color, second, second), strict=True):
                     parts.add(side, shown)
             if style == "crate":
                 for a, b in itertools.product((-x + wall, x - 3 * wall), (-y + wall, y - 3 * wall)):
@@ -139,12 +139,12 @@ def sample_box(rng: Rng, index: int) -> Sampled:
     """Cartons, boxes with a lid, crates."""
     style = ["closed", "open", "lid", "crate"][index % 4]
     wooden = style == "crate"
-    colour = pick(rng, WOODS) if wooden else pick(rng, CARDBOARD, PAINTS)
+    color = pick(rng, WOODS) if wooden else pick(rng, CARDBOARD, PAINTS)
     size = round_size(*rng.uniform([0.18, 0.22, 0.12], [0.34, 0.45, 0.32]))
-    second = shade(colour, 0.75) if wooden else pick(rng, CARDBOARD, PAINTS)
+    second = shade(color, 0.75) if wooden else pick(rng, CARDBOARD, PAINTS)
     wall = 0.012 if wooden else 0.006
-    colours = {"colour": colour, "second_colour": second}
-    return Sampled(size, Carton.sample_parameters(rng, index, style=style, wall=wall, **colours))
+    colors = {"colour": color, "second_colour": second}
+    return Sampled(size, Carton.sample_parameters(rng, index, style=style, wall=wall, **colors))
 
 
 class Book(Generator):
@@ -162,14 +162,14 @@ class Book(Generator):
         for k in range(count):
             share = 1.0 - self.shrink * k
             x, y, low = share * size[0] / 2, share * size[1] / 2, k * thick
-            colour = self.colours[k]
+            color = self.colours[k]
             front = size[0] / 2 - 0.01 * (k % 2) * size[0]
             back = front - 2 * x
             pages = box((back + cover, front - cover), (-y + 0.003, y - 0.003), (low + cover, low + thick - cover))
             parts.add(pages, (0.85, 0.82, 0.72), PAPER)
-            parts.add(box((back, front), (-y, y), (low, low + cover)), colour, PAPER)
-            parts.add(box((back, front), (-y, y), (low + thick - cover, low + thick)), colour, PAPER)
-            parts.add(box((front - cover, front), (-y, y), (low + cover, low + thick - cover)), colour, PAPER)
+            parts.add(box((back, front), (-y, y), (low, low + cover)), color, PAPER)
+            parts.add(box((back, front), (-y, y), (low + thick - cover, low + thick)), color, PAPER)
+            parts.add(box((front - cover, front), (-y, y), (low + cover, low + thick - cover)), color, PAPER)
         return Model(parts, placement="object")
 
 
@@ -177,7 +177,7 @@ class Book(Generator):
 def sample_book(rng: Rng, index: int) -> Sampled:
     """One to four books."""
     count = 1 + index % 4
-    colours = [change_material("card", pick(rng, GLAZES, FABRICS)) for _ in range(count)]
+    colors = [change_material("card", pick(rng, GLAZES, FABRICS)) for _ in range(count)]
     thick = count * rng.uniform(0.025, 0.045)
     size = round_size(rng.uniform(0.15, 0.22), rng.uniform(0.21, 0.3), thick)
-    return Sampled(size, Book.sample_parameters(rng, index, books=count, colours=colours))
+    return Sampled(size, Book.sample_parameters(rng, index, books=count, colours=colors))

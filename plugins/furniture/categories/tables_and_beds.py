@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colours import FABRICS, METALS, PAINTS, STONES, TILES, WOODS, pick
+from plugins.furniture.colors import FABRICS, METALS, PAINTS, STONES, TILES, WOODS, pick
 from plugins.furniture.finishes import Surface, finish_of
 from plugins.furniture.model import FOAM, METAL, Model, Part, Parts, Size, part
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size, zero_or
@@ -61,41 +61,41 @@ class Table(Generator):
         return Model(parts, symmetry="quarter_turn" if square and plain else "half_turn")
 
 
-def supports(style: Legs, ax: float, ay: float, top: float, leg: float, colour: Surface) -> list[Part]:
+def supports(style: Legs, ax: float, ay: float, top: float, leg: float, color: Surface) -> list[Part]:
     """Legs at (+-ax, +-ay) up to `top`; panels, trestle and pedestal where those styles have them."""
     corners = [(sx, sy) for sx in (-1, 1) for sy in (-1, 1)]
     if style == "round":
-        return [part(rod((a * ax, b * ay, 0), (a * ax, b * ay, top), leg / 2), colour, smooth=True) for a, b in corners]
+        return [part(rod((a * ax, b * ay, 0), (a * ax, b * ay, top), leg / 2), color, smooth=True) for a, b in corners]
     if style in ("square", "tapered"):
         tip = leg if style == "square" else 0.55 * leg
-        return [part(beam((a * ax, b * ay, 0), (a * ax, b * ay, top), tip, leg), colour) for a, b in corners]
+        return [part(beam((a * ax, b * ay, 0), (a * ax, b * ay, top), tip, leg), color) for a, b in corners]
     if style == "splayed":
         lean, thin, wide = 0.7, 0.3 * leg, 0.5 * leg
         rods = [rod((a * ax, b * ay, 0), (lean * a * ax, lean * b * ay, top), thin, wide) for a, b in corners]
-        return [part(mesh, colour, smooth=True) for mesh in rods]
+        return [part(mesh, color, smooth=True) for mesh in rods]
     if style == "panels":
-        return [part(box((-ax, ax), (s * ay - leg / 3, s * ay + leg / 3), (0, top)), colour) for s in (-1, 1)]
+        return [part(box((-ax, ax), (s * ay - leg / 3, s * ay + leg / 3), (0, top)), color) for s in (-1, 1)]
     if style == "trestle":
         sides = [(s * 0.75 * ay - leg / 2, s * 0.75 * ay + leg / 2) for s in (-1, 1)]
         feet = [box((-ax, ax), side, (0, 0.06 * top)) for side in sides]
         posts = [box((-leg, leg), side, (0.06 * top, top)) for side in sides]
         bar = box((-leg / 3, leg / 3), (-0.75 * ay, 0.75 * ay), (0.3 * top, 0.3 * top + 1.2 * leg))
-        return [part(mesh, colour) for mesh in (*feet, *posts, bar)]
+        return [part(mesh, color) for mesh in (*feet, *posts, bar)]
     wide = min(ax, ay)
     foot = lathe([(0, 0), (0.8 * wide, 0), (0.75 * wide, 0.03 * top), (leg * 0.8, 0.10 * top), (0, 0.10 * top)])
     post = rod((0, 0, 0.08 * top), (0, 0, top), 0.7 * leg)
-    return [part(foot, colour, METAL, smooth=True), part(post, colour, smooth=True)]
+    return [part(foot, color, METAL, smooth=True), part(post, color, smooth=True)]
 
 
 def _sample_table(rng: Rng, index: int, legs: str, top: str, shelf: float) -> Table:
-    colour = pick(rng, WOODS, WOODS, PAINTS[:2], STONES[:2], TILES[:1])
+    color = pick(rng, WOODS, WOODS, PAINTS[:2], STONES[:2], TILES[:1])
 
-    def leg_colour() -> str:
-        same = rng.random() < 0.5 and finish_of(colour).material in ("wood", "paint")
-        return colour if same else pick(rng, WOODS, METALS)
+    def pick_leg_color() -> str:
+        same = rng.random() < 0.5 and finish_of(color).material in ("wood", "paint")
+        return color if same else pick(rng, WOODS, METALS)
 
     return Table.sample_parameters(
-        rng, index, top=top, legs=legs, shelf=shelf, top_colour=colour, leg_colour=leg_colour
+        rng, index, top=top, legs=legs, shelf=shelf, top_colour=color, leg_colour=pick_leg_color
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from plugins.furniture.categories.vessels import hollow
 from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colours import GLAZES, METALS, WOODS
+from plugins.furniture.colors import GLAZES, METALS, WOODS
 from plugins.furniture.model import FILLED, GLASS, STEEL, Model, Part, Parts, Size, move_model, part
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, one_of, round_size, uniform
 from plugins.furniture.shapes import hull, lathe, rod
@@ -35,9 +35,9 @@ class Can(Generator):
         high = 0.9 if self.style == "drink" else 1 - self.low
         wide = 1.004 if self.style == "drink" else 0.985
         label, band = (self.low, high, wide, self.colour), (0.4, 0.62, wide + 0.006, self.band_colour)
-        for start, end, share, colour in (label, band):
+        for start, end, share, color in (label, band):
             levels = [(0, start * z), (share * radius, start * z), (share * radius, end * z), (0, end * z)]
-            parts.add(lathe(levels, 32), colour, smooth=True, solid=False)
+            parts.add(lathe(levels, 32), color, smooth=True, solid=False)
         return Model(parts, symmetry="full", placement="object")
 
 
@@ -144,10 +144,10 @@ class Cutlery(Generator):
         return Model(parts, placement="object")
 
 
-def _strip(knots: list[Knot], thick: float, colour: str | list[float]) -> list[Part]:
+def _strip(knots: list[Knot], thick: float, color: str | list[float]) -> list[Part]:
     """Sheet metal along x through knots, of one thickness."""
     ends = [[(a, side * half, low + up) for side in (-1, 1) for up in (0, thick)] for a, half, low in knots]
-    return [part(hull([*one, *other]), colour, STEEL) for one, other in itertools.pairwise(ends)]
+    return [part(hull([*one, *other]), color, STEEL) for one, other in itertools.pairwise(ends)]
 
 
 CUTLERY = Category(

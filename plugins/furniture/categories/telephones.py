@@ -7,7 +7,7 @@ from trimesh import Trimesh
 
 from plugins.furniture.categories.computers import SHELL, grid, seen
 from plugins.furniture.category import Category, sized
-from plugins.furniture.colours import METALS, PAINTS
+from plugins.furniture.colors import METALS, PAINTS
 from plugins.furniture.finishes import DARK
 from plugins.furniture.model import PLASTIC, Model, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, between, in_turn, of, one_of

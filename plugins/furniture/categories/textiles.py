@@ -6,7 +6,7 @@ import numpy as np
 from trimesh import Trimesh
 
 from plugins.furniture.category import category
-from plugins.furniture.colours import FABRICS, METALS, SHADES, WOODS
+from plugins.furniture.colors import FABRICS, METALS, SHADES, WOODS
 from plugins.furniture.finishes import finish_of, shade
 from plugins.furniture.model import METAL, Model, Part, Parts, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, whole
@@ -29,9 +29,9 @@ class Rug(Generator):
         parts = Parts()
         pile = 0.9 * z  # what is shown on it is as flat as a print
         if self.style == "round":
-            for radius, top, colour in ((1.0, pile, self.colour), (0.8, z, self.second_colour)):
+            for radius, top, color in ((1.0, pile, self.colour), (0.8, z, self.second_colour)):
                 disc = lathe([(0, 0), (radius, 0), (radius, top), (0, top)], 48)
-                parts.add(widen(disc, x, y), colour, WOOL, solid=top == pile)
+                parts.add(widen(disc, x, y), color, WOOL, solid=top == pile)
             return Model(parts, symmetry="full" if size[0] == size[1] else "half_turn")
         fringe = 0.04 * y if self.style == "fringe" else 0.0
         parts.add(box((-x, x), (-y + fringe, y - fringe), (0, pile)), self.colour, WOOL)

@@ -6,14 +6,14 @@ from scipy.interpolate import PchipInterpolator
 
 from plugins.furniture.categories.vessels import Profile
 from plugins.furniture.category import category
-from plugins.furniture.colours import GLAZES, pick
+from plugins.furniture.colors import GLAZES, pick
 from plugins.furniture.finishes import Surface, finish_of, shade
 from plugins.furniture.model import FILLED, Model, Part, Size
 from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
 from plugins.furniture.shapes import hull, lathe
 
 
-def revolve_outline(outline: Profile, step: int, colour: Surface, density: float) -> Part:
+def revolve_outline(outline: Profile, step: int, color: Surface, density: float) -> Part:
     """A solid of revolution by its outline, bottom first; to PhysX frusta of so many of its bands each."""
     mesh = lathe([(0, outline[0][1]), *outline, (0, outline[-1][1])])
     pieces = tuple(
@@ -21,7 +21,7 @@ def revolve_outline(outline: Profile, step: int, colour: Surface, density: float
         for a, b in zip(outline[::step], [*outline[step::step], outline[-1]], strict=False)
         if b[1] > a[1]
     )
-    return Part(mesh, finish_of(colour), density, pieces, True)
+    return Part(mesh, finish_of(color), density, pieces, True)
 
 
 class TurnedVessel(Generator):
@@ -29,7 +29,7 @@ class TurnedVessel(Generator):
 
     radii: list[float] = Field(min_length=2)  # shares, foot to rim
     straight: bool
-    band: list[float]  # two shares of the height, between which it has the second colour
+    band: list[float]  # two shares of the height, between which it has the second color
     colour: Coating
     band_colour: Coating
     density: float
@@ -42,12 +42,12 @@ class TurnedVessel(Generator):
         shares = np.interp(fine, knots, radii) if self.straight else PchipInterpolator(knots, radii)(fine)
         shares = np.clip(shares / shares.max(), 0.08, 1.0)
         cuts = [0.0, *self.band, 1.0]
-        colours = [self.colour, self.band_colour, self.colour]
+        colors = [self.colour, self.band_colour, self.colour]
         parts = []
-        for low, high, colour in zip(cuts, cuts[1:], colours, strict=False):
+        for low, high, color in zip(cuts, cuts[1:], colors, strict=False):
             levels = np.unique(np.concatenate([[low, high], fine[(fine > low) & (fine < high)]]))
             outline = [(radius * float(np.interp(a, fine, shares)), height * float(a)) for a in levels]
-            parts.append(revolve_outline(outline, 4, colour, self.density))
+            parts.append(revolve_outline(outline, 4, color, self.density))
         return Model(parts, symmetry="full", placement="object")
 
 
@@ -72,14 +72,14 @@ def sample_vase(rng: Rng, index: int) -> Sampled:
     """A random waist and belly."""
     radii = rng.uniform(0.35, 1.0, 5).round(3).tolist()
     radii[0] = max(radii[0], 0.5)
-    colour = pick(rng, GLAZES)
+    color = pick(rng, GLAZES)
     diameter = uniform(rng, 0.10, 0.22, 4)
     recipe = TurnedVessel(
         radii=radii,
         straight=index % 4 == 3,
         band=[0.3, 0.5] if index % 2 else [0.9, 0.999],
-        colour=colour,
-        band_colour=shade(colour, 0.6),
+        colour=color,
+        band_colour=shade(color, 0.6),
         density=700.0,
     )
     return Sampled(round_size(diameter, diameter, diameter * rng.uniform(1.2, 2.4), digits=4), recipe)

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 
 from plugins.furniture.category import category
-from plugins.furniture.colours import GLAZES, METALS, pick
+from plugins.furniture.colors import GLAZES, METALS, pick
 from plugins.furniture.finishes import Surface, finish_of
 from plugins.furniture.model import CERAMIC, METAL, PLASTIC, Model, Part, Parts, Size, move_model, part
 from plugins.furniture.recipe import (
@@ -26,7 +26,7 @@ from plugins.furniture.shapes import cushion, hull, lathe, rod, shell_pieces
 Profile = list[tuple[float, float]]  # (radius, z), bottom first
 
 
-def hollow(outer: Profile, wall: float, colour: Surface, inside: Surface, density: float) -> Parts:
+def hollow(outer: Profile, wall: float, color: Surface, inside: Surface, density: float) -> Parts:
     """An open vessel: the outer profile from its foot to its rim, a wall inside it, a floor one wall thick."""
     inner = [(max(r - wall, 0.2 * r), max(z, wall)) for r, z in outer]
     floor = inner[0][0]
@@ -37,8 +37,8 @@ def hollow(outer: Profile, wall: float, colour: Surface, inside: Surface, densit
     pieces = shell_pieces([outer[k] for k in coarse], [inner[k] for k in coarse])
     base = lathe([(0, 0), (outer[0][0], 0), (floor, wall), (0, wall)], 16)
     lining = lathe([(0, wall), *[(0.985 * r, z + 2e-4) for r, z in inner], *[(0.95 * r, z) for r, z in inner[::-1]]])
-    parts = Parts([Part(body, finish_of(colour), density, (base, *pieces), True)])
-    if inside != colour:
+    parts = Parts([Part(body, finish_of(color), density, (base, *pieces), True)])
+    if inside != color:
         parts.add(lining, inside, 1.0, smooth=True, solid=False)
     return parts
 
@@ -66,10 +66,10 @@ def sample_bowl(rng: Rng, index: int) -> Sampled:
     """Shallow and wide to deep and steep."""
     radius = rng.uniform(0.06, 0.11)
     size = round_size(2 * radius, 2 * radius, radius * rng.uniform(0.55, 1.15), digits=4)
-    colour = pick(rng, GLAZES)
-    inside = colour if rng.random() < 0.5 else pick(rng, GLAZES)
+    color = pick(rng, GLAZES)
+    inside = color if rng.random() < 0.5 else pick(rng, GLAZES)
     bulge = uniform(rng, 0.3, 0.95)
-    return Sampled(size, Bowl.sample_parameters(rng, index, bulge=bulge, colour=colour, inside=inside))
+    return Sampled(size, Bowl.sample_parameters(rng, index, bulge=bulge, colour=color, inside=inside))
 
 
 class Mug(Generator):
@@ -96,7 +96,7 @@ class Mug(Generator):
         return Model(move_model(Model(parts), (0.0, -reach / 2, 0.0)).base, placement="object")
 
 
-def ear(radius: float, reach: float, height: float, z: float, colour: Surface, angular: bool) -> list[Part]:
+def ear(radius: float, reach: float, height: float, z: float, color: Surface, angular: bool) -> list[Part]:
     """A bent handle of short convex pieces in the y-z plane."""
     count = 3 if angular else 8
     angles = np.linspace(-np.pi / 2, np.pi / 2, count + 1)
@@ -108,7 +108,7 @@ def ear(radius: float, reach: float, height: float, z: float, colour: Surface, a
     for both in itertools.pairwise(path):
         ends = [(y + dy, w + dz) for y, w in both for dy in sides for dz in sides]
         pieces.append(hull([(x, y, w) for y, w in ends for x in (-0.6 * thick, 0.6 * thick)]))
-    return [part(mesh, colour, CERAMIC, smooth=not angular) for mesh in pieces]
+    return [part(mesh, color, CERAMIC, smooth=not angular) for mesh in pieces]
 
 
 @category("mug", templates=5, count=10, names="cup", like="beaker", kin="dish")
@@ -116,12 +116,12 @@ def sample_mug(rng: Rng, index: int) -> Sampled:
     """Straight, tapered or bellied, round or angular handle."""
     radius, height = rng.uniform(0.035, 0.05), rng.uniform(0.07, 0.13)
     size = round_size(2 * radius, 2 * radius + rng.uniform(0.025, 0.04), height, digits=4)
-    colour = pick(rng, GLAZES)
+    color = pick(rng, GLAZES)
 
     def pick_inside() -> str:
-        return pick(rng, GLAZES[:1]) if rng.random() < 0.6 else colour
+        return pick(rng, GLAZES[:1]) if rng.random() < 0.6 else color
 
-    return Sampled(size, Mug.sample_parameters(rng, index, colour=colour, inside=pick_inside))
+    return Sampled(size, Mug.sample_parameters(rng, index, colour=color, inside=pick_inside))
 
 
 class Plate(Generator):
@@ -143,8 +143,8 @@ class Plate(Generator):
 def sample_plate(rng: Rng, index: int) -> Sampled:
     """Small to large, flat to deep."""
     diameter = uniform(rng, 0.18, 0.28, 4)
-    colour = pick(rng, GLAZES)
-    recipe = Plate.sample_parameters(rng, index, colour=colour)
+    color = pick(rng, GLAZES)
+    recipe = Plate.sample_parameters(rng, index, colour=color)
     return Sampled((diameter, diameter, uniform(rng, 0.018, 0.045, 4)), recipe)
 
 
@@ -181,10 +181,10 @@ def sample_cooking_pot(rng: Rng, index: int) -> Sampled:
     """Low casserole to tall stock pot."""
     diameter, lid = uniform(rng, 0.18, 0.30, 4), index % 2 == 0
     height = diameter * rng.uniform(0.45, 0.9) * (1.3 if lid else 1.0)
-    colour = pick(rng, METALS, GLAZES)
+    color = pick(rng, METALS, GLAZES)
 
-    def lid_colour() -> str:
-        return colour if index % 3 else pick(rng, METALS)
+    def pick_lid_color() -> str:
+        return color if index % 3 else pick(rng, METALS)
 
-    recipe = CookingPot.sample_parameters(rng, index, lid=lid, colour=colour, lid_colour=lid_colour)
+    recipe = CookingPot.sample_parameters(rng, index, lid=lid, colour=color, lid_colour=pick_lid_color)
     return Sampled(round_size(diameter, diameter + 0.07, height, digits=4), recipe)

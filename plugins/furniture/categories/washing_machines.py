@@ -6,7 +6,7 @@ import numpy as np
 from trimesh import Trimesh
 
 from plugins.furniture.category import Category, sized
-from plugins.furniture.colours import METALS
+from plugins.furniture.colors import METALS
 from plugins.furniture.finishes import DARK, finish_of, shade
 from plugins.furniture.handles import STYLES, handle_parts
 from plugins.furniture.model import GLASS, METAL, PLASTIC, Model, Moving, Part, Parts, Size

@@ -1,4 +1,4 @@
-"""What the core asks of the maker of recipes: a `stages.articulated.resizing.Maker`."""
+"""The maker of recipes for the core: a `stages.articulated.resizing.Maker`."""
 
 from plugins.furniture.folder import make_model
 from plugins.furniture.refinishing import paint, refinish

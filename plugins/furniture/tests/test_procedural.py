@@ -108,7 +108,7 @@ def test_no_template_is_left_with_few_models_of_about_as_many_doors_and_drawers(
             assert alike >= 10, f"{category} with {doors} doors, {drawers} drawers: {alike}"
 
 
-def test_relatives_of_plain_things_are_of_their_founders_style() -> None:
+def test_relatives_of_plain_things_are_of_their_templates_style() -> None:
     template, relative = sample("chair", 3, 0), sample("chair", 3 + CATEGORIES["chair"].templates, 0)
     assert relative.variation_of == "chair_03"
     assert template.parameters["back"] == relative.parameters["back"]
@@ -260,7 +260,7 @@ def test_bad_recipes_are_refused() -> None:
         ("bottom_cabinet", {"reach": float("nan")}, "parameter reach: "),
         ("bottom_cabinet", {"hinge": 0}, "parameter hinge: "),
         ("bottom_cabinet", {"shelves": 10**9}, "parameter shelves: "),
-        ("bottom_cabinet", {"front_colour": [128.0, 0.2, 0.1]}, "parameter front_colour: .* colours go from 0 to 1"),
+        ("bottom_cabinet", {"front_colour": [128.0, 0.2, 0.1]}, "parameter front_colour: .* colors go from 0 to 1"),
         ("bottom_cabinet", {"column_weights": [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]}, "its parameters make no model"),
         ("bottom_cabinet", {"protrusion": None}, "parameter protrusion: Field required"),
         ("bottom_cabinet", {"size": [0.5, 0.5]}, "is not three numbers"),

@@ -5,7 +5,7 @@ import pytest
 from pydantic import ValidationError
 
 from plugins.furniture.catalogue import CATEGORIES, GENERATORS, has_fronts, sample
-from plugins.furniture.colours import PAINTS
+from plugins.furniture.colors import PAINTS
 from plugins.furniture.model import Model, Size
 from plugins.furniture.recipe import (
     Coating,

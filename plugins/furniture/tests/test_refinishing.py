@@ -22,7 +22,7 @@ def test_another_finish_keeps_the_geometry(category: str) -> None:
     assert model.symmetry == painted.symmetry
     parts = list(zip(parts_of(model), parts_of(painted), strict=True))
     assert all((a.mesh.vertices == b.mesh.vertices).all() and a.density == b.density for a, b in parts)
-    assert any(a.colour != b.colour for a, b in parts)
+    assert any(a.color != b.color for a, b in parts)
 
 
 @pytest.mark.parametrize("category", sorted(CATEGORIES))
@@ -32,22 +32,22 @@ def test_a_model_is_painted_where_most_of_it_is_seen(category: str) -> None:
     changed = {key for key, value in recipe.parameters.items() if painted.parameters[key] != value}
     assert changed and all(is_finish(key) for key in changed)
     before, after = (list(parts_of(generate(each))) for each in (recipe, painted))
-    assert any(np.allclose(part.colour, red, atol=2e-3) for part in after)
+    assert any(np.allclose(part.color, red, atol=2e-3) for part in after)
     assert {part.finish.material for part in after} <= {part.finish.material for part in before}
     pieces = [[piece.vertices for part in parts for piece in part.pieces] for parts in (before, after)]
     assert all((one == other).all() for one, other in zip(*pieces, strict=True))
     masses = [sum(part.density * part.mesh.volume for part in parts) for parts in (before, after)]
-    assert abs(masses[0] - masses[1]) < 1e-3  # a lining in the colour of its pan is left out
+    assert abs(masses[0] - masses[1]) < 1e-3  # a lining in the color of its pan is left out
     assert paint(recipe, red) == painted
 
 
-def test_what_was_of_one_colour_stays_so_and_shades_stay_shades() -> None:
+def test_what_was_of_one_color_stays_so_and_shades_stay_shades() -> None:
     recipe = sample("bowl", 0, 0)
     recipe.parameters.update(colour="wood 0.2 0.4 0.6 1", inside="wood 0.2 0.4 0.6 1")
     other = refinish(recipe, np.random.default_rng(0)).parameters
     assert other["colour"] == other["inside"] != recipe.parameters["colour"]
     recipe.parameters.update(inside="wood 0.1 0.2 0.3 1")
     other = refinish(recipe, np.random.default_rng(0)).parameters
-    colour, inside = finish_of(str(other["colour"])), finish_of(str(other["inside"]))
-    assert colour.material == inside.material
-    assert np.allclose(np.array(inside.colour) * 2, colour.colour, atol=3e-3)
+    color, inside = finish_of(str(other["colour"])), finish_of(str(other["inside"]))
+    assert color.material == inside.material
+    assert np.allclose(np.array(inside.color) * 2, color.color, atol=3e-3)

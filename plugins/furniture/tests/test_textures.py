@@ -21,7 +21,7 @@ PATTERNS = [
 
 
 @pytest.mark.parametrize(("material", "pattern"), PATTERNS)
-def test_patterns_are_seamless_small_and_keep_the_colour(material: str, pattern: int) -> None:
+def test_patterns_are_seamless_small_and_keep_the_color(material: str, pattern: int) -> None:
     texture = texture_of(Finish(material, (0.4, 0.3, 0.2), pattern))
     shades = pattern_of(material, pattern)
     if shades is None:
@@ -41,7 +41,7 @@ def test_a_texture_is_the_same_in_every_process() -> None:
     finish = Finish("wood", (0.55, 0.36, 0.2), 1)
     again = texture_of.__wrapped__(finish)
     assert again == texture_of(finish)
-    other = texture_of(finish.change_colour((0.5, 0.36, 0.2)))
+    other = texture_of(finish.change_color((0.5, 0.36, 0.2)))
     assert isinstance(again, Texture) and isinstance(other, Texture) and again.name != other.name
 
 
@@ -49,7 +49,7 @@ def test_finishes_are_read_as_they_are_written() -> None:
     assert finish_of("wood 0.5 0.25 0.125 3") == Finish("wood", (0.5, 0.25, 0.125), 3)
     assert finish_of([0.1, 0.2, 0.3]) == Finish("paint", (0.1, 0.2, 0.3))
     assert str(finish_of("wood 0.5 0.25 0.125 3")) == "wood 0.5 0.25 0.125 3"
-    assert finish_of(shade("wood 0.5 0.25 0.125 3", 2.0)).colour == (1.0, 0.5, 0.25)
+    assert finish_of(shade("wood 0.5 0.25 0.125 3", 2.0)).color == (1.0, 0.5, 0.25)
     assert finish_of(change_material("card", "glaze 0.5 0.25 0.125 3")).material == "card"
     for wrong in ("velvet 0.1 0.1 0.1 0", "wood 0.1 0.1 0.1 9", "wood 0.1 0.1 2 0", "wood 0.1 0.1 0", [0.1, 0.2]):
         with pytest.raises(ValueError, match=r"."):
@@ -68,7 +68,7 @@ def test_the_grain_runs_along_at_its_real_scale_at_any_size(tmp_path: Path) -> N
     ):
         assert sorted(path.suffix for path in (folder / "meshes").glob("wood*")) == [".jpg", ".mtl"]
         visuals = read_urdf(folder / asset.urdf, folder).links["base"].visuals
-        top = next(visual.mesh for visual in visuals if visual.colour is None)
+        top = next(visual.mesh for visual in visuals if visual.color is None)
         assert top.visual.material.image.size == (SIDE, SIDE)
         upper = top.faces[top.face_normals[:, 2] > 0.9].ravel()
         along, across = np.ptp(top.visual.uv[upper], axis=0)
@@ -76,14 +76,14 @@ def test_the_grain_runs_along_at_its_real_scale_at_any_size(tmp_path: Path) -> N
         assert across == pytest.approx(0.8 / MATERIALS["wood"].repeat[1], abs=1e-3)
 
 
-def test_slim_parts_show_their_colour_and_neighbours_other_pieces_of_the_picture() -> None:
+def test_slim_parts_show_their_color_and_neighbours_other_pieces_of_the_picture() -> None:
     recipe = sample("bottom_cabinet", 3, 0)
     finish = "wood 0.55 0.36 0.2 0"
-    look = {"front_colour": finish, "handle_colour": finish, "panel": "flat", "handle": "bar"}
-    painted = recipe.model_copy(update={"parameters": recipe.parameters | look})
+    finish_parameters = {"front_colour": finish, "handle_colour": finish, "panel": "flat", "handle": "bar"}
+    painted = recipe.model_copy(update={"parameters": recipe.parameters | finish_parameters})
     links = robot_of(generate(painted), "x").links
     visuals = [visual for name, link in links.items() if name != "base" for visual in link.visuals]
-    wooden = [visual for visual in visuals if visual.colour[:3] == (0.55, 0.36, 0.2)]
+    wooden = [visual for visual in visuals if visual.color[:3] == (0.55, 0.36, 0.2)]
     slim = [bool(np.sort(visual.mesh.extents)[1] < 0.03) for visual in wooden]
     assert [visual.texture is None for visual in wooden] == slim and set(slim) == {True, False}
     starts = [visual.start for visual in links["base"].visuals if visual.texture is not None]

@@ -48,7 +48,7 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
 
 
 USUAL_RGBA = (0.5, 0.5, 0.5, 1.0)  # of a geom that says nothing: MuJoCo paints it as its material is
-PLAIN = 8  # of 255, by which the texels of a picture of one colour differ
+PLAIN = 8  # of 255, by which the texels of a picture of one color differ
 FREE = mjtJoint.mjJNT_FREE
 UNSEEN = {mjtGeom.mjGEOM_HFIELD: "height fields", mjtGeom.mjGEOM_SDF: "signed distance fields"}
 
@@ -62,14 +62,14 @@ class _Reader:
         self.pairs = self._pairs()
         self.masses = {body.id: mass for body in spec.bodies if (mass := _read_stated_mass(body)) is not None}
         collides = (model.geom_contype | model.geom_conaffinity) != 0
-        own = (model.geom_rgba != USUAL_RGBA).any(axis=1) | (model.geom_matid < 0)  # its colour beats its material's
+        own = (model.geom_rgba != USUAL_RGBA).any(axis=1) | (model.geom_matid < 0)  # its color beats its material's
         self.rgba = np.where(own[:, None], model.geom_rgba, model.mat_rgba[model.geom_matid] if model.nmat else 0.0)
         self.averaged = set[str]()
         shown = (mujoco.MjvOption().geomgroup[model.geom_group] > 0) & (self.rgba[:, 3] > 0)  # as a viewer shows
         self.collides, self.shown = collides, shown if shown.any() else np.ones_like(shown)
         # Models with looks of their own have them in other groups than what collides.
         own = self.shown & ~collides
-        self.looks = own.any() and not set(model.geom_group[own]) & set(model.geom_group[collides])
+        self.has_visuals = own.any() and not set(model.geom_group[own]) & set(model.geom_group[collides])
 
     def tree(self) -> tuple[dict[str, Link], list[JointModel]]:
         model, anchors = self.model, {0: np.zeros(3)}
@@ -101,7 +101,7 @@ class _Reader:
         model, lines = self.model, list[str]()
         if self.averaged:
             names = ", ".join(f"'{name}'" for name in sorted(self.averaged)[:5])
-            lines.append(f"shown in the mean colour of their textures, which no mesh places: materials {names}")
+            lines.append(f"shown in the mean color of their textures, which no mesh places: materials {names}")
         still = [joint for joint in range(model.njnt) if not self._does_move(joint) and model.jnt_type[joint] != FREE]
         if still:
             names = ", ".join(f"'{model.joint(joint).name or joint}'" for joint in still[:5])
@@ -157,7 +157,7 @@ class _Reader:
             for geom in geoms
         }
         seen = [geom for geom in geoms if self.shown[geom]]
-        if self.looks:
+        if self.has_visuals:
             seen = [geom for geom in seen if not self.collides[geom]] or seen
         visuals = [visual.transform(frames[geom]) for geom in seen for visual in self._visuals(geom)]
         solid = [
@@ -199,19 +199,19 @@ class _Reader:
 
     def _visuals(self, geom: int) -> Iterator[Visual]:
         model, material = self.model, int(self.model.geom_matid[geom])
-        colour = self.rgba[geom].clip(0, 1).astype(float)
+        color = self.rgba[geom].clip(0, 1).astype(float)
         image = None if material < 0 else self._image(self._texture(material))
         for mesh in self._meshes(geom):
             uv = self._uv(geom) if image is not None and image.width > 1 else None
             if uv is not None:
-                look = trimesh.visual.material.PBRMaterial(
-                    baseColorTexture=image, baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=0.8
+                textured = trimesh.visual.material.PBRMaterial(
+                    baseColorTexture=image, baseColorFactor=color, metallicFactor=0.0, roughnessFactor=0.8
                 )
-                mesh.visual = trimesh.visual.TextureVisuals(uv=uv, material=look)
+                mesh.visual = trimesh.visual.TextureVisuals(uv=uv, material=textured)
                 yield Visual(mesh)
                 continue
             mesh.merge_vertices()
-            plain = colour.copy()
+            plain = color.copy()
             if image is not None:
                 texels = np.asarray(image, dtype=float).reshape(-1, 3)
                 plain[:3] *= (texels.mean(axis=0) / 255) ** 2.2
@@ -233,7 +233,7 @@ class _Reader:
         return np.asarray(model.mesh_texcoord[corners] * [1, -1] + [0, 1], dtype=float)
 
     def _texture(self, material: int) -> int:
-        """Number of the texture that colours a material; -1: none does."""
+        """Number of the texture that colors a material; -1: none does."""
         roles = self.model.mat_texid[material]
         return int(max(roles[mjtTextureRole.mjTEXROLE_RGB], roles[mjtTextureRole.mjTEXROLE_RGBA]))
 

@@ -1,4 +1,4 @@
-"""STL, rigid, without colours."""
+"""STL, rigid, without colors."""
 
 from plugins.importing.importers import Importer
 from plugins.importing.single_body import read_mesh

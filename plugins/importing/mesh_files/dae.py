@@ -45,7 +45,7 @@ def read_dae(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
             if child.tag in ("polylist", "polygons"):
                 parent[number] = child = _triangles(child, named)
             if child.find("input[@semantic='COLOR']") is not None and "texture" not in found:
-                child.attrib.pop("material", None)  # else the one colour of its material is shown
+                child.attrib.pop("material", None)  # else the one color of its material is shown
     root.set("xmlns", SPACE)
     scene = trimesh.load_scene(io.BytesIO(ET.tostring(root)), file_type="dae", resolver=files)
     if (metres := _unit(root)) != 1.0:

@@ -1,4 +1,4 @@
-"""glTF 2.0, read by trimesh. Worked out here: quantised numbers, instances, where pictures lie, colours of corners.
+"""glTF 2.0, read by trimesh. Worked out here: quantised numbers, instances, where pictures lie, colors of corners.
 
 What a shape needs and is not read is refused by name; what only looks need is named.
 """
@@ -40,7 +40,7 @@ LARGEST = {5120: 127, 5121: 255, 5122: 32767, 5123: 65535}  # what is 1 in a nor
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
 METAL = "pbrMetallicRoughness"
 PLACES = {"_TRANSLATION": (0.0, 0, 0), "_ROTATION": (0.0, 0, 0, 1), "_SCALE": (1.0, 1, 1)}  # of instances, usually
-SAME = 1.5 / 255  # by which colours differ that are one
+SAME = 1.5 / 255  # by which colors differ that are one
 
 
 def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
@@ -168,8 +168,8 @@ def _work_out(mesh: Any, primitive: Header, header: Header, files: MeshResolver)
             if not (named and any(named in line for line in files.lost)):
                 lost.append(f"is shown without its {key}, which {why}")
     if "_COLOR" in primitive["attributes"]:
-        colours = _shares(mesh.vertex_attributes.pop("_COLOR"), "_COLOR", primitive, header)
-        lost += _paint(mesh, colours, material)
+        colors = _shares(mesh.vertex_attributes.pop("_COLOR"), "_COLOR", primitive, header)
+        lost += _paint(mesh, colors, material)
     return lost
 
 
@@ -194,21 +194,21 @@ def _drop_if_broken(material: PBRMaterial, key: str) -> str | None:
     return None
 
 
-def _paint(mesh: Any, colours: Numbers, material: Header) -> list[str]:
-    """Give a mesh the colours (N, 3 or 4), linear, of its corners: one of all as its material; a line if they are
+def _paint(mesh: Any, colors: Numbers, material: Header) -> list[str]:
+    """Give a mesh the colors (N, 3 or 4), linear, of its corners: one of all as its material; a line if they are
     lost."""
-    rgba = np.ones((len(colours), 4))
-    rgba[:, : colours.shape[1]] = colours.clip(0, 1)
+    rgba = np.ones((len(colors), 4))
+    rgba[:, : colors.shape[1]] = colors.clip(0, 1)
     if material.get("alphaMode", "OPAQUE") == "OPAQUE":
         rgba[:, 3] = 1.0
     factor = material.get(METAL, {}).get("baseColorFactor", [1.0] * 4)
     glossy = GLOSSY in material.get("extensions", {})
     if np.ptp(rgba, axis=0).max() <= SAME and not glossy:
-        look = mesh.visual.material.copy() if material else PBRMaterial(metallicFactor=0.0, roughnessFactor=0.8)
-        look.baseColorFactor = rgba.mean(axis=0) * factor
-        mesh.visual = TextureVisuals(uv=getattr(mesh.visual, "uv", None), material=look)
+        painted = mesh.visual.material.copy() if material else PBRMaterial(metallicFactor=0.0, roughnessFactor=0.8)
+        painted.baseColorFactor = rgba.mean(axis=0) * factor
+        mesh.visual = TextureVisuals(uv=getattr(mesh.visual, "uv", None), material=painted)
     elif glossy or _pictures(material):
-        return ["is shown without the colours of its corners, which would tint its picture"]
+        return ["is shown without the colors of its corners, which would tint its picture"]
     else:
         rgba *= factor
         rgba[:, :3] **= 1 / GAMMA

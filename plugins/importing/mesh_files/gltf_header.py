@@ -68,7 +68,7 @@ def refuse_unread(path: Path, header: Header) -> None:
 
 
 def list_left_out(header: Header) -> list[str]:
-    """What of the file is not read, in a line."""
+    """The parts of the file that are not read, in a line."""
     scenes = len(header.get("scenes", []))
     modes = [part.get("mode", TRIANGLES) for mesh in header.get("meshes", []) for part in mesh["primitives"]]
     present = {

@@ -96,8 +96,8 @@ def test_meshes_become_one_body_with_notes(tmp_path: Path) -> None:
     )
     assert asset.size == pytest.approx((0.4, 0.2, 0.8)), "glTF's z is our x, its y our z"
     assert asset.mass == pytest.approx(3.0)
-    (mine / "asset.json").write_text('{"colour": "red"}')
-    with pytest.raises(InputError, match="colour"):
+    (mine / "asset.json").write_text('{"color": "red"}')
+    with pytest.raises(InputError, match="color"):
         import_folder(tmp_path / "mine", tmp_path / "models")
 
 

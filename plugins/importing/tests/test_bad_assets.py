@@ -38,10 +38,10 @@ def own(folder: Path, out: Path) -> tuple[list[str], list[str]]:
 
 def transparent(folder: Path) -> None:
     (folder / "box").mkdir(parents=True, exist_ok=True)
-    colour = '<material name="m"><color rgba="1 0 0 0"/></material>'
+    color = '<material name="m"><color rgba="1 0 0 0"/></material>'
     shape = '<geometry><box size="0.3 0.3 0.3"/></geometry>'
     (folder / "box/aa.urdf").write_text(
-        f'<robot name="r"><link name="a"><visual>{shape}{colour}</visual></link></robot>'
+        f'<robot name="r"><link name="a"><visual>{shape}{color}</visual></link></robot>'
     )
 
 

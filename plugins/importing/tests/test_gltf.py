@@ -172,30 +172,30 @@ def test_a_picture_of_another_kind_is_told_unless_there_is_another(tmp_path: Pat
     assert "without its baseColorTexture, which is no picture that is read here (export it as PNG" in lost[0]
 
 
-def test_one_colour_of_all_corners_is_a_material(tmp_path: Path) -> None:
+def test_one_color_of_all_corners_is_a_material(tmp_path: Path) -> None:
     file = Gltf(materials=[{"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 1, 0]}}, picture(Gltf())])
-    colours = file.add([[128, 64, 0, 255]] * 8, "uint8", normalized=True)
-    (mesh,), lost = read(file.show(file.box(COLOR_0=colours)), tmp_path)
+    colors = file.add([[128, 64, 0, 255]] * 8, "uint8", normalized=True)
+    (mesh,), lost = read(file.show(file.box(COLOR_0=colors)), tmp_path)
     assert mesh.visual.material.baseColorFactor.tolist() == [128, 64, 0, 255]
-    (mesh,), lost = read(file.show(file.box(COLOR_0=colours) | {"material": 0}), tmp_path)
+    (mesh,), lost = read(file.show(file.box(COLOR_0=colors) | {"material": 0}), tmp_path)
     assert mesh.visual.material.baseColorFactor.tolist() == [128, 32, 0, 255], "opaque, as it says"
     assert not lost
 
 
-def test_colours_of_corners_are_told_where_a_picture_is(tmp_path: Path) -> None:
+def test_colors_of_corners_are_told_where_a_picture_is(tmp_path: Path) -> None:
     file = Gltf()
     file.header["materials"] = [picture(file)]
     corners = {"COLOR_0": file.add(BOX.vertices > 0), "TEXCOORD_0": file.add(BOX.vertices[:, :2] > 0)}
     (mesh,), lost = read(file.show(file.box(**corners) | {"material": 0}), tmp_path)
     assert has_texture(mesh)
-    assert lost == ["a.gltf is shown without the colours of its corners, which would tint its picture"]
+    assert lost == ["a.gltf is shown without the colors of its corners, which would tint its picture"]
 
 
-def test_colours_of_corners_reach_the_picture_that_renderers_show(tmp_path: Path) -> None:
-    coloured = trimesh.creation.box(SIZE)
-    coloured.unmerge_vertices()
-    coloured.visual.face_colors = [(200, 100, 50, 255)] * 6 + [(20, 100, 50, 255)] * 6
-    coloured.export(tmp_path / "table.glb")
+def test_colors_of_corners_reach_the_picture_that_renderers_show(tmp_path: Path) -> None:
+    colored = trimesh.creation.box(SIZE)
+    colored.unmerge_vertices()
+    colored.visual.face_colors = [(200, 100, 50, 255)] * 6 + [(20, 100, 50, 255)] * 6
+    colored.export(tmp_path / "table.glb")
     meshes, _ = load_meshes(tmp_path / "table.glb", tmp_path)
     write_glb(tmp_path / "written.glb", meshes)
     (mesh,), lost = load_meshes(tmp_path / "written.glb", tmp_path)
@@ -207,7 +207,7 @@ def test_colours_of_corners_reach_the_picture_that_renderers_show(tmp_path: Path
     assert np.abs(np.asarray(mesh.vertex_normals)).max(axis=1) == pytest.approx(1.0), "every face is flat"
 
 
-def test_every_face_is_painted_in_its_own_colour(tmp_path: Path) -> None:
+def test_every_face_is_painted_in_its_own_color(tmp_path: Path) -> None:
     box = trimesh.creation.box(SIZE)
     shades = np.column_stack([20 * np.arange(12), 255 - 20 * np.arange(12), np.full(12, 7), np.full(12, 255)])
     box.visual.face_colors = shades.astype(np.uint8)

@@ -1,4 +1,4 @@
-"""OBJ and DAE: shape, size, colours and pictures as their files say them, or a line."""
+"""OBJ and DAE: shape, size, colors and pictures as their files say them, or a line."""
 
 from pathlib import Path
 from typing import Any
@@ -83,7 +83,7 @@ TETRAHEDRON = "f 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n"
 PLACED = "f 1/1 2/1 3/1\nf 1/1 2/1 4/1\nf 2/1 3/1 4/1\nf 1/1 3/1 4/1\n"
 
 
-def test_colours_of_an_objs_corners_are_its_looks_unless_a_picture_is(tmp_path: Path) -> None:
+def test_colors_of_an_objs_corners_are_its_looks_unless_a_picture_is(tmp_path: Path) -> None:
     corners = [f"v {x} {y} {z} 1 0.5 0" for x, y, z in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))]
     text = "\n".join(["mtllib a.mtl", *corners, "vt 0 0", "usemtl grey", TETRAHEDRON])
     (tmp_path / "a.obj").write_text(text)
@@ -102,20 +102,20 @@ MATERIALS = [
     ("Kd 0.2 0.4 0.6\nTr 0.5", [51, 102, 153, 128], ""),
     ("Kd 0.2 0.4 0.6\nd -halo 1", [51, 102, 153, 255], ""),
     ("Kd 0.2 0.4 0.6\nTr 1", [51, 102, 153, 255], ""),
-    ("Kd 0 0 0\nmap_Kd a.png", [255] * 4, "a.mtl: 'wood' would paint its picture black: its colour is not used"),
+    ("Kd 0 0 0\nmap_Kd a.png", [255] * 4, "a.mtl: 'wood' would paint its picture black: its color is not used"),
     ("map_Kd a.png", [255] * 4, ""),
     ("Kd 1 1 1\nmap_d a.png", [255] * 4, "a.mtl: pictures of transparency (map_d of wood) are not read"),
 ]
 
 
-@pytest.mark.parametrize(("lines", "colour", "says"), MATERIALS)
-def test_materials_of_objs(tmp_path: Path, lines: str, colour: list[int], says: str) -> None:
+@pytest.mark.parametrize(("lines", "color", "says"), MATERIALS)
+def test_materials_of_objs(tmp_path: Path, lines: str, color: list[int], says: str) -> None:
     Image.new("RGB", (2, 2), (200, 100, 0)).save(tmp_path / "a.png")
     (tmp_path / "a.mtl").write_text(f"newmtl wood\nKs 0 0 0\n{lines}\n")
     (tmp_path / "a.obj").write_text(f"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nusemtl wood\n{PLACED}")
     (mesh,), lost = read(tmp_path / "a.obj", tmp_path)
     material = mesh.visual.material.to_pbr()
-    assert material.baseColorFactor.tolist() == colour
+    assert material.baseColorFactor.tolist() == color
     assert (material.baseColorTexture is not None) == ("map_Kd" in lines)
     assert lost == [says] * bool(says)
 

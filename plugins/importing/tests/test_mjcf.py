@@ -80,9 +80,9 @@ def test_links_are_where_mujoco_has_them(folder: Path) -> None:
 def test_looks_masses_and_what_collides(folder: Path) -> None:
     links = read_mjcf(folder / "bottom_cabinet/oak.xml", folder).links
     assert links["world"].visuals == [], "the ground is none of it"
-    assert links["body"].visuals[0].colour == pytest.approx((0.2, 0.4, 0.6, 1.0))
+    assert links["body"].visuals[0].color == pytest.approx((0.2, 0.4, 0.6, 1.0))
     assert len(links["body"].visuals) == len(links["body"].collisions) == 1, "seen and solid are not mixed"
-    assert links["door"].visuals[0].colour == pytest.approx((0.22, 0.048, 0, 1), abs=0.01), "its texture's mean, linear"
+    assert links["door"].visuals[0].color == pytest.approx((0.22, 0.048, 0, 1), abs=0.01), "its texture's mean, linear"
     assert links["drawer"].visuals[1].mesh.extents == pytest.approx((0.02, 0.2, 0.02))
     assert (links["door"].mass, links["door"].weighed) == (2.0, True)
     assert (links["drawer"].mass, links["drawer"].center.tolist()) == (3.0, [-0.1, 0, 0])
@@ -138,13 +138,13 @@ def test_textures_of_meshes_stay_upright(tmp_path: Path) -> None:
     )
     robot = read_mjcf(tmp_path / "t.xml", tmp_path)
     (visual,) = robot.links["body_1"].visuals
-    colours = visual.mesh.visual.to_color().vertex_colors
+    colors = visual.mesh.visual.to_color().vertex_colors
     top = visual.mesh.vertices[:, 2] > 0.9
     assert top.any()
-    assert (colours[top, 0] > 200).all() and (colours[~top, 2] > 200).all()
+    assert (colors[top, 0] > 200).all() and (colors[~top, 2] > 200).all()
 
 
-def test_a_geoms_own_colour_beats_its_materials_and_textures_without_a_place_are_told(tmp_path: Path) -> None:
+def test_a_geoms_own_color_beats_its_materials_and_textures_without_a_place_are_told(tmp_path: Path) -> None:
     Image.fromarray(np.kron([[0, 255], [255, 0]], np.ones((2, 2))).astype(np.uint8)).save(tmp_path / "t.png")
     (tmp_path / "t.xml").write_text(
         '<mujoco><asset><texture name="t" type="2d" file="t.png"/><texture name="f" type="2d" builtin="flat" width="4" '
@@ -154,9 +154,9 @@ def test_a_geoms_own_colour_beats_its_materials_and_textures_without_a_place_are
         '<geom size="1" material="even"/><geom size="1" material="checked"/></body></worldbody></mujoco>'
     )
     robot = read_mjcf(tmp_path / "t.xml", tmp_path)
-    colours = [visual.colour for visual in robot.links["body_1"].visuals]
-    assert colours[:4] == [(0, 0, 1, 1), (0, 1, 0, 1), (0.5, 0.5, 0.5, 1), (1, 0, 0, 1)]
-    assert robot.remarks == ("shown in the mean colour of their textures, which no mesh places: materials 'checked'",)
+    colors = [visual.color for visual in robot.links["body_1"].visuals]
+    assert colors[:4] == [(0, 0, 1, 1), (0, 1, 0, 1), (0.5, 0.5, 0.5, 1), (1, 0, 0, 1)]
+    assert robot.remarks == ("shown in the mean color of their textures, which no mesh places: materials 'checked'",)
 
 
 def test_what_is_fixed_or_left_out_is_named(folder: Path) -> None:

@@ -144,7 +144,7 @@ def test_textures_that_a_viewer_would_open_are_read(mine: Path) -> None:
         looks = f'<asset>{texture}<material name="m" texture="t"/></asset>'
         shown = BOX.replace("/>", ' material="m"/>')
         (mine / "m.xml").write_text(f"<mujoco>{how}{looks}<worldbody>{shown}</worldbody></mujoco>")
-        assert read_mjcf(mine / "m.xml", mine).links["world"].visuals[0].colour == (1, 0, 0, 1)
+        assert read_mjcf(mine / "m.xml", mine).links["world"].visuals[0].color == (1, 0, 0, 1)
 
 
 MESHES = {

@@ -13,7 +13,7 @@ from stages.contracts import InputError
 from stages.contracts.arrays import explain_unreadable, read_npz
 
 KNOWS = "a file with fx, fy, cx, cy or a 3x3 matrix (JSON, YAML, text, NPY), see docs/your-data.md"
-# Keys under which files nest the colour camera; a later one counts more.
+# Keys under which files nest the color camera; a later one counts more.
 DEEPER = ("calibration", "camera", "cam0", "intrinsic", "intrinsics", "rgbintrinsics", "colorintrinsics", "rgb",
           "color", "rgbcamera", "colorcamera")  # fmt: skip
 MATRICES = ("intrinsics", "k", "cameramatrix", "intrinsicmatrix", "camk", "intrinsic", "cameraintrinsics",
@@ -87,7 +87,7 @@ def simplify_name(name: str) -> str:
 
 
 def flatten_values(data: dict[str, Any]) -> dict[str, Any]:
-    """Values by plain names; those nested under the colour camera replace those above."""
+    """Values by plain names; those nested under the color camera replace those above."""
     known = {simplify_name(str(key)): value for key, value in data.items()}
     for key in DEEPER:
         if isinstance(known.get(key), dict):

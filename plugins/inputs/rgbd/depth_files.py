@@ -28,7 +28,7 @@ def read_raw(path: Path) -> NDArray[Any]:
     """The numbers (h, w) of a depth file, in its own unit.
 
     Raises:
-        InputError: no depth: missing, of another format, in colours, or with 8 bits.
+        InputError: no depth: missing, of another format, in colors, or with 8 bits.
     """
     if path.suffix.lower() not in DEPTH_FILES:
         raise InputError(

@@ -35,7 +35,7 @@ WORDS = {"m": 1.0, "meter": 1.0, "metre": 1.0, "dm": 10.0, "cm": 100.0, "centime
          "mm": 1000.0, "millimeter": 1000.0, "millimetre": 1000.0, "um": 1e6, "micrometer": 1e6,
          "ft": 1 / 0.3048, "foot": 1 / 0.3048, "feet": 1 / 0.3048, "in": 1 / 0.0254, "inch": 1 / 0.0254,
          "inches": 1 / 0.0254}  # fmt: skip
-LEAST_SCALE = 100.0  # units to a metre: what is called `scale` alone is at least that; chosen
+MIN_SCALE = 100.0  # units to a metre: what is called `scale` alone is at least that; chosen
 MAX_BYTES, MAX_FILES = 100_000, 50  # of a file, and of a folder, that are looked at; chosen
 UNITS = {"m": 1.0, "mm": 1000.0}
 USUAL_MEDIAN = 6.0  # metres: frames of depth cameras have less; more in millimetres is mostly another unit; chosen
@@ -167,7 +167,7 @@ def _interpret(value: Any, readings: tuple[str, ...], name: str) -> tuple[float,
         return ()
     means = {PER_METRE: number, METRES: 1 / number, MILLIMETRES: 1000 / number, MICROMETRES: 1e6 / number}
     scales = dict.fromkeys(means[reading] for reading in readings)
-    return tuple(scale for scale in scales if name != "scale" or scale >= LEAST_SCALE)
+    return tuple(scale for scale in scales if name != "scale" or scale >= MIN_SCALE)
 
 
 def _judge_by_median(path: Path, known: NDArray[Any], median: float) -> float:

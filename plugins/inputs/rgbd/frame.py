@@ -76,7 +76,7 @@ def fit_frame(frame: Frame) -> Frame:
     if is_stretched(frame.depth.shape[::-1], (width, height)):
         what = f"is {frame.depth.shape[1]}x{frame.depth.shape[0]}, the picture {width}x{height}: other proportions."
         raise InputError(
-            "depth", what, "align depth to the colour picture first (every camera's software does)", code="E-DEPTH-SIZE"
+            "depth", what, "align depth to the color picture first (every camera's software does)", code="E-DEPTH-SIZE"
         )
     shrunk = max(1.0, max(width, height) / LONGEST_SIDE)
     size = round(width / shrunk), round(height / shrunk)

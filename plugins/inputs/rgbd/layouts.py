@@ -1,6 +1,6 @@
 """The files of one frame of an RGB-D recording: which of a folder's files belong together.
 
-Two layouts: TUM's lists of time stamps, and folders of colour and depth in the same order with a file of intrinsics
+Two layouts: TUM's lists of time stamps, and folders of color and depth in the same order with a file of intrinsics
 (Open3D, RealSense, Record3D's export as EXR and JPG). docs/your-data.md says how to bring others into the second one.
 """
 
@@ -17,7 +17,7 @@ from stages.contracts.arrays import explain_unreadable
 from stages.geometry.cameras import make_intrinsics, scale_intrinsics
 
 PICTURES = (".png", ".jpg", ".jpeg", ".ppm")
-COLOUR = ("color", "rgb", "image", "colour")  # what folders of pictures are called
+COLOR = ("color", "rgb", "image", "colour")  # what folders of pictures are called
 CAMERA_FILES = ("camera.json", "config.json", "metadata.json", "metadata")  # besides those with `intrinsic` in the name
 
 
@@ -37,32 +37,32 @@ def find_view(path: Path, number: int, camera: CameraReader | None, camera_file:
     if not 0 <= number < len(frames):
         what = f"{path} has {len(frames)} frames, counted from 0: there is no {number}."
         raise InputError("--number", what, "a smaller one", code="E-RECORDING-FRAME")
-    colour, depth = frames[number]
+    color, depth = frames[number]
     if _is_tum(path):
         source = [] if camera else ["intrinsics of TUM's tools"]
-        return View(colour, depth, camera or _make_tum_camera, camera_file, 5000.0, (f"TUM, {colour.name}", *source))
+        return View(color, depth, camera or _make_tum_camera, camera_file, 5000.0, (f"TUM, {color.name}", *source))
     own = [one for one in sorted(path.iterdir()) if one.is_file() and "intrinsic" in one.name.lower()]
     own += [path / name for name in CAMERA_FILES if (path / name).is_file()]
-    notes = [f"{colour.name} and {depth.name}"]
+    notes = [f"{color.name} and {depth.name}"]
     if camera is None:
         if not own:
             raise InputError(path, "has no file of intrinsics.", "give --camera", code="E-CAMERA-MISSING")
         camera = partial(read_lens, own[0])
         notes.append(f"intrinsics of {own[0].name}")
-    return View(colour, depth, camera, camera_file or next(iter(own), None), None, tuple(notes))
+    return View(color, depth, camera, camera_file or next(iter(own), None), None, tuple(notes))
 
 
 def list_frames(path: Path) -> list[tuple[Path, Path]]:
-    """Colour and depth of every frame of a recording, in its order.
+    """Color and depth of every frame of a recording, in its order.
 
     Raises:
         InputError: no known layout, or a broken one.
     """
     if _is_tum(path):
         return _list_of_tum(path)
-    colours = next((path / name for name in COLOUR if (path / name).is_dir()), None)
-    if colours is not None and (path / "depth").is_dir():
-        pictures, images = _list_files(colours, PICTURES), _list_files(path / "depth", DEPTH_FILES)
+    colors = next((path / name for name in COLOR if (path / name).is_dir()), None)
+    if colors is not None and (path / "depth").is_dir():
+        pictures, images = _list_files(colors, PICTURES), _list_files(path / "depth", DEPTH_FILES)
         if len(pictures) != len(images):
             what = f"has {len(pictures)} pictures, but {len(images)} depth images."
             raise InputError(path, what, "one depth image for each picture", code="E-RECORDING-LAYOUT")
@@ -79,10 +79,10 @@ def _is_tum(path: Path) -> bool:
 def _list_of_tum(path: Path) -> list[tuple[Path, Path]]:
     """Every picture of TUM with the depth image nearest in time, 20 ms apart at most (its associate.py)."""
     with explain_unreadable(path / "rgb.txt", "list of a TUM recording"):
-        colours, depths = _read_stamps(path / "rgb.txt"), _read_stamps(path / "depth.txt")
+        colors, depths = _read_stamps(path / "rgb.txt"), _read_stamps(path / "depth.txt")
         times = np.array([stamp for stamp, _ in depths])
-        nearest = [int(np.abs(times - stamp).argmin()) for stamp, _ in colours]
-        both = zip(colours, nearest, strict=True)
+        nearest = [int(np.abs(times - stamp).argmin()) for stamp, _ in colors]
+        both = zip(colors, nearest, strict=True)
         return [(file, depths[k][1]) for (stamp, file), k in both if abs(times[k] - stamp) <= 0.02]
 
 

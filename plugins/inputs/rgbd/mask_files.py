@@ -20,7 +20,7 @@ def read_labelled(path: Path, labels: Path | None, width: int, height: int, pict
 
     Args:
         path: COCO or labelme JSON, or a PNG.
-        labels: names of the PNG's values or colours, as JSON; not for JSON, which has its own.
+        labels: names of the PNG's values or colors, as JSON; not for JSON, which has its own.
         width: of the picture that the masks are of.
         height: of it.
         picture: its file name, by which a COCO file of many pictures knows it.

@@ -1,4 +1,4 @@
-"""Label images: a value or a colour for each object, with a file of names."""
+"""Label images: a value or a color for each object, with a file of names."""
 
 import json
 from pathlib import Path
@@ -14,7 +14,7 @@ from stages.contracts.arrays import explain_unreadable
 from stages.contracts.images import read_masks, read_upright
 
 MAX_VALUES = 1000  # of a label image; a photograph has more; chosen
-NAMES_OPTION = '--labels with {"1": "mug", "2": "floor"}, or {"#ff0000": "mug"} for a picture in colours'
+NAMES_OPTION = '--labels with {"1": "mug", "2": "floor"}, or {"#ff0000": "mug"} for a picture in colors'
 
 
 def read_label_image(path: Path, labels: Path | None, width: int, height: int) -> Labelled:
@@ -23,8 +23,8 @@ def read_label_image(path: Path, labels: Path | None, width: int, height: int) -
     Raises:
         InputError: no label image, one of another size, or names that are not those of its values.
     """
-    names, coloured = ({}, False) if labels is None else _read_names(labels)
-    shown, colours = _read_values(path, coloured)
+    names, colored = ({}, False) if labels is None else _read_names(labels)
+    shown, colors = _read_values(path, colored)
     check_size(path, (shown.shape[1], shown.shape[0]), width, height)
     found, pixels = np.unique(shown[shown > 0], return_counts=True)
     if len(found) > MAX_VALUES:
@@ -37,46 +37,46 @@ def read_label_image(path: Path, labels: Path | None, width: int, height: int) -
     if labels is None:
         raise InputError(path, f"has {len(found)} values without names.", NAMES_OPTION, code="E-MASKS-NAMES")
     if names.get(0) and not is_nothing(names[0]) and not shown.all():
-        what = f"calls the value {_write_value(0, colours)} {names[0]!r}, which is the value of what nobody outlined."
+        what = f"calls the value {_write_value(0, colors)} {names[0]!r}, which is the value of what nobody outlined."
         raise InputError(labels, what, "count objects from 1", code="E-MASKS-NAMES")
     sizes = dict(zip(found.tolist(), pixels.tolist(), strict=True))
     known = [value for value in sizes if value in names]
     if not known:
-        first = ", ".join(_write_value(value, colours) for value in list(sizes)[:5]) or "nothing"
+        first = ", ".join(_write_value(value, colors) for value in list(sizes)[:5]) or "nothing"
         raise InputError(labels, f"names none of the values of {path}: {first}.", NAMES_OPTION, code="E-MASKS-NAMES")
-    nameless = [f"{_write_value(value, colours)} ({sizes[value]} pixels)" for value in sizes if value not in names]
+    nameless = [f"{_write_value(value, colors)} ({sizes[value]} pixels)" for value in sizes if value not in names]
     if nameless:
         more = f" and {len(nameless) - 8} more" if len(nameless) > 8 else ""
         print(f"{path}: without a name, left out: {', '.join(nameless[:8])}{more}")
     if absent := [(name, NO_PIXELS) for value, name in names.items() if value and value not in sizes]:
         print(f"{path}: {len(absent) + len(known)} names, {len(known)} used: {list_remarks(absent)}")
-    numbers = {value: number for number, value in enumerate(known, 1)} if colours else {value: value for value in known}
+    numbers = {value: number for number, value in enumerate(known, 1)} if colors else {value: value for value in known}
     result = np.zeros(shown.shape, dtype=np.uint16)
     for value, number in numbers.items():
         result[shown == value] = number
     return Labelled(result, {numbers[value]: names[value] for value in known})
 
 
-def _read_values(path: Path, coloured: bool) -> tuple[NDArray[Any], bool]:
-    """Values (H, W), and whether they are colours: of a palette only if names are those of colours."""
+def _read_values(path: Path, colored: bool) -> tuple[NDArray[Any], bool]:
+    """Values (H, W), and whether they are colors: of a palette only if names are those of colors."""
     with explain_unreadable(path, "picture"):
         image = read_upright(path)
-    if image.mode not in ("RGB", "RGBA") and not (coloured and image.mode == "P"):
+    if image.mode not in ("RGB", "RGBA") and not (colored and image.mode == "P"):
         return read_masks(path), False
     if image.format in ("JPEG", "MPO"):
         raise InputError(path, "is a JPEG, which changes mask values.", "save masks as PNG", code="E-MASKS-FORMAT")
     red, green, blue, alpha = np.moveaxis(np.asarray(image.convert("RGBA"), dtype=np.int64), -1, 0)
-    if not coloured and (red == green).all() and (red == blue).all():
-        return np.where(alpha > 0, red, 0), False  # indices that were saved in colours
+    if not colored and (red == green).all() and (red == blue).all():
+        return np.where(alpha > 0, red, 0), False  # indices that were saved in colors
     return np.where(alpha > 0, (red << 16) + (green << 8) + blue, 0), True
 
 
-def _write_value(value: int, colour: bool) -> str:
-    return f"#{value:06x}" if colour else str(value)
+def _write_value(value: int, color: bool) -> str:
+    return f"#{value:06x}" if color else str(value)
 
 
 def _read_names(path: Path) -> tuple[dict[int, str], bool]:
-    """Names of values, and whether those are colours."""
+    """Names of values, and whether those are colors."""
     with explain_unreadable(path, "JSON file of names", NAMES_OPTION):
         data = json.loads(path.read_text(encoding="utf-8"))
         names = {int(key[1:], 16) if key.startswith("#") else int(key): value for key, value in data.items()}

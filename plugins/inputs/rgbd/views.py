@@ -27,11 +27,11 @@ CameraReader = Callable[[int, int, str], Lens]  # the camera of a picture of thi
 class View:
     """The files of one view.
 
-    colour, depth: its pictures. camera: what reads it. unit_file: which may state the unit of the depth. usual: the
+    color, depth: its pictures. camera: what reads it. unit_file: which may state the unit of the depth. usual: the
     number that stands for one metre where nobody states it. notes: for the log, which frame it is, whose intrinsics.
     """
 
-    colour: Path
+    color: Path
     depth: Path
     camera: CameraReader
     unit_file: Path | None = None
@@ -77,12 +77,12 @@ def read_frame(view: View, unit: str, depth_is: str, masks: Path | None, labels:
     Raises:
         InputError: one of its files cannot be used, or they do not lie on each other.
     """
-    rgb = read_rgb(view.colour)
-    check_shown(view.colour, rgb)
-    check_upright(view.colour)
+    rgb = read_rgb(view.color)
+    check_shown(view.color, rgb)
+    check_upright(view.color)
     raw = read_raw(view.depth)
     depth, line = convert_to_metres(view.depth, raw, unit, find_stated_units(view.depth, view.unit_file), view.usual)
-    shown = (rgb.shape[1], rgb.shape[0], view.colour.name)
+    shown = (rgb.shape[1], rgb.shape[0], view.color.name)
     lens = view.camera(*shown)
     labelled = None if masks is None else read_labelled(masks, labels, *shown)
     notes = [*view.notes[:1], line, *view.notes[1:]]

@@ -140,7 +140,7 @@ def bent_frame(kind: str) -> tuple[NDArray[np.float32], NDArray[np.uint16]]:
     ],
 )
 def test_rgbd_frames_are_straightened(tmp_path: Path, kind: str, said: dict[str, Any]) -> None:
-    """Colour, depth and masks alike: what is written is what a pinhole camera with the written K sees of the room."""
+    """Color, depth and masks alike: what is written is what a pinhole camera with the written K sees of the room."""
     depth, masks = bent_frame(kind)
     written = read_scene_input(frame_of(tmp_path, depth, masks, {FLOOR: "floor", OBJECT: "box"}, **said))
     u, v = np.meshgrid(np.arange(ROOM_WIDTH), np.arange(ROOM_HEIGHT))
@@ -153,8 +153,8 @@ def test_rgbd_frames_are_straightened(tmp_path: Path, kind: str, said: dict[str,
     agree = (written.masks == true_masks[y, x])[on_box].mean()
     both = inside & (written.masks == OBJECT) & (true_masks[y, x] == OBJECT)
     off = float(np.quantile(np.abs(written.depth - true_depth[y, x])[both], 0.95))
-    colour = cv2.imread(str(tmp_path / "out" / "rgb.png"))[..., 0]
-    assert (colour == written.masks * 20).mean() > 0.97
+    color = cv2.imread(str(tmp_path / "out" / "rgb.png"))[..., 0]
+    assert (color == written.masks * 20).mean() > 0.97
     if said.get("D") or kind:
         assert inside.mean() > 0.8 and agree > 0.95 and off < 0.02
     else:

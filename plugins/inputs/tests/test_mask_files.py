@@ -268,7 +268,7 @@ def test_label_images_tell_what_has_no_name_and_what_no_pixels(
     assert "left out: 7 (5 pixels)" in said and "2 names, 1 used: 'cup' has no pixels" in said
 
 
-def test_colours_of_a_palette_and_what_is_transparent(tmp_path: Path) -> None:
+def test_colors_of_a_palette_and_what_is_transparent(tmp_path: Path) -> None:
     indexed = Image.fromarray(BOX.astype(np.uint8) * 2, "P")
     indexed.putpalette([0, 0, 0, 9, 9, 9, 255, 0, 0])
     assert np.array_equal(area(image(tmp_path, indexed, {"#ff0000": "box"}), "box"), BOX)

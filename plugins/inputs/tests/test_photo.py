@@ -22,7 +22,7 @@ from plugins.vlm.config import VlmConfig
 from plugins.vlm.prompt import draw_box
 from plugins.vlm.tests.chat_server import KEY, ChatServer, says, serving
 from stages.contracts import InputError, Objects, read_json
-from stages.contracts.images import colour_of
+from stages.contracts.images import color_of
 from stages.contracts.objects import Mounting
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.scenes import Annotation, Held
@@ -251,7 +251,7 @@ def test_walls_are_numbered_where_they_are_wide() -> None:
     masks[0][:, :40], masks[1][40:, 60:] = True, True
     shown = draw_numbers(np.zeros((120, 160, 3), np.uint8), masks)
     assert all((shown[mask].max(axis=-1) == 255).sum() > 3 for mask in masks)
-    assert not shown[:, 45:55].any() and (shown[2, 2] == np.array(colour_of(0)) // 2).all()
+    assert not shown[:, 45:55].any() and (shown[2, 2] == np.array(color_of(0)) // 2).all()
     hidden = draw_numbers(np.zeros((120, 160, 3), np.uint8), [masks[0], np.zeros_like(masks[0])])
     assert not hidden[~masks[0]].any(), "what lies behind others has no number"
 

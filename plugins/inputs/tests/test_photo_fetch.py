@@ -63,7 +63,7 @@ def hub() -> Iterator[str]:
 
 
 def fetch(folder: Path, hub: str) -> subprocess.CompletedProcess[str]:
-    """The verb in a process of its own: the hub's address is read when its library is imported."""
+    """The command in a process of its own: the hub's address is read when its library is imported."""
     names = ("detector", "segmenter", "depth_anything")
     options = json.dumps(dict.fromkeys(names, str(folder / "net")))
     sources = json.dumps(dict.fromkeys(names, "toy/net"))

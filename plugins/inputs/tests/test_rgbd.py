@@ -47,7 +47,7 @@ def room() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 @pytest.fixture
 def files(tmp_path: Path, room: tuple) -> SimpleNamespace:
-    """The frame as files: colour, depth in millimetres, intrinsics, masks with names."""
+    """The frame as files: color, depth in millimetres, intrinsics, masks with names."""
     rgb, depth, masks = room
     cv2.imwrite(str(tmp_path / "color.png"), rgb[..., ::-1])
     cv2.imwrite(str(tmp_path / "depth.png"), np.rint(1000 * depth).astype(np.uint16))

@@ -1,4 +1,4 @@
-"""The look of a room: light and colours of a picture that was drawn with known ones are found again."""
+"""The look of a room: light and colors of a picture that was drawn with known ones are found again."""
 
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from tests.workflow.workspace import dry_run, make
 
 WIDTH, HEIGHT = 200, 150
 WALL = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=99)  # the plane x = 4
-FLOOR_COLOUR, WALL_COLOUR = (0.5, 0.3, 0.15), (0.3, 0.45, 0.6)
+FLOOR_COLOR, WALL_COLOR = (0.5, 0.3, 0.15), (0.3, 0.45, 0.6)
 
 
 @pytest.fixture(scope="module")
@@ -66,8 +66,8 @@ def true_look(light: Any) -> Look:
         light_from="shadows",
         shadow_correlation=1.0,
         surfaces=[
-            Surface(id="floor", colour=FLOOR_COLOUR, low=(0, -3), high=(4, 3)),
-            Surface(id="wall_1", colour=WALL_COLOUR, low=(-4, 0), high=(4, 3)),
+            Surface(id="floor", colour=FLOOR_COLOR, low=(0, -3), high=(4, 3)),
+            Surface(id="wall_1", colour=WALL_COLOR, low=(-4, 0), high=(4, 3)),
         ],
     )
 
@@ -82,15 +82,15 @@ def taken(objects: Objects, items: list[Placed], look: Look) -> tuple[Any, Any, 
 
 
 @pytest.mark.parametrize(("azimuth", "elevation"), [(50, 50), (-35, 40), (10, 60)])
-def test_light_and_colours_are_found_again(items: Any, azimuth: float, elevation: float) -> None:
+def test_light_and_colors_are_found_again(items: Any, azimuth: float, elevation: float) -> None:
     objects, light = objects_of(items), to_direction(np.radians(azimuth), np.radians(elevation))
     pictures = taken(objects, items, true_look(light))
     look = estimate_look(objects, pictures, scene_of(objects), items)
     assert look.light_from == "shadows" and look.shadow_correlation > 0.6
     assert np.degrees(np.arccos(light @ look.light)) < 8
     found = {surface.id: surface.colour for surface in look.surfaces}
-    assert found["floor"] == pytest.approx(FLOOR_COLOUR, abs=0.03)
-    assert found["wall_1"] == pytest.approx(WALL_COLOUR, abs=0.03)
+    assert found["floor"] == pytest.approx(FLOOR_COLOR, abs=0.03)
+    assert found["wall_1"] == pytest.approx(WALL_COLOR, abs=0.03)
     again = taken(objects, items, look)[0]
     assert np.abs(again.astype(int) - pictures[0]).mean() < 2.5  # of 255
 

@@ -1,1 +1,1 @@
-"""What the network of shapes learns from: things of random rooms under masks with faults."""
+"""Training data of the network of shapes: things of random rooms under masks with faults."""

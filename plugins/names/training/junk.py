@@ -1,4 +1,4 @@
-"""What is in rooms and in no library: office chairs, doors, windows, pipes, boilers, stairs, plain bodies."""
+"""Things that are in rooms and in no library: office chairs, doors, windows, pipes, boilers, stairs, plain bodies."""
 
 from collections.abc import Callable
 
@@ -8,7 +8,7 @@ from plugins.furniture.model import Model, Part, part
 from plugins.furniture.shapes import cushion, hull, lathe, rod, slab
 from plugins.names.training.solids import Rng, Solid, solid_of
 
-PAINT = [0.5, 0.5, 0.5]  # nobody looks at their colours
+PAINT = [0.5, 0.5, 0.5]  # nobody looks at their colors
 
 
 def _office_chair(rng: Rng) -> list[Part]:

@@ -1,4 +1,4 @@
-"""What a depth camera makes of true depth: the noise of extraction, and what it does not measure."""
+"""A depth camera's errors: the noise of extraction, and what it does not measure."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -31,7 +31,7 @@ class Encoder:
         self.rows, self.columns = height // patch, width // patch
 
     def settings(self) -> dict[str, Any]:
-        """What a feature store depends on."""
+        """The settings that a feature store depends on."""
         return {
             "weights": weights_sha256(self.options.path),
             "height": self.options.height,

@@ -17,7 +17,7 @@ from stages.contracts.cousins import Candidate, Orientation
 from stages.matching.priors import sum_priors
 from stages.matching.question import DIGITS, Question
 
-LEAST_FIT = 0.7  # of a perfect score: below it, how models differ in their scores says nothing; chosen
+MIN_FIT = 0.7  # of a perfect score: below it, how models differ in their scores says nothing; chosen
 
 
 class Judge:
@@ -40,7 +40,7 @@ class Judge:
         scores = [fit.score(self.weights) for fit in fits]
         knowns = [sum_priors(candidate) for candidate in near]
         first = max(range(len(near)), key=lambda number: scores[number] - knowns[number])
-        trust = scores[first] >= LEAST_FIT * self.weights.perfect
+        trust = scores[first] >= MIN_FIT * self.weights.perfect
         judged = [
             candidate.model_copy(
                 update={

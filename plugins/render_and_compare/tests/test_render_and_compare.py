@@ -16,14 +16,14 @@ from plugins.pictures.rows_of_cousins import write_picture
 from plugins.render_and_compare.config import GeometryConfig
 from plugins.render_and_compare.fitting import Measured, lay_over, measure
 from plugins.render_and_compare.in_place import InPlace
-from plugins.render_and_compare.judges.geometry import LEAST_FIT
+from plugins.render_and_compare.judges.geometry import MIN_FIT
 from plugins.render_and_compare.judges.geometry import Judge as Geometry
 from plugins.render_and_compare.judges.rerender import Judge as Rerender
 from plugins.render_and_compare.noisy_cloud import NoisyCloud
 from plugins.render_and_compare.observation import Observation, free_sides, observe
 from plugins.render_and_compare.rendering import Rendering, render
-from plugins.render_and_compare.solid import ColouredSolid
-from plugins.render_and_compare.terms import colour_agreement, compare, line_agreement, line_field, outline_agreement
+from plugins.render_and_compare.solid import ColoredSolid
+from plugins.render_and_compare.terms import color_agreement, compare, line_agreement, line_field, outline_agreement
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.model import Link, RobotModel, Visual
 from stages.config.matching import matching_model
@@ -121,7 +121,7 @@ def test_a_model_is_seen_where_it_stands(library: Path) -> None:
     yaw = 0.4
     asked = question(library, yaw)
     seen = observe(asked.view, POSE, USUAL_ERROR, SIDE)
-    shown = render(ColouredSolid(library.parent / "two"), UprightBox((0, 0, 0), SIZE, yaw), seen)
+    shown = render(ColoredSolid(library.parent / "two"), UprightBox((0, 0, 0), SIZE, yaw), seen)
     assert outline_agreement(seen, shown, 1.0) > 0.97
     both = seen.mask & (shown.cover == 1)
     np.testing.assert_allclose(shown.depth[both], seen.depth[both], atol=0.02)
@@ -130,7 +130,7 @@ def test_a_model_is_seen_where_it_stands(library: Path) -> None:
 def test_a_box_is_laid_over_the_object(library: Path) -> None:
     """From a box that is far too small and off its place to the outline, as far as its sides are seen."""
     seen = observe(question(library, 0.4).view, POSE, USUAL_ERROR, SIDE)
-    solid, extents = ColouredSolid(library.parent / "two"), np.array(SIZE)
+    solid, extents = ColoredSolid(library.parent / "two"), np.array(SIZE)
     ends = np.array([-0.38 * extents, 0.5 * extents])
     measured = Measured(ends, np.array([0.3 * extents, 0.1 * extents]), 0.4)
     fitted = lay_over(solid, measured, seen)
@@ -146,7 +146,7 @@ def test_a_mask_that_lacks_its_lower_part_squeezes_nothing(library: Path) -> Non
     seen = observe(replace(asked.view, mask=mask), POSE, USUAL_ERROR, SIDE)
     assert seen.free.all()
     ends = np.array([-0.5 * np.array(SIZE), 0.5 * np.array(SIZE)])
-    fitted = lay_over(ColouredSolid(library.parent / "two"), Measured(ends, np.full((2, 3), 0.03), 0.4), seen)
+    fitted = lay_over(ColoredSolid(library.parent / "two"), Measured(ends, np.full((2, 3), 0.03), 0.4), seen)
     np.testing.assert_allclose(fitted.size, SIZE, rtol=0.05)
 
 
@@ -157,7 +157,7 @@ def test_only_what_a_quarter_turn_leaves_alike_stays_square(library: Path) -> No
     ends = np.array([-0.5, 0.5])[:, None] * [0.8, 1.0, 0.8]  # twice as deep as the model
     stretches = {}
     for symmetry in ("none", "half_turn", "quarter_turn"):
-        solid = ColouredSolid(library.parent / "two")
+        solid = ColoredSolid(library.parent / "two")
         solid.asset = solid.asset.model_copy(update={"symmetry": symmetry})
         x, y, _ = lay_over(solid, Measured(ends, np.full((2, 3), 0.1), 0.4), seen).size / SIZE
         stretches[symmetry] = x / y
@@ -209,7 +209,7 @@ def test_whether_it_fits_is_asked_of_what_would_come_first(library: Path) -> Non
     ]
     ranked = judge.models(question(library, 0.3), [], given)
     lines = {one.asset: one.terms["lines"] for one in ranked}
-    assert lines["stack"] < LEAST_FIT < lines["two"]
+    assert lines["stack"] < MIN_FIT < lines["two"]
     assert [(one.asset, one.score) for one in ranked] == [("stack", 0.0), ("two", -2.0)]
 
 
@@ -226,7 +226,7 @@ def test_textures_and_patches_count_for_nothing_priors_do(library: Path) -> None
     assert judge.models(asked, [], [given[0], unlike])[0].asset == "three"
     seen = observe(asked.view, POSE, USUAL_ERROR, SIDE)
     shown = [
-        render(ColouredSolid(library.parent / name), UprightBox((0, 0, 0), SIZE, 0.3), seen)
+        render(ColoredSolid(library.parent / name), UprightBox((0, 0, 0), SIZE, 0.3), seen)
         for name in ("two", "striped")
     ]
     plain, textured = (line_agreement(line_field(seen.rgb), line_field(one.plain), seen.mask) for one in shown)
@@ -244,7 +244,7 @@ def test_what_is_hidden_or_cut_off_does_not_count(library: Path) -> None:
     view = replace(asked.view, mask=asked.view.mask & ~covered, depth=np.where(covered, 1.0, asked.view.depth))
     assert view.depth is not None
     assert free_sides(view.mask, view.depth, USUAL_ERROR).tolist() == [False, True, True, True]
-    solid, box = ColouredSolid(library.parent / "two"), UprightBox((0, 0, 0), SIZE, 0.3)
+    solid, box = ColoredSolid(library.parent / "two"), UprightBox((0, 0, 0), SIZE, 0.3)
     seen = observe(view, POSE, USUAL_ERROR, SIDE)
     assert outline_agreement(seen, render(solid, box, seen), 1.0) > 0.95
     open_space = observe(replace(view, depth=np.where(covered, 9.0, view.depth)), POSE, USUAL_ERROR, SIDE)
@@ -365,23 +365,23 @@ def test_textures_are_seen_where_they_lie(tmp_path: Path) -> None:
     plate.visual = trimesh.visual.TextureVisuals(uv=uv, material=trimesh.visual.material.SimpleMaterial(image=image))
     link = Link("body", [Visual(plate), Visual(body, (0.5, 0.5, 0.5, 1.0))], [body], 1.0, np.zeros(3), np.eye(3))
     write_asset(RobotModel("sign", {"body": link}), tmp_path / "sign", Description("sign", "sign", "CC0-1.0", "test"))
-    solid = ColouredSolid(tmp_path / "sign")
+    solid = ColoredSolid(tmp_path / "sign")
     box = UprightBox((0, 0, 0), solid.asset.size, 0.0)
     rays = np.array([[-2.0, y, z] for z in (0.3, -0.3) for y in (0.2, -0.2)])
-    look = solid.look(np.array([2.0, 0.0, 0.0]), rays, box)
-    np.testing.assert_allclose(look.colour[:, 0], [1, 1, 0, 0], atol=0.02)
-    np.testing.assert_allclose(look.plain, 0.5, atol=0.02)
-    np.testing.assert_allclose(look.depth, 0.95, atol=0.01)
-    np.testing.assert_allclose(look.normals, [[1, 0, 0]] * 4, atol=1e-5)
+    hits = solid.cast_rays(np.array([2.0, 0.0, 0.0]), rays, box)
+    np.testing.assert_allclose(hits.color[:, 0], [1, 1, 0, 0], atol=0.02)
+    np.testing.assert_allclose(hits.plain, 0.5, atol=0.02)
+    np.testing.assert_allclose(hits.depth, 0.95, atol=0.01)
+    np.testing.assert_allclose(hits.normals, [[1, 0, 0]] * 4, atol=1e-5)
 
 
-def test_another_light_is_no_other_colour() -> None:
+def test_another_light_is_no_other_color() -> None:
     lab = np.array([[60, 20, -10], [50, 0, 30], [55, 10, 10]], np.float32)
     given, dark, hue = (
         cv2.cvtColor((lab + np.array(shift, np.float32))[None], cv2.COLOR_LAB2RGB)[0]
         for shift in ((0, 0, 0), (-25, 0, 0), (0, 15, 0))
     )
-    assert colour_agreement(given, hue) < 0.9 and colour_agreement(given, dark) > 0.99
+    assert color_agreement(given, hue) < 0.9 and color_agreement(given, dark) > 0.99
 
 
 def test_an_error_of_the_depths_scale_is_no_misfit() -> None:

@@ -1,4 +1,4 @@
-"""Where the time went: the benchmark files that Snakemake wrote."""
+"""Run times: the benchmark files that Snakemake wrote."""
 
 from collections.abc import Iterable
 from pathlib import Path

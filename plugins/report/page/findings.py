@@ -83,7 +83,7 @@ class Findings:
 
     @property
     def camera_doubt(self) -> Doubt | None:
-        """What is odd about the camera's height; None: nothing."""
+        """A warning about the camera's height; None: it is usual."""
         what = doubt_height(self.objects.floor_from_camera[2][3]) if self.objects else ""
         return DoubtKind.CAMERA_HEIGHT.of(what=what) if what else None
 

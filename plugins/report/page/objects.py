@@ -45,7 +45,7 @@ class Match(NamedTuple):
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the run has of a room: its picture, masks (H, W), clouds by object, the objects of its first scene, and the
+    """The results about a room: its picture, masks (H, W), clouds by object, the objects of its first scene, and the
     views of models that stand for them in any (`views_of`)."""
 
     objects: Objects

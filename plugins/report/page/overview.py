@@ -41,7 +41,7 @@ class SceneRow(NamedTuple):
 
     @property
     def checks(self) -> list[Plausibility]:
-        """What physics said, of the scenes where it ran."""
+        """The verdict of physics on the scenes where it ran."""
         return [scene.plausibility for scene in self.found.scenes if scene.plausibility]
 
     @property
@@ -56,7 +56,7 @@ class SceneRow(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Where the run's files lie: `results` and `logs`, of one variant."""
+    """The folders of the run's files: `results` and `logs`, of one variant."""
 
     results: Path
     logs: Path

@@ -11,7 +11,7 @@ const memory = {
 const theme = document.getElementById("theme");
 const dark = matchMedia("(prefers-color-scheme: dark)");
 const isDark = () => (root.dataset.theme ?? (dark.matches ? "dark" : "light")) === "dark";
-const nameTheme = () => { theme.textContent = isDark() ? "Light" : "Dark"; theme.ariaLabel = `${theme.textContent} colours`; };
+const nameTheme = () => { theme.textContent = isDark() ? "Light" : "Dark"; theme.ariaLabel = `${theme.textContent} colors`; };
 if (["light", "dark"].includes(memory.get("theme"))) root.dataset.theme = memory.get("theme");
 theme.hidden = false;
 theme.addEventListener("click", () => {

@@ -1,4 +1,4 @@
-"""What was found in a picture and left out of its scene, for the top of its page."""
+"""Things that were found in a picture and left out of its scene, for the top of its page."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -21,7 +21,7 @@ class LeftOut(NamedTuple):
 
 
 def list_left_out(things: Things | None, folder: Path) -> list[LeftOut]:
-    """What was left out and nobody has taken; `folder`: of the input, with masks.png and corrections.json."""
+    """Things that were left out and nobody has taken; `folder`: of the input, with masks.png and corrections.json."""
     if things is None:
         return []
     path = folder / CORRECTIONS

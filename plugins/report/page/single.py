@@ -1,4 +1,4 @@
-"""What the page about one picture adds to the report: camera, depth, doubts, files to save."""
+"""Additions to the report for one picture: camera, depth, doubts, files to save."""
 
 import os
 from pathlib import Path
@@ -30,7 +30,7 @@ class CameraFacts(NamedTuple):
 
 
 def measure_camera(objects: Objects) -> CameraFacts:
-    """Where the camera stands and how it looks."""
+    """The pose of the camera and its field of view."""
     focal, pose = objects.intrinsics[0][0], np.array(objects.floor_from_camera)
     across = np.degrees(2 * np.arctan(objects.width / 2 / focal))
     down, roll = -np.degrees(np.arcsin(pose[2, 2])), np.degrees(np.arctan2(pose[2, 0], -pose[2, 1]))

@@ -63,11 +63,11 @@ def test_the_companion_has_its_columns_with_and_without_rows(tmp_path: Path) -> 
 
 @pytest.mark.parametrize("shown", ["cabinet_0", "cabinet_2"])
 def test_true_models_are_left_out_with_all_their_relatives(tmp_path: Path, shown: str) -> None:
-    founders = {"cabinet_0": None, "cabinet_1": None, "cabinet_2": "cabinet_0", "cabinet_3": "cabinet_1"}
-    for name, founder in {**founders, "cabinet_4": "cabinet_0", "mine_0": None}.items():
+    templates = {"cabinet_0": None, "cabinet_1": None, "cabinet_2": "cabinet_0", "cabinet_3": "cabinet_1"}
+    for name, template in {**templates, "cabinet_4": "cabinet_0", "mine_0": None}.items():
         asset = build(sample("box", 0, 0), None, tmp_path / name, name, "cabinet")
         recipe = (
-            None if name == "mine_0" else asset.recipe and asset.recipe.model_copy(update={"variation_of": founder})
+            None if name == "mine_0" else asset.recipe and asset.recipe.model_copy(update={"variation_of": template})
         )
         write_json(tmp_path / name / "asset.json", asset.model_copy(update={"recipe": recipe}))
     write_part(tmp_path / "library.json", tmp_path)

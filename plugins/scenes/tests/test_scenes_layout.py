@@ -242,7 +242,7 @@ def test_a_room_is_read_from_yaml(tmp_path: Path) -> None:
         (["scale"], None, "scale: Field required"),
         (["scale"], -1, "scale: Input should be greater than 0"),
         (["walls"], ["front"], "walls.0"),
-        (["colour"], "red", "colour: Extra inputs"),
+        (["color"], "red", "color: Extra inputs"),
         (["items"], [], "items: Tuple should have at least 2"),
         (["items", 0, "place"], {"at": "back"}, "items.0.place: needs one of against, beside, floor, on_top, hung"),
         (["items", 0, "place", "against"], "right", "'chest' is at the right wall, which is not one of walls"),

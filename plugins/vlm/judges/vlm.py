@@ -74,7 +74,7 @@ class Judge:
         return [best] + [orientation for orientation in by_distance if orientation != best]
 
     def summary(self) -> str:
-        """What was asked, for the log."""
+        """The question, for the log."""
         return self.asker.summary()
 
     def _choice(
@@ -112,6 +112,6 @@ class Judge:
 
 
 def make_choice(numbers: Sequence[str]) -> type[BaseModel]:
-    """What must be answered: a reason, then one of the numbers or none."""
+    """The schema of an answer: a reason, then one of the numbers or none."""
     choice: Any = Literal[(*numbers, NONE)]
     return create_model("Choice", __config__=ConfigDict(extra="forbid"), reason=(str, ...), choice=(choice, ...))

@@ -1,4 +1,4 @@
-"""MTL, the materials of OBJ files: colour with transparency, one picture and where it lies."""
+"""MTL, the materials of OBJ files: color with transparency, one picture and where it lies."""
 
 import re
 from dataclasses import dataclass, field
@@ -10,10 +10,10 @@ BLACK = 1e-3
 
 @dataclass
 class Material:
-    """A material. colour: linear. picture: a file's name. scale, offset: of its coordinates (u, v)."""
+    """A material. color: linear. picture: a file's name. scale, offset: of its coordinates (u, v)."""
 
     name: str
-    colour: tuple[float, ...] | None = None
+    color: tuple[float, ...] | None = None
     opacity: float = 1.0
     picture: str = ""
     scale: tuple[float, float] = (1.0, 1.0)
@@ -22,11 +22,11 @@ class Material:
 
     def text(self) -> str:
         """The material as trimesh reads it."""
-        colour = (1.0, 1.0, 1.0) if self.colour is None and self.picture else self.colour
+        color = (1.0, 1.0, 1.0) if self.color is None and self.picture else self.color
         lines = [f"newmtl {self.name}", *self.others]
-        if colour is not None:
+        if color is not None:
             alpha = () if self.opacity == 1.0 else (self.opacity,)
-            lines.append(f"Kd {' '.join(f'{value:g}' for value in (*colour, *alpha))}")
+            lines.append(f"Kd {' '.join(f'{value:g}' for value in (*color, *alpha))}")
         if self.picture:
             lines.append(f"map_Kd {self.picture}")
         return "\n".join(lines) + "\n"
@@ -46,9 +46,9 @@ def materials_in(text: str, file: str) -> tuple[dict[str, Material], list[str]]:
         elif key in PLAIN:
             material.others.append(f"{key} {rest}")
         elif key == "kd":
-            material.colour = _colour(rest)
+            material.color = _color(rest)
         elif key in ("d", "tr"):
-            share = _colour(rest.removeprefix("-halo"))
+            share = _color(rest.removeprefix("-halo"))
             if share:
                 material.opacity = share[0] if key == "d" else 1 - share[0]
         elif key == "map_kd":
@@ -58,15 +58,15 @@ def materials_in(text: str, file: str) -> tuple[dict[str, Material], list[str]]:
     for one in materials.values():
         if one.opacity <= 0:  # programs that mean the opposite: nobody draws what cannot be seen
             one.opacity = 1.0
-        if one.picture and one.colour is not None and max(one.colour) < BLACK:
-            one.colour = None
-            lines.append(f"{file}: '{one.name}' would paint its picture black: its colour is not used")
+        if one.picture and one.color is not None and max(one.color) < BLACK:
+            one.color = None
+            lines.append(f"{file}: '{one.name}' would paint its picture black: its color is not used")
     if masks:
         lines.append(f"{file}: pictures of transparency (map_d of {', '.join(masks[:3])}) are not read")
     return materials, lines
 
 
-def _colour(text: str) -> tuple[float, ...] | None:
+def _color(text: str) -> tuple[float, ...] | None:
     """The first numbers of a text, three at most; None: there are none, as of a spectral curve."""
     values = []
     for word in text.split()[:3]:

@@ -1,4 +1,4 @@
-"""Wavefront OBJ: polygons of any shape, indices that count backwards, colours of corners, materials with transparency
+"""Wavefront OBJ: polygons of any shape, indices that count backwards, colors of corners, materials with transparency
 and pictures that are moved."""
 
 import io
@@ -20,7 +20,7 @@ FACES = re.compile(
     r"^[ \t]*f[ \t]+(?:(?:\S+[ \t]+){3,}\S|[^\n]*-\d)", re.MULTILINE
 )  # not triangles that count forwards
 CORNERS = re.compile(r"^[ \t]*v[ \t]+(.+)$", re.MULTILINE)
-COLOURED = re.compile(r"^[ \t]*v(?:[ \t]+[-+.\w]+){6,}[ \t]*$", re.MULTILINE)
+COLORED = re.compile(r"^[ \t]*v(?:[ \t]+[-+.\w]+){6,}[ \t]*$", re.MULTILINE)
 LIBRARIES = re.compile(r"^[ \t]*mtllib[ \t]+(.+)$", re.MULTILINE)
 USED = re.compile(r"^[ \t]*usemtl[ \t]+(.+)$", re.MULTILINE)
 OTHERS = {"l": "lines", "p": "points", "curv": "curves", "surf": "free-form surfaces"}
@@ -31,11 +31,11 @@ def read_obj(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     """The meshes of a file, one per material, and what was not read of it, a line each."""
     text = decode_text(path.read_bytes()).replace("\t", " ").replace("\\\r\n", " ").replace("\\\n", " ")
     materials, lines = _materials(text, path, files)
-    coloured = COLOURED.search(text) is not None and not any(one.picture for one in materials.values())
-    if coloured:
+    colored = COLORED.search(text) is not None and not any(one.picture for one in materials.values())
+    if colored:
         text = LIBRARIES.sub("", USED.sub("", text))
-    if coloured or FACES.search(text):
-        text = _triangulate_text(text, coloured)
+    if colored or FACES.search(text):
+        text = _triangulate_text(text, colored)
     library = "materials.mtl"
     text = f"mtllib {library}\n{LIBRARIES.sub('', text)}" if materials else LIBRARIES.sub("", text)
     files.made[library] = "".join(material.text() for material in materials.values()).encode()

@@ -1,4 +1,4 @@
-"""What the config knows of the library's categories; written by their maker, so that the workflow starts without it."""
+"""Facts about the library's categories for the config, written by their maker: the workflow starts without it."""
 
 import json
 from pathlib import Path

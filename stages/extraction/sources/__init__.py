@@ -1,4 +1,4 @@
-"""Where a scene's depth, masks and captions come from; the sources lie beside this file."""
+"""Sources of a scene's depth, masks and captions; they lie beside this file."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.matching import EncoderOptions
-from stages.matching.colours import colour_weights, patch_colours
+from stages.matching.colors import color_weights, patch_colors
 from stages.matching.crop import View
 from stages.plugins import load
 
 STORED_COLUMNS = ["features", "position", "colour"]  # of a stored row
-EXTRA_COLUMNS = 5  # columns after the features: position (2), colour (3)
+EXTRA_COLUMNS = 5  # columns after the features: position (2), color (3)
 
 
 class Patches(NamedTuple):
@@ -46,18 +46,16 @@ def make_encoder(options: EncoderOptions) -> PatchEncoder:
 
 
 def encode_rows(encoder: PatchEncoder, views: list[View]) -> list[NDArray[np.float16]]:
-    """What is stored of every view: rows (P, D + 5) of features, position, and colour, whatever their weights."""
+    """What is stored of every view: rows (P, D + 5) of features, position, and color, whatever their weights."""
     return [
-        np.concatenate(
-            [found.features, found.positions, patch_colours(view, found.positions)], axis=1, dtype=np.float16
-        )
+        np.concatenate([found.features, found.positions, patch_colors(view, found.positions)], axis=1, dtype=np.float16)
         for view, found in zip(views, encoder.encode(views), strict=True)
     ]
 
 
-def column_weights(encoder: PatchEncoder, depth: bool, colour: float = 0.0) -> NDArray[np.float32]:
-    """Factor (D + 5,) on each column of the stored rows; `colour`: that of the colours."""
-    return np.concatenate([encoder.weights(depth), colour_weights(colour)], dtype=np.float32)
+def column_weights(encoder: PatchEncoder, depth: bool, color: float = 0.0) -> NDArray[np.float32]:
+    """Factor (D + 5,) on each column of the stored rows; `color`: that of the colors."""
+    return np.concatenate([encoder.weights(depth), color_weights(color)], dtype=np.float32)
 
 
 def pool_patches(rows: NDArray[np.floating]) -> NDArray[np.float16]:

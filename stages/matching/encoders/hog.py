@@ -71,7 +71,7 @@ def _cell_offsets(size: int, grid: int) -> NDArray[np.int32]:
 def cell_histograms(picture: NDArray[np.uint8], grid: int) -> NDArray[np.float32]:
     """Histograms (grid, grid, 9) of the gradient directions modulo pi, weighted by magnitude.
 
-    Of the three colour channels each pixel takes the one with the strongest gradient, so that parts of
+    Of the three color channels each pixel takes the one with the strongest gradient, so that parts of
     equal brightness still have an edge between them.
     """
     size = picture.shape[0]

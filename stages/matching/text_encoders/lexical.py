@@ -65,7 +65,7 @@ MEANINGS = {
     for word in others
     if first != "#"
 }
-LEAST_SIMILARITY = 0.03  # similarity below this is a few letters by chance; chosen
+MIN_SIMILARITY = 0.03  # similarity below this is a few letters by chance; chosen
 KNOWN = set(CANONICAL).union(*GROUPS.values())
 LIKE_SPELLING = 0.85  # likeness of spelling from which on a word may be a known one with a letter wrong; chosen
 FILLERS = {"set", "top", "unit", "piece", "furniture"}  # after the word that says what a thing is
@@ -149,7 +149,7 @@ def lexical_distance(label: str, categories: Sequence[str]) -> NDArray[np.float6
     shares = {aspect: _similarity([text[aspect] for text in texts], aspect == "letters") for aspect in SHARES}
     similarity = np.sum([share * shares[aspect] for aspect, share in SHARES.items()], axis=0)
     meant = (shares["word"] + shares["kind"]).any()
-    return np.where(meant & (similarity > LEAST_SIMILARITY), np.maximum(1 - similarity, 0.0), np.inf)
+    return np.where(meant & (similarity > MIN_SIMILARITY), np.maximum(1 - similarity, 0.0), np.inf)
 
 
 def _similarity(corpus: list[str], letters: bool) -> NDArray[np.float64]:

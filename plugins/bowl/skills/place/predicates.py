@@ -1,4 +1,4 @@
-"""Where an object may be put inside another one: its surface, by rejection sampling (paper A.4)."""
+"""Places for an object inside another one: its surface, by rejection sampling (paper A.4)."""
 
 import numpy as np
 import trimesh

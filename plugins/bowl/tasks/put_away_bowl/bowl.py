@@ -55,14 +55,14 @@ def stand() -> Path:
     return _write("stand", boxes, boxes, DARK_WOOD)
 
 
-def _write(name: str, solids: list[trimesh.Trimesh], pieces: list[trimesh.Trimesh], colour: RGBA) -> Path:
+def _write(name: str, solids: list[trimesh.Trimesh], pieces: list[trimesh.Trimesh], color: RGBA) -> Path:
     """Folder of a wooden asset in the cache, its name a key of solids and of the convex pieces that collide."""
-    shapes = [(mesh.vertices.round(6).tolist(), colour) for mesh in (*solids, *pieces)]
+    shapes = [(mesh.vertices.round(6).tolist(), color) for mesh in (*solids, *pieces)]
     folder = cache_folder() / f"{name}-{hashlib.sha256(repr(shapes).encode()).hexdigest()[:16]}"
     if not (folder / "asset.json").exists():
         whole = trimesh.util.concatenate(solids)
         assert isinstance(whole, trimesh.Trimesh)
-        visuals = [Visual(mesh, colour, flat=len(mesh.vertices) == 8) for mesh in solids]
+        visuals = [Visual(mesh, color, flat=len(mesh.vertices) == 8) for mesh in solids]
         inertia = DENSITY * whole.moment_inertia + MINIMUM_INERTIA * np.eye(3)
         link = Link("base", visuals, pieces, DENSITY * whole.volume, whole.center_mass, inertia)
         about = Description(name, name, "CC0-1.0", "procedural")
@@ -72,7 +72,7 @@ def _write(name: str, solids: list[trimesh.Trimesh], pieces: list[trimesh.Trimes
 
 @cache
 def load_visual_mesh(folder: Path) -> trimesh.Trimesh:
-    """What is seen of an asset of one body, in its own frame at its own size; what collides may have faces inside."""
+    """The visible mesh of an asset of one body, in its own frame and size; what collides may have faces inside."""
     visuals = [visual.mesh for link in read_model(folder).links.values() for visual in link.visuals]
     mesh = trimesh.util.concatenate(visuals)
     assert isinstance(mesh, trimesh.Trimesh)

@@ -1,4 +1,4 @@
-"""Mean colour of patches, in CIELAB: stored beside every encoder's features, compared if `colour` gives it a weight."""
+"""Mean color of patches, in CIELAB: stored beside every encoder's features, compared if `colour` gives it a weight."""
 
 import cv2
 import numpy as np
@@ -11,8 +11,8 @@ LIGHTNESS = 0.5  # of the weight of a and b: light changes it first; chosen
 CELLS = 16  # the crop is averaged over so many cells a side; chosen
 
 
-def patch_colours(view: View, positions: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Lab colour (P, 3), in units of `UNIT`, of the object around each of its patches.
+def patch_colors(view: View, positions: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Lab color (P, 3), in units of `UNIT`, of the object around each of its patches.
 
     `positions` (P, 2) are x, y in [-1, 1] of the crop. Only the object's pixels count; what lies beside its mask
     does not.
@@ -26,11 +26,11 @@ def patch_colours(view: View, positions: NDArray[np.float32]) -> NDArray[np.floa
     cells = cv2.resize(np.concatenate([lab * seen, seen], axis=-1), (CELLS, CELLS), interpolation=method)
     wide = cv2.blur(cells, (3, 3))  # for cells that the mask hardly touches
     sums = np.where(cells[..., 3:] > 0.05, cells, wide)
-    colours = sums[..., :3] / np.maximum(sums[..., 3:], 1e-3)
+    colors = sums[..., :3] / np.maximum(sums[..., 3:], 1e-3)
     column, row = np.clip(((positions.T + 1) / 2 * CELLS).astype(int), 0, CELLS - 1)
-    return (colours[row, column] / UNIT).astype(np.float32)
+    return (colors[row, column] / UNIT).astype(np.float32)
 
 
-def colour_weights(colour: float) -> NDArray[np.float32]:
-    """Factors (3,) on the colour columns."""
-    return np.array([LIGHTNESS, 1, 1], np.float32) * np.float32(colour)
+def color_weights(color: float) -> NDArray[np.float32]:
+    """Factors (3,) on the color columns."""
+    return np.array([LIGHTNESS, 1, 1], np.float32) * np.float32(color)

@@ -8,7 +8,7 @@ Palette = list[Finish]
 
 
 def _of(material: str) -> Palette:
-    return [Finish(material, colour) for colour in MATERIALS[material].colours]
+    return [Finish(material, color) for color in MATERIALS[material].colors]
 
 
 WOODS, PAINTS, METALS, FABRICS, GLAZES = map(_of, ("wood", "paint", "metal", "fabric", "glaze"))
@@ -31,4 +31,4 @@ def pick(rng: np.random.Generator, *palettes: Palette, spread: float = 0.08) -> 
     factor = rng.uniform(1 - spread, 1 + spread)
     # Derived from the factor, so that the random numbers after it stay the same.
     pattern = int(1e6 * factor) % MATERIALS[finish.material].patterns
-    return str(finish.change_colour([factor * channel for channel in finish.colour])._replace(pattern=pattern))
+    return str(finish.change_color([factor * channel for channel in finish.color])._replace(pattern=pattern))
