@@ -41,7 +41,7 @@ def test_a_model_that_is_no_recipe_s_stays_as_it_is_and_says_so() -> None:
     item = thing("mug_1", (0, 0, 0), (0.1, 0.1, 0.1))
     assert paint(item, None) is item
     kept = paint(item, (0.5, 0.1, 0.1))
-    assert kept.finish == {} and kept.steps[-1].startswith("in its own colours")
+    assert kept.finish == {} and kept.steps[-1].startswith("in its own colors")
 
 
 def test_cousins_wear_the_colors_of_the_picture_and_stand_as_before(
