@@ -44,15 +44,15 @@ function objects() {
   const boxes = Object.entries(state.solved.boxes).sort(([, one], [, other]) => other.distance - one.distance);
   for (const [id, solid] of boxes) {
     const kind = id === 'draft' ? 'draft quiet' : carrying(id) ? 'under' : state.chosen === id ? 'chosen' : '';
-    const faces = solid.faces.map((face) => area(face, 'face'));
-    parts.push(element('g', { class: kind, 'data-object': id }, faces));
     const item = find(id);
+    const faces = solid.faces.map((face) => area(face, 'face'));
+    parts.push(element('g', { class: item?.unsure ? `${kind} unsure` : kind, 'data-object': id }, faces));
     if (item?.label && solid.faces.length) names.push(name(nameOf(item), lowerLeft(solid.faces.flat())));
   }
   parts.push(...names);
   const item = state.chosen && !isWall(state.chosen) ? find(state.chosen) : null;
   if (item && state.step === 'objects') {
-    if (item.outline?.length > 2) parts.push(area(item.outline, 'outline quiet'));
+    for (const points of [item.outline ?? [], ...item.pieces ?? []]) if (points.length > 2) parts.push(area(points, 'outline quiet'));
     item.points.forEach((point, k) => parts.push(handle(`object/${item.id}/${k}`, point)));
     (item.outline ?? []).forEach((point, k) => parts.push(handle(`outline/${item.id}/${k}`, point)));
   }

@@ -101,6 +101,7 @@ function panel() {
   get('boxed').hidden = !item.outline?.length;
   get('object-doubt').textContent = solved.notes[item.id] ?? '';
   get('object-facts').textContent = box ? `${metres(box.distance)} away` : '';
+  get('right').hidden = !item.unsure;
   const usual = usualOf(item);
   get('usual').hidden = !usual;
   if (usual) get('usual').textContent = `Use the usual size: ${usual.map((side, k) => `${Math.round(100 * side)} ${SIDES[k]}`).join(' × ')}, cm`;
@@ -140,6 +141,7 @@ function bind() {
   field('scale-metres', ({ scale }, target) => { scale.metres = number(target) ?? (scale.kind === 'camera' ? null : scale.metres); });
   get('take-height').addEventListener('click', () => edit(({ scale }) => { scale.metres = Number((state.solved.camera.above * state.solved.camera.factor).toFixed(2)); }));
   get('keep-height').addEventListener('click', () => edit(({ scale }) => { scale.metres = state.solved.camera.above; }));
+  get('right').addEventListener('click', () => edit(() => { chosen().unsure = false; }));
   get('usual').addEventListener('click', () => edit(() => {
     const sides = state.solved.usual[state.chosen] ?? [];
     ['width', 'depth', 'height'].forEach((side, k) => { if (sides[k]) chosen()[side] = sides[k]; });
@@ -157,7 +159,7 @@ function bind() {
   for (const id of ['free', 'round']) field(id, (_, target, item) => { item[id] = target.checked; });
   for (const id of ['width', 'depth', 'height']) field(id, (_, target, item) => { item[id] = number(target); });
   bindFront(chosen, (item) => ({ project: state.project, id: item.id }));
-  get('boxed').addEventListener('click', () => edit(() => { chosen().outline = []; }));
+  get('boxed').addEventListener('click', () => edit(() => { Object.assign(chosen(), { outline: [], pieces: [] }); }));
   get('delete').addEventListener('click', () => remove(state.chosen));
 }
 

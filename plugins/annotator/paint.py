@@ -11,7 +11,7 @@ from plugins.inputs.photo.metrology import DRAWING_ERROR, View
 from stages.contracts.types import LARGEST
 from stages.geometry.boxes import UprightBox, corners, distances_along
 from stages.geometry.frames import yaw_matrix
-from stages.geometry.masks import polygon
+from stages.geometry.masks import polygons
 
 SPARSE = 4  # every so many pixels tell what is seen of a drawing: it is asked for with every movement
 Depth = NDArray[np.float64]
@@ -74,7 +74,7 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
             reach = wall.reach(rays)
             masks[reach < depth] = values[name]
             depth = np.minimum(depth, reach)
-    outlined = [item for item in project.objects if item.id in solved.boxes and len(item.outline) > 2]
+    outlined = [item for item in project.objects if item.id in solved.boxes and item.outlines]
     for item in (entry for entry in project.objects if entry.id in solved.boxes and entry not in outlined):
         part = _bounds(view, solved.boxes[item.id], stride)
         reach = solid_depth(item, solved, rays[part])
@@ -84,7 +84,7 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
     taken = np.full(depth.shape, np.inf)  # outlines lie over everything else; where two overlap, the nearer is seen
     for item in outlined:
         reach = solid_depth(item, solved, rays)
-        shown = polygon(item.outline, (view.height, view.width))[::stride, ::stride] & (reach < taken)
+        shown = polygons(item.outlines, (view.height, view.width))[::stride, ::stride] & (reach < taken)
         taken[shown] = depth[shown] = reach[shown]
         masks[shown] = values[item.id]
     unseen = depth > LARGEST

@@ -28,6 +28,7 @@ from stages.geometry.frames import yaw_matrix
 
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
+UNSURE = "found by networks alone: put it right, or say that it is"
 FLAT_DEPTH = 0.03  # metres: depth of something on a wall whose kind is unknown
 
 
@@ -277,7 +278,7 @@ def solve(project: Project) -> Solved:
                 odd += _cause(item, room)
             hangs = item.on in room.walls
             edge, guess = is_edge_marked(box) if hangs else "", _list_guessed(item, hangs)
-            lines = [edge, room.notes.get(item.id, guess), odd]
+            lines = [UNSURE if item.unsure else "", edge, room.notes.get(item.id, guess), odd]
             if doubted := "; ".join(filter(None, [edge, room.notes.get(item.id, guess.partition(":")[0])])):
                 moved = item.id in room.notes and item.id not in room.guessed and not edge
                 doubts[item.id] = [Doubt(cause="place" if moved else "size", what=doubted)]

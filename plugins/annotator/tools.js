@@ -114,7 +114,7 @@ function finish(count) {
       state.next = 'auto';
     } else if (tool === 'wall') project.walls.push(wall(freeId('wall'), draft));
     else if (tool === 'measure') project.scale = { ...project.scale, kind: project.scale.kind === 'floor' ? 'floor' : 'upright', points: draft.points };
-    else if (tool === 'outline') find(state.chosen).outline = draft.points;
+    else if (tool === 'outline') Object.assign(find(state.chosen), { outline: draft.points, pieces: [] });
     else project.perspective.guides.push({ axis: tool, a: draft.points[0], b: draft.points[1] });
   });
   state.tool = 'select';

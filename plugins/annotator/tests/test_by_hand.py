@@ -19,7 +19,7 @@ from plugins.annotator.paint import paint
 from plugins.annotator.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
 from plugins.annotator.server import PageServer
 from plugins.annotator.session import Session, describe_room
-from plugins.annotator.solve import solve
+from plugins.annotator.solve import UNSURE, solve
 from plugins.annotator.support import support_at
 from plugins.annotator.tests.annotate_page import serve
 from plugins.annotator.write import at_size, write_folder
@@ -199,6 +199,10 @@ def test_depth_and_masks_show_the_nearest(tmp_path: Path) -> None:
     u, v = np.mean(outline, axis=0).round().astype(int)
     assert masks[v, u] == 1 and 0 < (masks == 1).sum() < 0.4 * (painted.masks == 1).sum()
     assert (masks[v, : u - 40] != 1).all()
+    whole = (masks == 1).sum()
+    drawing.objects[0].pieces = [[(x + 20, y) for x, y in outline]]  # a leg stands before it
+    masks = paint(drawing, solve(drawing)).masks
+    assert masks[v, u] == masks[v, u + 20] == 1 and (masks == 1).sum() == pytest.approx(2 * whole, rel=0.05)
 
 
 def test_round_things_are_round(tmp_path: Path) -> None:
@@ -241,6 +245,13 @@ def test_sizes_that_cannot_be_are_doubted() -> None:
     shelf.points[1] = (shelf.points[1][0], shelf.points[0][1])
     assert "mm thin: draw it anew" in solve(drawing).notes["shelf"]
     assert "mug" not in solve(drawing).notes, "of no category of ours"
+
+
+def test_what_networks_found_is_told_until_a_person_has_looked() -> None:
+    drawing = _drawing()
+    drawing.objects[0].unsure = True
+    assert solve(drawing).notes == {"cabinet": UNSURE}
+    assert Project.model_validate(drawing.model_dump(mode="json")).objects[0].unsure
 
 
 def test_what_hangs_is_as_deep_as_things_of_its_name() -> None:
