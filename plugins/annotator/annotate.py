@@ -76,6 +76,7 @@ def run(
         raise InputError("--lens", what, mend, code="E-OPTION-CONFLICT")
     else:
         session = _open_photograph(read_photo(image, lens), image, out, depth, camera, library)
+    session.begin_looking()
     try:
         server = PageServer(session, port)
     except OSError as error:

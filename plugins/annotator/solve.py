@@ -64,10 +64,10 @@ def _list_guessed(item: DrawnObject, hangs: bool) -> str:
     return ""
 
 
-def _usual_depth(label: str) -> float:
-    """How deep things of a label are that hang on a wall."""
+def _usual_depth(label: str) -> float | None:
+    """How deep things of a label are; None: of no known one."""
     sizes = sizes_of(label)
-    return float(np.median(sizes[:, 0])) if len(sizes) else FLAT_DEPTH
+    return float(np.median(sizes[:, 0])) if len(sizes) else None
 
 
 def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]) -> WallPlane:
@@ -142,13 +142,13 @@ class _Room:
 
     def _box(self, item: DrawnObject, points: list[Pixel], above: tuple[str, ...]) -> UprightBox:
         sizes = item.sizes if self.typed else (None, None, None)
+        deep = _usual_depth(item.label) if self.typed else None
         if item.on in self.walls:
-            flat = _usual_depth(item.label) if self.typed else FLAT_DEPTH
-            return fit_hanging_box(self.view, self.walls[item.on], points[:3], sizes, flat)
+            return fit_hanging_box(self.view, self.walls[item.on], points[:3], sizes, deep or FLAT_DEPTH)
         ground = self._ground(item, above)
         if item.round:
             return round_box(self.view, ground, points, sizes)
-        return fit_standing_box(self.view, ground, points, sizes, item.free)
+        return fit_standing_box(self.view, ground, points, sizes, item.free, deep)
 
     def _trim_at_walls(self, box: UprightBox) -> UprightBox:
         """The box as deep as to the wall behind its front, if it would go through it."""

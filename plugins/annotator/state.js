@@ -2,7 +2,7 @@
 
 export const state = {
   project: null, fresh: null, solved: null, depth: false,
-  step: 'camera', tool: 'select', draft: null, chosen: null, handle: null, grid: true, trouble: '', under: null, next: 'auto', proposals: {},
+  step: 'camera', tool: 'select', draft: null, chosen: null, handle: null, grid: true, trouble: '', under: null, next: 'auto', proposals: {}, clicked: null,
 };
 const listeners = [];
 const past = [];
