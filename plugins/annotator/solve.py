@@ -27,6 +27,7 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
+NEAREST_GUESSED = 0.2  # likewise, where nobody drew how deep that is
 WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
 UNSURE = "found by networks alone: put it right, or say that it is"
 FLAT_DEPTH = 0.03  # metres: depth of something on a wall whose kind is unknown
@@ -185,7 +186,8 @@ class _Room:
     def _can_move_nearer(self, item: DrawnObject, carrier: UprightBox) -> bool:
         """Whether its rear could be put over what carries it."""
         box, eye = self.boxes[item.id], np.array([0, 0, self.view.above])
-        for share in np.linspace(1, NEARER, 31):
+        nearest = NEAREST_GUESSED if item.on in self.guessed else NEARER
+        for share in np.linspace(1, nearest, 31):
             sizes = zip(item.sizes if self.typed else (None,) * 3, box.size, strict=True)
             size = np.array([known or share * seen for known, seen in sizes])
             center = eye + share * (box.center - eye)

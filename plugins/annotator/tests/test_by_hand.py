@@ -236,6 +236,27 @@ def test_what_stands_at_the_rear_edge_of_a_top_is_on_it_not_on_the_wall() -> Non
     assert support_at(drawing, solved, (rear[0], rear[1] - 30), stands=True) == "floor"
 
 
+def test_what_stands_far_back_on_a_top_of_guessed_depth_is_put_onto_it() -> None:
+    deep, oven = (
+        UprightBox([-0.5, 3.5, 0.6], [1.2, 1.2, 1.2], 0.0),
+        UprightBox([-0.5, 3.95, 1.35], [0.5, 0.3, 0.3], 0.0),
+    )
+    front = {name: [_pixels(corners(box))[k] for k in (0, 1, 4)] for name, box in (("deep", deep), ("oven", oven))}
+    drawing = _drawing(walls=[], objects=[DrawnObject(id="deep", label="cabinet", points=front["deep"])])
+    foot = front["oven"][0]
+    solved = solve(drawing)
+    assert solved.boxes["deep"].size[1] < 0.8 and support_at(drawing, solved, foot) == "deep"
+    assert support_at(drawing, solved, (foot[0] - 60, foot[1])) == "floor", "beside it"
+    assert support_at(drawing, solved, (foot[0], foot[1] - 20)) == "floor", "far behind it"
+    drawing.objects.append(DrawnObject(id="oven", label="microwave", on="deep", points=front["oven"]))
+    solved = solve(drawing)
+    carrier, box = solved.boxes["deep"], solved.boxes["oven"]
+    assert box.bottom == pytest.approx(carrier.top) and abs(box.center[1] - carrier.center[1]) < carrier.size[1] / 2
+    assert 0.3 < box.size[0] < 0.5 and "nearer" in solved.notes["oven"]
+    drawing.objects[0].points.append(_pixels(corners(deep))[6])  # a rear corner tells how deep it is
+    assert solve(drawing).boxes["oven"].size[0] == pytest.approx(0.5, abs=0.02)
+
+
 def test_sizes_that_cannot_be_are_doubted() -> None:
     drawing = _drawing()
     assert solve(drawing).notes == {}
@@ -395,7 +416,7 @@ def test_a_foot_marked_too_high_is_put_onto_what_carries_it() -> None:
     assert "its base lay beyond what it stands on" in solved.notes["mug"]
     assert box.bottom == pytest.approx(carrier.top) and box.top == pytest.approx(BOXES["mug"].top, abs=0.06)
     away = np.linalg.norm(BOXES["mug"].center)
-    assert np.linalg.norm(np.subtract(box.center, BOXES["mug"].center)) < 0.1 * away
+    assert np.linalg.norm(np.subtract(box.center, BOXES["mug"].center)) < 0.12 * away
     mug.points = [(u + 150, v) for u, v in mug.points]  # beside it
     assert "is that deep enough" in solve(drawing).notes["mug"]
 
@@ -413,12 +434,12 @@ def test_a_rear_corner_beyond_what_carries_it_does_not_spoil_the_rest() -> None:
     )
     assert solve(drawing).boxes["oven"].size == pytest.approx(box.size, abs=0.02)
     oven = drawing.objects[1]
-    (u, v), exact = oven.points[3], oven.points[:3]
+    (u, v), exact, usual = oven.points[3], oven.points[:3], np.median(sizes_of("oven")[:, 0])
     for corner in ((u - 20, v), (u + 10, v)):  # both would be more than a metre deep
         oven.points = [*exact, corner]
         solved = solve(drawing)
         assert solved.notes["oven"].startswith("its rear corner lay beyond what it stands on")
-        assert "oven" in solved.guessed and solved.boxes["oven"].size == pytest.approx([0.5, 0.5, 0.3], abs=0.02)
+        assert "oven" in solved.guessed and solved.boxes["oven"].size == pytest.approx([0.5, usual, 0.3], abs=0.02)
 
 
 def test_an_absurd_size_is_told_with_the_usual_one_which_can_be_taken() -> None:
@@ -476,11 +497,13 @@ def test_a_guessed_depth_ends_at_the_wall_behind() -> None:
     """Walls are pixels, a guess is metres: a height of the camera that is taken later must not part them."""
     drawing = _drawing()
     cabinet = drawing.objects[0]
-    cabinet.points = cabinet.points[:3]
+    cabinet.label, cabinet.points = "", cabinet.points[:3]
     for metres, depth in ((1.5, 0.6), (1.2, 0.48), (2.0, 0.6)):
         drawing.scale.metres = metres
         solved = solve(drawing)
         assert solved.boxes["cabinet"].size[1] == pytest.approx(depth, abs=0.01) and "cabinet" in solved.guessed
+    cabinet.label = "cabinet"
+    assert solve(drawing).boxes["cabinet"].size[1] == pytest.approx(np.median(sizes_of("cabinet")[:, 0]))
     cabinet.depth = 0.6
     drawing.scale.metres = 1.2
     assert solve(drawing).boxes["cabinet"].size[1] == 0.6, "what was typed stays"
