@@ -8,7 +8,8 @@ function handle(name, [x, y]) {
   const kind = state.handle === name ? 'handle chosen' : 'handle';
   return element('circle', { cx: x, cy: y, r: 6 * unit(), class: kind, 'data-handle': name });
 }
-const MANY = 30; // points of an outline: by hand it has fewer; those of others are not moved one by one
+// An outline by hand has few points, which can be moved; that of a click has too many.
+const isCoarse = (points) => points.length < 30 && Math.hypot(...[0, 1].map((k) => Math.max(...points.map((p) => p[k])) - Math.min(...points.map((p) => p[k])))) > 12 * points.length * unit();
 const near = (p) => p && Math.abs(p[0]) < 12 * state.project.width && Math.abs(p[1]) < 12 * state.project.height;
 
 function camera() {
@@ -59,7 +60,7 @@ function objects() {
   const item = state.chosen && !isWall(state.chosen) ? find(state.chosen) : null;
   if (item && state.step === 'objects') {
     item.points.forEach((point, k) => parts.push(handle(`object/${item.id}/${k}`, point)));
-    if ((item.outline ?? []).length < MANY) (item.outline ?? []).forEach((point, k) => parts.push(handle(`outline/${item.id}/${k}`, point)));
+    if (isCoarse(item.outline ?? [])) (item.outline ?? []).forEach((point, k) => parts.push(handle(`outline/${item.id}/${k}`, point)));
   }
   return parts;
 }

@@ -26,7 +26,7 @@ ANGLES = np.arange(16) * np.pi / 8
 DIRECTIONS = np.stack([np.cos(ANGLES), np.sin(ANGLES)])  # (2, 16) in which outline and box reach equally far
 DEEP = 0.6  # metres: how deep a thing is at most whose depth nothing tells, as `fit_standing_box`
 SPREAD, LOOSE = 0.25, 0.5  # least spread of the logarithms of a category's sizes; that of a guessed depth; chosen
-FAR = 2.0  # spreads from the usual beyond which a size is hardly drawn there; chosen
+FAR = 2.0  # spreads from the usual beyond which a width or height is hardly drawn there; chosen
 DEPTH_TOLD = 0.3  # logarithm of a change of depth that an outline tells if it moves it by a `CLICK`; chosen
 STANDING = {"appliance", "bed", "box", "device", "dish", "lamp", "plant", "seat", "table"}  # kinds that hang nowhere
 LEAST, MOST = -5.0, 2.5  # logarithms of the least and the largest size in metres
@@ -160,18 +160,19 @@ def fit_hanging(solved: Solved, on: str, hull: Array, reach: Reach, usual: Array
 def fit_box(view: View, box_of: Callable[[Array], UprightBox], start: Array, reach: Reach, usual: Array) -> Fit:
     """The box by two coordinates and the logarithms of its sizes: where none are usual, as deep as it begins.
 
-    A size that is far from the usual is not drawn there: a row of cabinets is called a cabinet.
+    A width or height that is far from the usual is not drawn there: a row of cabinets is called a cabinet.
     """
     mean, spread = np.array([0, start[3], 0]), np.array([np.inf, LOOSE, np.inf])
     if len(usual):
         mean, spread = usual.mean(axis=0), np.maximum(usual.std(axis=0), SPREAD)
         start[3] = mean[1]
+    low, high = np.array([-np.inf, -np.inf, *[LEAST] * 3]), np.array([np.inf, np.inf, *[MOST] * 3])
+    low[3], high[3] = mean[1] - FAR * spread[1], mean[1] + FAR * spread[1]
 
     def misses(values: Array) -> Array:
         return np.concatenate([reach.misses(view, box_of(values)), FAR * np.tanh((values[2:] - mean) / spread / FAR)])
 
-    bounds = [-np.inf, -np.inf, *[LEAST] * 3], [np.inf, np.inf, *[MOST] * 3]
-    found = least_squares(misses, np.clip(start, *bounds), bounds=bounds, loss="soft_l1", max_nfev=200)
+    found = least_squares(misses, np.clip(start, low, high), bounds=(low, high), loss="soft_l1", max_nfev=200)
     step = np.array([0, 0, 0, DEPTH_TOLD, 0])
     sides = [reach.misses(view, box_of(found.x + sign * step)) for sign in (-1, 1)]
     told = min(float(np.linalg.norm(side - reach.misses(view, box_of(found.x)))) for side in sides) > 1
