@@ -30,6 +30,7 @@ GOOD = 0.75  # least score of an outline by several clicks; chosen
 COVERS = 0.9  # share of what was outlined before that a further click keeps; chosen
 LEFT = 0.1  # share of what was outlined that a click which takes away leaves; chosen
 SAME_BOX = 0.5  # IoU from which a box of COCO's network says what an outline is; chosen
+SURE = 0.4  # least probability of a name that is taken, among those of the library; chosen
 NAMES = 5  # that are proposed; chosen
 PIECES = 50  # of an outline, as `DrawnObject.pieces`
 OUTLINES = TypeAdapter(Annotated[list[Outline], Field(max_length=PIECES + 1)])
@@ -140,9 +141,17 @@ class Clicker:
 class Clicked:
     """What both pages answer to clicks; without weights there is no `clicker`, and the page does not ask."""
 
-    rgb: NDArray[np.uint8]
-    room: RoomView | None = None
     clicker: Clicker | None = None
+
+    @property
+    def rgb(self) -> NDArray[np.uint8]:
+        """The picture (H, W, 3)."""
+        raise NotImplementedError
+
+    @property
+    def room(self) -> RoomView | None:
+        """The room that depth shows; None: there is none."""
+        return None
 
     def begin_looking(self) -> None:
         """Look at the picture in the background, or print what lacks."""
@@ -161,15 +170,19 @@ class Clicked:
         return {"guesses": [rings for mask in masks if (rings := outline_pieces(mask))]}
 
     def names(self, body: Any) -> dict[str, Any]:
-        """Names of outlines, surest first; the surest, if that is likelier than none of them; whether it opens."""
+        """Names of outlines, surest first; the surest alone, if it is sure enough; whether that opens."""
         clicker = self._look()
         mask = polygons(OUTLINES.validate_python(body["outlines"]), clicker.rgb.shape[:2])
         if not mask.any():
             return {"names": [], "label": "", "opens": False}
-        found = clicker.name(mask)
+        found = self.weigh_names(clicker.name(mask), body)
         first, names = found.proposals[0], [one.name for one in found.proposals[:NAMES]]
-        label = first.name if first.probability > found.other else ""
+        label = first.name if first.probability > SURE * (1 - found.other) else ""
         return {"names": names, "label": label, "opens": says_opening(label)}
+
+    def weigh_names(self, names: Names, body: Any) -> Names:
+        """The names of an outlined thing with what the page knows of it besides."""
+        return names
 
     def _look(self) -> Clicker:
         if self.clicker is None:

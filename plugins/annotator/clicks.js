@@ -37,7 +37,7 @@ export function another(page) {
 }
 async function take(said, page) {
   const outlines = said.guesses[said.at];
-  const item = find(await page.put(outlines, await ask('names', { outlines }), clicked()));
+  const now = clicked(), item = find(await page.put(outlines, await ask('names', { outlines, ...page.about(now?.item) }), now));
   state.chosen = item.id;
   state.clicked = { ...said, id: item.id, made: kept(item), was: copy(item) };
 }

@@ -5,6 +5,7 @@ import { begin, move, pixel, zoom } from './canvas.js';
 import { bindFront, closed, front, typed } from './fronts.js';
 import { bindPlacement, made, placement } from './models.js';
 import { blank, listOffers, taken } from './offers.js';
+import { freeMask, page } from './refining.js';
 import { ROOM, boxOf, chosen, draw } from './regions.js';
 import { ask, changed, edit, find, nameOf, onChange, remember, solve, state, touch, undoable } from './state.js';
 
@@ -117,7 +118,6 @@ const chain = (item, key) => { const next = item && byMask(item[key]); return ne
 const above = (item) => chain(item, 'on');
 const alike = (item) => chain(item, 'like');
 
-const freeMask = () => Math.max(state.free - 1, ...state.project.objects.map((item) => item.mask)) + 1;
 function add(region) {
   const mask = freeMask(), id = `drawn_${mask}`;
   edit((project) => project.objects.push({ ...blank(id, mask), ...region }));
@@ -149,20 +149,6 @@ function join(part) {
   });
   choose('select');
 }
-// What this page makes of a click: a thing with its outline and name.
-const page = {
-  outlines: (item) => state.solved.regions[item.id]?.outlines ?? [],
-  async put(outlines, named, now) {
-    const item = now?.item, label = item?.label && item.label !== now.was?.label ? item.label : named.label || null;
-    const mask = item?.mask ?? freeMask(), id = item?.id ?? `drawn_${mask}`;
-    state.proposals[mask] = named.names;
-    edit((project) => {
-      if (!item) project.objects.push(blank(id, mask));
-      Object.assign(find(id), clicks.outlined(outlines), { around: null, label }, label === named.label ? { articulated: named.opens || null } : {});
-    });
-    return id;
-  },
-};
 const round = (value) => Math.round(10 * value) / 10;
 function setBox(item, corners) {
   item.around = corners.map((corner) => corner.map(round));

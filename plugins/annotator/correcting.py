@@ -63,7 +63,7 @@ class Correcting(Clicked):
     chosen: str | None = None
     finished: bool = False
     page: str = "correct.html"
-    posts: ClassVar = (
+    posts: ClassVar[tuple[str, ...]] = (
         "solve",
         "save",
         "models",

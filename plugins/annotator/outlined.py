@@ -15,8 +15,9 @@ from plugins.annotator.project import Project
 from plugins.annotator.solve import FLAT_DEPTH, Solved
 from plugins.annotator.support import support_at
 from plugins.inputs.photo.metrology import CLICK, MetrologyError, View
-from stages.contracts.categories import known_categories, sizes_of
-from stages.contracts.category import find_category
+from plugins.names.propose import Names, Proposal
+from stages.contracts.categories import find_usual_size, known_categories, sizes_of
+from stages.contracts.category import Category, find_category
 from stages.contracts.types import Pixel
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.masks import polygons
@@ -29,6 +30,8 @@ SPREAD, LOOSE = 0.25, 0.5  # least spread of the logarithms of a category's size
 FAR = 2.0  # spreads from the usual beyond which a width or height is hardly drawn there; chosen
 DEPTH_TOLD = 0.3  # logarithm of a change of depth that an outline tells if it moves it by a `CLICK`; chosen
 STANDING = {"appliance", "bed", "box", "device", "dish", "lamp", "plant", "seat", "table"}  # kinds that hang nowhere
+SELDOM = 0.1  # how much seldomer things hang that stand, and the other way round; chosen
+UNLIKELY = 0.3  # logarithms by which a size lies beyond the usual, for e times fewer chances; chosen
 LEAST, MOST = -5.0, 2.5  # logarithms of the least and the largest size in metres
 BORDER = 2.0  # pixels to the picture's edge or to what is before it, within which an outline may go on; chosen
 FACING = (-np.pi / 2, np.pi, 0.0)  # the sides of a box that may be its front: towards the camera first
@@ -84,12 +87,30 @@ def propose_box(
         return on, [(x0, y1), (x1, y0)] if on in solved.walls else [(x0, y1), (x1, y1), ((x0 + x1) / 2, y0)]
 
 
+def weigh_names(names: Names, hangs: bool, width: float, height: float) -> Names:
+    """Names of what hangs on a wall or stands, so wide and high, metres: what never does, or is, is hardly meant."""
+    shares = []
+    for one in names.proposals:
+        category = known_categories()[one.name.replace(" ", "_")]
+        usual = find_usual_size(category.name)
+        misfit = usual.misfit([np.median(sizes_of(category.name)[:, 0]), width, height]) if usual else 0.0
+        odd = is_standing(category) if hangs else category.name.startswith("wall_")
+        shares.append(one.probability * float(np.exp(-misfit / UNLIKELY)) * (SELDOM if odd else 1))
+    total = sum(shares) + names.other
+    found = [Proposal(one.name, share / total) for one, share in zip(names.proposals, shares, strict=True)]
+    return Names(sorted(found, key=lambda one: -one.probability), names.other / total)
+
+
+def is_standing(category: Category | None) -> bool:
+    """Whether things of a category hang nowhere."""
+    return category is not None and bool(STANDING & set(category.kin))
+
+
 def find_carrier(project: Project, solved: Solved, hull: Array, label: str) -> str:
     """What a hull (N, 2) stands or hangs on: what its foot is on, in the middle and to either side of it."""
     columns = np.quantile(np.clip([hull[:, 0].min(), hull[:, 0].max()], 0, project.width - 1), [0.25, 0.5, 0.75])
     mask = polygons([hull], (project.height, project.width))
-    kind = find_category(label, known_categories())
-    stands = kind is not None and bool(STANDING & set(kind.kin))
+    stands = is_standing(find_category(label, known_categories()))
     feet = [(column, row) for column in np.rint(columns).astype(int) for row in np.flatnonzero(mask[:, column])[-1:]]
     on = [support_at(project, solved, (float(x), float(y)), stands) for x, y in feet]
     if stands and set(on) == {"floor"}:  # or on something on that wall, which is not drawn yet

@@ -5,9 +5,11 @@ import { ask, copy, edit, find, freeId, state } from './state.js';
 const others = (id) => ({ ...copy(state.project), objects: state.project.objects.filter((item) => item.id !== id) });
 // A box stays as proposed until a person has drawn it or said what it is on; likewise a name.
 const isAsProposed = (now) => now?.was && ['on', 'points'].every((key) => JSON.stringify(now.item[key]) === JSON.stringify(now.was[key]));
-const place = (item, outlines, label) => ask('place', { project: others(item?.id), outlines, label, on: item ? 'auto' : state.next });
+const about = (item) => ({ project: others(item?.id), on: item ? 'auto' : state.next });
+const place = (item, outlines, label) => ask('place', { ...about(item), outlines, label });
 
 export const page = {
+  about,
   outlines: (item) => [item.outline, ...item.pieces ?? []],
   async put(outlines, named, now) {
     const item = now?.item, label = item?.label && item.label !== now.was?.label ? item.label : named.label;

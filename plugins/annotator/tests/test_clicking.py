@@ -12,7 +12,7 @@ import pytest
 from plugins.annotator import clicking
 from plugins.annotator.clicking import LACKING, Asked, Clicker
 from plugins.annotator.correcting import Correcting
-from plugins.annotator.outlined import propose_box
+from plugins.annotator.outlined import propose_box, weigh_names
 from plugins.annotator.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
 from plugins.annotator.session import Session
 from plugins.annotator.solve import solve
@@ -24,6 +24,7 @@ from plugins.annotator.tests.test_correcting import BOXES as ROOM
 from plugins.eyes.tests.conftest import published  # noqa: F401
 from plugins.eyes.tests.test_networks import MIDDLE, draw_sign
 from plugins.inputs.photo.picture import Photo
+from plugins.names.propose import Names, Proposal
 from stages.contracts import Annotations, Objects, read_json
 from stages.contracts.corrections import CORRECTIONS
 from stages.contracts.scene_input import read_scene_input
@@ -40,7 +41,7 @@ def _square(x: int, y: int, side: int = 40) -> Mask:
     return polygon([(x, y), (x + side, y), (x + side, y + side), (x, y + side)], (HEIGHT, WIDTH))
 
 
-THINGS = {"fridge": _square(40, 60), "mug": _square(120, 60), "book": _square(220, 60)}
+THINGS = {"oven": _square(40, 140), "stool": _square(120, 140), "box": _square(220, 140)}
 
 
 def _rings(mask: Mask) -> list[Any]:
@@ -56,24 +57,24 @@ def _same(one: Mask, other: Mask) -> bool:
 
 def test_a_click_outlines_the_whole_and_others_are_the_next_guesses() -> None:
     clicker = KnownClicker(PICTURE, THINGS)
-    first, second, _ = clicker.outline(Asked(clicks=[(60, 80, True)]))
-    assert _same(first, THINGS["fridge"]) and 0.4 < second.sum() / first.sum() < 0.6
-    assert clicker.outline(Asked(clicks=[(-5, 80, True)])) == []
-    (boxed, *_) = clicker.outline(Asked(box=((165, 110), (35, 55))))
-    assert _same(boxed, THINGS["fridge"] | THINGS["mug"])
+    first, second, _ = clicker.outline(Asked(clicks=[(60, 160, True)]))
+    assert _same(first, THINGS["oven"]) and 0.4 < second.sum() / first.sum() < 0.6
+    assert clicker.outline(Asked(clicks=[(-5, 160, True)])) == []
+    (boxed, *_) = clicker.outline(Asked(box=((165, 190), (35, 135))))
+    assert _same(boxed, THINGS["oven"] | THINGS["stool"])
 
 
 def test_a_second_click_adds_and_one_with_shift_takes_away() -> None:
-    clicker, both = KnownClicker(PICTURE, THINGS), THINGS["fridge"] | THINGS["mug"]
-    clicks = [(60, 80, True), (140, 80, True)]
-    assert _same(clicker.outline(Asked(clicks=clicks, before=_rings(THINGS["fridge"])))[0], both)
-    after = Asked(clicks=clicks[1:], before=_rings(THINGS["fridge"]))  # of the first nothing is known any more
+    clicker, both = KnownClicker(PICTURE, THINGS), THINGS["oven"] | THINGS["stool"]
+    clicks = [(60, 160, True), (140, 160, True)]
+    assert _same(clicker.outline(Asked(clicks=clicks, before=_rings(THINGS["oven"])))[0], both)
+    after = Asked(clicks=clicks[1:], before=_rings(THINGS["oven"]))  # of the first nothing is known any more
     assert _same(clicker.outline(after)[0], both)
-    taken = clicker.outline(Asked(clicks=[(140, 80, False)], before=_rings(both)))
-    assert _same(taken[0], THINGS["fridge"])
-    assert clicker.outline(Asked(clicks=[(140, 80, False)])) == [], "there is nothing to take from"
-    whole = clicker.outline(Asked(clicks=[(60, 80, False)], before=_rings(THINGS["fridge"])))
-    assert all(0 < mask.sum() <= THINGS["fridge"].sum() for mask in whole), "something is left"
+    taken = clicker.outline(Asked(clicks=[(140, 160, False)], before=_rings(both)))
+    assert _same(taken[0], THINGS["oven"])
+    assert clicker.outline(Asked(clicks=[(140, 160, False)])) == [], "there is nothing to take from"
+    whole = clicker.outline(Asked(clicks=[(60, 160, False)], before=_rings(THINGS["oven"])))
+    assert all(0 < mask.sum() <= THINGS["oven"].sum() for mask in whole), "something is left"
 
 
 def test_the_networks_outline_a_sign_by_a_click_and_by_a_box(published: None) -> None:  # noqa: F811
@@ -100,18 +101,18 @@ def test_without_weights_nothing_is_offered(
     assert capsys.readouterr().out.strip() == LACKING and "make weights" in LACKING
     assert session.start()["clicks"] is False and session.ready() == {"ready": False}
     with refused("E-WEIGHTS-MISSING", "make weights"):
-        session.outline({"clicks": [[60, 80, True]]})
+        session.outline({"clicks": [[60, 160, True]]})
 
 
 def test_pieces_and_names_are_told_to_the_page(tmp_path: Path) -> None:
     session = Session(Photo(PICTURE, None, 1.0), "a.jpg", tmp_path)
-    session.clicker = KnownClicker(PICTURE, {"fridge": THINGS["fridge"] | THINGS["book"]})
-    guess = session.outline({"clicks": [[60, 80, True]]})["guesses"][0]
-    assert len(guess) == 2 and _same(polygons(guess, (HEIGHT, WIDTH)), session.clicker.things["fridge"])
-    assert session.names({"outlines": guess}) == {"names": ["fridge", "box"], "label": "fridge", "opens": True}
-    session.clicker.sure = 0.3  # likelier nothing that the library has
-    assert session.names({"outlines": guess})["label"] == ""
-    assert session.names({"outlines": []})["names"] == []
+    session.clicker = KnownClicker(PICTURE, {"bench": THINGS["oven"] | THINGS["box"]})
+    guess = session.outline({"clicks": [[60, 160, True]]})["guesses"][0]
+    assert len(guess) == 2 and _same(polygons(guess, (HEIGHT, WIDTH)), session.clicker.things["bench"])
+    asked = {"project": session.start()["project"], "outlines": guess, "on": "auto"}
+    named = session.names(asked)
+    assert (named["names"][0], named["label"], named["opens"]) == ("bench", "bench", False)
+    assert session.names(asked | {"outlines": []})["names"] == []
 
 
 # the box of an outline
@@ -152,6 +153,15 @@ def test_a_thing_that_is_cut_is_placed_by_its_usual_size() -> None:
     assert errors["table"] < 0.1 and errors[""] > 0.2
 
 
+def test_names_are_weighed_by_size_and_by_what_holds_the_thing() -> None:
+    names = Names([Proposal("wardrobe", 0.4), Proposal("wall cabinet", 0.2), Proposal("nightstand", 0.2)], 0.2)
+    stands, hangs = weigh_names(names, False, 0.5, 0.6), weigh_names(names, True, 0.6, 0.7)
+    assert stands.proposals[0].name == "nightstand" and hangs.proposals[0].name == "wall cabinet"
+    assert sum(one.probability for one in stands.proposals) + stands.other == pytest.approx(1)
+    bed = weigh_names(Names([Proposal("bed", 0.5), Proposal("picture", 0.3)], 0.2), True, 1.5, 0.8)
+    assert bed.proposals[0].name == "picture", "no bed hangs"
+
+
 def test_what_no_level_carries_keeps_its_bounds_as_marks() -> None:
     drawing = _drawing(objects=[], walls=[], scale=Scale(metres=1.5))
     sky = [[(10.0, 5.0), (40.0, 5.0), (40.0, 20.0), (10.0, 20.0)]]
@@ -164,7 +174,7 @@ def test_what_no_level_carries_keeps_its_bounds_as_marks() -> None:
 
 @pytest.fixture
 def drawn(browser: Any, tmp_path: Path) -> Iterator[tuple[Any, Session]]:  # noqa: F811
-    session = Session(Photo(PICTURE, VIEW.focal, 1.0), "a.jpg", tmp_path / "a", ["fridge", "mug"])
+    session = Session(Photo(PICTURE, VIEW.focal, 1.0), "a.jpg", tmp_path / "a", ["oven", "stool"])
     session.clicker = KnownClicker(PICTURE, THINGS)
     with watched(browser, session, "#grid") as page:
         page.wait_for_function("() => document.getElementById('clicking').textContent === 'Click (C)'")
@@ -194,26 +204,26 @@ def _shown(item: Any) -> Mask:
 
 def test_a_photograph_is_drawn_by_clicks(drawn: tuple[Any, Session]) -> None:
     page, session = drawn
-    _click(page, 60, 80)
+    _click(page, 60, 160)
     (item,) = _project(session).objects
-    assert _same(_shown(item), THINGS["fridge"]) and (item.label, item.articulated) == ("fridge", True)
+    assert _same(_shown(item), THINGS["oven"]) and (item.label, item.articulated) == ("oven", True)
     assert len(item.points) >= 3 and item.on == "floor"
     assert page.locator("#view .click").count() == 1 and page.locator("#view .outline").count() == 1
     page.locator("#view").focus()
     page.evaluate("() => { document.getElementById('saved').textContent = 'not yet'; }")
     page.keyboard.press("g")
     page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
-    assert _shown(_project(session).objects[0]).sum() < 0.6 * THINGS["fridge"].sum()
-    _click(page, 140, 80)  # what more belongs to it
+    assert _shown(_project(session).objects[0]).sum() < 0.6 * THINGS["oven"].sum()
+    _click(page, 140, 160)  # what more belongs to it
     (item,) = _project(session).objects
-    assert len(item.pieces) == 1 and _shown(item)[80, 140]
+    assert len(item.pieces) == 1 and _shown(item)[160, 140]
     page.keyboard.down("Shift")
-    _click(page, 140, 80)
+    _click(page, 140, 160)
     page.keyboard.up("Shift")
-    assert not _shown(_project(session).objects[0])[80, 140]
+    assert not _shown(_project(session).objects[0])[160, 140]
     page.keyboard.press("Enter")
-    _click(page, 215, 55, (265, 105))  # the next thing, by a box around it
-    assert [one.label for one in _project(session).objects] == ["fridge", "book"]
+    _click(page, 215, 135, (265, 185))  # the next thing, by a box around it
+    assert [one.label for one in _project(session).objects] == ["oven", "box"]
     page.keyboard.press("Control+z")
     page.wait_for_function("() => document.querySelectorAll('#objects button').length === 1")
 
@@ -221,23 +231,23 @@ def test_a_photograph_is_drawn_by_clicks(drawn: tuple[Any, Session]) -> None:
 def test_a_name_ends_a_thing_and_moves_its_box_until_a_person_has_moved_that(drawn: tuple[Any, Session]) -> None:
     page, session = drawn
     session.clicker.sure = 0.3  # type: ignore[union-attr]
-    _click(page, 60, 80)
+    _click(page, 60, 160)
     before = _project(session).objects[0]
-    assert before.label == "" and page.locator("#proposals button").all_text_contents() == ["fridge", "box"]
+    assert before.label == "" and page.locator("#proposals button").first.text_content() == "oven"
     page.evaluate("() => { document.getElementById('saved').textContent = 'not yet'; }")
     page.locator("#proposals button").first.click()
     page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
     page.wait_for_timeout(400)
     after = _project(session).objects[0]
-    assert after.label == "fridge" and after.points != before.points
-    _click(page, 140, 80)
+    assert after.label == "oven" and after.points != before.points
+    _click(page, 140, 160)
     assert len(_project(session).objects) == 2, "the first has its name: this is the next one"
     page.locator("#objects button").first.click()
     page.get_by_role("button", name="Outline by clicks").click()
-    _click(page, 240, 80)
+    _click(page, 240, 160)
     first, second = _project(session).objects
-    assert _shown(first)[80, 240] and first.points == after.points and first.label == "fridge"
-    assert not _shown(second)[80, 240]
+    assert _shown(first)[160, 240] and first.points == after.points and first.label == "oven"
+    assert not _shown(second)[160, 240]
 
 
 # on the page of a frame with depth
