@@ -32,6 +32,7 @@ DEPTH_TOLD = 0.3  # logarithm of a change of depth that an outline tells if it m
 STANDING = {"appliance", "bed", "box", "device", "dish", "lamp", "plant", "seat", "table"}  # kinds that hang nowhere
 SELDOM = 0.1  # how much seldomer things hang that stand, and the other way round; chosen
 UNLIKELY = 0.3  # logarithms by which a size lies beyond the usual, for e times fewer chances; chosen
+AT_BOUND = 0.05  # logarithm of a depth from its least, below which an outline shows none; chosen
 LEAST, MOST = -5.0, 2.5  # logarithms of the least and the largest size in metres
 BORDER = 2.0  # pixels to the picture's edge or to what is before it, within which an outline may go on; chosen
 FACING = (-np.pi / 2, np.pi, 0.0)  # the sides of a box that may be its front: towards the camera first
@@ -181,7 +182,8 @@ def fit_hanging(solved: Solved, on: str, hull: Array, reach: Reach, usual: Array
 def fit_box(view: View, box_of: Callable[[Array], UprightBox], start: Array, reach: Reach, usual: Array) -> Fit:
     """The box by two coordinates and the logarithms of its sizes: where none are usual, as deep as it begins.
 
-    A width or height that is far from the usual is not drawn there: a row of cabinets is called a cabinet.
+    A width or height that is far from the usual is not drawn there: a row of cabinets is called a cabinet. An outline
+    that shows no depth is that of its front alone: the doors of a counter without its worktop.
     """
     mean, spread = np.array([0, start[3], 0]), np.array([np.inf, LOOSE, np.inf])
     if len(usual):
@@ -194,6 +196,10 @@ def fit_box(view: View, box_of: Callable[[Array], UprightBox], start: Array, rea
         return np.concatenate([reach.misses(view, box_of(values)), FAR * np.tanh((values[2:] - mean) / spread / FAR)])
 
     found = least_squares(misses, np.clip(start, low, high), bounds=(low, high), loss="soft_l1", max_nfev=200)
+    if found.x[3] < low[3] + AT_BOUND:
+        low[3], high[3] = LEAST, LEAST + AT_BOUND
+        found = least_squares(misses, np.clip(found.x, low, high), bounds=(low, high), loss="soft_l1", max_nfev=200)
+        return Fit(box_of(found.x), float(found.cost), False)
     step = np.array([0, 0, 0, DEPTH_TOLD, 0])
     sides = [reach.misses(view, box_of(found.x + sign * step)) for sign in (-1, 1)]
     told = min(float(np.linalg.norm(side - reach.misses(view, box_of(found.x)))) for side in sides) > 1
