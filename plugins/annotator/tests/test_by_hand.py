@@ -205,6 +205,20 @@ def test_depth_and_masks_show_the_nearest(tmp_path: Path) -> None:
     assert masks[v, u] == masks[v, u + 20] == 1 and (masks == 1).sum() == pytest.approx(2 * whole, rel=0.05)
 
 
+def test_an_outline_beside_its_box_shows_the_thing_all_the_same() -> None:
+    drawing = _drawing(walls=[])
+    plain = paint(drawing, solve(drawing))
+    high = _pixels([[-0.9, 2.9, 0], [-0.1, 2.9, 0], [-0.1, 2.9, 1.1], [-0.9, 2.9, 1.1]])  # by a fifth too high
+    drawing.objects = drawing.objects[:1]
+    drawing.objects[0].outline = high
+    painted = paint(drawing, solve(drawing))
+    u, v = np.rint(_pixels([[-0.3, 2.9, 1.05]])[0]).astype(int)
+    assert plain.masks[v, u] != 1 and painted.masks[v, u] == 1
+    assert painted.depth[v, u] == pytest.approx(painted.depth[v + 20, u], rel=0.2)
+    drawing.objects[0].outline = _pixels([[3, 4, 0], [3.2, 4, 0], [3.2, 4, 0.2]])  # far from it
+    assert 1 not in paint(drawing, solve(drawing)).masks
+
+
 def test_round_things_are_round(tmp_path: Path) -> None:
     drawing = _drawing()
     mug = drawing.objects[1]
