@@ -81,7 +81,7 @@ class Clicker:
         if asked.box is not None:
             corners = np.sort(asked.box, axis=0)
             return [mask for mask, _ in self._rank(self.seen.picture.outline_boxes([corners.ravel()]))]
-        x, y, adds = asked.clicks[-1]
+        *_, (x, y, adds) = asked.clicks
         height, width = self.rgb.shape[:2]
         if not (-0.5 <= x < width - 0.5 and -0.5 <= y < height - 0.5):
             return []
@@ -114,7 +114,8 @@ class Clicker:
             return []
         inside = [adds for *_, adds in clicks]
         guesses = self._rank(self.seen.picture.outline_clicks([click[:2] for click in clicks], inside))
-        columns, rows = np.rint([click[:2] for click in clicks]).astype(int).T
+        height, width = self.rgb.shape[:2]
+        columns, rows = np.clip(np.rint([click[:2] for click in clicks]), 0, [width - 1, height - 1]).astype(int).T
         return [
             mask
             for mask, score in guesses

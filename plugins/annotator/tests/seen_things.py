@@ -31,9 +31,11 @@ class KnownPicture:
 
     def outline_clicks(self, points: ArrayLike, inside: ArrayLike) -> Outlines:
         """Of all the things at points inside, together."""
-        masks = [one for one in self.things for (x, y), adds in zip(np.rint(points), inside, strict=True)  # type: ignore[call-overload]
-                 if adds and one[int(y), int(x)]]  # fmt: skip
-        return _outlines([np.any(masks, axis=0)] * 3, [0.9, 0.1, 0.1])
+        height, width = self.things[0].shape
+        columns, rows = np.clip(np.rint(points), 0, [width - 1, height - 1]).astype(int)[np.asarray(inside, bool)].T
+        return _outlines(
+            [np.any([one for one in self.things if one[rows, columns].any()], axis=0)] * 3, [0.9, 0.1, 0.1]
+        )
 
     def outline_boxes(self, boxes: ArrayLike) -> Outlines:
         """Of all that lies in the only box."""

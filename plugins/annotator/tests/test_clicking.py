@@ -104,6 +104,16 @@ def test_without_weights_nothing_is_offered(
         session.outline({"clicks": [[60, 160, True]]})
 
 
+def test_what_is_no_request_is_refused_and_clicks_far_outside_do_no_harm(tmp_path: Path) -> None:
+    session = Session(Photo(PICTURE, None, 1.0), "a.jpg", tmp_path)
+    session.clicker = KnownClicker(PICTURE, THINGS)
+    for body in ({}, {"clicks": []}, {"clicks": [[0, 0]]}, {"clicks": [[1e9, 0, True]]}, {"clicks": [[0, 0, 1]] * 200}):
+        with pytest.raises(ValueError):
+            session.outline(body)
+    far = {"clicks": [[5000, 5000, True], [60, 160, True]], "before": _rings(THINGS["oven"])}
+    assert session.outline(far)["guesses"]
+
+
 def test_pieces_and_names_are_told_to_the_page(tmp_path: Path) -> None:
     session = Session(Photo(PICTURE, None, 1.0), "a.jpg", tmp_path)
     session.clicker = KnownClicker(PICTURE, {"bench": THINGS["oven"] | THINGS["box"]})
