@@ -45,7 +45,7 @@ async function take(said, page) {
 export function hint() {
   const now = clicked();
   if (!now) return 'Click a thing, or draw a box around it from corner to corner: its outline is found.';
-  return `Click what more belongs to it, Shift+click what does not${now.guesses.length > 1 ? ', G for another outline' : ''}; Enter: the next thing.`;
+  return `Click what more belongs to it, Shift+click what does not${now.guesses.length > 1 ? ', G for another outline' : ''}; Enter: the next thing, Esc: done.`;
 }
 
 // The tool is there where weights are, and works once the picture is looked at.

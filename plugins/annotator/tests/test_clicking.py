@@ -9,11 +9,12 @@ import cv2
 import numpy as np
 import pytest
 
-from plugins.annotator import clicking
+from plugins.annotator import annotate, clicking
 from plugins.annotator.clicking import LACKING, Asked, Clicker
 from plugins.annotator.correcting import Correcting
 from plugins.annotator.outlined import propose_box, weigh_names
 from plugins.annotator.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
+from plugins.annotator.server import PageServer
 from plugins.annotator.session import Session
 from plugins.annotator.solve import solve
 from plugins.annotator.tests.annotate_page import watched
@@ -41,7 +42,7 @@ def _square(x: int, y: int, side: int = 40) -> Mask:
     return polygon([(x, y), (x + side, y), (x + side, y + side), (x, y + side)], (HEIGHT, WIDTH))
 
 
-THINGS = {"oven": _square(40, 140), "stool": _square(120, 140), "box": _square(220, 140)}
+THINGS = {"oven": _square(40, 140), "stool": _square(120, 140), "trash can": _square(220, 140)}
 
 
 def _rings(mask: Mask) -> list[Any]:
@@ -116,7 +117,7 @@ def test_what_is_no_request_is_refused_and_clicks_far_outside_do_no_harm(tmp_pat
 
 def test_pieces_and_names_are_told_to_the_page(tmp_path: Path) -> None:
     session = Session(Photo(PICTURE, None, 1.0), "a.jpg", tmp_path)
-    session.clicker = KnownClicker(PICTURE, {"bench": THINGS["oven"] | THINGS["box"]})
+    session.clicker = KnownClicker(PICTURE, {"bench": THINGS["oven"] | THINGS["trash can"]})
     guess = session.outline({"clicks": [[60, 160, True]]})["guesses"][0]
     assert len(guess) == 2 and _same(polygons(guess, (HEIGHT, WIDTH)), session.clicker.things["bench"])
     asked = {"project": session.start()["project"], "outlines": guess, "on": "auto"}
@@ -233,15 +234,23 @@ def test_a_photograph_is_drawn_by_clicks(drawn: tuple[Any, Session]) -> None:
     assert not _shown(_project(session).objects[0])[160, 140]
     page.keyboard.press("Enter")
     _click(page, 215, 135, (265, 185))  # the next thing, by a box around it
-    assert [one.label for one in _project(session).objects] == ["oven", "box"]
+    assert [one.label for one in _project(session).objects] == ["oven", "trash can"]
     page.keyboard.press("Control+z")
     page.wait_for_function("() => document.querySelectorAll('#objects button').length === 1")
 
 
-def test_a_name_ends_a_thing_and_moves_its_box_until_a_person_has_moved_that(drawn: tuple[Any, Session]) -> None:
+def test_a_name_ends_a_thing_and_moves_its_box_until_a_person_has_moved_that(
+    drawn: tuple[Any, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
     page, session = drawn
-    session.clicker.sure = 0.3  # type: ignore[union-attr]
-    _click(page, 60, 160)
+    monkeypatch.setattr(clicking, "SURE", 1.0)  # no name is
+    cut = {
+        "oven": _square(40, 205),
+        "stool": _square(120, 140),
+        "trash can": _square(220, 140),
+    }  # by the picture's edge
+    session.clicker = KnownClicker(PICTURE, cut)
+    _click(page, 60, 220)
     before = _project(session).objects[0]
     assert before.label == "" and page.locator("#proposals button").first.text_content() == "oven"
     page.evaluate("() => { document.getElementById('saved').textContent = 'not yet'; }")
@@ -270,6 +279,17 @@ def _bare(folder: Path) -> dict[str, Mask]:
     for name in ("masks.png", "annotations.json"):
         (folder / name).unlink()
     return {"cabinet": masks == OBJECT, "box": masks == OBJECT + 1}
+
+
+def test_a_frame_without_masks_says_so_until_they_are_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _bare(tmp_path / "frame")
+    monkeypatch.setattr(clicking, "is_there", lambda weights: False)
+    monkeypatch.setattr(PageServer, "serve_forever", lambda self, poll_interval: None)
+    annotate.run(tmp_path / "frame", results=tmp_path, browser=False)
+    said = capsys.readouterr().out
+    assert LACKING in said and said.rstrip().endswith("no masks yet: open it again, and end it with Done")
 
 
 def test_a_frame_without_masks_gets_them_by_clicks(browser: Any, tmp_path: Path) -> None:  # noqa: F811
