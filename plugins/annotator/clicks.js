@@ -50,6 +50,7 @@ export function hint() {
 
 // The tool is there where weights are, and works once the picture is looked at.
 export async function offer(there) {
+  get('label').addEventListener('blur', end); // after its change: who leaves the name has named the thing
   for (const id of ['clicking', 'by-clicks']) get(id).hidden = !there;
   get('clicking').disabled = get('by-clicks').disabled = true;
   if (!there) return;

@@ -193,6 +193,16 @@ def drawn(browser: Any, tmp_path: Path) -> Iterator[tuple[Any, Session]]:  # noq
         yield page, session
 
 
+def test_without_weights_the_page_is_as_it_was(browser: Any, tmp_path: Path) -> None:  # noqa: F811
+    with watched(browser, Session(Photo(PICTURE, None, 1.0), "a.jpg", tmp_path), "#grid") as page:
+        page.keyboard.press("3")
+        hint = page.locator("#hint").text_content()
+        page.keyboard.press("c")
+        assert page.locator("#clicking").is_hidden() and page.locator("#hint").text_content() == hint
+        page.keyboard.press("b")
+        assert page.locator("#by-clicks").is_hidden() and page.locator("#hint").text_content() != hint
+
+
 def _click(page: Any, x: float, y: float, to: tuple[float, float] | None = None) -> None:
     """A click at a pixel, or a box from there to another, once the page has shown and saved what comes of it."""
     a, d, e, f = page.locator("#view").evaluate("e => { const m = e.getScreenCTM(); return [m.a, m.d, m.e, m.f]; }")
@@ -232,6 +242,7 @@ def test_a_photograph_is_drawn_by_clicks(drawn: tuple[Any, Session]) -> None:
     _click(page, 140, 160)
     page.keyboard.up("Shift")
     assert not _shown(_project(session).objects[0])[160, 140]
+    page.locator("#label").focus()  # its name is right
     page.keyboard.press("Enter")
     _click(page, 215, 135, (265, 185))  # the next thing, by a box around it
     assert [one.label for one in _project(session).objects] == ["oven", "trash can"]
