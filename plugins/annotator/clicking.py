@@ -102,11 +102,18 @@ class Clicker:
         return [first, *guesses]
 
     def _outline_alone(self, point: tuple[float, float]) -> list[Mask]:
-        """Guesses at one click; before them what COCO's network has found there, if that is nearly one of them."""
+        """Guesses at one click; before them what COCO's network has found there, if that is nearly one of them.
+
+        Unless the others are nearly the same: then a thing lies there on what was found, as a candle on a table.
+        """
         guesses = [mask for mask, _ in self._rank(self.seen.picture.outline_points([point]))]
         x, y = round(point[0]), round(point[1])
-        known = [one for one in self.seen.outlines if one[y, x] and max(overlap(one, each) for each in guesses) >= SAME]
-        return [*sorted(known, key=lambda one: one.sum())[:1], *guesses]
+        for known in sorted((one for one in self.seen.outlines if one[y, x]), key=lambda one: one.sum()):
+            others = [mask for mask in guesses if overlap(mask, known) < SAME]
+            if len(others) < len(guesses):
+                agree = len(others) == 2 and overlap(*others) >= SAME
+                return [*guesses, known] if agree else [known, *guesses]
+        return guesses
 
     def _outline_together(self, clicks: list[Click], before: Mask) -> list[Mask]:
         """Good guesses at the one thing of several clicks, which keep what was outlined before."""

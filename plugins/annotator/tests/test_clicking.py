@@ -65,6 +65,20 @@ def test_a_click_outlines_the_whole_and_others_are_the_next_guesses() -> None:
     assert _same(boxed, THINGS["oven"] | THINGS["stool"])
 
 
+def test_what_a_detector_found_comes_first_unless_a_thing_lies_on_it() -> None:
+    table, candle, leg = _square(100, 100, 100), _square(140, 110, 10), _square(100, 150, 40)
+    clicker = KnownClicker(PICTURE, {"table": table})
+    clicker.found = [table]
+    for parts, first in (
+        ([candle, _square(140, 110, 11), table], candle),
+        ([leg, _square(100, 150, 10), table], table),
+    ):
+        clicker.guesses = parts
+        assert _same(clicker.outline(Asked(clicks=[(145.0, 155.0, True)]))[0], first)
+    clicker.guesses = [candle, leg, leg]
+    assert not _same(clicker.outline(Asked(clicks=[(145.0, 155.0, True)]))[0], table), "no guess is like what was found"
+
+
 def test_a_second_click_adds_and_one_with_shift_takes_away() -> None:
     clicker, both = KnownClicker(PICTURE, THINGS), THINGS["oven"] | THINGS["stool"]
     clicks = [(60, 160, True), (140, 160, True)]
