@@ -5,6 +5,7 @@ import webbrowser
 from dataclasses import replace
 from pathlib import Path
 
+from plugins.annotator.bare import is_bare
 from plugins.annotator.correcting import Correcting, name_drawn
 from plugins.annotator.project import PROJECT
 from plugins.annotator.server import PageServer
@@ -46,7 +47,7 @@ def run(
 
     The page saves what is drawn into `project.json` as it goes; started again with the same folder it goes on.
     Given an input folder in the photograph's place, what was found and chosen there is corrected: `corrections.json` in
-    the folder keeps it, and the next run heeds it.
+    the folder keeps it, and the next run heeds it. A folder with picture, depth and camera alone gets its masks there.
 
     Args:
         image: the photograph, or an input folder.
@@ -76,6 +77,7 @@ def run(
         raise InputError("--lens", what, mend, code="E-OPTION-CONFLICT")
     else:
         session = _open_photograph(read_photo(image, lens), image, out, depth, camera, library)
+    session.begin_looking()
     try:
         server = PageServer(session, port)
     except OSError as error:
@@ -93,6 +95,9 @@ def run(
     finally:
         server.server_close()
     folder = session.folder
+    if isinstance(session, Correcting) and is_bare(folder):
+        print(f"{folder}: no masks yet: open it again, and end it with Done")
+        return
     if isinstance(session, Correcting):
         print(f"To make again what depends on it: {session.command()}")
         return

@@ -42,6 +42,16 @@ export function bindFrame() {
   addEventListener('beforeunload', save);
 }
 
+// A name that is proposed, as a button.
+export function proposal(text, taken, take) {
+  const button = document.createElement('button');
+  button.type = 'button';
+  button.textContent = text;
+  button.setAttribute('aria-pressed', String(taken));
+  button.addEventListener('click', take);
+  return button;
+}
+
 export const keyOf = (event) => (event.key.length === 1 ? event.key.toLowerCase() : event.key);
 
 // Whether a key was one of these, or is none of the page's: typed into a field, or pressed on a button.

@@ -13,6 +13,9 @@ export function element(name, attributes, children = []) {
 }
 export const line = ([a, b], kind) => element('line', { x1: a[0], y1: a[1], x2: b[0], y2: b[1], class: kind });
 export const area = (points, kind) => element('polygon', { points: points.map((p) => p.join()).join(' '), class: kind });
+export const frame = ([[x0, y0], [x1, y1]]) => area([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], 'outline quiet');
+// Clicks that add or take away.
+export const dots = (clicks) => clicks.map(([x, y, adds]) => element('circle', { cx: x, cy: y, r: 4 * unit(), class: `click quiet${adds ? '' : ' off'}` }));
 // A name in the picture, before its right border, which would cut it off.
 export function name(text, [x, y]) {
   const size = 13 * unit(), room = state.project.width - 0.6 * size * text.length;

@@ -1,9 +1,11 @@
 // The page that corrects what was found and chosen: what a click, a drag or a key does, and the panel.
-import { bindFrame, frameKey, keyOf } from './both.js';
+import { bindFrame, frameKey, keyOf, proposal } from './both.js';
+import * as clicks from './clicks.js';
 import { begin, move, pixel, zoom } from './canvas.js';
 import { bindFront, closed, front, typed } from './fronts.js';
 import { bindPlacement, made, placement } from './models.js';
 import { blank, listOffers, taken } from './offers.js';
+import { freeMask, page } from './refining.js';
 import { ROOM, boxOf, chosen, draw } from './regions.js';
 import { ask, changed, edit, find, nameOf, onChange, remember, solve, state, touch, undoable } from './state.js';
 
@@ -19,7 +21,10 @@ const HINTS = {
 const things = () => state.project.objects.filter((item) => !ROOM.includes(item.label));
 const byMask = (mask) => state.project.objects.find((item) => item.mask === mask);
 
-function choose(tool) { state.draft = null; state.tool = tool; changed(); svg.focus({ preventScroll: true }); }
+function choose(tool) {
+  if (tool === 'click' && !clicks.offered()) return;
+  clicks.end();
+  state.draft = null; state.tool = tool; changed(); svg.focus({ preventScroll: true }); }
 
 function heldAs(item) {
   if (!item.mounting) return '';
@@ -36,14 +41,7 @@ function button(item, text) {
   result.addEventListener('click', () => { state.chosen = item.id; changed(); });
   return result;
 }
-function proposal(item, text) {
-  const result = document.createElement('button');
-  result.type = 'button';
-  result.textContent = text;
-  result.setAttribute('aria-pressed', String(item.named && item.label === text));
-  result.addEventListener('click', () => edit(() => Object.assign(item, { label: text, named: true })));
-  return result;
-}
+const named = (item, text) => proposal(text, item.named && item.label === text, () => { clicks.end(); edit(() => Object.assign(item, { label: text, named: true })); });
 // Whether a person has changed a thing since the page was opened: its doubts are about the last run.
 const altered = (item) => state.before.get(item.mask) !== JSON.stringify(item);
 function line(...parts) {
@@ -60,7 +58,7 @@ function doubtLine(item, { text, cause }) {
   const about = button(item, names.length ? `${nameOf(item)}?` : `${nameOf(item)}: ${text}`);
   if (names.length) about.title = text;
   if (cause === 'name') about.addEventListener('click', () => { get('label').focus(); get('label').select(); });
-  return line(about, ...names.map((name) => proposal(item, name)));
+  return line(about, ...names.map((name) => named(item, name)));
 }
 function doubts() {
   const all = things().flatMap((item) => doubtsOf(item).map((doubt) => ({ item, doubt })));
@@ -78,7 +76,7 @@ function take(mask) {
 }
 
 function panel() {
-  get('hint').textContent = HINTS[state.tool];
+  get('hint').textContent = state.tool === 'click' ? clicks.hint() : HINTS[state.tool];
   get('trouble').textContent = state.trouble;
   get('trouble').hidden = !state.trouble;
   [get('undo').disabled, get('redo').disabled] = undoable().map((possible) => !possible);
@@ -95,7 +93,7 @@ function panel() {
   get('object').hidden = !item;
   if (!item) return;
   for (const id of ['label', 'doors', 'drawers']) if (document.activeElement !== get(id)) get(id).value = item[id] ?? (id === 'label' ? '' : 0);
-  get('proposals').replaceChildren(...(state.proposals[item.mask] ?? []).map((text) => proposal(item, text)));
+  get('proposals').replaceChildren(...(state.proposals[item.mask] ?? []).map((text) => named(item, text)));
   get('own-doubts').replaceChildren(...doubtsOf(item).map(({ text }) => { const entry = line(text); entry.className = 'note'; return entry; }));
   get('articulated').checked = item.articulated || item.doors + item.drawers > 0;
   get('thing').hidden = ROOM.includes(item.label);
@@ -121,7 +119,7 @@ const above = (item) => chain(item, 'on');
 const alike = (item) => chain(item, 'like');
 
 function add(region) {
-  const mask = Math.max(state.free - 1, ...state.project.objects.map((item) => item.mask)) + 1, id = `drawn_${mask}`;
+  const mask = freeMask(), id = `drawn_${mask}`;
   edit((project) => project.objects.push({ ...blank(id, mask), ...region }));
   state.chosen = id;
   choose('select');
@@ -133,7 +131,7 @@ function close() {
   const outline = points.slice(0, -1);
   state.draft = null;
   if (!chosen()) add({ outline });
-  else { edit(() => { chosen().outline = outline; }); choose('select'); }
+  else { edit(() => Object.assign(chosen(), { outline, pieces: [] })); choose('select'); }
 }
 function leaveOut(project, mask) {
   project.objects = project.objects.filter((item) => item.mask !== mask);
@@ -154,7 +152,7 @@ function join(part) {
 const round = (value) => Math.round(10 * value) / 10;
 function setBox(item, corners) {
   item.around = corners.map((corner) => corner.map(round));
-  item.outline = [];
+  Object.assign(item, { outline: [], pieces: [] });
 }
 
 let press = null;
@@ -164,7 +162,7 @@ svg.addEventListener('pointerdown', (event) => {
   const at = pixel(event);
   press = { at, x: event.clientX, y: event.clientY, kind: 'pan' };
   if (event.button !== 0) return;
-  if (state.tool === 'box') { press.kind = 'box'; state.draft = { kind: 'frame', points: [at, at] }; }
+  if (['box', 'click'].includes(state.tool)) { press.kind = 'box'; state.draft = { kind: 'frame', points: [at, at] }; }
   else if (state.tool === 'outline') {
     press.kind = 'outline';
     if (state.draft) state.draft.points.push(at);
@@ -197,7 +195,7 @@ svg.addEventListener('pointermove', (event) => {
   setBox(chosen(), press.from.map(([x, y], k) => [x + (moves(k, i) ? dx : 0), y + (moves(k, j) ? dy : 0)]));
   draw();
 });
-svg.addEventListener('pointerup', () => {
+svg.addEventListener('pointerup', (event) => {
   const done = press;
   press = null;
   if (done?.moved) touch();
@@ -205,7 +203,9 @@ svg.addEventListener('pointerup', () => {
   const [a, b] = state.draft.points;
   state.draft = null;
   const box = [[Math.min(a[0], b[0]), Math.min(a[1], b[1])], [Math.max(a[0], b[0]), Math.max(a[1], b[1])]];
-  if (box[1][0] - box[0][0] < SMALLEST || box[1][1] - box[0][1] < SMALLEST) choose('select');
+  const small = box[1][0] - box[0][0] < SMALLEST || box[1][1] - box[0][1] < SMALLEST;
+  if (state.tool === 'click') clicks.click(small ? null : a, small ? a : b, !event.shiftKey, page);
+  else if (small) choose('select');
   else add({ around: box });
 });
 svg.addEventListener('wheel', (event) => { event.preventDefault(); zoom(Math.exp(event.deltaY / 500), pixel(event)); }, { passive: false });
@@ -232,9 +232,12 @@ document.addEventListener('keydown', (event) => {
   const key = keyOf(event);
   const item = chosen(), box = item && boxOf(item);
   if (key === 'b') { state.chosen = null; choose('box'); }
+  else if (key === 'c') choose('click');
   else if (key === 'o') choose('outline');
   else if (key === 'j' && item) choose('join');
   else if (key === 'Escape') { if (state.tool === 'select') state.chosen = null; choose('select'); }
+  else if (key === 'Enter' && state.tool === 'click') { clicks.end(); changed(); }
+  else if (key === 'g' && state.tool === 'click') clicks.another(page);
   else if (key === 'Enter' && state.draft?.kind === 'outline') close();
   else if ((key === 'Delete' || key === 'Backspace') && item) remove();
   else if (ARROWS[key] && box) {
@@ -250,7 +253,8 @@ function bind() {
   for (const tool of document.querySelectorAll('[data-tool]')) tool.addEventListener('click', () => { if (tool.dataset.tool === 'box') state.chosen = null; choose(tool.dataset.tool); });
   bindFrame();
   get('made').addEventListener('click', swap);
-  get('label').addEventListener('change', ({ target }) => edit(() => { chosen().label = target.value.trim() || null; }));
+  get('label').addEventListener('change', ({ target }) => { clicks.end(); edit(() => { chosen().label = target.value.trim() || null; }); });
+  get('by-clicks').addEventListener('click', () => { choose('click'); clicks.go(chosen()); changed(); });
   for (const id of ['doors', 'drawers']) get(id).addEventListener('change', ({ target }) => edit(() => typed(chosen(), id, target.checkValidity() ? Number(target.value) : 0)));
   get('articulated').addEventListener('change', ({ target }) => edit(() => { if (target.checked) chosen().articulated = true; else closed(chosen()); }));
   get('mounting').addEventListener('change', ({ target }) => edit(() => {
@@ -261,7 +265,7 @@ function bind() {
   get('on').addEventListener('change', ({ target }) => edit(() => { chosen().on = ['', 'floor'].includes(target.value) ? target.value || null : Number(target.value); }));
   bindPlacement(chosen);
   bindFront(chosen, (item) => ({ ...state.project, mask: item.mask }));
-  get('found').addEventListener('click', () => edit(() => Object.assign(chosen(), { around: null, outline: [] })));
+  get('found').addEventListener('click', () => edit(() => Object.assign(chosen(), { around: null, outline: [], pieces: [] })));
   get('delete').addEventListener('click', remove);
 }
 
@@ -279,5 +283,6 @@ async function start() {
   onChange(panel);
   onChange(draw);
   await solve();
+  clicks.offer(answer.clicks);
 }
 start().catch((error) => { get('trouble').textContent = error.message; get('trouble').hidden = false; });

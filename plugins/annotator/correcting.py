@@ -5,12 +5,16 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
+from plugins.annotator.bare import is_bare, read_bare, view_room, write_masks
+from plugins.annotator.clicking import Clicked
 from plugins.annotator.fronts import extents, jpeg, rectify_front
 from plugins.annotator.last_run import LastRun, describe_doubt, read_last_run
 from plugins.annotator.session import Answer
 from plugins.annotator.write import tint_picture
+from plugins.eyes.proposal import RoomView
 from plugins.inputs.own_scene import is_clone, to_run
 from stages.contracts import InputError, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
@@ -27,6 +31,7 @@ from stages.extraction.corrected_masks import (
     apply_corrections,
     correct_masks,
     find_corners,
+    is_drawn,
     list_found,
     list_losses,
     paint_masks,
@@ -47,7 +52,7 @@ class Drawing(Contract):
 
 
 @dataclass
-class Correcting:
+class Correcting(Clicked):
     """The input folder, the labels that the page completes, and the results of the last run."""
 
     folder: Path
@@ -58,10 +63,19 @@ class Correcting:
     chosen: str | None = None
     finished: bool = False
     page: str = "correct.html"
-    posts: ClassVar = ("solve", "save", "models", "front", "write", "close")  # what the page may ask for
+    posts: ClassVar[tuple[str, ...]] = (
+        "solve",
+        "save",
+        "models",
+        "front",
+        "outline",
+        "names",
+        "write",
+        "close",
+    )  # what the page may ask for
 
     def __post_init__(self) -> None:
-        self.given = read_scene_input(self.folder)
+        self.given = read_bare(self.folder) if is_bare(self.folder) else read_scene_input(self.folder)
         self.found = list_found(self.given.annotations)
         things = read_things(self.folder)
         self.left_out = {item.mask: item for item in things.left_out if item.mask not in self.found} if things else {}
@@ -69,6 +83,16 @@ class Correcting:
         height, width = self.given.masks.shape
         self._moved: dict[int, tuple[float, float]] = {}  # by hand, before the page was opened
         self.made: LastRun = read_last_run(self.results, self.scene, self.variant, (width, height))
+
+    @property
+    def rgb(self) -> NDArray[np.uint8]:
+        """The picture (H, W, 3)."""
+        return self.given.rgb
+
+    @property
+    def room(self) -> RoomView | None:
+        """The room that depth shows."""
+        return view_room(self.given.rgb, self.given.depth, self.given.camera)
 
     def open_drawing(self) -> Drawing:
         """What was found, with the corrections that were saved.
@@ -82,7 +106,7 @@ class Correcting:
         # ids stay, whatever a thing is called: as found, or `drawn_<mask>`
         ids = dict(zip(self.found, object_ids(item.label or "" for item in self.found.values()), strict=True))
         found = set(np.unique(self.given.masks).tolist())
-        shown = {mask: item for mask, item in things.items() if mask in found or item.around or item.outline}
+        shown = {mask: item for mask, item in things.items() if mask in found or is_drawn(item)}
         return Drawing(
             objects=[Thing(id=ids.get(mask, name_drawn(mask)), **item.model_dump()) for mask, item in shown.items()]
         )
@@ -132,6 +156,7 @@ class Correcting:
             "known": list(self.found),
             "free": int(max(self.given.masks.max(), *self.found, *ids)) + 1,
             "command": self.command(),
+            "clicks": self.clicker is not None,
         }
 
     def _offer_things(self) -> list[Answer]:
@@ -234,11 +259,15 @@ class Correcting:
             InputError: no object is left.
         """
         corrections = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
-        annotations, _, notes = correct_masks(self.given.annotations, self.given.masks, corrections, self._cut)
+        annotations, masks, notes = correct_masks(self.given.annotations, self.given.masks, corrections, self._cut)
         if annotations is None:
             raise InputError(
                 str(self.folder), "no object is left.", "draw a box around at least one", code="E-SCENE-EMPTY"
             )
+        if is_bare(self.folder):
+            write_masks(self.folder, self.given, masks, annotations)
+            self.given = read_scene_input(self.folder)
+            self.found = list_found(self.given.annotations)
         self.save(body)
         ordered = sorted(annotations.objects, key=lambda item: item.mask)
         ids = object_ids(item.label for item in ordered)

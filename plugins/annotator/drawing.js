@@ -1,5 +1,6 @@
 // What lies over the picture, as SVG.
-import { area, element, line, name, unit } from './canvas.js';
+import { area, dots, element, frame, line, name, unit } from './canvas.js';
+import { marks } from './clicks.js';
 import { find, isWall, nameOf, state } from './state.js';
 
 // A handle is named `kind/which/point`; what it moves is found in tools.js.
@@ -7,6 +8,8 @@ function handle(name, [x, y]) {
   const kind = state.handle === name ? 'handle chosen' : 'handle';
   return element('circle', { cx: x, cy: y, r: 6 * unit(), class: kind, 'data-handle': name });
 }
+// An outline by hand has few points, which can be moved; that of a click has too many.
+const isCoarse = (points) => points.length < 30 && Math.hypot(...[0, 1].map((k) => Math.max(...points.map((p) => p[k])) - Math.min(...points.map((p) => p[k])))) > 12 * points.length * unit();
 const near = (p) => p && Math.abs(p[0]) < 12 * state.project.width && Math.abs(p[1]) < 12 * state.project.height;
 
 function camera() {
@@ -44,23 +47,27 @@ function objects() {
   const boxes = Object.entries(state.solved.boxes).sort(([, one], [, other]) => other.distance - one.distance);
   for (const [id, solid] of boxes) {
     const kind = id === 'draft' ? 'draft quiet' : carrying(id) ? 'under' : state.chosen === id ? 'chosen' : '';
-    const faces = solid.faces.map((face) => area(face, 'face'));
-    parts.push(element('g', { class: kind, 'data-object': id }, faces));
     const item = find(id);
+    const faces = solid.faces.map((face) => area(face, 'face'));
+    parts.push(element('g', { class: item?.unsure ? `${kind} unsure` : kind, 'data-object': id }, faces));
     if (item?.label && solid.faces.length) names.push(name(nameOf(item), lowerLeft(solid.faces.flat())));
+  }
+  for (const one of state.project.objects) {
+    const kind = state.chosen === one.id ? 'outline quiet' : 'outline quiet other';
+    for (const points of [one.outline ?? [], ...one.pieces ?? []]) if (points.length > 2) parts.push(area(points, kind));
   }
   parts.push(...names);
   const item = state.chosen && !isWall(state.chosen) ? find(state.chosen) : null;
   if (item && state.step === 'objects') {
-    if (item.outline?.length > 2) parts.push(area(item.outline, 'outline quiet'));
     item.points.forEach((point, k) => parts.push(handle(`object/${item.id}/${k}`, point)));
-    (item.outline ?? []).forEach((point, k) => parts.push(handle(`outline/${item.id}/${k}`, point)));
+    if (isCoarse(item.outline ?? [])) (item.outline ?? []).forEach((point, k) => parts.push(handle(`outline/${item.id}/${k}`, point)));
   }
   return parts;
 }
 
 function draft() {
   const points = state.draft?.points ?? [];
+  if (state.draft?.kind === 'frame') return [frame(points)];
   const parts = points.map(([x, y]) => element('circle', { cx: x, cy: y, r: 3 * unit(), class: 'handle quiet' }));
   if (points.length > 1 && state.draft.kind !== 'box') {
     parts.push(element('polyline', { points: points.map((p) => p.join()).join(' '), class: 'measure quiet' }));
@@ -74,5 +81,5 @@ export function draw() {
   if (!over || !state.solved) return;
   const grid = state.grid && state.step !== 'write' ? state.solved.grid.map((ends) => line(ends, 'grid quiet')) : [];
   const parts = [...grid, ...walls(state.step === 'walls'), ...(state.step === 'camera' ? [] : objects())];
-  over.replaceChildren(...parts, ...(state.step === 'camera' ? camera() : []), ...draft());
+  over.replaceChildren(...parts, ...(state.step === 'camera' ? camera() : []), ...draft(), ...dots(marks()));
 }

@@ -3,7 +3,7 @@ import { area, element, name, unit } from './canvas.js';
 import { state } from './state.js';
 
 const get = (id) => document.getElementById(id);
-export const blank = (id, mask) => ({ id, mask, label: null, named: false, around: null, outline: [], joins: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null });
+export const blank = (id, mask) => ({ id, mask, label: null, named: false, around: null, outline: [], pieces: [], joins: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null });
 
 const offers = () => state.offers.filter(({ mask }) => !state.project.objects.some((item) => item.mask === mask || item.joins.includes(mask)));
 

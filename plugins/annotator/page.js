@@ -1,9 +1,11 @@
 // The panel beside the picture, and the start.
-import { bindFrame } from './both.js';
+import { bindFrame, proposal } from './both.js';
+import * as clicks from './clicks.js';
 import { ask, carried, changed, copy, edit, find, freeId, isWall, nameOf, onChange, remove, solve, state, undoable } from './state.js';
 import { begin } from './canvas.js';
 import { bindFront, closed, front, typed } from './fronts.js';
 import { draw } from './drawing.js';
+import { named } from './outlining.js';
 import { choose, hint, step } from './tools.js';
 
 const SIDES = ['wide', 'deep', 'high'];
@@ -89,6 +91,7 @@ function panel() {
   get('object').hidden = !item;
   if (!item) return;
   fill('label', item.label);
+  get('proposals').replaceChildren(...(state.proposals[item.id] ?? []).map((text) => proposal(text, item.label === text, () => { edit(() => { item.label = text; }); named(item); })));
   options(get('on'), [...carriers, ...others.filter(([id]) => id !== item.id)], item.on);
   fill('doors', item.doors || 0);
   fill('drawers', item.drawers || 0);
@@ -101,6 +104,7 @@ function panel() {
   get('boxed').hidden = !item.outline?.length;
   get('object-doubt').textContent = solved.notes[item.id] ?? '';
   get('object-facts').textContent = box ? `${metres(box.distance)} away` : '';
+  get('right').hidden = !item.unsure;
   const usual = usualOf(item);
   get('usual').hidden = !usual;
   if (usual) get('usual').textContent = `Use the usual size: ${usual.map((side, k) => `${Math.round(100 * side)} ${SIDES[k]}`).join(' × ')}, cm`;
@@ -140,6 +144,7 @@ function bind() {
   field('scale-metres', ({ scale }, target) => { scale.metres = number(target) ?? (scale.kind === 'camera' ? null : scale.metres); });
   get('take-height').addEventListener('click', () => edit(({ scale }) => { scale.metres = Number((state.solved.camera.above * state.solved.camera.factor).toFixed(2)); }));
   get('keep-height').addEventListener('click', () => edit(({ scale }) => { scale.metres = state.solved.camera.above; }));
+  get('right').addEventListener('click', () => edit(() => { chosen().unsure = false; }));
   get('usual').addEventListener('click', () => edit(() => {
     const sides = state.solved.usual[state.chosen] ?? [];
     ['width', 'depth', 'height'].forEach((side, k) => { if (sides[k]) chosen()[side] = sides[k]; });
@@ -149,7 +154,8 @@ function bind() {
     const foot = state.solved.boxes[state.chosen]?.foot;
     if (foot) edit((project) => project.walls.push({ id: freeId('wall'), a: foot[0], b: foot[1], free: Boolean(chosen().free) }));
   });
-  field('label', (_, target, item) => { item.label = target.value.trim(); });
+  field('label', (_, target, item) => { item.label = target.value.trim(); named(item); });
+  get('by-clicks').addEventListener('click', () => { choose('click'); clicks.go(chosen()); changed(); });
   field('faces', (_, target, item) => { item.faces = target.value; });
   field('on', (_, target, item) => carried(item, target.value));
   for (const id of ['doors', 'drawers']) field(id, (_, target, item) => typed(item, id, number(target) ?? 0));
@@ -157,7 +163,7 @@ function bind() {
   for (const id of ['free', 'round']) field(id, (_, target, item) => { item[id] = target.checked; });
   for (const id of ['width', 'depth', 'height']) field(id, (_, target, item) => { item[id] = number(target); });
   bindFront(chosen, (item) => ({ project: state.project, id: item.id }));
-  get('boxed').addEventListener('click', () => edit(() => { chosen().outline = []; }));
+  get('boxed').addEventListener('click', () => edit(() => { Object.assign(chosen(), { outline: [], pieces: [] }); }));
   get('delete').addEventListener('click', () => remove(state.chosen));
 }
 
@@ -173,6 +179,7 @@ async function start() {
   onChange(panel);
   onChange(draw);
   await solve();
+  clicks.offer(answer.clicks);
   if (answer.notes.length) get('saved').textContent = answer.notes.join(' ');
 }
 start().catch((error) => { get('trouble').textContent = error.message; get('trouble').hidden = false; });

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 
 from plugins.annotator.project import DrawnObject, Project
 from plugins.annotator.solve import Solved
@@ -11,7 +12,7 @@ from plugins.inputs.photo.metrology import DRAWING_ERROR, View
 from stages.contracts.types import LARGEST
 from stages.geometry.boxes import UprightBox, corners, distances_along
 from stages.geometry.frames import yaw_matrix
-from stages.geometry.masks import polygon
+from stages.geometry.masks import Mask, polygons
 
 SPARSE = 4  # every so many pixels tell what is seen of a drawing: it is asked for with every movement
 Depth = NDArray[np.float64]
@@ -57,6 +58,15 @@ def solid_depth(item: DrawnObject, solved: Solved, rays: Depth) -> Depth:
     return (round_depth if is_round else distances_along)(eye, rays, solved.boxes[item.id])
 
 
+def extend(reach: Depth, outline: Mask) -> Depth:
+    """Depth (H, W) of a thing within its outline: beside its box as at the nearest pixel that shows that, if any."""
+    met = outline & np.isfinite(reach)
+    if not met.any():
+        return reach
+    rows, columns = distance_transform_edt(~met, return_distances=False, return_indices=True)
+    return np.where(outline, reach[rows, columns], reach)
+
+
 def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
     """Depth and masks of every `stride`-th pixel.
 
@@ -74,7 +84,7 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
             reach = wall.reach(rays)
             masks[reach < depth] = values[name]
             depth = np.minimum(depth, reach)
-    outlined = [item for item in project.objects if item.id in solved.boxes and len(item.outline) > 2]
+    outlined = [item for item in project.objects if item.id in solved.boxes and item.outlines]
     for item in (entry for entry in project.objects if entry.id in solved.boxes and entry not in outlined):
         part = _bounds(view, solved.boxes[item.id], stride)
         reach = solid_depth(item, solved, rays[part])
@@ -83,8 +93,9 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
         masks[part][nearer] = values[item.id]
     taken = np.full(depth.shape, np.inf)  # outlines lie over everything else; where two overlap, the nearer is seen
     for item in outlined:
-        reach = solid_depth(item, solved, rays)
-        shown = polygon(item.outline, (view.height, view.width))[::stride, ::stride] & (reach < taken)
+        outline = polygons(item.outlines, (view.height, view.width))[::stride, ::stride]
+        reach = extend(solid_depth(item, solved, rays), outline)
+        shown = outline & (reach < taken)
         taken[shown] = depth[shown] = reach[shown]
         masks[shown] = values[item.id]
     unseen = depth > LARGEST

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from plugins.inputs.photo.perspective import Perspective
 from stages.contracts.files import Contract, Document
 from stages.contracts.fronts import Panel
-from stages.contracts.types import Extent, Id, Panels, Pixel, Side, Text, check_unique
+from stages.contracts.types import Extent, Id, Outline, Panels, Pixel, Side, Text, check_unique
 
 PROJECT = "project.json"
 
@@ -52,7 +52,14 @@ class DrawnObject(Contract):
     doors: Panels = 0
     drawers: Panels = 0
     panels: list[Panel] = Field([], max_length=1000, description="where they lie on its real front, if that was drawn")
-    outline: list[Pixel] = Field([], max_length=1000, description="the pixels that show it; empty: all of its box")
+    outline: Outline = Field([], description="the pixels that show it; empty: all of its box")
+    pieces: list[Outline] = Field([], max_length=50, description="further outlines, where what is before it cuts it")
+    unsure: bool = Field(False, description="found by networks, and no person has changed or confirmed it yet")
+
+    @property
+    def outlines(self) -> list[list[Pixel]]:
+        """Its outline, and those of its further pieces."""
+        return [points for points in (self.outline, *self.pieces) if len(points) > 2]
 
     @property
     def sizes(self) -> tuple[float | None, float | None, float | None]:

@@ -1,5 +1,6 @@
 // What lies over the picture on the correcting page: regions of things, what is left out, the chosen thing's box.
-import { area, element, name, unit } from './canvas.js';
+import { area, dots, element, frame, name, unit } from './canvas.js';
+import { marks } from './clicks.js';
 import { drawOffers } from './offers.js';
 import { find, nameOf, state } from './state.js';
 
@@ -29,13 +30,11 @@ export function draw() {
   const box = item && boxOf(item);
   if (box) {
     const [[x0, y0], [x1, y1]] = box;
-    parts.push(area([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], 'outline quiet'));
+    parts.push(frame(box));
     [x0, x1].forEach((x, i) => [y0, y1].forEach((y, j) => parts.push(element('circle', { cx: x, cy: y, r: 6 * unit(), class: 'handle', 'data-handle': `${i}${j}` }))));
   }
   const points = state.draft?.points ?? [];
-  if (state.draft?.kind === 'frame') {
-    const [[x0, y0], [x1, y1]] = points;
-    parts.push(area([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], 'outline quiet'));
-  } else if (points.length) parts.push(element('polyline', { points: points.map((p) => p.join()).join(' '), class: 'measure quiet' }));
-  over.replaceChildren(...parts);
+  if (state.draft?.kind === 'frame') parts.push(frame(points));
+  else if (points.length) parts.push(element('polyline', { points: points.map((p) => p.join()).join(' '), class: 'measure quiet' }));
+  over.replaceChildren(...parts, ...dots(marks()));
 }

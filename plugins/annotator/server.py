@@ -89,6 +89,8 @@ class Handler(BaseHTTPRequestHandler):
                 self._reply(200, "image/png", session.read_last_picture())
             elif name == "start":
                 self._json(200, session.start())
+            elif name == "ready":
+                self._json(200, session.ready())
             elif name == "preview.jpg":
                 with self.server.lock:
                     self._reply(200, "image/jpeg", session.preview())

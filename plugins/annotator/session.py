@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
+from plugins.annotator.clicking import OUTLINES, Clicked
 from plugins.annotator.fronts import FACES, extents, front_corners, jpeg, rectify_front
+from plugins.annotator.outlined import propose_box, weigh_names
 from plugins.annotator.paint import find_hidden, paint
-from plugins.annotator.project import PROJECT, Project
+from plugins.annotator.project import PROJECT, DrawnObject, Project
 from plugins.annotator.solve import Solved
 from plugins.annotator.support import support_at
 from plugins.annotator.write import finish_drawing, side_angle, tint_picture, write_folder
@@ -20,17 +22,19 @@ from plugins.inputs.photo.metrology import View, WallPlane
 from plugins.inputs.photo.perspective import find_weak_lines, horizon, vanishing_point
 from plugins.inputs.photo.picture import Photo
 from plugins.inputs.photo.segments import propose, usual_focal
+from plugins.names.propose import Names
 from stages.contracts import InputError, read_json, write_json
 from stages.contracts.types import Pixel
 from stages.geometry.boxes import UprightBox, corners
 
 UNSEEN = "nothing of it would be seen in the picture: it lies behind something, or outside; it is left out"
+NEW = "new"  # id of what is not drawn yet
 GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
 Answer = dict[str, Any]
 
 
 @dataclass
-class Session:
+class Session(Clicked):
     """The picture, the folder that is written, and what completes labels."""
 
     photo: Photo
@@ -40,13 +44,28 @@ class Session:
     depth: NDArray[np.float32] | None = None
     finished: bool = False
     page: str = "page.html"
-    posts: ClassVar = ("solve", "save", "support", "front", "write", "close")  # what the page may ask for
+    posts: ClassVar[tuple[str, ...]] = (
+        "solve",
+        "save",
+        "support",
+        "front",
+        "outline",
+        "names",
+        "place",
+        "write",
+        "close",
+    )  # what the page may ask for
 
     def __post_init__(self) -> None:
         height, width = self.photo.rgb.shape[:2]
         grey = cv2.cvtColor(self.photo.rgb, cv2.COLOR_RGB2GRAY)
         prior = usual_focal(width, height, self.photo.focal)
         self._proposed = propose(np.asarray(grey, dtype=np.uint8), prior)
+
+    @property
+    def rgb(self) -> NDArray[np.uint8]:
+        """The picture (H, W, 3)."""
+        return self.photo.rgb
 
     def start_drawing(self) -> Project:
         """A drawing with nothing in it but the proposed perspective."""
@@ -83,6 +102,7 @@ class Session:
             "folder": str(self.folder),
             "notes": notes,
             "depth": self.depth is not None,
+            "clicks": self.clicker is not None,
         }
 
     def picture(self) -> bytes:
@@ -123,6 +143,22 @@ class Session:
         solved = finish_drawing(project, self.depth)[1]
         pixel = TypeAdapter(Pixel).validate_python(body["pixel"])
         return {"on": support_at(project, solved, pixel, bool(body.get("stands")))}
+
+    def place(self, body: Any) -> Answer:
+        """What an outlined thing stands or hangs on, and the marks of the box that it would be in."""
+        project = self._project(body["project"])
+        solved = finish_drawing(project, self.depth)[1]
+        on, points = propose_box(project, solved, OUTLINES.validate_python(body["outlines"]), body["on"], body["label"])
+        return {"on": on, "points": points}
+
+    def weigh_names(self, names: Names, body: Any) -> Names:
+        """The names with the size that it would have, of whatever name."""
+        project = self._project(body["project"])
+        place = self.place({**body, "label": ""})
+        project.objects.append(DrawnObject(id=NEW, **place))
+        solved = finish_drawing(project, self.depth)[1]
+        box = solved.boxes.get(NEW)
+        return names if box is None else weigh_names(names, place["on"] in solved.walls, box.size[0], box.size[2])
 
     def front(self, body: Any) -> Answer:
         """The real front of an object seen straight on."""

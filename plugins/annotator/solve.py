@@ -27,7 +27,9 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
+NEAREST_GUESSED = 0.2  # likewise, where nobody drew how deep that is
 WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
+UNSURE = "found by networks alone: put it right, or say that it is"
 FLAT_DEPTH = 0.03  # metres: depth of something on a wall whose kind is unknown
 
 
@@ -63,10 +65,10 @@ def _list_guessed(item: DrawnObject, hangs: bool) -> str:
     return ""
 
 
-def _usual_depth(label: str) -> float:
-    """How deep things of a label are that hang on a wall."""
+def _usual_depth(label: str) -> float | None:
+    """How deep things of a label are; None: of no known one."""
     sizes = sizes_of(label)
-    return float(np.median(sizes[:, 0])) if len(sizes) else FLAT_DEPTH
+    return float(np.median(sizes[:, 0])) if len(sizes) else None
 
 
 def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]) -> WallPlane:
@@ -141,13 +143,13 @@ class _Room:
 
     def _box(self, item: DrawnObject, points: list[Pixel], above: tuple[str, ...]) -> UprightBox:
         sizes = item.sizes if self.typed else (None, None, None)
+        deep = _usual_depth(item.label) if self.typed else None
         if item.on in self.walls:
-            flat = _usual_depth(item.label) if self.typed else FLAT_DEPTH
-            return fit_hanging_box(self.view, self.walls[item.on], points[:3], sizes, flat)
+            return fit_hanging_box(self.view, self.walls[item.on], points[:3], sizes, deep or FLAT_DEPTH)
         ground = self._ground(item, above)
         if item.round:
             return round_box(self.view, ground, points, sizes)
-        return fit_standing_box(self.view, ground, points, sizes, item.free)
+        return fit_standing_box(self.view, ground, points, sizes, item.free, deep)
 
     def _trim_at_walls(self, box: UprightBox) -> UprightBox:
         """The box as deep as to the wall behind its front, if it would go through it."""
@@ -184,7 +186,8 @@ class _Room:
     def _can_move_nearer(self, item: DrawnObject, carrier: UprightBox) -> bool:
         """Whether its rear could be put over what carries it."""
         box, eye = self.boxes[item.id], np.array([0, 0, self.view.above])
-        for share in np.linspace(1, NEARER, 31):
+        nearest = NEAREST_GUESSED if item.on in self.guessed else NEARER
+        for share in np.linspace(1, nearest, 31):
             sizes = zip(item.sizes if self.typed else (None,) * 3, box.size, strict=True)
             size = np.array([known or share * seen for known, seen in sizes])
             center = eye + share * (box.center - eye)
@@ -277,7 +280,7 @@ def solve(project: Project) -> Solved:
                 odd += _cause(item, room)
             hangs = item.on in room.walls
             edge, guess = is_edge_marked(box) if hangs else "", _list_guessed(item, hangs)
-            lines = [edge, room.notes.get(item.id, guess), odd]
+            lines = [UNSURE if item.unsure else "", edge, room.notes.get(item.id, guess), odd]
             if doubted := "; ".join(filter(None, [edge, room.notes.get(item.id, guess.partition(":")[0])])):
                 moved = item.id in room.notes and item.id not in room.guessed and not edge
                 doubts[item.id] = [Doubt(cause="place" if moved else "size", what=doubted)]

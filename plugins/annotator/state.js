@@ -2,7 +2,7 @@
 
 export const state = {
   project: null, fresh: null, solved: null, depth: false,
-  step: 'camera', tool: 'select', draft: null, chosen: null, handle: null, grid: true, trouble: '', under: null, next: 'auto', proposals: {},
+  step: 'camera', tool: 'select', draft: null, chosen: null, handle: null, grid: true, trouble: '', under: null, next: 'auto', proposals: {}, clicked: null,
 };
 const listeners = [];
 const past = [];
@@ -56,7 +56,15 @@ export function edit(change, step = true) {
   touch();
 }
 
+// What a person has changed is unsure no more.
+function settle() {
+  if (!past.length || !state.project.objects.some((item) => item.unsure)) return;
+  const before = new Map(JSON.parse(past.at(-1)).objects.map((item) => [item.id, JSON.stringify(item)]));
+  for (const item of state.project.objects) if (before.has(item.id) && before.get(item.id) !== JSON.stringify(item)) item.unsure = false;
+}
+
 export function touch() {
+  settle();
   edits += 1;
   clearTimeout(saving);
   document.getElementById('saved').textContent = '…';

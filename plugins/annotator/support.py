@@ -19,7 +19,8 @@ def support_at(project: Project, solved: Solved, pixel: tuple[float, float], sta
     the wall behind.
 
     Marks are a few pixels off: the base of an object at the front edge of a top is easily marked below the edge, at
-    the rear edge up the wall; and the top itself may be marked at the lower edge of the worktop.
+    the rear edge up the wall; and the top itself may be marked at the lower edge of the worktop. A top of guessed depth
+    may reach farther back than it is drawn.
     """
     ray, eye = solved.view.rays(pixel), np.array([0, 0, solved.view.above])
     best, nearest = "floor", np.inf
@@ -41,12 +42,23 @@ def support_at(project: Project, solved: Solved, pixel: tuple[float, float], sta
     for name, wall in solved.walls.items():
         if (reach := float(wall.reach(ray))) < nearest:
             best, nearest = name, reach
+    close = min(beside, key=lambda name: beside[name], default="floor")
+    near = beside.get(close, np.inf) < BASE_SLACK * solved.view.height
+    if near and close in solved.guessed and _is_behind(solved, close, pixel, nearest):
+        return close
     if best == "floor":
         return best
-    close = min(beside, key=lambda name: beside[name], default="floor")
     if stands:
-        return close if beside.get(close, np.inf) < BASE_SLACK * solved.view.height else "floor"
+        return close if near else "floor"
     if close == "floor":
         return best
     away = float(np.linalg.norm(solved.boxes[close].center - eye)) * (solved.factor or 1.0)
     return close if beside[close] < solved.view.focal * WORKTOP / away + 2 * CLICK else best
+
+
+def _is_behind(solved: Solved, name: str, pixel: tuple[float, float], reach: float) -> bool:
+    """Whether a pixel that shows what is `reach` away lies behind a box: its top, if deeper, would reach there."""
+    box, eye = solved.boxes[name], np.array([0, 0, solved.view.above])
+    columns = solved.view.project(corners(box)[4:])[:, 0]
+    across = columns.min() - 2 * CLICK < pixel[0] < columns.max() + 2 * CLICK
+    return bool(across and reach > (box.center - eye) @ solved.view.rotation[:, 2])

@@ -1,11 +1,13 @@
 // Gestures and keys: what a click, a movement or a key does to the drawing.
 import { frameKey, keyOf } from './both.js';
 import { ask, changed, copy, edit, find, freeId, isWall, nameOf, object, remember, remove, solve, state, touch, wall } from './state.js';
+import * as clicks from './clicks.js';
+import { page } from './outlining.js';
 import { move, pixel, zoom } from './canvas.js';
 import { draw } from './drawing.js';
 
 const svg = document.getElementById('view');
-const STEPS = { x: 'camera', y: 'camera', z: 'camera', measure: 'camera', wall: 'walls', box: 'objects', round: 'objects', outline: 'objects' };
+const STEPS = { x: 'camera', y: 'camera', z: 'camera', measure: 'camera', wall: 'walls', box: 'objects', round: 'objects', outline: 'objects', click: 'objects' };
 const FAR = 8; // screen pixels: a press that moves farther is a drag, whose end counts as a second click
 const STANDING = ['Click the lower left corner of its front.', 'Click the lower right corner of its front (Shift: not along the walls).',
   'Click its upper edge in front.', 'Click any rear corner that you see (Enter: guess its depth).'];
@@ -35,6 +37,7 @@ function onto() {
 
 export function hint() {
   if (state.tool === 'select') return IDLE[state.step];
+  if (state.tool === 'click') return clicks.hint();
   const drawn = (state.draft?.points.length ?? 1) - 1;
   if (state.tool === 'round') return onto() + (ROUND[drawn] ?? '');
   const worktop = drawn === 2 && state.draft?.on === 'floor' ? ' Of a counter: that of the worktop, not of the doors.' : '';
@@ -45,6 +48,8 @@ export function hint() {
 
 export function choose(tool) {
   state.draft = state.under = null;
+  clicks.end();
+  if (tool === 'click' && !clicks.offered()) return;
   if (tool === 'outline' && (!state.chosen || isWall(state.chosen))) tool = 'select';
   state.tool = tool;
   if (STEPS[tool]) state.step = STEPS[tool];
@@ -96,8 +101,8 @@ async function look(at) {
 }
 
 // One after the other: the first click of a box waits for the server to say what is there.
-let clicks = Promise.resolve();
-const clicked = (at, shift) => { clicks = clicks.then(() => click(at, shift)); };
+let drawing = Promise.resolve();
+const clicked = (at, shift) => { drawing = drawing.then(() => click(at, shift)); };
 
 // Keep the first `count` points of the draft as what the tool draws.
 function finish(count) {
@@ -114,7 +119,7 @@ function finish(count) {
       state.next = 'auto';
     } else if (tool === 'wall') project.walls.push(wall(freeId('wall'), draft));
     else if (tool === 'measure') project.scale = { ...project.scale, kind: project.scale.kind === 'floor' ? 'floor' : 'upright', points: draft.points };
-    else if (tool === 'outline') find(state.chosen).outline = draft.points;
+    else if (tool === 'outline') Object.assign(find(state.chosen), { outline: draft.points, pieces: [] });
     else project.perspective.guides.push({ axis: tool, a: draft.points[0], b: draft.points[1] });
   });
   state.tool = 'select';
@@ -150,6 +155,7 @@ svg.addEventListener('pointerdown', (event) => {
   svg.setPointerCapture(event.pointerId);
   press = { x: event.clientX, y: event.clientY, at, moved: false, handle: null, pan: event.button === 1 };
   if (event.button !== 0) return;
+  if (state.tool === 'click') { state.draft = { kind: 'frame', points: [at, at] }; return; }
   if (state.tool !== 'select') { clicked(at, event.shiftKey); return; }
   const item = event.target.closest('[data-object]')?.dataset.object;
   state.handle = name ?? null;
@@ -172,7 +178,10 @@ svg.addEventListener('pointermove', (event) => {
   } else if (['box', 'round'].includes(state.tool)) look(at);
 });
 svg.addEventListener('pointerup', (event) => {
-  if (press?.moved && state.draft && !press.pan) clicked(pixel(event), event.shiftKey);
+  if (press && state.draft?.kind === 'frame') {
+    state.draft = null;
+    clicks.click(press.moved ? press.at : null, press.moved ? pixel(event) : press.at, !event.shiftKey, page);
+  } else if (press?.moved && state.draft && !press.pan) clicked(pixel(event), event.shiftKey);
   press = null;
 });
 svg.addEventListener('wheel', (event) => { event.preventDefault(); zoom(Math.exp(event.deltaY / 500), pixel(event)); }, { passive: false });
@@ -180,7 +189,7 @@ svg.addEventListener('mousedown', (event) => event.preventDefault()); // else it
 svg.addEventListener('contextmenu', (event) => event.preventDefault());
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-const TOOLS = { x: 'x', y: 'y', z: 'z', m: 'measure', w: 'wall', b: 'box', r: 'round', o: 'outline' };
+const TOOLS = { x: 'x', y: 'y', z: 'z', m: 'measure', w: 'wall', b: 'box', r: 'round', o: 'outline', c: 'click' };
 const NUMBERS = { 1: 'camera', 2: 'walls', 3: 'objects', 4: 'write' };
 
 function next(by) {
@@ -205,7 +214,9 @@ document.addEventListener('keydown', (event) => {
   if (TOOLS[key]) choose(TOOLS[key]);
   else if (NUMBERS[key]) step(NUMBERS[key]);
   else if (key === 'Escape') cancel();
-  else if (key === 'Enter' && state.draft) clicks = clicks.then(() => state.draft && finish(state.draft.points.length - 1));
+  else if (key === 'Enter' && state.draft) drawing = drawing.then(() => state.draft && finish(state.draft.points.length - 1));
+  else if (key === 'Enter' && state.tool === 'click') { clicks.end(); changed(); }
+  else if (key === 'g' && state.tool === 'click') clicks.another(page);
   else if (key === 'Backspace' && state.draft) { if (state.draft.points.length > 2) { state.draft.points.splice(-2, 1); changed(); solve(); } else cancel(); }
   else if (key === 'Delete' || key === 'Backspace') erase();
   else if (ARROWS[key] && state.handle) {

@@ -184,6 +184,11 @@ class PromptEncoder(nn.Module):
         inside = self.locate(points) + self.point_embeddings[1].weight
         return torch.stack([inside, self.not_a_point_embed.weight.expand_as(inside)], 1)
 
+    def clicks(self, points: Tensor, inside: Tensor) -> Tensor:
+        """Tokens (1, K + 1, WIDTH) of K points (K, 2) of one thing: `inside` (K,) it, 1, or outside, 0."""
+        kinds = torch.cat([kind.weight for kind in self.point_embeddings[:2]])
+        return torch.cat([self.locate(points) + kinds[inside], self.not_a_point_embed.weight])[None]
+
     def boxes(self, boxes: Tensor) -> Tensor:
         """Tokens (N, 2, WIDTH) of boxes (N, 4), x0, y0, x1, y1."""
         corners = torch.cat([self.point_embeddings[2].weight, self.point_embeddings[3].weight])

@@ -104,6 +104,11 @@ class Embedded:
         tokens = self._network.prompt_encoder.points(self._fractions(points, 2))
         return self._outline(tokens, batch)
 
+    def outline_clicks(self, points: ArrayLike, inside: ArrayLike) -> Outlines:
+        """The one thing that points (K, 2), x and y in pixels, say together: each lies inside it, or outside, (K,)."""
+        kinds = torch.from_numpy(np.asarray(inside, np.int64))
+        return self._outline(self._network.prompt_encoder.clicks(self._fractions(points, 2), kinds), 1)
+
     def outline_boxes(self, boxes: ArrayLike, batch: int = BATCH) -> Outlines:
         """What lies in each of some boxes (N, 4), x0, y0, x1, y1 in pixels."""
         tokens = self._network.prompt_encoder.boxes(self._fractions(boxes, 4))

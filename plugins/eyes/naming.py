@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from plugins.eyes.choosing import Outlined
+from plugins.eyes.choosing import ON_WALL, Outlined, share
 from plugins.eyes.proposal import Array, Mask, RoomView
 from plugins.names.observed import observe
 from plugins.names.propose import Names, Proposal, propose_names
@@ -73,6 +73,12 @@ def rests_on(heights: Array, other: Named, one: Named) -> bool:
     columns, rows = columns[inside], rows[inside]
     below, step = one.outlined.mask[rows + BELOW, columns], heights[rows + BELOW, columns] - heights[rows, columns]
     return bool((below & (np.abs(step) < RESTS)).sum() > len(columns) / 2)
+
+
+def name_outline(view: RoomView, mask: Mask, words: Mapping[str, float]) -> Names:
+    """The names of what a person has outlined, (H, W); `words`: COCO's classes that were seen there, with scores."""
+    flat = share(view.surfaces.beyond, mask & (view.depth > 0)) > ON_WALL
+    return decide(view, Outlined(mask, 1.0, "click", words, flat), 0.0).names
 
 
 def decide(view: RoomView, thing: Outlined, sure: float) -> Named:

@@ -64,8 +64,7 @@ def print_summary(out: Path, frame: Frame, written: Annotations | None) -> None:
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
     if written is None:
         print(f"{out}: no masks. Find things: python -m plugins.eyes see --picture {out} --out FOLDER")
-        print(f"Or draw boxes: python -m plugins.annotator annotate {out / 'rgb.png'} --out {out} --depth "
-              f"{out / 'depth.npz'} --camera {out / 'camera.json'}; or give --masks")  # fmt: skip
+        print(f"Or click them: python -m plugins.annotator annotate {out}; or give --masks")
         return
     floor = "a floor" if written.floor else "no floor named: what most of them stand on is the ground"
     print(f"{out}: {len(written.objects)} objects, {len(written.walls)} walls, {floor}")

@@ -13,6 +13,7 @@ from stages.contracts.types import (
     Coordinate,
     Id,
     MaskValue,
+    Outline,
     Panels,
     Pixel,
     Size,
@@ -37,7 +38,8 @@ class Correction(Contract):
     around: tuple[Pixel, Pixel] | None = Field(
         None, description="opposite corners of what shows it; cut out of the picture"
     )
-    outline: list[Pixel] = Field([], max_length=1000, description="the pixels that show it")
+    outline: Outline = Field([], description="the pixels that show it")
+    pieces: list[Outline] = Field([], max_length=50, description="further outlines, where what is before it cuts it")
     joins: list[MaskValue] = Field([], max_length=1000, description="masks that show further parts of it")
     articulated: bool | None = None
     doors: Panels | None = None
@@ -56,6 +58,11 @@ class Correction(Contract):
     pinned: bool = Field(False, description="`model` stands at every rank")
     banned: list[Id] = Field([], max_length=1000, description="assets that do not stand for it")
     like: MaskValue | None = Field(None, description="the thing whose model it has, at every rank")
+
+    @property
+    def outlines(self) -> list[list[Pixel]]:
+        """Its outline, and those of its further pieces."""
+        return [points for points in (self.outline, *self.pieces) if len(points) > 2]
 
     @model_validator(mode="after")
     def _one_model(self) -> "Correction":

@@ -57,6 +57,7 @@ Vector = tuple[Finite, Finite, Finite]
 Position = tuple[Coordinate, Coordinate, Coordinate]
 PixelCoordinate = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]  # vanishing points may lie far outside
 Pixel = tuple[PixelCoordinate, PixelCoordinate]
+Outline = Annotated[list[Pixel], Field(max_length=1000)]
 Size = tuple[Extent, Extent, Extent]
 
 

@@ -11,7 +11,7 @@ from stages.contracts.fronts import count_fronts
 from stages.contracts.parts import says_opening
 from stages.contracts.scenes import Annotation, Annotations, Held
 from stages.contracts.types import FLOOR, WALL, Pixel
-from stages.geometry.masks import pixel_bounds, polygon
+from stages.geometry.masks import pixel_bounds, polygons
 
 ROOM = (FLOOR, WALL)  # labels of what is no object
 AROUND = 0.25  # share of a box by which the picture around it is looked at, to tell what is behind; chosen
@@ -50,7 +50,7 @@ def apply_corrections(found: dict[int, Correction], stated: dict[int, Correction
 
 def is_drawn(item: Correction) -> bool:
     """Whether its pixels are not as they were found."""
-    return item.around is not None or len(item.outline) > 2 or bool(item.joins)
+    return item.around is not None or bool(item.outlines or item.joins)
 
 
 class Cutter:
@@ -116,8 +116,8 @@ def paint_masks(things: dict[int, Correction], found: NDArray[np.uint16], cut: C
     pixels: dict[int, int] = {}
     swallowed: dict[int, tuple[float, int]] = {}
     for item in sorted(things.values(), key=lambda item: (item.label not in ROOM, is_drawn(item))):
-        if len(item.outline) > 2:
-            shown = polygon(item.outline, masks.shape)
+        if item.outlines:
+            shown = polygons(item.outlines, masks.shape)
         elif item.around is not None:
             shown = cut(clip_box(item.around, width, height))
         else:

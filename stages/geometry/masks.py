@@ -1,5 +1,7 @@
 """Masks of an image (H, W): bounds, polygons, and the pixels that can be trusted (paper A.7)."""
 
+from collections.abc import Iterable
+
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +29,14 @@ def polygon(points: ArrayLike, shape: tuple[int, int]) -> Mask:
     if len(corners) >= 3 and np.isfinite(corners).all():
         cv2.fillPoly(mask, [np.rint(np.clip(corners, -FARTHEST_CORNER, FARTHEST_CORNER)).astype(np.int32)], 1)
     return mask > 0
+
+
+def polygons(outlines: Iterable[ArrayLike], shape: tuple[int, int]) -> Mask:
+    """Pixels (H, W) inside any of some polygons."""
+    inside = np.zeros(shape, dtype=bool)
+    for points in outlines:
+        inside |= polygon(points, shape)
+    return inside
 
 
 def central_crop(shape: tuple[int, int], share: float) -> Mask:

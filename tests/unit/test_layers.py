@@ -37,6 +37,8 @@ ON_OTHERS = {  # few, each for a reason
     ("studies", "claims"),
     ("studies", "report"),  # the times of a run
     ("annotator", "report"),  # doubts and pictures of models, as pages show them
+    ("annotator", "eyes"),  # a click outlines
+    ("annotator", "names"),  # and names
     ("annotator", "inputs"),  # a photograph's camera, and what an input folder is
 }
 

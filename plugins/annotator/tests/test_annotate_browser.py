@@ -14,7 +14,7 @@ from plugins.annotator.session import Session
 from plugins.annotator.tests.annotate_page import Hand, TrueRoom, watched
 from plugins.inputs.photo.picture import read_photo
 from plugins.report.tests.test_report_browser import CONTRAST, FLAGS
-from stages.contracts import Annotations, Camera, Objects, read_json
+from stages.contracts import Annotations, Camera, Objects, read_json, write_json
 from stages.extraction.extract import run as extract
 from stages.geometry.frames import invert_transform, transform_points
 
@@ -284,6 +284,32 @@ def test_a_narrow_screen_shows_all_and_needs_no_keyboard(opened: Opened) -> None
     page.wait_for_function("() => document.activeElement.id === 'label'")
     assert len(_saved(page, session).objects[0].points) == 3 and page.locator("#drafting").is_hidden()
     assert page.evaluate(WIDE) == []
+
+
+def test_what_networks_found_is_dashed_until_a_person_changes_or_confirms_it(browser: Any, tmp_path: Path) -> None:
+    session, room = Session(read_photo(ROOM / "rgb.jpg"), "rgb.jpg", tmp_path / "room"), TrueRoom(ROOM)
+    with watched(browser, session, "#over line") as page:
+        hand = Hand(page, room, 0)
+        for item in (room.truth.objects[0], room.truth.objects[3]):
+            hand.object(item, "floor")
+        drawing = _saved(page, session)
+    for found in drawing.objects:
+        found.unsure = True
+    write_json(session.folder / PROJECT, drawing)
+    with watched(browser, session, "#over .unsure polygon") as page:
+        hand = Hand(page, room, 0)
+        first, second = page.locator("#objects button").all()
+        first.click()
+        dashes = "e => getComputedStyle(e.querySelector('polygon')).strokeDasharray"
+        assert [one.evaluate(dashes) for one in page.locator("#over .unsure").all()] == ["7px, 5px"] * 2
+        page.get_by_role("button", name="It is right").click()
+        assert [item.unsure for item in _saved(page, session).objects] == [False, True]
+        second.click()
+        hand.fill("What it is", "desk")
+        assert not _saved(page, session).objects[1].unsure and page.locator("#right").is_hidden()
+        hand.key("Control+z")
+        assert _saved(page, session).objects[1].unsure
+        assert page.locator("#over .unsure").count() == 1
 
 
 def test_outlines_walls_camera_and_what_is_wrong(opened: Opened) -> None:

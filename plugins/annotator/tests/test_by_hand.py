@@ -19,7 +19,7 @@ from plugins.annotator.paint import paint
 from plugins.annotator.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
 from plugins.annotator.server import PageServer
 from plugins.annotator.session import Session, describe_room
-from plugins.annotator.solve import solve
+from plugins.annotator.solve import UNSURE, solve
 from plugins.annotator.support import support_at
 from plugins.annotator.tests.annotate_page import serve
 from plugins.annotator.write import at_size, write_folder
@@ -199,6 +199,24 @@ def test_depth_and_masks_show_the_nearest(tmp_path: Path) -> None:
     u, v = np.mean(outline, axis=0).round().astype(int)
     assert masks[v, u] == 1 and 0 < (masks == 1).sum() < 0.4 * (painted.masks == 1).sum()
     assert (masks[v, : u - 40] != 1).all()
+    whole = (masks == 1).sum()
+    drawing.objects[0].pieces = [[(x + 20, y) for x, y in outline]]  # a leg stands before it
+    masks = paint(drawing, solve(drawing)).masks
+    assert masks[v, u] == masks[v, u + 20] == 1 and (masks == 1).sum() == pytest.approx(2 * whole, rel=0.05)
+
+
+def test_an_outline_beside_its_box_shows_the_thing_all_the_same() -> None:
+    drawing = _drawing(walls=[])
+    plain = paint(drawing, solve(drawing))
+    high = _pixels([[-0.9, 2.9, 0], [-0.1, 2.9, 0], [-0.1, 2.9, 1.1], [-0.9, 2.9, 1.1]])  # by a fifth too high
+    drawing.objects = drawing.objects[:1]
+    drawing.objects[0].outline = high
+    painted = paint(drawing, solve(drawing))
+    u, v = np.rint(_pixels([[-0.3, 2.9, 1.05]])[0]).astype(int)
+    assert plain.masks[v, u] != 1 and painted.masks[v, u] == 1
+    assert painted.depth[v, u] == pytest.approx(painted.depth[v + 20, u], rel=0.2)
+    drawing.objects[0].outline = _pixels([[3, 4, 0], [3.2, 4, 0], [3.2, 4, 0.2]])  # far from it
+    assert 1 not in paint(drawing, solve(drawing)).masks
 
 
 def test_round_things_are_round(tmp_path: Path) -> None:
@@ -236,6 +254,27 @@ def test_what_stands_at_the_rear_edge_of_a_top_is_on_it_not_on_the_wall(tmp_path
     assert session.support(asked) == {"on": "back"} and session.support(asked | {"stands": True}) == {"on": "floor"}
 
 
+def test_what_stands_far_back_on_a_top_of_guessed_depth_is_put_onto_it() -> None:
+    deep, oven = (
+        UprightBox([-0.5, 3.5, 0.6], [1.2, 1.2, 1.2], 0.0),
+        UprightBox([-0.5, 3.95, 1.35], [0.5, 0.3, 0.3], 0.0),
+    )
+    front = {name: [_pixels(corners(box))[k] for k in (0, 1, 4)] for name, box in (("deep", deep), ("oven", oven))}
+    drawing = _drawing(walls=[], objects=[DrawnObject(id="deep", label="cabinet", points=front["deep"])])
+    foot = front["oven"][0]
+    solved = solve(drawing)
+    assert solved.boxes["deep"].size[1] < 0.8 and support_at(drawing, solved, foot) == "deep"
+    assert support_at(drawing, solved, (foot[0] - 60, foot[1])) == "floor", "beside it"
+    assert support_at(drawing, solved, (foot[0], foot[1] - 20)) == "floor", "far behind it"
+    drawing.objects.append(DrawnObject(id="oven", label="microwave", on="deep", points=front["oven"]))
+    solved = solve(drawing)
+    carrier, box = solved.boxes["deep"], solved.boxes["oven"]
+    assert box.bottom == pytest.approx(carrier.top) and abs(box.center[1] - carrier.center[1]) < carrier.size[1] / 2
+    assert 0.3 < box.size[0] < 0.5 and "nearer" in solved.notes["oven"]
+    drawing.objects[0].points.append(_pixels(corners(deep))[6])  # a rear corner tells how deep it is
+    assert solve(drawing).boxes["oven"].size[0] == pytest.approx(0.5, abs=0.02)
+
+
 def test_sizes_that_cannot_be_are_doubted() -> None:
     drawing = _drawing()
     assert solve(drawing).notes == {}
@@ -245,6 +284,13 @@ def test_sizes_that_cannot_be_are_doubted() -> None:
     shelf.points[1] = (shelf.points[1][0], shelf.points[0][1])
     assert "mm thin: draw it anew" in solve(drawing).notes["shelf"]
     assert "mug" not in solve(drawing).notes, "of no category of ours"
+
+
+def test_what_networks_found_is_told_until_a_person_has_looked() -> None:
+    drawing = _drawing()
+    drawing.objects[0].unsure = True
+    assert solve(drawing).notes == {"cabinet": UNSURE}
+    assert Project.model_validate(drawing.model_dump(mode="json")).objects[0].unsure
 
 
 def test_what_hangs_is_as_deep_as_things_of_its_name() -> None:
@@ -388,7 +434,7 @@ def test_a_foot_marked_too_high_is_put_onto_what_carries_it() -> None:
     assert "its base lay beyond what it stands on" in solved.notes["mug"]
     assert box.bottom == pytest.approx(carrier.top) and box.top == pytest.approx(BOXES["mug"].top, abs=0.06)
     away = np.linalg.norm(BOXES["mug"].center)
-    assert np.linalg.norm(np.subtract(box.center, BOXES["mug"].center)) < 0.1 * away
+    assert np.linalg.norm(np.subtract(box.center, BOXES["mug"].center)) < 0.12 * away
     mug.points = [(u + 150, v) for u, v in mug.points]  # beside it
     assert "is that deep enough" in solve(drawing).notes["mug"]
 
@@ -406,12 +452,12 @@ def test_a_rear_corner_beyond_what_carries_it_does_not_spoil_the_rest() -> None:
     )
     assert solve(drawing).boxes["oven"].size == pytest.approx(box.size, abs=0.02)
     oven = drawing.objects[1]
-    (u, v), exact = oven.points[3], oven.points[:3]
+    (u, v), exact, usual = oven.points[3], oven.points[:3], np.median(sizes_of("oven")[:, 0])
     for corner in ((u - 20, v), (u + 10, v)):  # both would be more than a metre deep
         oven.points = [*exact, corner]
         solved = solve(drawing)
         assert solved.notes["oven"].startswith("its rear corner lay beyond what it stands on")
-        assert "oven" in solved.guessed and solved.boxes["oven"].size == pytest.approx([0.5, 0.5, 0.3], abs=0.02)
+        assert "oven" in solved.guessed and solved.boxes["oven"].size == pytest.approx([0.5, usual, 0.3], abs=0.02)
 
 
 def test_an_absurd_size_is_told_with_the_usual_one_which_can_be_taken() -> None:
@@ -469,11 +515,13 @@ def test_a_guessed_depth_ends_at_the_wall_behind() -> None:
     """Walls are pixels, a guess is metres: a height of the camera that is taken later must not part them."""
     drawing = _drawing()
     cabinet = drawing.objects[0]
-    cabinet.points = cabinet.points[:3]
+    cabinet.label, cabinet.points = "", cabinet.points[:3]
     for metres, depth in ((1.5, 0.6), (1.2, 0.48), (2.0, 0.6)):
         drawing.scale.metres = metres
         solved = solve(drawing)
         assert solved.boxes["cabinet"].size[1] == pytest.approx(depth, abs=0.01) and "cabinet" in solved.guessed
+    cabinet.label = "cabinet"
+    assert solve(drawing).boxes["cabinet"].size[1] == pytest.approx(np.median(sizes_of("cabinet")[:, 0]))
     cabinet.depth = 0.6
     drawing.scale.metres = 1.2
     assert solve(drawing).boxes["cabinet"].size[1] == 0.6, "what was typed stays"

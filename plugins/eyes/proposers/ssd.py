@@ -3,6 +3,7 @@
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plugins.eyes.proposal import Proposal, RoomView
 from plugins.eyes.ssd import Box, Ssd, overlap
@@ -21,7 +22,7 @@ INDOORS = {
 
 def propose(view: RoomView) -> list[Proposal]:
     """An outline for each box, the best of three, with the classes that were seen there."""
-    boxes = find_boxes(view)
+    boxes = find_boxes(view.rgb)
     if not boxes:
         return []
     outlines = view.embedded.outline_boxes([box.box for box in boxes])
@@ -33,15 +34,15 @@ def propose(view: RoomView) -> list[Proposal]:
     ]
 
 
-def find_boxes(view: RoomView) -> list[Box]:
-    """Boxes of things of rooms, those of the whole picture before those of its parts, each thing once."""
-    network, (height, width) = Ssd(), view.depth.shape
-    found = [box for box in network.detect(view.rgb, MIN_BOX_SCORE) if box.name in INDOORS]
+def find_boxes(rgb: NDArray[np.uint8]) -> list[Box]:
+    """Boxes of things of rooms in a picture (H, W, 3), those of the whole before those of parts, each thing once."""
+    network, (height, width) = Ssd(), rgb.shape[:2]
+    found = [box for box in network.detect(rgb, MIN_BOX_SCORE) if box.name in INDOORS]
     size = np.array([width, height])
     for down, across in product((0, 1), (0, 0.5, 1)):
         x0, y0 = ((1 - PART) * size * (across, down)).astype(int)
         x1, y1 = (x0 + int(PART * width), y0 + int(PART * height))
-        for box in network.detect(view.rgb[y0:y1, x0:x1], MIN_BOX_SCORE):
+        for box in network.detect(rgb[y0:y1, x0:x1], MIN_BOX_SCORE):
             moved = (box.box[0] + x0, box.box[1] + y0, box.box[2] + x0, box.box[3] + y0)
             is_cut = (
                 (x0 > 0 and moved[0] < x0 + EDGE)

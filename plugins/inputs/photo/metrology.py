@@ -179,6 +179,7 @@ def fit_standing_box(
     pixels: list[tuple[float, float]],
     sizes: tuple[float | None, float | None, float | None],
     free: bool,
+    deep: float | None = None,
 ) -> UprightBox:
     """A box on a level ground: the two lower corners of its front, a point of the front's upper edge, a rear corner.
 
@@ -186,9 +187,10 @@ def fit_standing_box(
 
     Args:
         ground: height of what it stands on.
-        pixels: two to four; without the third it is flat, without the fourth as deep as it is wide, 0.6 m at most.
+        pixels: two to four; without the third it is flat, without the fourth its depth is guessed.
         sizes: width, depth and height in metres where they are known; the front's middle stays.
         free: its front need not run along a wall.
+        deep: metres that are guessed; None: as deep as it is wide, 0.6 m at most.
     """
     left, right = view.meet_level(pixels[0], ground), view.meet_level(pixels[1], ground)
     along = snap_direction(right - left, free)
@@ -202,7 +204,7 @@ def fit_standing_box(
         height = float(view.meet_plane(pixels[2], inward, float(inward @ middle))[2]) - ground
         if height <= 0:
             raise MetrologyError("its top lies below its base")
-    depth = sizes[1] or min(width, 0.6)
+    depth = sizes[1] or deep or min(width, 0.6)
     if sizes[1] is None and len(pixels) > 3:
         ends = [middle - along * width / 2, middle + along * width / 2]
         corners = np.array([[*end[:2], z] for end in ends for z in (ground, ground + height)])

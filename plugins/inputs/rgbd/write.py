@@ -19,6 +19,8 @@ from stages.geometry.estimate import TRIM
 
 LONGEST_LABEL = 200  # characters
 MOSTLY = 0.8  # share of the proposed names that open, from which on only models that open are compared; chosen
+# Depth is good up to the border, few points stray, and what is held in a hand looks down steeply.
+FRAME_OPTIONS = {"extraction": {"crop": 1.0, "trim": TRIM, "max_tilt": TILT}}
 FLOORS, WALLS = {"floor", "ground", "carpet"}, {"wall", "walls"}
 
 
@@ -90,6 +92,5 @@ def write_frame(folder: Path, frame: Frame) -> Annotations | None:
     masks, annotations = make_annotations(frame.masks)
     depth = remove_edges(frame.depth, frame.masks.values)
     write_scene_input(folder, frame.rgb, depth, camera, masks, annotations)
-    # Depth is good up to the border, few points stray, and what is held in a hand looks down steeply.
-    write_config(folder, extraction={"crop": 1.0, "trim": TRIM, "max_tilt": TILT})
+    write_config(folder, **FRAME_OPTIONS)
     return annotations
