@@ -26,6 +26,7 @@ def describe_category(record: Category) -> Row:
             "names": _split(record.names),
             "like": _split(record.like),
             "kin": _split(record.kin),
+            "places": _split(record.places),
             "doors": doors,
             "flaps": flaps,
             "sizes": sizes(range(SAMPLES)),

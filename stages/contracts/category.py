@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from stages.contracts.files import Contract
 from stages.contracts.types import Id, Panels, Size, Text
 
 Array = NDArray[np.float64]
+Place = Literal["floor", "top", "wall"]
 FEWEST_MODELS = 3  # that say how large a category is: the next one is outside n others with 2 chances of n + 1
 UNLIKE = 0.15  # deviation of logarithms of extents; chosen on `work`
 USUAL_SPREAD = float(np.log(1.5))  # by which an extent may lie beyond those of its category's models and still be usual
@@ -56,6 +57,7 @@ class Category(Contract):
     names: list[Text] = Field([], description="what else it is called: labels and file names that say so mean it")
     like: list[Text] = Field([], description="words for similar things: a label that says so is nearest to it")
     kin: list[Text] = Field([], description="kinds of things that it is one of: labels of no category are nearest")
+    places: list[Place] = Field(["floor"], description="where its things are; top: on what carries things")
     doors: Panels = Field(0, description="on upright hinges, of all of its first models together")
     flaps: Panels = Field(0, description="on level hinges, likewise")
     sizes: list[Size] = Field([], description="of models that say how large it usually is")

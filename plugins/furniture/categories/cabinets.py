@@ -122,6 +122,7 @@ def sample_tv_stand(rng: Rng, index: int) -> Sampled:
     count=27,
     names="medicine cabinet, upper cabinet, cabinet upper",
     kin="storage",
+    places="wall",
     varied=True,
     fronts=columns("D", "D D", "D D D", "D D D D", "DO DO", "D O") + rows("DD PP"),
 )

@@ -86,7 +86,7 @@ def _sample_further_fridge(rng: Rng, number: int) -> Sampled:
     return Sampled(size, p)
 
 
-@category("microwave", templates=4, count=12, kin="appliance", varied=True, appliance=True)
+@category("microwave", templates=4, count=12, kin="appliance", places="top", varied=True, appliance=True)
 def sample_microwave(rng: Rng, index: int) -> Sampled:
     """A glazed door beside a control panel; stands on something."""
     size = box_of(rng, (0.34, 0.44), (0.44, 0.58), (0.26, 0.34))

@@ -40,6 +40,7 @@ def grid(
     names="computer monitor, computer screen, screen, desktop computer",
     like="display, computer",
     kin="flat",
+    places="top",
 )
 def sample_monitor(rng: Rng, index: int) -> Sampled:
     """A screen on a neck or a bar, higher above the desk than a television above its stand."""
@@ -81,7 +82,7 @@ class Keyboard(Generator):
         return Model([*parts, seen(keys, self.key_colour)], placement="object")
 
 
-@category("keyboard", templates=3, names="computer keyboard, typewriter", kin="device")
+@category("keyboard", templates=3, names="computer keyboard, typewriter", kin="device", places="top")
 def sample_keyboard(rng: Rng, index: int) -> Sampled:
     """With a block of digits or without."""
     wide = rng.uniform(0.28, 0.36) if index % 3 == 1 else rng.uniform(0.4, 0.46)
@@ -121,4 +122,5 @@ MOUSE = Category(
     names="computer mouse",
     like="trackball",
     kin="device",
+    places="top",
 )

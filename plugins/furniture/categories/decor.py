@@ -53,7 +53,7 @@ class Television(Generator):
         return Model(parts, placement="object")
 
 
-@category("television", templates=4, count=10, names="tv", like="telly", kin="flat")
+@category("television", templates=4, count=10, names="tv", like="telly", kin="flat", places="top, wall")
 def sample_television(rng: Rng, index: int) -> Sampled:
     """Small to large, wide or old-fashioned 4:3."""
     wide = rng.uniform(0.7, 1.25)
@@ -103,7 +103,15 @@ class Picture(Generator):
         return Model(parts, placement="wall")
 
 
-@category("picture", templates=4, count=10, names="painting", like="poster, artwork, canvas, frame, photo", kin="flat")
+@category(
+    "picture",
+    templates=4,
+    count=10,
+    names="painting",
+    like="poster, artwork, canvas, frame, photo",
+    kin="flat",
+    places="wall",
+)
 def sample_picture(rng: Rng, index: int) -> Sampled:
     """Portrait and landscape."""
     wide, tall = sorted(rng.uniform([0.3, 0.5], [0.5, 0.8]))

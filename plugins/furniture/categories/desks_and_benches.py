@@ -223,4 +223,5 @@ WALL_SHELF = Category(
     templates=5,
     like="wallshelf, wallrack, shelfboard",
     kin="storage",
+    places="wall",
 )

@@ -63,7 +63,7 @@ def _bail(grip: list[Part], z: float, body: float) -> Parts:
     return turned
 
 
-@category("kettle", templates=4, names="teapot", like="teakettle", kin="dish")
+@category("kettle", templates=4, names="teapot", like="teakettle", kin="dish", places="top")
 def sample_kettle(rng: Rng, index: int) -> Sampled:
     """Electric jugs, and kettles for the stove."""
     deep = rng.uniform(0.2, 0.25)
@@ -99,7 +99,7 @@ class Toaster(Generator):
 
 
 TWO, FOUR = ((0.27, 0.16, 0.17), (0.36, 0.2, 0.21)), ((0.27, 0.26, 0.17), (0.36, 0.3, 0.21))  # slices
-TOASTER = Category(name="toaster", sample=sized(Toaster, FOUR, TWO, TWO), templates=3, kin="appliance")
+TOASTER = Category(name="toaster", sample=sized(Toaster, FOUR, TWO, TWO), templates=3, kin="appliance", places="top")
 
 
 class Pan(Generator):
@@ -130,7 +130,7 @@ class Pan(Generator):
         return Model(move_model(Model(parts), (0.0, -reach / 2, 0.0)).base, placement="object")
 
 
-@category("pan", templates=3, names="frying pan, frypan, skillet", like="saucepan", kin="dish")
+@category("pan", templates=3, names="frying pan, frypan, skillet", like="saucepan", kin="dish", places="top")
 def sample_pan(rng: Rng, index: int) -> Sampled:
     """Flat frying pans to sauce pans with a lid."""
     diameter, lid = rng.uniform(0.2, 0.3), index % 3 == 2
@@ -168,7 +168,7 @@ class Jar(Generator):
         return Model(parts, symmetry="full", placement="object")
 
 
-@category("jar", templates=4, like="canister", kin="dish")
+@category("jar", templates=4, like="canister", kin="dish", places="top")
 def sample_jar(rng: Rng, index: int) -> Sampled:
     """Preserving jars, storage jars with a knob."""
     diameter = uniform(rng, 0.075, 0.13, 4)

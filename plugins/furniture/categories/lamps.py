@@ -78,7 +78,7 @@ def sample_floor_lamp(rng: Rng, index: int) -> Sampled:
     return Sampled((wide, wide, tall), _sample_lamp(rng, index, share, ["disc", "tripod"], "floor"))
 
 
-@category("table_lamp", templates=4, count=10, names="lamp", kin="lamp")
+@category("table_lamp", templates=4, count=10, names="lamp", kin="lamp", places="top")
 def sample_table_lamp(rng: Rng, index: int) -> Sampled:
     """Turned ceramic foot or disc."""
     wide, tall = uniform(rng, 0.22, 0.34), uniform(rng, 0.36, 0.58)

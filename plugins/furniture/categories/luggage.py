@@ -137,4 +137,5 @@ BAG = Category(
     names="backpack, handbag, hand bag, rucksack, satchel, tote, tote bag, purse, knapsack, school bag, shopping bag",
     like="pouch, duffel",
     kin="box",
+    places="floor, top",
 )

@@ -107,6 +107,7 @@ def _pillow(x: float, y: float, z: float, pinch: float, flat: float) -> Trimesh:
     names="pillow, throw pillow, couch cushion, sofa cushion, seat cushion",
     like="bolster, headrest",
     kin="cloth",
+    places="top",
 )
 def sample_cushion(rng: Rng, index: int) -> Sampled:
     """Square ones of sofas, long ones of beds, round ones of chairs."""

@@ -63,7 +63,7 @@ class PlantPot(Generator):
         return Model(parts, symmetry="full")
 
 
-@category("plant_pot", templates=4, count=10, names="flower pot, plant", kin="plant")
+@category("plant_pot", templates=4, count=10, names="flower pot, plant", kin="plant", places="floor, top")
 def sample_plant_pot(rng: Rng, index: int) -> Sampled:
     """From a desk plant to a small tree."""
     wide = rng.uniform(0.25, 0.5)

@@ -89,4 +89,5 @@ RADIATOR = Category(
     names="heater, panel heater, towel radiator, towel warmer",
     like="convector, heating",
     kin="fixture",
+    places="wall",
 )

@@ -54,7 +54,7 @@ class Clock(Generator):
         return Model(move_model(Model(parts), (0, 0, z / 2)).base, placement="wall")
 
 
-@category("clock", templates=4, kin="flat")
+@category("clock", templates=4, kin="flat", places="wall, top")
 def sample_clock(rng: Rng, index: int) -> Sampled:
     """Round and square."""
     wide = uniform(rng, 0.22, 0.42)
@@ -95,7 +95,7 @@ class Mirror(Generator):
         return Model([*parts, part(glass, SILVER, 2400.0, solid=False)], placement="wall")
 
 
-@category("mirror", templates=3, kin="flat")
+@category("mirror", templates=3, kin="flat", places="wall, floor")
 def sample_mirror(rng: Rng, index: int) -> Sampled:
     """Rectangular, oval, arched."""
     wide, tall = rng.uniform(0.35, 0.65), rng.uniform(0.75, 1.3)
@@ -133,7 +133,7 @@ class Laptop(Generator):
         return Model(parts, placement="object")
 
 
-@category("laptop", templates=3, like="computer", kin="flat")
+@category("laptop", templates=3, like="computer", kin="flat", places="top")
 def sample_laptop(rng: Rng, index: int) -> Sampled:
     """Small to large, more or less open."""
     wide, lean = rng.uniform(0.29, 0.38), rng.uniform(0.12, 0.3)
@@ -166,7 +166,7 @@ class Candlestick(Generator):
         return Model(parts, symmetry="full", placement="object")
 
 
-@category("candlestick", templates=4, names="candle holder", like="candle, candlestand", kin="lamp")
+@category("candlestick", templates=4, names="candle holder", like="candle, candlestand", kin="lamp", places="top")
 def sample_candlestick(rng: Rng, index: int) -> Sampled:
     """Turned holders, low and tall."""
     wide, tall = rng.uniform(0.07, 0.12), rng.uniform(0.14, 0.34)

@@ -134,7 +134,7 @@ class Carton(Generator):
         return Model(parts, symmetry="none" if self.label else "half_turn", placement="object")
 
 
-@category("box", templates=4, count=10, like="carton, crate, package", kin="box")
+@category("box", templates=4, count=10, like="carton, crate, package", kin="box", places="floor, top")
 def sample_box(rng: Rng, index: int) -> Sampled:
     """Cartons, boxes with a lid, crates."""
     style = ["closed", "open", "lid", "crate"][index % 4]
@@ -173,7 +173,7 @@ class Book(Generator):
         return Model(parts, placement="object")
 
 
-@category("book", templates=3, count=10, like="novel", kin="box")
+@category("book", templates=3, count=10, like="novel", kin="box", places="top")
 def sample_book(rng: Rng, index: int) -> Sampled:
     """One to four books."""
     count = 1 + index % 4

@@ -46,6 +46,7 @@ class Can(Generator):
     templates=3,
     names="tin, tin can, soda can, soup can, drink can, beer can, tuna can",
     kin="dish",
+    places="top",
 )
 def sample_can(rng: Rng, index: int) -> Sampled:
     """Of drinks, of soup, flat ones of fish."""
@@ -91,6 +92,7 @@ class WineGlass(Generator):
     names="wineglass, goblet, champagne glass, champagne flute, stemware, cocktail glass",
     like="chalice, flute",
     kin="dish",
+    places="top",
 )
 def sample_wine_glass(rng: Rng, index: int) -> Sampled:
     """Of wine, flutes, flat ones."""
@@ -163,4 +165,5 @@ CUTLERY = Category(
     names="fork, knife, spoon, silverware, flatware, teaspoon, tablespoon",
     like="utensil, ladle, spatula, whisk",
     kin="dish",
+    places="top",
 )

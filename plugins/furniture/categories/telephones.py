@@ -66,6 +66,7 @@ TELEPHONE = Category(
     names="phone, landline, desk phone, telephone set",
     like="intercom, handset",
     kin="device",
+    places="top",
 )
 
 
@@ -97,6 +98,7 @@ CELL_PHONE = Category(
     names="cellphone, mobile phone, smartphone, smart phone, cellular phone, mobile",
     like="ipod, pager",
     kin="device",
+    places="top",
 )
 
 
@@ -131,4 +133,5 @@ REMOTE = Category(
     names="remote control, tv remote, television remote",
     like="controller, joystick, gamepad",
     kin="device",
+    places="top",
 )

@@ -128,6 +128,7 @@ def _folds(deep: float, y: tuple[float, float], z: tuple[float, float], thick: f
     names="drape, drapery, window curtain, shower curtain, curtain panel",
     like="blind, shutter, valance",
     kin="cloth",
+    places="wall",
 )
 def sample_curtain(rng: Rng, index: int) -> Sampled:
     """To the window sill or to the floor."""

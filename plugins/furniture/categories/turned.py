@@ -51,7 +51,7 @@ class TurnedVessel(Generator):
         return Model(parts, symmetry="full", placement="object")
 
 
-@category("bottle", templates=3, count=10, like="flask", kin="dish")
+@category("bottle", templates=3, count=10, like="flask", kin="dish", places="top")
 def sample_bottle(rng: Rng, index: int) -> Sampled:
     """Straight body, shoulder, neck with a cap."""
     diameter = uniform(rng, 0.06, 0.09, 4)
@@ -67,7 +67,7 @@ def sample_bottle(rng: Rng, index: int) -> Sampled:
     return Sampled(round_size(diameter, diameter, diameter * rng.uniform(2.6, 4.0), digits=4), recipe)
 
 
-@category("vase", templates=4, count=10, kin="dish, plant")
+@category("vase", templates=4, count=10, kin="dish, plant", places="top, floor")
 def sample_vase(rng: Rng, index: int) -> Sampled:
     """A random waist and belly."""
     radii = rng.uniform(0.35, 1.0, 5).round(3).tolist()
