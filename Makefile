@@ -16,7 +16,7 @@ RESULTS := $(BIN)/python -m plugins.studies results --results $(IN)/results --be
 STUDY := -$(RUN) config/study/table3.yaml --
 cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(policy)/$(set)/rollouts.csv))
 
-.PHONY: help setup site wheel demo all study unseen registered table2 paper folder weights picture photo test slurm test-cluster lint types config reference lock containers clean
+.PHONY: help setup site wheel demo all study unseen registered table2 paper folder weights picture test slurm test-cluster lint types config reference lock containers clean
 help: ## list the commands
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -62,11 +62,8 @@ folder:
 weights: $(STAMP) ## fetch the weights of the two networks that look at pictures, 110 MB, once; a line says if that fails
 	@$(BIN)/python -m plugins.eyes fetch
 
-picture: setup weights ## a frame of yours with depth, e.g. make picture RGB=color.png DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
+picture: setup weights ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
 	$(BIN)/snakemake --cores $(CORES) photo --config image="$(RGB)" $(if $(DEPTH),depth="$(DEPTH)") $(if $(INTRINSICS),camera="$(INTRINSICS)")
-
-photo: setup weights ## a picture of yours, e.g. make photo IMAGE=kitchen.jpg; needs weights: docs/your-data.md
-	$(BIN)/snakemake --cores $(CORES) photo --config image=$(IMAGE)
 
 test: setup lint types ## lint, types and all tests; Chromium for those of the report page
 	@bash envs/chromium.sh

@@ -1,5 +1,6 @@
 """Config section `photo`: one RGB picture -> an input folder, by pretrained networks (paper 2.1, A.2, A.7)."""
 
+from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 from pydantic import Field
@@ -11,6 +12,16 @@ from stages.contracts.section import Section
 class PhotoSection(Section):
     """From a picture to boxes, masks and depth. Weights are folders with config.json and model.safetensors."""
 
+    by: Literal["auto", "networks", "lines"] = Field(
+        "auto",
+        description="What finds things and their places. networks: Grounding DINO, SAM 2, Depth Anything (A.2, A.7). "
+        "lines: MobileSAM and COCO's network, and places and sizes by the picture's lines, outlines and usual sizes "
+        "(package single_view). auto: networks where all their weights are, else lines.",
+    )
+    heights: dict[str, float] = Field(
+        {},
+        description="Of `lines`: heights that you know, metres: of the `camera`, of things by label: {fridge: 1.8}.",
+    )
     detector: str = Field("weights/grounding_dino", description="Weights of Grounding DINO: a box for every label.")
     segmenter: str = Field("weights/sam2", description="Weights of SAM 2: a mask for every box.")
     depth_anything: str = Field("weights/depth_anything_v2", description="Weights of Depth-Anything V2, metric.")
@@ -48,6 +59,11 @@ class PhotoSection(Section):
     def networks(self) -> dict[str, str]:
         """Folders of the networks that are used, by their keys, in the order of their use."""
         return {name: getattr(self, name) for name in ("detector", "segmenter", "depth_anything")}
+
+    def asks_networks(self) -> bool:
+        """Whether the networks whose weights are folders find what a picture shows."""
+        there = all(Path(folder, "model.safetensors").is_file() for folder in self.networks().values())
+        return self.by == "networks" or (self.by == "auto" and there)
 
     def list_unread(self) -> set[str]:
         """What the way to captions does not need."""

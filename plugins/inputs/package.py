@@ -32,7 +32,7 @@ def find_mistakes(config: Any) -> Iterator[Mistake]:
         for name, folder in config.photo.networks().items()
         if not Path(folder, "model.safetensors").is_file()
     ]
-    if lacking and "estimate" not in config.stages.get("inputs", {}):
+    if config.photo.asks_networks() and lacking and "estimate" not in config.stages.get("inputs", {}):
         mend = "python -m plugins.inputs fetch, or without weights draw it: python -m plugins.annotator annotate"
         yield Mistake(
             key, f"there are no weights in {', '.join(lacking)}", f"{mend} {shlex.quote(pictures[0])}", "E-CONFIG-FILE"
@@ -42,6 +42,8 @@ def find_mistakes(config: Any) -> Iterator[Mistake]:
 def list_needed_files(config: Any) -> list[str]:
     """The weights that pictures need, and the ledger of a language model's answers about them."""
     if not config.experiment.pictures:
+        return []
+    if not config.photo.asks_networks():
         return []
     ledger = [config.vlm.ledger] if config.photo.captions == "vlm" else []
     return [*config.photo.networks().values(), *ledger]

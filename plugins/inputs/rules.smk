@@ -38,7 +38,7 @@ rule estimate:
     benchmark:
         "benchmarks/photo/{scene}.tsv"
     wildcard_constraints:
-        scene="|".join(EXPERIMENT.photographs) or "-",  # a folder that was made before is an input folder as any other
+        scene="|".join(EXPERIMENT.photographs if CONFIG.photo.asks_networks() else []) or "-",  # a folder that was made before is an input folder as any other
     threads: 2
     resources:
         **needs(8000, 60, gpu=True),

@@ -36,6 +36,10 @@ ON_OTHERS = {  # few, each for a reason
     ("report", "claims"),  # their tables, on the page of a run
     ("studies", "claims"),
     ("studies", "report"),  # the times of a run
+    ("single_view", "annotator"),  # it draws as a person would
+    ("single_view", "eyes"),  # outlines
+    ("single_view", "names"),  # and names
+    ("single_view", "inputs"),  # a photograph's camera
     ("annotator", "report"),  # doubts and pictures of models, as pages show them
     ("annotator", "eyes"),  # a click outlines
     ("annotator", "names"),  # and names

@@ -84,7 +84,7 @@ def _scores(ends: Points, lengths: Points, focal: float, size: tuple[int, int], 
     return np.asarray(total @ lengths / lengths.sum())
 
 
-def _angles(rotation: Points) -> tuple[float, float, float]:
+def angles_of(rotation: Points) -> tuple[float, float, float]:
     """Yaw, pitch and roll of room_from_camera."""
     up, forward = rotation[2], rotation[:, 2]
     yaw = float(np.arctan2(-forward[0], forward[1]))
@@ -136,7 +136,7 @@ def propose(grey: NDArray[np.uint8], prior: Perspective, seed: int = 0) -> Persp
     for _ in range(3):  # better lines give a better camera, which gives better lines
         axes, good = _assign_axes(view, ends)
         every = _guides(ends[good > 0], axes[good > 0])
-        view = fit_view(prior.model_copy(update={"guides": every}), width, height, _angles(view.rotation))
+        view = fit_view(prior.model_copy(update={"guides": every}), width, height, angles_of(view.rotation))
     axes, good = _assign_axes(view, ends)
     longest = [np.flatnonzero((axes == axis) & (good > FITS))[:GUIDES_SHOWN] for axis in range(3)]
     guides = _guides(np.round(ends, 1), axes)

@@ -1,0 +1,100 @@
+"""Command `draw`: one photograph without depth -> a drawing and an input folder, by no hand (paper 2.1)."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plugins.annotator.project import PROJECT, Project
+from plugins.annotator.write import write_folder
+from plugins.inputs.photo.picture import read_photo
+from plugins.inputs.rgbd.cameras import intrinsics_of_view
+from plugins.single_view.config import DrawOptions
+from plugins.single_view.drawing import draw_room
+from plugins.single_view.naming import name_outlines
+from plugins.single_view.room import Room, build_room, scale_room, see_camera
+from plugins.single_view.things import number_masks, see_outlines
+from stages.contracts import InputError, read_json, read_options, write_json
+
+
+class Drawn(NamedTuple):
+    """A drawing, the room that it is of, and lines about what it leaves out."""
+
+    project: Project
+    room: Room
+    left_out: list[str]
+
+
+def run(*, image: Path, out: Path, options: str = "{}") -> None:
+    """Find what a picture shows and where, and write it as a person would draw it.
+
+    A drawing in the folder that a person has changed is kept, and written anew.
+
+    Args:
+        image: the picture.
+        out: the input folder to write, with project.json, which `annotator annotate` opens.
+        options: JSON of the config section `photo`: `field_of_view`, `lens`, `heights`.
+    """
+    settings = read_options(DrawOptions, options)
+    photo = read_photo(image, Path(settings.lens) if settings.lens else None)
+    focal = photo.focal
+    if settings.field_of_view is not None:
+        height, width = photo.rgb.shape[:2]
+        focal = float(intrinsics_of_view(settings.field_of_view, width, height)[0, 0])
+    path = out / PROJECT
+    project = read_json(Project, path) if path.is_file() else None
+    if project is not None and not all(item.unsure for item in project.objects):
+        print(f"{path}: drawn by a person: kept; delete it to begin anew")
+    else:
+        drawn = draw_picture(image.name, photo.rgb, focal, settings.heights)
+        project = drawn.project
+        write_json(path, project)
+        print("\n".join([describe(drawn.room, project), *drawn.left_out]))
+    write_folder(out, photo.rgb, project)
+    print(f"{out}: put it right in the browser: python -m plugins.annotator annotate {image} --out {out}")
+
+
+def draw_picture(
+    name: str, rgb: NDArray[np.uint8], focal: float | None = None, heights: Mapping[str, float] | None = None
+) -> Drawn:
+    """The drawing of what a picture (H, W, 3) shows.
+
+    First the room of those things that COCO's network knows; then, by the camera that they give, what else stands or
+    hangs there; then the room of all.
+
+    Args:
+        name: file name of the picture.
+        focal: pixels, if it is known.
+        heights: metres, of things by their labels, and of the `camera`.
+
+    Raises:
+        InputError: nothing is known there.
+    """
+    seen, heights = see_outlines(rgb), heights or {}
+    sure = [(value, one.names.proposals[0]) for value, one in enumerate(seen, 1) if one.is_sure]
+    if not sure:
+        mend = "draw it: python -m plugins.annotator annotate"
+        raise InputError(name, "shows no thing that the networks know.", mend, code="E-SCENE-EMPTY")
+    labels = {value: first.name for value, first in sure}
+    camera = see_camera(rgb, focal)
+    room = build_room(rgb, camera, number_masks({value: seen[value - 1] for value in labels}), labels)
+    seen, further = name_outlines(rgb, seen, room, labels)
+    labels |= further
+    masks = number_masks({value: seen[value - 1] for value in sorted(labels)})
+    room = scale_room(build_room(rgb, camera, masks, labels), labels, heights)
+    project, left_out = draw_room(name, room, masks, labels)
+    lines = [f"{labels[value]}: left out: {why}" for value, why in left_out.items()]
+    lines += [f"photo.heights: no {label} is found" for label in heights if label not in {"camera", *labels.values()}]
+    return Drawn(project, room, lines)
+
+
+def describe(room: Room, project: Project) -> str:
+    """What was found, in a line for people."""
+    view, walls = room.view, len(project.walls)
+    down = float(np.degrees(np.arcsin(-view.rotation[2, 2])))
+    return (
+        f"{len(project.objects)} things, {walls or 'no'} wall{'s' * (walls != 1)}; the camera is {view.above:.2f} m "
+        f"above the floor and looks {down:.0f} degrees down, its focal length is {view.focal:.0f} pixels"
+    )

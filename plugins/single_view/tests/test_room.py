@@ -1,0 +1,157 @@
+"""Camera, boxes and walls of a picture without depth."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from plugins.annotator.solve import solve
+from plugins.eyes.proposal import find_border
+from plugins.single_view.drawing import draw_room
+from plugins.single_view.ends import measure_all
+from plugins.single_view.room import Room, build_room, scale_room
+from plugins.single_view.supports import FLOOR, NOWHERE, WALL, find_open, find_supports
+from plugins.single_view.tests.room import (
+    BOXES,
+    HEIGHT,
+    LABELS,
+    TRUE,
+    WIDTH,
+    outline_box,
+    outline_room,
+    see_lines,
+    show_room,
+)
+from plugins.single_view.walls import find_wall
+from stages.geometry.boxes import UprightBox
+
+FAR_WALL = np.array([0.0, -1.0, 0.0])
+
+
+def find(values: tuple[int, ...] = tuple(BOXES)) -> Room:
+    return build_room(show_room(), see_lines(), outline_room(values), {value: LABELS[value] for value in values})
+
+
+@pytest.fixture(scope="module")
+def found() -> Room:
+    return find()
+
+
+def test_the_camera_is_found_by_lines_and_usual_sizes(found: Room) -> None:
+    assert found.view.above == pytest.approx(TRUE.above, rel=0.1)
+    assert np.degrees(np.arccos(found.view.rotation[2] @ TRUE.rotation[2])) < 1
+    assert found.view.focal == pytest.approx(TRUE.focal, rel=0.05)
+
+
+def test_things_are_as_far_and_as_large_as_they_are_up_to_the_scale(found: Room) -> None:
+    scale = TRUE.above / found.view.above
+    for value, box in BOXES.items():
+        assert scale * found.boxes[value].center == pytest.approx(box.center, abs=0.1 * np.linalg.norm(box.center))
+        assert np.prod(scale * found.boxes[value].size) ** (1 / 3) == pytest.approx(
+            np.prod(box.size) ** (1 / 3), rel=0.25
+        )
+
+
+def test_what_stands_and_hangs_is_told_by_its_kind_and_by_what_is_below(found: Room) -> None:
+    assert [found.on[value] for value in (1, 2, 3, 6)] == [FLOOR] * 4
+    assert found.on[4] == 3 and found.boxes[4].bottom == pytest.approx(found.boxes[3].top)
+    assert found.on[5] == -1 and found.walls[0].offset == pytest.approx(-4.4, rel=0.12)
+
+
+def test_a_length_that_a_person_knows_gives_the_scale(found: Room) -> None:
+    large = scale_room(found, LABELS, {"fridge": 3.6, "wardrobe": 1.0})
+    factor = 3.6 / found.boxes[1].size[2]
+    assert large.boxes[1].size[2] == pytest.approx(3.6) and large.view.above == pytest.approx(factor * found.view.above)
+    assert large.walls[0].offset == pytest.approx(factor * found.walls[0].offset)
+    pixels = [room.view.project(room.boxes[2].center) for room in (found, large)]
+    assert pixels[0] == pytest.approx(pixels[1]), "the picture stays as it is"
+    assert scale_room(found, LABELS, {"camera": 2.0}).view.above == pytest.approx(2.0)
+    assert scale_room(found, LABELS, {"wardrobe": 1.0}) is found
+
+
+def test_a_focal_length_of_exif_holds() -> None:
+    camera = see_lines(likely_focal=700.0, spread=0.001)
+    assert build_room(show_room(), camera, outline_room(), LABELS).view.focal == pytest.approx(700, rel=0.01)
+
+
+def test_a_thing_that_the_picture_cuts_may_go_on_there() -> None:
+    cut = UprightBox([-4.0, 4.1, 0.4], [1.5, 0.45, 0.8], 0.0)
+    masks = outline_room()
+    masks[outline_box(cut)] = 7
+    assert (masks == 7)[:, 0].any() and (masks == 7).any(axis=0).sum() > 50
+    room = build_room(show_room(), see_lines(), masks, LABELS | {7: "sideboard"})
+    scale = TRUE.above / room.view.above
+    assert scale * room.boxes[7].size[0] == pytest.approx(1.5, rel=0.25)
+    assert np.linalg.norm(scale * room.boxes[7].center - cut.center) < 0.5
+
+
+def test_a_table_whose_legs_no_outline_shows_still_stands_on_the_floor() -> None:
+    masks, top = outline_room(), UprightBox([0.0, 2.6, 0.41], [1.0, 0.6, 0.06], 0.0)
+    masks[(masks == 3) | (masks == 4)] = 0
+    masks[outline_box(top)] = 3
+    labels = {value: label for value, label in LABELS.items() if value != 4}
+    room = build_room(show_room(), see_lines(), masks, labels)
+    assert room.boxes[3].size[2] * TRUE.above / room.view.above == pytest.approx(0.44, rel=0.25)
+    assert room.boxes[3].center[1] * TRUE.above / room.view.above == pytest.approx(2.6, rel=0.12)
+
+
+def test_ends_are_cut_by_the_border_or_met_by_a_thing() -> None:
+    masks = np.zeros((HEIGHT, WIDTH), np.uint16)
+    masks[100:300, 0:200], masks[300:480, 50:150], masks[120:200, 203:300] = 1, 2, 3
+    ends = measure_all(masks, [1, 2, 3], ~find_border(show_room()))
+    assert ends[1].cut.tolist() == [True, False, False, False] and ends[2].cut.tolist() == [False, False, False, True]
+    assert ends[1].met == (0, 0, 0, 0) and ends[2].met[1] == 1  # half of the foot of 1, and less than half of its side
+    assert ends[3].met[0] == 1 and ends[3].limit[0] == 0.5
+    assert ends[1].at.tolist() == [0.5, -99.5, 199.5, 299.5]
+
+
+def test_the_nearer_of_two_things_side_by_side_hides_the_other() -> None:
+    masks = np.zeros((HEIGHT, WIDTH), np.uint16)
+    masks[100:300, 100:200], masks[150:400, 200:300] = 1, 2
+    ends = measure_all(masks, [1, 2], ~find_border(show_room()))
+    on = {1: FLOOR, 2: FLOOR}
+    assert find_open(1, ends, on)[2] and not find_open(2, ends, on)[0]
+    assert not find_open(1, ends, {1: 2, 2: FLOOR})[2], "what carries a thing hides it not from the side"
+
+
+def test_what_only_stands_on_things_and_has_none_below_has_no_place() -> None:
+    masks = outline_room((1, 4))
+    ends = measure_all(masks, [1, 4], ~find_border(show_room()))
+    assert find_supports(masks, {1: "fridge", 4: "mug"}, ends, TRUE) == {1: FLOOR, 4: NOWHERE}
+    assert find_supports(masks, {1: "fridge", 4: "picture"}, ends, TRUE) == {1: FLOOR, 4: WALL}
+    room = find((1, 4))
+    assert set(room.boxes) == {1} and "not seen" in room.left_out[4]
+
+
+def test_a_wall_wants_furniture_and_a_line_or_what_hangs() -> None:
+    line = np.array([TRUE.project([(-3, 4.4, 0), (1, 4.4, 0)])])
+    none = np.zeros((0, 2, 2))
+    fridge, sofa = BOXES[1], BOXES[2]
+    assert find_wall(TRUE, FAR_WALL, [fridge], [True], none, []) is None
+    both = find_wall(TRUE, FAR_WALL, [fridge], [True], line, [])
+    assert both is not None and both.offset == pytest.approx(-4.4, abs=0.05)
+    beyond = UprightBox([0, 6.5, 0.5], [1, 1, 1], 0.0)
+    assert find_wall(TRUE, FAR_WALL, [fridge, beyond], [True, False], line, []) is None
+    hung = find_wall(TRUE, FAR_WALL, [fridge, sofa], [False, False], none, [4.2])
+    assert hung is not None and hung.offset == pytest.approx(-4.2, abs=0.3)
+
+
+def test_a_drawing_gives_the_boxes_again(found: Room) -> None:
+    project, left_out = draw_room("room.png", found, outline_room(), LABELS)
+    solved = solve(project)
+    assert left_out == {} and all(item.unsure and item.outlines for item in project.objects)
+    assert solved.view.above == pytest.approx(found.view.above, abs=1e-3)
+    for value, box in found.boxes.items():
+        again = solved.boxes[f"thing_{value}"]
+        assert again.center == pytest.approx(box.center, abs=0.05), LABELS[value]
+        assert np.sort(again.size) == pytest.approx(np.sort(box.size), abs=0.06), LABELS[value]
+    on = {item.id: item.on for item in project.objects}
+    assert on["thing_4"] == "thing_3" and on["thing_5"] == "wall_1" and on["thing_1"] == "floor"
+
+
+def test_what_stands_on_what_cannot_be_drawn_is_left_out_with_it(found: Room) -> None:
+    behind = UprightBox([0, 0, 0.2], [1, 1, 0.4], 0.0)  # below the camera
+    room = replace(found, boxes=found.boxes | {3: behind})
+    project, left_out = draw_room("room.png", room, outline_room(), LABELS)
+    assert "behind the camera" in left_out[3] and "no place" in left_out[4]
+    assert {item.id for item in project.objects} == {"thing_1", "thing_2", "thing_5", "thing_6"}
