@@ -30,7 +30,7 @@ from stages.simulation.recording import Recording
 from stages.tasks.api import EnvWrapper
 
 SMALL, LARGE = (239, 134), (480, 320)  # pixels: photograph and scene, below them the robot
-GAP, WHITE, QUALITY = 2, 255, 50
+GAP, WHITE, QUALITY = 2, 255, 85
 TRIALS = 10
 STILL = {"object_xy": 0.0, "object_yaw": 0.0, "scale_range": (1.0, 1.0)}  # the scene says where the object stands
 
@@ -104,7 +104,7 @@ def main() -> None:
     parser.add_argument("--scene", default="kitchen")
     parser.add_argument("--target", default="door")
     parser.add_argument("--rank", type=int, default=2)
-    parser.add_argument("--every", type=int, default=2, help="of so many pictures one is kept")
+    parser.add_argument("--every", type=int, default=1, help="of so many pictures one is kept")
     parser.add_argument("--out", type=Path, default=Path("docs/images/first_policy.webp"))
     given = parser.parse_args()
     write_film(given.out, list(pictures(given)), FREQUENCY * BETWEEN / given.every, QUALITY)
