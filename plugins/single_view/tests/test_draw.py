@@ -58,7 +58,7 @@ def test_what_a_person_put_right_is_kept(image: Path, capsys: pytest.CaptureFixt
 
 def test_a_picture_of_nothing_known_is_refused(image: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(draw, "see_outlines", lambda _: [])
-    with pytest.raises(InputError, match="no thing that the networks know"):
+    with pytest.raises(InputError, match="no thing that is known"):
         draw.run(image=image, out=image.with_suffix(""))
     assert not image.with_suffix("").exists()
 
