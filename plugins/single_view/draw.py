@@ -37,7 +37,7 @@ def run(*, image: Path, out: Path, options: str = "{}") -> None:
     Args:
         image: the picture.
         out: the input folder to write, with project.json, which `annotator annotate` opens.
-        options: JSON of the config section `photo`: `field_of_view`, `lens`, `heights`.
+        options: JSON of the config section `single_view`, with `field_of_view` and `lens` of `photo`.
     """
     settings = read_options(DrawOptions, options)
     photo = read_photo(image, Path(settings.lens) if settings.lens else None)
@@ -87,7 +87,9 @@ def draw_picture(
     room = scale_room(build_room(rgb, camera, masks, labels), labels, heights)
     project, left_out = draw_room(name, room, masks, labels)
     lines = [f"{labels[value]}: left out: {why}" for value, why in left_out.items()]
-    lines += [f"photo.heights: no {label} is found" for label in heights if label not in {"camera", *labels.values()}]
+    lines += [
+        f"single_view.heights: no {label} is found" for label in heights if label not in {"camera", *labels.values()}
+    ]
     return Drawn(project, room, masks, labels, lines)
 
 

@@ -65,10 +65,10 @@ def test_a_picture_of_nothing_known_is_refused(image: Path, monkeypatch: pytest.
 
 def test_heights_are_metres_and_weights_are_asked_for(monkeypatch: pytest.MonkeyPatch, image: Path) -> None:
     monkeypatch.setattr("plugins.single_view.package.is_there", lambda _: True)
-    given = {"image": str(image), "photo": {"by": "lines", "heights": {"fridge": 180}}}
+    given = {"image": str(image), "photo": {"by": "lines"}, "single_view": {"heights": {"fridge": 180}}}
     with pytest.raises(InputError, match="fridge: is 180"):
         load(with_defaults(given))
-    config: Any = load(with_defaults(given | {"photo": {"by": "lines", "heights": {"fridge": 1.8}}}))
+    config: Any = load(with_defaults(given | {"single_view": {"heights": {"fridge": 1.8}}}))
     assert list(find_mistakes(config)) == []
     monkeypatch.setattr("plugins.single_view.package.is_there", lambda _: False)
     (lacking,) = find_mistakes(config)
