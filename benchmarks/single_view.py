@@ -1,8 +1,9 @@
-"""How well one photograph alone tells camera, places and sizes: open rooms with given masks, no depth.
+"""How well one photograph alone tells camera, places and sizes: open rooms without their depth.
 
-python -m benchmarks.single_view DIR --half work [--masks exact] [--focal]        DIR: of benchmarks.open_rooms render
+python -m benchmarks.single_view DIR --half work [--masks exact|none] [--focal]    DIR: of benchmarks.open_rooms render
 
---focal: the focal length is known, as EXIF tells it. True depth and true boxes are used to judge alone.
+--masks none: nothing is given, no outline, no name. --focal: the focal length is known, as EXIF tells it. True boxes
+are used to judge alone.
 """
 
 import argparse
@@ -13,12 +14,17 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from benchmarks.open_rooms.pictures import folders, read
+from benchmarks.open_rooms import packs
+from benchmarks.open_rooms.pairs import overlaps, pair_pieces
+from benchmarks.open_rooms.pictures import folders, read, read_masks
 from plugins.eyes.proposal import find_border
+from plugins.single_view.draw import draw_picture
 from plugins.single_view.ends import measure_all
-from plugins.single_view.room import build_room, see_camera
-from plugins.single_view.supports import find_open, find_supports
+from plugins.single_view.room import Room, build_room, see_camera
+from plugins.single_view.supports import FLOOR, find_open
+from stages.contracts.categories import category_in
 from stages.contracts.images import read_rgb
 
 ROOM = {"floor", "wall"}
@@ -35,6 +41,25 @@ class Thing:
 
 
 @dataclass(frozen=True)
+class Found:
+    """A room, its masks (H, W) and labels, and which of these shows which thing, by its number."""
+
+    room: Room
+    masks: NDArray[np.uint16]
+    labels: dict[int, str]
+    pairs: dict[int, int]
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Things that a person would name, things drawn, and those of the first that are drawn under a sensible name."""
+
+    asked: int
+    drawn: int
+    named: int
+
+
+@dataclass(frozen=True)
 class Camera:
     """How far the camera is off: height and focal length as shares, tilt in degrees."""
 
@@ -43,34 +68,47 @@ class Camera:
     focal: float
 
 
-def measure(folder: Path, masks: str, with_focal: bool) -> tuple[Camera, list[Thing], float]:
-    """The camera and the things of a picture, and CPU seconds."""
-    rgb, truth = read_rgb(folder / "rgb.png"), read(folder)
+def find_given(folder: Path, masks: str, focal: float | None) -> Found:
+    """The room of a picture with given masks and labels."""
+    rgb = read_rgb(folder / "rgb.png")
     values = np.asarray(cv2.imread(str(folder / f"{masks}.png"), cv2.IMREAD_UNCHANGED), np.uint16)
     said = {int(value): label for value, label in json.loads((folder / f"{masks}.json").read_text()).items()}
     labels = {value: label for value, label in said.items() if label not in ROOM and (values == value).any()}
-    start = time.process_time()
-    camera = see_camera(rgb, truth.focal if with_focal else None)
-    room = build_room(rgb, camera, values, labels)
-    seconds = time.process_time() - start
-    ends = measure_all(values, list(labels), ~find_border(rgb))
-    on = find_supports(values, labels, ends, camera.view)
-    pose, view = truth.pose, room.view
+    room = build_room(rgb, see_camera(rgb, focal), values, labels)
+    return Found(room, values, labels, {value: value for value in room.boxes})
+
+
+def find_alone(folder: Path, focal: float | None) -> Found:
+    """The room of a picture with nothing given; its things by the numbers of those that they show."""
+    drawn = draw_picture(folder.name, read_rgb(folder / "rgb.png"), focal)
+    shown = np.where(np.isin(drawn.masks, list(drawn.room.boxes)), drawn.masks, 0).astype(np.uint16)
+    numbers = [thing.number for thing in read(folder).things if thing.named]
+    return Found(drawn.room, drawn.masks, drawn.labels, pair_pieces(numbers, overlaps(read_masks(folder), shown)[0]))
+
+
+def measure(folder: Path, masks: str, with_focal: bool) -> tuple[Camera, list[Thing], Counts, float]:
+    """The camera and the things of a picture, how many were asked for, drawn and rightly named, and CPU seconds."""
+    truth, start = read(folder), time.process_time()
+    focal = truth.focal if with_focal else None
+    found = find_alone(folder, focal) if masks == "none" else find_given(folder, masks, focal)
+    seconds, room, pose = time.process_time() - start, found.room, truth.pose
+    ends = measure_all(found.masks, list(found.labels), ~find_border(read_rgb(folder / "rgb.png")))
     up = pose[:3, :3].T @ [0, 0, 1]
-    tilt = float(np.degrees(np.arccos(np.clip(view.rotation[2] @ up, -1, 1))))
-    things = []
+    tilt = float(np.degrees(np.arccos(np.clip(room.view.rotation[2] @ up, -1, 1))))
+    things, named = [], 0
     for thing in truth.things:
-        if (box := room.boxes.get(thing.number)) is None:
+        value = found.pairs.get(thing.number, 0)
+        if not value or value not in room.boxes:
             continue
-        far = float(np.linalg.norm(box.center - [0, 0, view.above]) / np.linalg.norm(thing.position - pose[:3, 3]))
+        box = room.boxes[value]
+        away = float(np.linalg.norm(box.center - [0, 0, room.view.above]))
         size = float(np.prod(box.size) / np.prod(thing.size)) ** (1 / 3)
-        hidden = find_open(thing.number, ends, on)[3]
-        told = (
-            "wall" if room.on[thing.number] < 0 else "top" if room.on[thing.number] else "hidden" if hidden else "foot"
-        )
-        things.append(Thing(far - 1, size - 1, told))
-    off = Camera(view.above / float(pose[2, 3]) - 1, tilt, view.focal / truth.focal - 1)
-    return off, things, seconds
+        hidden = find_open(value, ends, {key: room.on.get(key, FLOOR) for key in ends})[3]
+        told = "wall" if room.on[value] < 0 else "top" if room.on[value] else "hidden" if hidden else "foot"
+        things.append(Thing(away / float(np.linalg.norm(thing.position - pose[:3, 3])) - 1, size - 1, told))
+        named += category_in(found.labels[value]) in packs.kinds()[thing.kind].sensible
+    off = Camera(room.view.above / float(pose[2, 3]) - 1, tilt, room.view.focal / truth.focal - 1)
+    return off, things, Counts(sum(thing.named for thing in truth.things), len(room.boxes), named), seconds
 
 
 def main() -> None:
@@ -78,11 +116,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--half", default="work")
-    parser.add_argument("--masks", choices=["drawn", "exact"], default="drawn")
+    parser.add_argument("--masks", choices=["drawn", "exact", "none"], default="drawn")
     parser.add_argument("--focal", action="store_true")
     asked = parser.parse_args()
     found = [measure(folder, asked.masks, asked.focal) for folder in folders(asked.folder, asked.half)]
-    cameras, things = [one for one, _, _ in found], [thing for _, each, _ in found for thing in each]
+    cameras, things = [one for one, *_ in found], [thing for _, each, *_ in found for thing in each]
+    counts = [each for *_, each, _ in found]
     height, tilt, focal = (np.abs([getattr(one, name) for one in cameras]) for name in ("height", "tilt", "focal"))
     right = f"height within {HEIGHT:.0%}: {(height < HEIGHT).sum()}, tilt within {TILT:.0f}: {(tilt < TILT).sum()}"
     print(f"{len(cameras)} pictures: {right}; median off:")
@@ -93,6 +132,8 @@ def main() -> None:
             far, size = (np.abs([getattr(thing, name) for thing in of]) for name in ("distance", "size"))
             within = f"size within {SIZE:.0%}: {(size < SIZE).sum()}"
             print(f"{told}: {len(of)} things, distance {np.median(far):.0%} off, {within}")
+    asked_for, drawn, named = (sum(getattr(one, name) for one in counts) for name in ("asked", "drawn", "named"))
+    print(f"{asked_for} things to name, {len(things)} found, {named} with a sensible name, {drawn} drawn")
     print(f"{np.mean([seconds for *_, seconds in found]):.1f} CPU s a picture")
 
 

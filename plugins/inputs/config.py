@@ -18,10 +18,6 @@ class PhotoSection(Section):
         "lines: MobileSAM and COCO's network, and places and sizes by the picture's lines, outlines and usual sizes "
         "(package single_view). auto: networks where all their weights are, else lines.",
     )
-    heights: dict[str, float] = Field(
-        {},
-        description="Of `lines`: heights that you know, metres: of the `camera`, of things by label: {fridge: 1.8}.",
-    )
     detector: str = Field("weights/grounding_dino", description="Weights of Grounding DINO: a box for every label.")
     segmenter: str = Field("weights/sam2", description="Weights of SAM 2: a mask for every box.")
     depth_anything: str = Field("weights/depth_anything_v2", description="Weights of Depth-Anything V2, metric.")

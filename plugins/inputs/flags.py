@@ -36,9 +36,9 @@ def weight_files(config: Config) -> list[str]:
     return [str(path) for path in paths if path.is_file()]
 
 
-def picture_options(config: Config, scene: str, stage: str = "inputs", command: str = "estimate") -> str:
-    """The --options of a command for one picture: the config, and the picture's own field of view."""
+def picture_options(config: Config, scene: str) -> str:
+    """The --options of `estimate` for one picture: the config, and the picture's own field of view."""
     assert isinstance(config.experiment, PicturesExperiment)
     own = config.experiment.inputs[scene].fov
-    options = options_of(config, stage, command, {}) | ({"field_of_view": own} if own else {})
+    options = options_of(config, "inputs", "estimate", {}) | ({"field_of_view": own} if own else {})
     return json.dumps(options, sort_keys=True)

@@ -20,10 +20,12 @@ from stages.contracts import InputError, read_json, read_options, write_json
 
 
 class Drawn(NamedTuple):
-    """A drawing, the room that it is of, and lines about what it leaves out."""
+    """A drawing, the room that it is of, masks (H, W) and labels of its things, and lines about what is left out."""
 
     project: Project
     room: Room
+    masks: NDArray[np.uint16]
+    labels: dict[int, str]
     left_out: list[str]
 
 
@@ -35,7 +37,7 @@ def run(*, image: Path, out: Path, options: str = "{}") -> None:
     Args:
         image: the picture.
         out: the input folder to write, with project.json, which `annotator annotate` opens.
-        options: JSON of the config section `photo`: `field_of_view`, `lens`, `heights`.
+        options: JSON of the config section `single_view`, with `field_of_view` and `lens` of `photo`.
     """
     settings = read_options(DrawOptions, options)
     photo = read_photo(image, Path(settings.lens) if settings.lens else None)
@@ -73,21 +75,22 @@ def draw_picture(
         InputError: nothing is known there.
     """
     seen, heights = see_outlines(rgb), heights or {}
-    sure = [(value, one.names.proposals[0]) for value, one in enumerate(seen, 1) if one.is_sure]
-    if not sure:
-        mend = "draw it: python -m plugins.annotator annotate"
-        raise InputError(name, "shows no thing that the networks know.", mend, code="E-SCENE-EMPTY")
-    labels = {value: first.name for value, first in sure}
+    labels = {value: one.names.proposals[0].name for value, one in enumerate(seen, 1) if one.is_sure}
     camera = see_camera(rgb, focal)
-    room = build_room(rgb, camera, number_masks({value: seen[value - 1] for value in labels}), labels)
+    room = build_room(rgb, camera, number_masks(rgb, {value: seen[value - 1] for value in labels}), labels)
     seen, further = name_outlines(rgb, seen, room, labels)
     labels |= further
-    masks = number_masks({value: seen[value - 1] for value in sorted(labels)})
+    if not labels:
+        mend = "draw it: python -m plugins.annotator annotate"
+        raise InputError(name, "shows no thing that is known.", mend, code="E-SCENE-EMPTY")
+    masks = number_masks(rgb, {value: seen[value - 1] for value in sorted(labels)})
     room = scale_room(build_room(rgb, camera, masks, labels), labels, heights)
     project, left_out = draw_room(name, room, masks, labels)
     lines = [f"{labels[value]}: left out: {why}" for value, why in left_out.items()]
-    lines += [f"photo.heights: no {label} is found" for label in heights if label not in {"camera", *labels.values()}]
-    return Drawn(project, room, lines)
+    lines += [
+        f"single_view.heights: no {label} is found" for label in heights if label not in {"camera", *labels.values()}
+    ]
+    return Drawn(project, room, masks, labels, lines)
 
 
 def describe(room: Room, project: Project) -> str:

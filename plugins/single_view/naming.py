@@ -28,6 +28,7 @@ LEAST = 0.003  # share of the picture that an outline without a known class cove
 ALIGNED = 0.15  # of their width, by which the sides of pieces of one front are apart at most; chosen
 RECTANGLE = 0.85  # least share of its rectangle that what hangs flat fills; chosen
 CRISP = 0.93  # least score of its outline; chosen
+USUAL_FAR = 3.0  # metres to a wall before which nothing is known; chosen
 LEAST_HIGH = 0.8  # metres from the floor to what hangs flat; chosen
 FLAT_WIDTH = 0.12, 1.6  # metres of what hangs flat; chosen
 
@@ -65,7 +66,7 @@ def name_outlines(
 
 def measure_outlines(rgb: NDArray[np.uint8], seen: Sequence[Seen]) -> Mapping[int, Ends]:
     """The ends of all outlines, by their places from 1; of those that show nothing none."""
-    masks = number_masks(dict(enumerate(seen, 1)))
+    masks = number_masks(rgb, dict(enumerate(seen, 1)))
     return measure_all(masks, [value for value in range(1, len(seen) + 1) if (masks == value).any()], ~find_border(rgb))
 
 
@@ -120,7 +121,7 @@ def hangs_flat(room: Room, one: Seen, ends: Ends) -> bool:
     """Whether an outline is an upright rectangle on a wall, of the size of a picture, clear of floor and border."""
     if ends.cut.any() or one.score < CRISP:
         return False
-    farthest = max(float(box.center[1]) for box in room.boxes.values())
+    farthest = max((float(box.center[1]) for box in room.boxes.values()), default=USUAL_FAR)
     walls = room.walls or [FoundWall(NORMALS[0], -farthest)]
     shares = [measure_rectangle(room.view, wall, one.mask) for wall in walls]
     share, sides = max(shares, key=lambda each: each[0])

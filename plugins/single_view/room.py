@@ -12,7 +12,7 @@ from plugins.inputs.photo.metrology import View
 from plugins.inputs.photo.perspective import Perspective, fit_view
 from plugins.inputs.photo.segments import find_segments, propose, usual_focal
 from plugins.single_view.ends import Ends, measure_all
-from plugins.single_view.fit import CameraPrior, Item, Usual
+from plugins.single_view.fit import HEIGHT, CameraPrior, Item, Usual
 from plugins.single_view.modes import fit_things
 from plugins.single_view.supports import LEGGED, NOWHERE, WALL, category_of, find_open, find_supports
 from plugins.single_view.walls import AGAINST, FoundWall, find_wall, measure_rectangle
@@ -94,16 +94,17 @@ def build_room(
 
     Args:
         masks: (H, W).
-        labels: of the things, by the values of their masks; at least one.
+        labels: of the things, by the values of their masks; of none the camera is a usual one.
     """
     ends = measure_all(masks, list(labels), ~find_border(rgb))
     on = find_supports(masks, labels, ends, camera.view)
     standing = [value for value in labels if on[value] not in (WALL, NOWHERE)]
     place = {value: number for number, value in enumerate(standing)}
     items = [make_item(value, labels[value], ends, on, place) for value in standing]
-    layout, state, _ = fit_things(camera, items)
-    view = layout.view_of(state)
-    boxes = dict(zip(standing, layout.list_boxes(state), strict=True))
+    view, boxes = replace(camera.view, above=float(np.exp(HEIGHT[0]))), dict[int, UprightBox]()
+    if items:
+        layout, state, _ = fit_things(camera, items)
+        view, boxes = layout.view_of(state), dict(zip(standing, layout.list_boxes(state), strict=True))
     hung = [value for value in labels if on[value] == WALL]
     walls, hanging, holders = hang_things(rgb, view, masks, labels, boxes, hung)
     left_out = {value: "no wall that it hangs on is found" for value in hung if value not in hanging}

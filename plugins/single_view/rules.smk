@@ -2,7 +2,10 @@
 # Reads:  what `--config image=...` or `experiment.inputs` names; the networks' weights (`make weights`).
 # Writes: results/photo/<scene>/, an input folder with project.json, which the page opens, and things.json.
 from plugins.eyes.weights import ALL as SEEING, FOLDER as SEEING_FOLDER
-from plugins.inputs.flags import picture_options
+from plugins.single_view.flags import draw_options
+
+# Those pictures without depth that no other networks look at.
+DRAWN = [] if not CONFIG.packages["inputs"] or CONFIG.photo.asks_networks() else EXPERIMENT.photographs
 
 
 container: CONFIG.containers.learning
@@ -24,14 +27,14 @@ rule draw:
     benchmark:
         "benchmarks/photo/{scene}.tsv"
     wildcard_constraints:
-        scene="|".join([] if CONFIG.photo.asks_networks() else EXPERIMENT.photographs) or "-",
+        scene="|".join(DRAWN) or "-",
     resources:
         **needs(2000, 10),
     params:
         **command(
             "single_view",
             "draw",
-            options=lambda wildcards: picture_options(CONFIG, wildcards.scene, "single_view", "draw"),
+            options=lambda wildcards: draw_options(CONFIG, wildcards.scene),
             camera="camera",
             annotations="annotations",
         ),

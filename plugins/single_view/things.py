@@ -55,9 +55,9 @@ def make_view(rgb: NDArray[np.uint8]) -> RoomView:
     )
 
 
-def number_masks(seen: Mapping[int, Seen]) -> NDArray[np.uint16]:
-    """Masks (H, W) with the value of each thing."""
-    values = np.zeros(next(iter(seen.values())).mask.shape, np.uint16)
+def number_masks(rgb: NDArray[np.uint8], seen: Mapping[int, Seen]) -> NDArray[np.uint16]:
+    """Masks (H, W) of a picture (H, W, 3) with the value of each thing."""
+    values = np.zeros(rgb.shape[:2], np.uint16)
     for value, one in seen.items():
         values[one.mask] = value
     return values

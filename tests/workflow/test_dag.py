@@ -13,6 +13,7 @@ import yaml
 
 from plugins.annotator.correcting import Correcting
 from plugins.annotator.tests.test_correcting import BOXES
+from plugins.eyes.weights import ALL, is_there
 from plugins.inputs.own_scene import write_config
 from plugins.ops.outside import list_key_variables, list_outside_paths
 from stages.config import reference
@@ -275,7 +276,7 @@ def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
     folder = make(tmp_path)
     assert "Fix: snakemake --cores 2 photo --config image=kitchen.jpg" in dry_run(folder, "photo").stdout
     (folder / "my kitchen.v2.jpg").touch()
-    photo = ("photo", "--config", "image=my kitchen.v2.jpg")
+    photo = ("photo", "--config", "image=my kitchen.v2.jpg", "photo={by: networks}")
     done = dry_run(folder, *photo)
     lines = [line for line in done.stdout.splitlines() if "python -m plugins.inputs fetch" in line]
     assert done.returncode == 1 and len(lines) == 1 and "Traceback" not in done.stdout
@@ -287,9 +288,23 @@ def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
     done = dry_run(folder, *photo, "-p")
     jobs = planned(done.stdout)
     assert jobs["estimate"] == jobs["draw_scenes"] == jobs["scene_page"] == 1
-    assert not {"train", "room", "report_page"} & set(jobs)
+    assert not {"train", "room", "report_page", "draw"} & set(jobs)
     assert "--image 'my kitchen.v2.jpg'" in done.stdout and "--out results/photo/my_kitchen_v2 " in done.stdout
     assert "no file nothing.jpg" in dry_run(folder, "photo", "--config", "image=nothing.jpg").stdout
+
+
+def test_a_picture_without_depth_is_drawn_where_only_its_outlines_have_networks(tmp_path: Path) -> None:
+    folder = make(tmp_path)
+    (folder / "kitchen.jpg").touch()
+    given = ("image=kitchen.jpg", "single_view={heights: {fridge: 1.8}}", "photo={field_of_view: 60}")
+    done = dry_run(folder, "photo", "-p", "--config", *given)
+    if not all(is_there(weights) for weights in ALL):
+        assert "Fix: make weights" in done.stdout and "annotate kitchen.jpg" in done.stdout
+        return
+    jobs = planned(done.stdout)
+    assert jobs["draw"] == jobs["scene_page"] == 1 and "estimate" not in jobs
+    options = '{"field_of_view": 60.0, "heights": {"fridge": 1.8}, "lens": null}'
+    assert options in done.stdout and "--out results/photo/kitchen " in done.stdout
 
 
 def test_a_frame_with_depth_and_a_recording_need_no_hand(tmp_path: Path) -> None:

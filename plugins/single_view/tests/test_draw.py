@@ -58,17 +58,17 @@ def test_what_a_person_put_right_is_kept(image: Path, capsys: pytest.CaptureFixt
 
 def test_a_picture_of_nothing_known_is_refused(image: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(draw, "see_outlines", lambda _: [])
-    with pytest.raises(InputError, match="no thing that the networks know"):
+    with pytest.raises(InputError, match="no thing that is known"):
         draw.run(image=image, out=image.with_suffix(""))
     assert not image.with_suffix("").exists()
 
 
 def test_heights_are_metres_and_weights_are_asked_for(monkeypatch: pytest.MonkeyPatch, image: Path) -> None:
     monkeypatch.setattr("plugins.single_view.package.is_there", lambda _: True)
-    given = {"image": str(image), "photo": {"by": "lines", "heights": {"fridge": 180}}}
+    given = {"image": str(image), "photo": {"by": "lines"}, "single_view": {"heights": {"fridge": 180}}}
     with pytest.raises(InputError, match="fridge: is 180"):
         load(with_defaults(given))
-    config: Any = load(with_defaults(given | {"photo": {"by": "lines", "heights": {"fridge": 1.8}}}))
+    config: Any = load(with_defaults(given | {"single_view": {"heights": {"fridge": 1.8}}}))
     assert list(find_mistakes(config)) == []
     monkeypatch.setattr("plugins.single_view.package.is_there", lambda _: False)
     (lacking,) = find_mistakes(config)

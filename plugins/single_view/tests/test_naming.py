@@ -33,7 +33,7 @@ def see(*further: Mask, beside: Sequence[int] = (1, 2)) -> tuple[list[Seen], Roo
     seen = [known(masks == value, (LABELS[value], 0.9)) for value in beside] + [unknown(mask) for mask in further]
     labels = {number: LABELS[value] for number, value in enumerate(beside, 1)}
     things = {number: seen[number - 1] for number in labels}
-    return seen, build_room(show_room(), see_lines(), number_masks(things), labels), labels
+    return seen, build_room(show_room(), see_lines(), number_masks(show_room(), things), labels), labels
 
 
 def floor_around(*masks: Mask) -> Mask:
@@ -88,7 +88,7 @@ def test_what_carries_a_known_thing_is_one_of_those_that_do() -> None:
     masks = outline_room((1, 2, 3, 4))
     seen = [known(masks == value, (LABELS[value], 0.9)) for value in (1, 2, 4)] + [unknown(masks == 3)]
     labels = {1: "fridge", 2: "sofa", 3: "mug"}
-    room = build_room(show_room(), see_lines(), number_masks({k: seen[k - 1] for k in labels}), labels)
+    room = build_room(show_room(), see_lines(), number_masks(show_room(), {k: seen[k - 1] for k in labels}), labels)
     assert 3 not in room.boxes
     found = name_outlines(show_room(), seen, room, labels)[1]
     assert {"appliance", "storage", "table"} & set(known_categories()[found[4].replace(" ", "_")].kin)
