@@ -41,6 +41,9 @@ class Picture(Input):
         description="COCO or labelme JSON, or a PNG of indices or colors; none: networks find things (section `eyes`)",
     )
     labels: str = Field("", description="what the PNG's values are called, as JSON")
+    drawing: str = Field(
+        "", description="of a picture without depth: project.json that the page wrote, in the place of networks"
+    )
     _row: str = PrivateAttr("")
 
     @property
@@ -59,7 +62,7 @@ class Picture(Input):
 
     def files(self) -> dict[str, str]:
         """The user's files and folders by their keys; no camera that is known by its name."""
-        keys = ["folder", "image", "depth", "recording", "masks", "labels"]
+        keys = ["folder", "image", "depth", "recording", "masks", "labels", "drawing"]
         keys += ["camera"] if self.camera not in FIELDS_OF_VIEW else []
         return {key: path for key in keys if (path := getattr(self, key))}
 
@@ -86,12 +89,14 @@ class Picture(Input):
             if not Path(path).exists():
                 known = f", or one of {', '.join(FIELDS_OF_VIEW)}" if name == "camera" else ""
                 yield name, f"no file {path}", f"correct the path{known}", "E-CONFIG-FILE"
+        if self.drawing and not self.alone:
+            yield "drawing", "is given, but no picture without depth", "leave it out"
         cameras = [bool(self.camera), bool(self.intrinsics), self.fov is not None]
         if sum(cameras) > 1:
             yield "camera", "is given in two ways", "camera, or fx, fy, cx and cy, or fov"
         if len(self.intrinsics) in (1, 2, 3) or (self.depth and not any(cameras)):
             yield "camera", "nothing says what camera took the picture", "camera, or fx, fy, cx and cy, or fov"
-        for name in sorted(self.model_fields_set - {"image", "fov", "depth"} if self.alone else ()):
+        for name in sorted(self.model_fields_set - {"image", "fov", "depth", "drawing"} if self.alone else ()):
             yield name, "is given for a picture without depth", "give depth, or leave it out"
 
 
@@ -127,13 +132,18 @@ class PicturesExperiment(ExperimentConfig):
     @property
     def photographs(self) -> list[str]:
         """Scenes whose input folders networks make of pictures without depth."""
-        return [name for name, one in self.inputs.items() if not one.folder and one.alone]
+        return [name for name, one in self.inputs.items() if not one.folder and one.alone and not one.drawing]
+
+    @property
+    def drawn(self) -> list[str]:
+        """Scenes whose input folders the workflow makes of pictures without depth and what was drawn into them."""
+        return [name for name, one in self.inputs.items() if one.alone and one.drawing]
 
     @property
     def pictures(self) -> list[str]:
         """Pictures of this run that networks look at."""
         given = [self.inputs[room] for room in self.rooms if room in self.inputs]
-        return [one.image for one in given if one.alone]
+        return [one.image for one in given if one.alone and not one.drawing]
 
 
 def read_sources(config: dict[str, Any]) -> tuple[dict[str, Any], list[Mistake]]:

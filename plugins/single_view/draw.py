@@ -29,7 +29,7 @@ class Drawn(NamedTuple):
     left_out: list[str]
 
 
-def run(*, image: Path, out: Path, options: str = "{}") -> None:
+def run(*, image: Path, out: Path, drawing: Path | None = None, options: str = "{}") -> None:
     """Find what a picture shows and where, and write it as a person would draw it.
 
     A drawing in the folder that a person has changed is kept, and written anew.
@@ -37,7 +37,11 @@ def run(*, image: Path, out: Path, options: str = "{}") -> None:
     Args:
         image: the picture.
         out: the input folder to write, with project.json, which `annotator annotate` opens.
+        drawing: project.json that is taken in the place of all that.
         options: JSON of the config section `single_view`, with `field_of_view` and `lens` of `photo`.
+
+    Raises:
+        InputError: nothing that is known is seen; the drawing is of a picture of another size.
     """
     settings = read_options(DrawOptions, options)
     photo = read_photo(image, Path(settings.lens) if settings.lens else None)
@@ -47,7 +51,10 @@ def run(*, image: Path, out: Path, options: str = "{}") -> None:
         focal = float(intrinsics_of_view(settings.field_of_view, width, height)[0, 0])
     path = out / PROJECT
     project = read_json(Project, path) if path.is_file() else None
-    if project is not None and not all(item.unsure for item in project.objects):
+    if drawing is not None:
+        project = read_drawing(drawing, photo.rgb)
+        write_json(path, project)
+    elif project is not None and not all(item.unsure for item in project.objects):
         print(f"{path}: drawn by a person: kept; delete it to begin anew")
     else:
         drawn = draw_picture(image.name, photo.rgb, focal, settings.heights)
@@ -56,6 +63,15 @@ def run(*, image: Path, out: Path, options: str = "{}") -> None:
         print("\n".join([describe(drawn.room, project), *drawn.left_out]))
     write_folder(out, photo.rgb, project)
     print(f"{out}: put it right in the browser: python -m plugins.annotator annotate {image} --out {out}")
+
+
+def read_drawing(path: Path, rgb: NDArray[np.uint8]) -> Project:
+    """The drawing in a file, checked to be of a picture as large as this one (H, W, 3)."""
+    project, (height, width) = read_json(Project, path), rgb.shape[:2]
+    if (project.width, project.height) != (width, height):
+        what = f"is of a picture of {project.width}x{project.height} pixels, this one has {width}x{height}."
+        raise InputError(path, what, "give the picture that was drawn into", code="E-PROJECT-SIZE")
+    return project
 
 
 def draw_picture(

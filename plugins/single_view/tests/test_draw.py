@@ -56,6 +56,26 @@ def test_what_a_person_put_right_is_kept(image: Path, capsys: pytest.CaptureFixt
     assert read_scene_input(out).annotations.objects[0].label == "wardrobe"
 
 
+def test_a_drawing_that_is_given_is_taken_and_needs_no_network(
+    image: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    draw.run(image=image, out=image.with_suffix(""))
+    project = read_json(Project, image.with_suffix("") / PROJECT)
+    project.objects[0].label = "wardrobe"
+    write_json(tmp_path / "mine.json", project)
+    monkeypatch.setattr("plugins.single_view.package.is_there", lambda _: False)
+    given = {"image": str(image), "drawing": str(tmp_path / "mine.json")}
+    config: Any = load(with_defaults({"experiment": {"inputs": {"drawn": given}, "rooms": ["drawn"], "targets": None}}))
+    assert list(find_mistakes(config)) == [] and config.experiment.drawn == ["drawn"] != config.experiment.photographs
+    monkeypatch.setattr(draw, "see_outlines", None)
+    draw.run(image=image, out=tmp_path / "out", drawing=tmp_path / "mine.json")
+    assert read_scene_input(tmp_path / "out").annotations.objects[0].label == "wardrobe"
+    project.width += 1
+    write_json(tmp_path / "mine.json", project)
+    with pytest.raises(InputError, match="is of a picture of"):
+        draw.run(image=image, out=tmp_path / "out", drawing=tmp_path / "mine.json")
+
+
 def test_a_picture_of_nothing_known_is_refused(image: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(draw, "see_outlines", lambda _: [])
     with pytest.raises(InputError, match="no thing that is known"):
