@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import Field
 
 from plugins.eyes.weights import ALL, is_there
-from plugins.single_view.config import SingleViewSection
+from plugins.single_view.config import DrawOptions, SingleViewSection
 from stages.config.mistakes import Mistake
 from stages.config.packages import Package
 
@@ -36,6 +36,6 @@ PACKAGE = Package(
             Field(SingleViewSection(), description="From one photograph without depth to a drawing (2.1)."),
         )
     },
-    commands={"draw": SingleViewSection},
+    commands={"draw": DrawOptions},
     mistakes=find_mistakes,
 )
