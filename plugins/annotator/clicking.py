@@ -32,6 +32,7 @@ LEFT = 0.1  # share of what was outlined that a click which takes away leaves; c
 SAME_BOX = 0.5  # IoU from which a box of COCO's network says what an outline is; chosen
 SURE = 0.4  # least probability of a name that is taken, among those of the library; chosen
 NAMES = 5  # that are proposed; chosen
+CORNERS = 1000  # of an outline, as `stages.contracts.types.Outline`
 PIECES = 50  # of an outline, as `DrawnObject.pieces`
 OUTLINES = TypeAdapter(Annotated[list[Outline], Field(max_length=PIECES + 1)])
 Click = tuple[PixelCoordinate, PixelCoordinate, bool]  # x, y, whether it adds; else it takes away
@@ -200,7 +201,8 @@ class Clicked:
 
 def outline_pieces(mask: Mask) -> list[list[list[int]]]:
     """Outlines of a mask's pieces, the largest first."""
-    return [points for points in outline_mask(mask) if len(points) > 2][: PIECES + 1]
+    rings = [points[:: 1 + (len(points) - 1) // CORNERS] for points in outline_mask(mask)]
+    return [points for points in rings if len(points) > 2][: PIECES + 1]
 
 
 def overlap(one: Mask, other: Mask) -> float:

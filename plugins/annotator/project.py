@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from plugins.inputs.photo.perspective import Perspective
+from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, Document
 from stages.contracts.fronts import Panel
 from stages.contracts.types import Extent, Id, Outline, Panels, Pixel, Side, Text, check_unique
@@ -77,6 +78,18 @@ class Project(Document):
     scale: Scale = Scale()
     walls: list[DrawnWall] = Field([], max_length=50)
     objects: list[DrawnObject] = Field([], max_length=500)
+    untouched: bool = Field(False, description="drawn by networks, and no person has saved it on the page since")
+
+    def check_size(self, width: int, height: int, where: object, mend: str) -> "Project":
+        """The drawing, if its picture is so large.
+
+        Raises:
+            InputError: it is not.
+        """
+        if (self.width, self.height) != (width, height):
+            what = f"is of a picture of {self.width}x{self.height} pixels, this one has {width}x{height}."
+            raise InputError(where, what, mend, code="E-PROJECT-SIZE")
+        return self
 
     @model_validator(mode="after")
     def _ids_once(self) -> "Project":

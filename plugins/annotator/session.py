@@ -85,7 +85,8 @@ class Session(Clicked):
         if not path.is_file():
             return self.start_drawing()
         project = read_json(Project, path, "move it away to begin anew")
-        return self._check_size(project, str(path), "give another --out, or move it away to begin anew")
+        height, width = self.photo.rgb.shape[:2]
+        return project.check_size(width, height, path, "give another --out, or move it away to begin anew")
 
     def start(self) -> Answer:
         """What the page begins with."""
@@ -116,14 +117,8 @@ class Session(Clicked):
         return jpeg(tint_picture(self.photo.rgb, painted.masks, [painted.values[item.id] for item in project.objects]))
 
     def _project(self, body: Any) -> Project:
-        return self._check_size(Project.model_validate(body), "drawing", "reload the page")
-
-    def _check_size(self, project: Project, where: str, mend: str) -> Project:
         height, width = self.photo.rgb.shape[:2]
-        if (project.width, project.height) != (width, height):
-            what = f"is of a picture of {project.width}x{project.height} pixels, this one has {width}x{height}."
-            raise InputError(where, what, mend, code="E-PROJECT-SIZE")
-        return project
+        return Project.model_validate(body).check_size(width, height, "drawing", "reload the page")
 
     def solve(self, body: Any) -> Answer:
         """Where everything is, in metres and in pixels."""
@@ -134,7 +129,7 @@ class Session(Clicked):
 
     def save(self, body: Any) -> Answer:
         """Keep the drawing."""
-        write_json(self.folder / PROJECT, self._project(body))
+        write_json(self.folder / PROJECT, self._project(body).model_copy(update={"untouched": False}))
         return {}
 
     def support(self, body: Any) -> Answer:

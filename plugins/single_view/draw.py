@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.annotator.project import PROJECT, Project
+from plugins.annotator.solve import UNSURE
 from plugins.annotator.write import write_folder
 from plugins.inputs.photo.picture import read_photo
 from plugins.inputs.rgbd.cameras import intrinsics_of_view
@@ -50,28 +51,27 @@ def run(*, image: Path, out: Path, drawing: Path | None = None, options: str = "
         height, width = photo.rgb.shape[:2]
         focal = float(intrinsics_of_view(settings.field_of_view, width, height)[0, 0])
     path = out / PROJECT
-    project = read_json(Project, path) if path.is_file() else None
+    kept = read_json(Project, path) if path.is_file() else None
     if drawing is not None:
         project = read_drawing(drawing, photo.rgb)
         write_json(path, project)
-    elif project is not None and not all(item.unsure for item in project.objects):
+    elif kept is not None and not kept.untouched:
+        project = read_drawing(path, photo.rgb)
         print(f"{path}: drawn by a person: kept; delete it to begin anew")
     else:
         drawn = draw_picture(image.name, photo.rgb, focal, settings.heights)
         project = drawn.project
         write_json(path, project)
         print("\n".join([describe(drawn.room, project), *drawn.left_out]))
-    write_folder(out, photo.rgb, project)
+    written = write_folder(out, photo.rgb, project)
+    print("".join(f"{note}\n" for note in written.notes if not note.endswith(UNSURE)), end="")
     print(f"{out}: put it right in the browser: python -m plugins.annotator annotate {image} --out {out}")
 
 
 def read_drawing(path: Path, rgb: NDArray[np.uint8]) -> Project:
     """The drawing in a file, checked to be of a picture as large as this one (H, W, 3)."""
-    project, (height, width) = read_json(Project, path), rgb.shape[:2]
-    if (project.width, project.height) != (width, height):
-        what = f"is of a picture of {project.width}x{project.height} pixels, this one has {width}x{height}."
-        raise InputError(path, what, "give the picture that was drawn into", code="E-PROJECT-SIZE")
-    return project
+    height, width = rgb.shape[:2]
+    return read_json(Project, path).check_size(width, height, path, "give the picture that was drawn into")
 
 
 def draw_picture(

@@ -9,15 +9,15 @@ from plugins.annotator.clicking import outline_pieces
 from plugins.annotator.fronts import front_corners
 from plugins.annotator.outlined import FACING, Fit, area_of, mark_box
 from plugins.annotator.project import DrawnObject, DrawnWall, Project, Scale
-from plugins.inputs.photo.metrology import MetrologyError, View
+from plugins.inputs.photo.metrology import MetrologyError, View, WallPlane
 from plugins.inputs.photo.perspective import fit_view, horizon
 from plugins.single_view.room import Room
-from plugins.single_view.walls import FoundWall
 from stages.contracts.parts import says_opening
 from stages.contracts.types import Pixel
 from stages.geometry.boxes import UprightBox
 
 REACH = 8.0  # metres of a wall to either side that are drawn
+ALONG = 1e-6  # sine of what is no angle
 AHEAD = 0.3  # metres before the camera, nearer than which nothing is drawn
 
 
@@ -53,7 +53,7 @@ def draw_room(
                 label=labels[value],
                 on=holder,
                 points=points,
-                free=on >= 0,
+                free=not along_room(box),
                 depth=None if len(points) > (2 if on < 0 else 3) else round(float(box.size[1]), 3),
                 articulated=says_opening(labels[value]),
                 outline=rings[0] if rings else [],
@@ -61,9 +61,8 @@ def draw_room(
                 unsure=True,
             )
         )
-    there = {item.id for item in objects}
-    kept = [item for item in objects if not item.on.startswith("thing") or item.on in there]
-    left_out |= {int(item.id[6:]): "what it stands on has no place" for item in objects if item not in kept}
+    kept = keep_carried(objects, [wall.id for wall in walls if wall is not None])
+    left_out |= {int(item.id[6:]): "what carries it has no place" for item in objects if item not in kept}
     project = Project(
         picture=name,
         width=width,
@@ -72,8 +71,16 @@ def draw_room(
         scale=Scale(kind="camera", metres=round(room.view.above, 3)),
         walls=[wall for wall in walls if wall is not None],
         objects=kept,
+        untouched=True,
     )
     return project, left_out
+
+
+def keep_carried(objects: list[DrawnObject], walls: list[str]) -> list[DrawnObject]:
+    """The objects that the floor, a wall, or another of them carries."""
+    there = {"floor", *walls, *(item.id for item in objects)}
+    kept = [item for item in objects if item.on in there]
+    return kept if len(kept) == len(objects) else keep_carried(kept, walls)
 
 
 def mark_points(view: View, box: UprightBox, hangs: bool) -> list[Pixel]:
@@ -89,10 +96,14 @@ def mark_points(view: View, box: UprightBox, hangs: bool) -> list[Pixel]:
     return mark_box(view, Fit(box, 0.0, True), sides[int(np.argmax(seen))], hangs=False)
 
 
-def draw_wall(view: View, name: str, wall: FoundWall) -> DrawnWall | None:
+def along_room(box: UprightBox) -> bool:
+    """Whether the sides of a box run along the axes of the room."""
+    return abs(float(np.sin(2 * box.yaw))) < ALONG
+
+
+def draw_wall(view: View, name: str, wall: WallPlane) -> DrawnWall | None:
     """A wall by two points of its foot; None: none lies before the camera."""
-    along = np.array([-wall.normal[1], wall.normal[0], 0.0])
-    feet = wall.offset * wall.normal + np.linspace(-REACH, REACH, 81)[:, None] * along
+    feet = wall.offset * wall.normal + np.linspace(-REACH, REACH, 81)[:, None] * wall.along
     before = (feet - [0, 0, view.above]) @ view.rotation[:, 2] > AHEAD
     if before.sum() < 2:
         return None

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-SIDES = ("left", "top", "right", "bottom")
 STEPS = np.array([(-1, 0), (0, -1), (1, 0), (0, 1)])  # out of the mask, x and y
 BAND = 0.05  # of a mask's extent: its pixels nearest to an end; chosen
 BEYOND = 0.01  # of the picture's longer side, from an end to what is next to it: masks leave gaps; chosen

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.eyes.proposal import find_border
+from plugins.inputs.photo.metrology import WallPlane
 from plugins.names.propose import read_coco
 from plugins.single_view.ends import Ends, measure_all
 from plugins.single_view.fit import CameraPrior, Item, Usual
@@ -14,7 +15,7 @@ from plugins.single_view.modes import choose_modes
 from plugins.single_view.room import NORMALS, Room, usual_of
 from plugins.single_view.supports import CARRIERS, FLOOR, LEGGED, LOW, category_of, find_open
 from plugins.single_view.things import Seen, number_masks
-from plugins.single_view.walls import FoundWall, measure_rectangle
+from plugins.single_view.walls import measure_rectangle
 from stages.contracts.categories import known_categories
 
 Array = NDArray[np.float64]
@@ -122,7 +123,7 @@ def hangs_flat(room: Room, one: Seen, ends: Ends) -> bool:
     if ends.cut.any() or one.score < CRISP:
         return False
     farthest = max((float(box.center[1]) for box in room.boxes.values()), default=USUAL_FAR)
-    walls = room.walls or [FoundWall(NORMALS[0], -farthest)]
+    walls = room.walls or [WallPlane(NORMALS[0], -farthest)]
     shares = [measure_rectangle(room.view, wall, one.mask) for wall in walls]
     share, sides = max(shares, key=lambda each: each[0])
     width, height = np.ptp(sides, axis=0)

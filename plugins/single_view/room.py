@@ -7,22 +7,22 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.annotator.solve import FLAT_DEPTH
 from plugins.eyes.proposal import find_border
-from plugins.inputs.photo.metrology import View
+from plugins.inputs.photo.metrology import View, WallPlane
 from plugins.inputs.photo.perspective import Perspective, fit_view
 from plugins.inputs.photo.segments import find_segments, propose, usual_focal
 from plugins.single_view.ends import Ends, measure_all
 from plugins.single_view.fit import HEIGHT, CameraPrior, Item, Usual
 from plugins.single_view.modes import fit_things
 from plugins.single_view.supports import LEGGED, NOWHERE, WALL, category_of, find_open, find_supports
-from plugins.single_view.walls import AGAINST, FoundWall, find_wall, measure_rectangle
+from plugins.single_view.walls import AGAINST, find_wall, measure_rectangle
 from stages.contracts.category import Category
 from stages.geometry.boxes import UprightBox
 
 Array = NDArray[np.float64]
 UNKNOWN = Usual(np.log([0.5, 0.5, 0.6]), 0.7**2 * np.eye(3))  # of a thing that has no name; chosen
 NORMALS = np.array([(0.0, -1, 0), (1, 0, 0), (-1, 0, 0)])  # of the walls: the far one, that to the left, to the right
-FLAT_DEPTH = 0.03  # metres: of what hangs and whose kind is unknown
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Room:
 
     perspective: Perspective
     view: View
-    walls: list[FoundWall]
+    walls: list[WallPlane]
     boxes: dict[int, UprightBox]
     on: dict[int, int]
     left_out: dict[int, str] = field(default_factory=dict)
@@ -79,7 +79,7 @@ def scale_room(room: Room, labels: Mapping[int, str], heights: Mapping[str, floa
     if not factors:
         return room
     factor = float(np.median(factors))
-    walls = [FoundWall(wall.normal, factor * wall.offset) for wall in room.walls]
+    walls = [WallPlane(wall.normal, factor * wall.offset) for wall in room.walls]
     boxes = {value: UprightBox(factor * box.center, factor * box.size, box.yaw) for value, box in room.boxes.items()}
     return replace(room, view=replace(room.view, above=factor * room.view.above), walls=walls, boxes=boxes)
 
@@ -120,9 +120,9 @@ def hang_things(
     labels: Mapping[int, str],
     boxes: Mapping[int, UprightBox],
     hung: Sequence[int],
-) -> tuple[list[FoundWall], dict[int, UprightBox], dict[int, int]]:
+) -> tuple[list[WallPlane], dict[int, UprightBox], dict[int, int]]:
     """The walls of a room; boxes of what hangs on them, and on which: -1 - k for wall k."""
-    unit = [FoundWall(normal, -1.0) for normal in NORMALS]
+    unit = [WallPlane(normal, -1.0) for normal in NORMALS]
     facing, at_one = {}, {}
     for value in hung:
         found = [measure_rectangle(view, wall, masks == value) for wall in unit]
@@ -136,8 +136,7 @@ def hang_things(
         own = [value for value in hung if facing[value] == number and np.ptp(at_one[value][:, 0]) > 0]
         usual = [usual_of(category_of(labels[value])).mean for value in own]
         far = [float(np.exp(one[0]) / np.ptp(at_one[value][:, 0])) for value, one in zip(own, usual, strict=True)]
-        standing = [box for value, box in boxes.items()]
-        wall = find_wall(view, normal, standing, against, segments, far)
+        wall = find_wall(view, normal, list(boxes.values()), against, segments, far)
         if wall is None:
             continue
         walls.append(wall)
@@ -155,11 +154,10 @@ def usual_depth(label: str) -> float:
     return float(np.exp(usual_of(category).mean[1])) if category else FLAT_DEPTH
 
 
-def hang_box(wall: FoundWall, ends: Array, depth: float) -> UprightBox:
+def hang_box(wall: WallPlane, ends: Array, depth: float) -> UprightBox:
     """The box with its rear on a wall."""
-    along = np.array([-wall.normal[1], wall.normal[0], 0.0])
     middle, size = ends.mean(axis=0), np.maximum(ends[1] - ends[0], 0.01)
-    center = middle[0] * along + (wall.offset + depth / 2) * wall.normal + [0, 0, middle[1]]
+    center = middle[0] * wall.along + (wall.offset + depth / 2) * wall.normal + [0, 0, middle[1]]
     yaw = float(np.arctan2(wall.normal[0], -wall.normal[1]))
     return UprightBox(center, [size[0], depth, size[1]], yaw)
 

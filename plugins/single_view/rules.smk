@@ -1,6 +1,6 @@
 # Pictures without depth, drawn by lines, outlines and usual sizes (paper 2.1).
 # Reads:  what `--config image=...` or `experiment.inputs` names; the networks' weights (`make weights`).
-# Writes: results/photo/<scene>/, an input folder with project.json, which the page opens, and things.json.
+# Writes: results/photo/<scene>/, an input folder with project.json, which the page opens.
 import shlex
 
 from plugins.eyes.weights import ALL as SEEING, FOLDER as SEEING_FOLDER

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.eyes.naming import CARRIERS
 from plugins.inputs.photo.metrology import View
 from plugins.single_view.ends import Ends
 from stages.contracts.categories import known_categories
@@ -13,7 +14,6 @@ from stages.contracts.category import Category, find_category
 
 LOW = -0.15  # slope of a ray to the floor: what is farther is too far for a room; chosen
 FLOOR, WALL, NOWHERE = 0, -1, -2  # in the place of the mask of what carries a thing
-CARRIERS = {"appliance", "storage", "table"}  # kinds that carry things
 LEGGED = {"bench", "chair", "coffee_table", "desk", "floor_lamp", "stool", "table"}  # whose masks leave thin legs out
 
 

@@ -1,13 +1,12 @@
 """Walls of a room by lines on the floor, by what stands against them and by the usual sizes of what hangs on them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.inputs.photo.metrology import View
+from plugins.inputs.photo.metrology import View, WallPlane
 from plugins.single_view.ends import Mask
 from stages.geometry.boxes import UprightBox, corners
 
@@ -21,14 +20,6 @@ LEAST_LINE = 0.06  # of the picture's width: length of a line on the floor that 
 AGAINST = {"appliance", "bed", "storage"}  # kinds that stand against walls: a vote each
 
 
-@dataclass(frozen=True)
-class FoundWall:
-    """An upright plane normal . p = offset of the room; the normal (3,) is horizontal and towards the camera."""
-
-    normal: Array
-    offset: float
-
-
 def find_wall(
     view: View,
     normal: Array,
@@ -36,7 +27,7 @@ def find_wall(
     against: Sequence[bool],
     segments: Array,
     far: Sequence[float],
-) -> FoundWall | None:
+) -> WallPlane | None:
     """The wall that looks along `normal`, if enough tells of one.
 
     Args:
@@ -67,10 +58,10 @@ def find_wall(
         hung += 0.4 * np.exp(-((np.log(offsets / one) / HUNG) ** 2) / 2)
     votes = np.minimum(furniture, 2) + lines + np.minimum(hung, 1) - before
     best = int(votes.argmax())
-    return FoundWall(normal, -float(offsets[best])) if far or votes[best] >= MIN_VOTE else None
+    return WallPlane(normal, -float(offsets[best])) if far or votes[best] >= MIN_VOTE else None
 
 
-def measure_rectangle(view: View, wall: FoundWall, mask: Mask) -> tuple[float, Array]:
+def measure_rectangle(view: View, wall: WallPlane, mask: Mask) -> tuple[float, Array]:
     """How much of the upright rectangle around a mask (H, W), laid on a wall, it fills; and that rectangle's ends.
 
     The ends are along the wall and in height: (2, 2), metres.
@@ -82,7 +73,7 @@ def measure_rectangle(view: View, wall: FoundWall, mask: Mask) -> tuple[float, A
     if (towards > -1e-3).any():
         return 0.0, np.zeros((2, 2))
     points = rays * (wall.offset / towards)[:, None] + [0, 0, view.above]
-    flat = np.stack([points @ np.array([-wall.normal[1], wall.normal[0], 0]), points[:, 2]], axis=1)
+    flat = np.stack([points @ wall.along, points[:, 2]], axis=1)
     ends = np.array([flat.min(axis=0), flat.max(axis=0)])
     area = cv2.contourArea(flat.astype(np.float32)[:, None])
     return float(area / max(1e-9, np.prod(ends[1] - ends[0]))), ends

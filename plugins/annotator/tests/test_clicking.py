@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from plugins.annotator import annotate, clicking
-from plugins.annotator.clicking import LACKING, Asked, Clicker
+from plugins.annotator.clicking import CORNERS, LACKING, Asked, Clicker, outline_pieces
 from plugins.annotator.correcting import Correcting
 from plugins.annotator.outlined import propose_box, weigh_names
 from plugins.annotator.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
@@ -348,3 +348,12 @@ def test_a_frame_without_masks_gets_them_by_clicks(browser: Any, tmp_path: Path)
     assert all(item.box is not None for item in found)
     again = Correcting(folder, [], tmp_path / "results", "frame").open_drawing()
     assert [item.label for item in again.objects] == ["cabinet", "box", "floor", "wall"]
+
+
+def test_an_outline_has_no_more_corners_than_a_drawing_keeps() -> None:
+    angles, grid = np.linspace(0, 2 * np.pi, 3000, endpoint=False), np.zeros((2000, 2000), np.uint8)
+    reach = 700 + 200 * (np.arange(3000) % 2)
+    star = np.stack([1000 + reach * np.cos(angles), 1000 + reach * np.sin(angles)], axis=1)
+    cv2.fillPoly(grid, [np.rint(star).astype(np.int32)], 1)
+    rings = outline_pieces(grid > 0)
+    assert max(map(len, outline_mask(grid > 0))) > CORNERS >= len(rings[0]) > CORNERS / 2

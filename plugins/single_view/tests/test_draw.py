@@ -9,6 +9,8 @@ import pytest
 from PIL import Image
 
 from plugins.annotator.project import PROJECT, Project
+from plugins.annotator.session import Session
+from plugins.inputs.photo.picture import read_photo
 from plugins.single_view import draw
 from plugins.single_view.package import find_mistakes
 from plugins.single_view.tests.room import LABELS, WIDTH, outline_room, see_lines, show_room
@@ -45,15 +47,29 @@ def test_a_photograph_becomes_an_input_folder_and_a_drawing(image: Path, capsys:
     assert all(item.unsure for item in read_json(Project, out / PROJECT).objects)
 
 
-def test_what_a_person_put_right_is_kept(image: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_a_person_saved_is_kept_also_if_nothing_in_it_is_confirmed(
+    image: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = image.with_suffix("")
     draw.run(image=image, out=out)
+    capsys.readouterr()
+    draw.run(image=image, out=out)
+    assert "3 things" in capsys.readouterr().out, "what nobody saved is drawn anew"
     project = read_json(Project, out / PROJECT)
-    project.objects[0].unsure, project.objects[0].label = False, "wardrobe"
-    write_json(out / PROJECT, project)
+    del project.objects[0]
+    Session(read_photo(image), image.name, out).save(project.model_dump(mode="json"))
     draw.run(image=image, out=out)
     assert "kept" in capsys.readouterr().out
-    assert read_scene_input(out).annotations.objects[0].label == "wardrobe"
+    assert [item.label for item in read_scene_input(out).annotations.objects] == ["sofa", "coffee table"]
+    Image.fromarray(np.array(Image.open(image))[:, :600]).save(image)
+    with pytest.raises(InputError, match="is of a picture of 640x480"):
+        draw.run(image=image, out=out)
+
+
+def test_what_is_wrong_with_a_box_is_told(image: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    draw.run(image=image, out=image.with_suffix(""), options='{"heights": {"camera": 15}}')
+    told = capsys.readouterr().out
+    assert "usual are" in told and "by networks alone" in told
 
 
 def test_a_drawing_that_is_given_is_taken_and_needs_no_network(

@@ -145,6 +145,7 @@ def test_a_drawing_gives_the_boxes_again(found: Room) -> None:
         again = solved.boxes[f"thing_{value}"]
         assert again.center == pytest.approx(box.center, abs=0.05), LABELS[value]
         assert np.sort(again.size) == pytest.approx(np.sort(box.size), abs=0.06), LABELS[value]
+    assert not any(item.free for item in project.objects) and project.untouched
     on = {item.id: item.on for item in project.objects}
     assert on["thing_4"] == "thing_3" and on["thing_5"] == "wall_1" and on["thing_1"] == "floor"
 
@@ -154,4 +155,6 @@ def test_what_stands_on_what_cannot_be_drawn_is_left_out_with_it(found: Room) ->
     room = replace(found, boxes=found.boxes | {3: behind})
     project, left_out = draw_room("room.png", room, outline_room(), LABELS)
     assert "behind the camera" in left_out[3] and "no place" in left_out[4]
+    on_it = replace(room, boxes=room.boxes | {7: room.boxes[4]}, on=room.on | {7: 4})
+    assert "no place" in draw_room("room.png", on_it, outline_room(), LABELS | {7: "mug"})[1][7]
     assert {item.id for item in project.objects} == {"thing_1", "thing_2", "thing_5", "thing_6"}
