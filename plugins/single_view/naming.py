@@ -1,6 +1,6 @@
 """Which outlines are things, and their names: by looks, by where they stand and by how large that makes them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,17 +13,17 @@ from plugins.single_view.ends import Ends, measure_all
 from plugins.single_view.fit import CameraPrior, Item, Usual
 from plugins.single_view.modes import choose_modes
 from plugins.single_view.room import NORMALS, Room, usual_of
-from plugins.single_view.supports import CARRIERS, FLOOR, LEGGED, LOW, category_of, find_open
+from plugins.single_view.supports import CARRIERS, FLOOR, LEGGED, category_of, find_open
 from plugins.single_view.things import Seen, number_masks
 from plugins.single_view.walls import measure_rectangle
 from stages.contracts.categories import known_categories
 
 Array = NDArray[np.float64]
 ANYTHING = Usual(np.log([1.0, 0.6, 1.0]), np.diag([1.0, 1.0, 1.0]))  # width, depth, height of what has no name; chosen
+LOW = -0.15  # slope of a ray to the floor: what is farther is too far for a room; chosen
 MISSED = 0.3  # how likely COCO's network misses a thing that it knows; chosen
 MEANT = 0.2  # share of what a class of COCO is said of, from which on it means a category; chosen
 LIKELY = 0.1  # least probability of a name that size may choose; chosen
-NONE = 0.5  # how likely an outline is nothing of the library, before its size is seen; chosen
 LEAST_LOOKS = 0.02  # least share of a name by looks alone, which know little of it; chosen
 LEAST = 0.003  # share of the picture that an outline without a known class covers at least; chosen
 ALIGNED = 0.15  # of their width, by which the sides of pieces of one front are apart at most; chosen
@@ -47,7 +47,9 @@ def name_outlines(
     seen = join_stacked(rgb, seen, labels)
     ends = measure_outlines(rgb, seen)
     floor = find_floor(ends, room, labels)
-    beneath = {ends[value].met[3] for value in labels if must_be_carried(labels[value])}
+    feet = {value: one.met[3] for value, one in ends.items()}
+    ends = dict(ends) | measure_outlines(rgb, seen, floor)  # the floor hides nothing
+    beneath = {feet[value] for value in labels if must_be_carried(labels[value])}
     found, camera = dict[int, str](), as_camera(room)
     for value, one in enumerate(seen, 1):
         if not one.mask.any():
@@ -59,15 +61,15 @@ def name_outlines(
             continue
         elif hangs_flat(room, one, ends[value]):
             found[value] = "picture"
-        elif value in beneath or stands_free(ends[value], floor, labels, room):
-            name = name_by_size(camera, item, one, value in beneath, ends[value].met[3] in floor)
+        elif value in beneath or stands_free(ends[value], feet[value], floor, labels, room):
+            name = name_by_size(camera, item, one, value in beneath, feet[value] in floor)
             found |= {value: name} if name else {}
     return seen, found
 
 
-def measure_outlines(rgb: NDArray[np.uint8], seen: Sequence[Seen]) -> Mapping[int, Ends]:
-    """The ends of all outlines, by their places from 1; of those that show nothing none."""
-    masks = number_masks(rgb, dict(enumerate(seen, 1)))
+def measure_outlines(rgb: NDArray[np.uint8], seen: Sequence[Seen], floor: Collection[int] = ()) -> Mapping[int, Ends]:
+    """The ends of all outlines but those of the floor, by their places from 1; of those that show nothing none."""
+    masks = number_masks(rgb, {value: one for value, one in enumerate(seen, 1) if value not in floor})
     return measure_all(masks, [value for value in range(1, len(seen) + 1) if (masks == value).any()], ~find_border(rgb))
 
 
@@ -91,13 +93,13 @@ def join_stacked(rgb: NDArray[np.uint8], seen: Sequence[Seen], labels: Mapping[i
     return joined
 
 
-def stands_free(ends: Ends, floor: set[int], labels: Mapping[int, str], room: Room) -> bool:
+def stands_free(ends: Ends, foot: int, floor: set[int], labels: Mapping[int, str], room: Room) -> bool:
     """Whether an outline may stand on the floor: it ends there, or where nobody knows the floor, far below the horizon
-    and not at another thing."""
+    and not at another thing; `foot`: the outline below it."""
     left, _, right, bottom = ends.at * [-1, 1, 1, 1]
     if ends.cut[1] or room.view.rays([(left + right) / 2, bottom])[2] > LOW:
         return False
-    return ends.met[3] in floor or (not floor and ends.met[3] not in labels)
+    return foot in floor or (not floor and foot not in labels)
 
 
 def find_floor(ends: Mapping[int, Ends], room: Room, labels: Mapping[int, str]) -> set[int]:
@@ -148,11 +150,9 @@ def name_by_size(camera: tuple[CameraPrior, Array], item: Item, one: Seen, carri
     ]
     before = {name: max(looks.get(name, 0.0) / total, LEAST_LOOKS) for name in names}
     before |= {name: MISSED * before[name] for name in list_detected() & set(names)}
-    scores = [np.log(before[name]) - cost_of(camera, as_named(item, name)) for name in names]
-    best = int(np.argmax(scores))
-    if not carries and np.logaddexp.reduce(scores) < np.log(NONE) - cost_of(camera, item):
-        return ""
-    return names[best].replace("_", " ")
+    tried = [as_named(item, name) for name in names]
+    scores = [np.log(before[name]) - cost_of(camera, one) for name, one in zip(names, tried, strict=True)]
+    return names[int(np.argmax(scores))].replace("_", " ")
 
 
 def rename_by_size(camera: tuple[CameraPrior, Array], item: Item, one: Seen) -> str:

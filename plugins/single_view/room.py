@@ -97,7 +97,7 @@ def build_room(
         labels: of the things, by the values of their masks; of none the camera is a usual one.
     """
     ends = measure_all(masks, list(labels), ~find_border(rgb))
-    on = find_supports(masks, labels, ends, camera.view)
+    on = find_supports(masks, labels, ends)
     standing = [value for value in labels if on[value] not in (WALL, NOWHERE)]
     place = {value: number for number, value in enumerate(standing)}
     items = [make_item(value, labels[value], ends, on, place) for value in standing]

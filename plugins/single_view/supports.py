@@ -7,12 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.eyes.naming import CARRIERS
-from plugins.inputs.photo.metrology import View
 from plugins.single_view.ends import Ends
 from stages.contracts.categories import known_categories
 from stages.contracts.category import Category, find_category
 
-LOW = -0.15  # slope of a ray to the floor: what is farther is too far for a room; chosen
 FLOOR, WALL, NOWHERE = 0, -1, -2  # in the place of the mask of what carries a thing
 LEGGED = {"bench", "chair", "coffee_table", "desk", "floor_lamp", "stool", "table"}  # whose masks leave thin legs out
 
@@ -22,9 +20,7 @@ def category_of(label: str) -> Category | None:
     return find_category(label, known_categories())
 
 
-def find_supports(
-    masks: NDArray[np.integer], labels: Mapping[int, str], ends: Mapping[int, Ends], view: View
-) -> dict[int, int]:
+def find_supports(masks: NDArray[np.integer], labels: Mapping[int, str], ends: Mapping[int, Ends]) -> dict[int, int]:
     """What carries each thing: the value of another's mask, `FLOOR`, `WALL`, or `NOWHERE`: it is
     not seen.
 
@@ -32,7 +28,6 @@ def find_supports(
         masks: (H, W).
         labels: of the things, by the values of their masks.
         ends: likewise.
-        view: the camera by lines.
     """
     known = {value: category_of(label) for value, label in labels.items()}
     carriers = [value for value, one in known.items() if one is None or CARRIERS & set(one.kin)]
@@ -47,9 +42,7 @@ def find_supports(
             if places == ["top"]:
                 on[value] = NOWHERE
                 continue
-        left, _, right, bottom = ends[value].at * [-1, 1, 1, 1]
-        is_high = view.rays([(left + right) / 2, bottom])[2] > LOW
-        if "wall" in places and ("floor" not in places or is_high or places.index("wall") == 0):
+        if places[0] == "wall" or ("wall" in places and "floor" not in places):
             on[value] = WALL
     return on
 
@@ -73,8 +66,7 @@ def find_beneath(masks: NDArray[np.integer], value: int, ends: Ends, carriers: l
     found = []
     for other in carriers:
         pixels = np.column_stack(np.nonzero(masks == other)[::-1]).astype(np.int32)
-        inside = cv2.pointPolygonTest(cv2.convexHull(pixels), foot, False) >= 0
-        if inside and pixels[:, 1].max() > rows.max():
+        if cv2.pointPolygonTest(cv2.convexHull(pixels), foot, False) >= 0:
             found.append((len(pixels), other))
     return min(found)[1] if found else 0
 

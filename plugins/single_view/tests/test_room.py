@@ -1,5 +1,6 @@
 """Camera, boxes and walls of a picture without depth."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -7,10 +8,13 @@ import pytest
 
 from plugins.annotator.solve import solve
 from plugins.eyes.proposal import find_border
-from plugins.single_view.drawing import draw_room
-from plugins.single_view.ends import measure_all
-from plugins.single_view.room import Room, build_room, scale_room
-from plugins.single_view.supports import FLOOR, NOWHERE, WALL, find_open, find_supports
+from plugins.inputs.photo.metrology import WallPlane
+from plugins.single_view.drawing import draw_room, draw_wall
+from plugins.single_view.ends import Ends, measure_all
+from plugins.single_view.fit import Item, Layout
+from plugins.single_view.modes import choose_modes, list_modes
+from plugins.single_view.room import Room, build_room, scale_room, usual_of
+from plugins.single_view.supports import FLOOR, NOWHERE, WALL, category_of, find_open, find_supports
 from plugins.single_view.tests.room import (
     BOXES,
     HEIGHT,
@@ -22,7 +26,7 @@ from plugins.single_view.tests.room import (
     see_lines,
     show_room,
 )
-from plugins.single_view.walls import find_wall
+from plugins.single_view.walls import find_wall, measure_rectangle
 from stages.geometry.boxes import UprightBox
 
 FAR_WALL = np.array([0.0, -1.0, 0.0])
@@ -117,10 +121,84 @@ def test_the_nearer_of_two_things_side_by_side_hides_the_other() -> None:
 def test_what_only_stands_on_things_and_has_none_below_has_no_place() -> None:
     masks = outline_room((1, 4))
     ends = measure_all(masks, [1, 4], ~find_border(show_room()))
-    assert find_supports(masks, {1: "fridge", 4: "mug"}, ends, TRUE) == {1: FLOOR, 4: NOWHERE}
-    assert find_supports(masks, {1: "fridge", 4: "picture"}, ends, TRUE) == {1: FLOOR, 4: WALL}
+    assert find_supports(masks, {1: "fridge", 4: "mug"}, ends) == {1: FLOOR, 4: NOWHERE}
+    assert find_supports(masks, {1: "fridge", 4: "picture"}, ends) == {1: FLOOR, 4: WALL}
     room = find((1, 4))
     assert set(room.boxes) == {1} and "not seen" in room.left_out[4]
+
+
+def test_nothing_stands_on_what_stands_on_it() -> None:
+    masks = np.zeros((HEIGHT, WIDTH), np.uint16)
+    masks[100:200, 100:200], masks[300:350, 100:200] = 1, 2
+    none = np.zeros(4, bool)
+    ends = {
+        1: Ends(np.zeros(4), none, (0, 0, 0, 2), np.zeros(4)),
+        2: Ends(np.zeros(4), none, (0, 0, 0, 1), np.zeros(4)),
+    }
+    assert find_supports(masks, {1: "thing", 2: "thing"}, ends) == {1: 2, 2: FLOOR}
+
+
+def test_a_plain_frame_around_the_picture_cuts_as_its_border_does() -> None:
+    masks, framed = np.zeros((HEIGHT, WIDTH), np.uint16), show_room()
+    masks[100:300, 20:200], framed[:, :20] = 1, 0
+    assert measure_all(masks, [1], ~find_border(framed))[1].cut.tolist() == [True, False, False, False]
+
+
+def layout_of(**change: object) -> tuple[Layout, np.ndarray]:
+    """A coffee table and the mug on it, and the state that shows them as they are."""
+    masks = outline_room((3, 4))
+    ends = measure_all(masks, [3, 4], ~find_border(show_room()))
+    none = np.zeros(4, bool)
+    items = [
+        Item(ends[3], none, usual_of(category_of("coffee table"))),
+        Item(ends[4], none, usual_of(category_of("mug")), on=0),
+    ]
+    items[0] = replace(items[0], **change)  # type: ignore[arg-type]
+    state = [*see_lines().state, np.log(TRUE.above)]
+    for value in (3, 4):
+        x, y, _ = BOXES[value].center
+        state += [np.arctan2(x, y), np.log(np.hypot(x, y)), *np.log(BOXES[value].size)]
+    return Layout(see_lines(), items), np.array(state)
+
+
+def test_what_is_carried_costs_where_it_is_beside_its_carrier() -> None:
+    layout, state = layout_of()
+    assert (layout.measure_things(state)[2] == 0).all()
+    state[10] += 0.5  # bearing of the mug
+    assert layout.measure_things(state)[2][1].max() > 3
+
+
+def test_an_end_that_is_hidden_is_at_the_latest_where_what_hides_it_ends() -> None:
+    layout, state = layout_of()
+    limit = layout.items[0].ends.at + np.array([0, 0, 60, 0])
+    open_ = np.array([False, False, True, False])
+    layout, _ = layout_of(ends=replace(layout.items[0].ends, limit=limit), open=open_)
+    for width, off in ((1.0, 0), (1.15, 0), (2.0, 3)):
+        state[7] = np.log(width)
+        right = layout.measure_things(state)[0][0, 2]
+        assert right == pytest.approx(0, abs=0.2) if not off else right > off
+    state[7] = np.log(0.5)
+    assert layout.measure_things(state)[0][0, 2] < -2, "it reaches as far as it is seen"
+
+
+def test_corners_behind_the_camera_lie_on_their_side_of_the_picture() -> None:
+    layout, state = layout_of()
+    state[6] = np.log(0.2)  # around the camera
+    pixels = layout.project(state)[0]
+    assert (
+        np.isfinite(pixels).all()
+        and pixels[:, 0].min() < 0
+        and pixels[:, 0].max() > WIDTH
+        and pixels[:, 1].max() > HEIGHT
+    )
+
+
+def test_a_table_that_is_seen_whole_lacks_no_legs_and_seats_may_stand_across() -> None:
+    layout, state = layout_of(legs=True)
+    chosen = choose_modes(see_lines(), layout.items[:1], state[:5])[0][0]
+    assert not chosen.endless and chosen.penalty == 0
+    yaws = {round(np.degrees(mode.yaw)) for mode in list_modes(replace(layout.items[0], across=True))}
+    assert yaws == {0, 45, 90, 135}
 
 
 def test_a_wall_wants_furniture_and_a_line_or_what_hangs() -> None:
@@ -130,10 +208,24 @@ def test_a_wall_wants_furniture_and_a_line_or_what_hangs() -> None:
     assert find_wall(TRUE, FAR_WALL, [fridge], [True], none, []) is None
     both = find_wall(TRUE, FAR_WALL, [fridge], [True], line, [])
     assert both is not None and both.offset == pytest.approx(-4.4, abs=0.05)
+    for a, b in (((-3, 4.0, 0), (-1, 4.9, 0)), ((-1, 60, TRUE.above), (1, 60, TRUE.above))):  # askew; on the horizon
+        with warnings.catch_warnings(action="error"):
+            assert find_wall(TRUE, FAR_WALL, [fridge], [True], np.array([TRUE.project([a, b])]), []) is None
     beyond = UprightBox([0, 6.5, 0.5], [1, 1, 1], 0.0)
     assert find_wall(TRUE, FAR_WALL, [fridge, beyond], [True, False], line, []) is None
     hung = find_wall(TRUE, FAR_WALL, [fridge, sofa], [False, False], none, [4.2])
     assert hung is not None and hung.offset == pytest.approx(-4.2, abs=0.3)
+
+
+def test_what_a_wall_does_not_face_is_no_rectangle_on_it() -> None:
+    mask = outline_box(BOXES[5])
+    assert measure_rectangle(TRUE, WallPlane(FAR_WALL, -4.4), mask)[0] > 0.9
+    assert measure_rectangle(TRUE, WallPlane(-FAR_WALL, -4.4), mask)[0] == 0
+
+
+def test_a_wall_behind_the_camera_is_not_drawn() -> None:
+    assert draw_wall(TRUE, "wall_1", WallPlane(-FAR_WALL, -4.4)) is None
+    assert draw_wall(TRUE, "wall_1", WallPlane(FAR_WALL, -4.4)) is not None
 
 
 def test_a_drawing_gives_the_boxes_again(found: Room) -> None:
