@@ -26,6 +26,7 @@ def main() -> None:
     parser.add_argument("--half", choices=[*packs.HALVES, ""], default="", help="only this half")
     parser.add_argument("--only", default="", help="only pictures with this in their name")
     parser.add_argument("--samples", type=int, default=12, help="per pixel, of `render`")
+    parser.add_argument("--learning", type=int, default=0, help="of `render`: so many others of each kind")
     parser.add_argument(
         "--library", type=Path, default=Path("results"), help="results folder with library and features"
     )
@@ -42,7 +43,7 @@ def main() -> None:
             from benchmarks.open_rooms.pictures import make
 
             for half in halves:
-                make(asked.folder, half, asked.only, asked.samples)
+                make(asked.folder, half, asked.only, asked.samples, asked.learning)
         elif asked.command == "run":
             from benchmarks.open_rooms.run import run
 

@@ -16,7 +16,8 @@ from stages.contracts import write_atomically
 
 MIN_PIXELS, MIN_SEEN = 250, 0.15  # of a thing that a person would outline and name
 BY_HAND = ("exact", "drawn")  # masks whose values are the numbers of things
-MASKS = (*BY_HAND, "unaided", "corrected")  # corrected: the unaided ones, by clicks
+ALONE = "alone"  # of the picture without its depth
+MASKS = (*BY_HAND, "unaided", "corrected", ALONE)  # corrected: the unaided ones, by clicks
 NO_WALLS, NO_FLOOR, ONE_WALL = 0.25, 0.12, 0.35  # how often people name no walls, no floor, all walls as one
 
 
@@ -75,24 +76,25 @@ def read_masks(folder: Path) -> NDArray[np.uint16]:
     return np.asarray(cv2.imread(str(folder / "exact.png"), cv2.IMREAD_UNCHANGED), np.uint16)
 
 
-def folders(root: Path, half: str = "") -> list[Path]:
-    """The pictures that are there, of one half or of all."""
-    found = [folder / "room.json" for folder in sorted((root / "pictures").glob("*"))]
+def folders(root: Path, half: str = "", kept: str = "pictures") -> list[Path]:
+    """The pictures that are there, of one half or of all; kept in `pictures`, or in `learning`."""
+    found = [folder / "room.json" for folder in sorted((root / kept).glob("*"))]
     halves = {path.parent: json.loads(path.read_text())["half"] for path in found if path.is_file()}
     return [folder for folder, which in halves.items() if half in ("", which)]
 
 
-def make(root: Path, half: str, only: str, samples: int) -> None:
-    """Render the pictures of a half that are not there yet."""
+def make(root: Path, half: str, only: str, samples: int, learning: int = 0) -> None:
+    """Render the pictures of a half that are not there yet; `learning`: as many others of each kind, to learn from."""
     models = packs.models(root / "packs", half)
-    for name in rooms.names(half):
-        folder = root / "pictures" / name
+    for name in rooms.names(half, learning):
+        folder = root / ("learning" if learning else "pictures") / name
         if only in name and not (folder / "room.json").is_file():
-            _make(root, half, name, models, samples)
+            _make(root, folder, half, models, samples)
             print(folder, flush=True)
 
 
-def _make(root: Path, half: str, name: str, models: list[packs.Model], samples: int) -> None:
+def _make(root: Path, folder: Path, half: str, models: list[packs.Model], samples: int) -> None:
+    name = folder.name
     seed = zlib.crc32(name.encode())
     rng = np.random.default_rng(seed)
     kind = name.split("_")[-2]
@@ -103,7 +105,6 @@ def _make(root: Path, half: str, name: str, models: list[packs.Model], samples: 
     caster = views.Caster(views.surfaces(room))
     seen, owner = views.cast_view(caster, pose, device.focal)
     things = _truth(room, caster, owner, pose, device.focal, rng)
-    folder = root / "pictures" / name
     folder.mkdir(parents=True, exist_ok=True)
     depth = sensor.sense_depth(seen, device, rng)
     _write(folder / "depth.png", np.rint(1000 * depth).astype(np.uint16))

@@ -15,6 +15,7 @@ from stages.geometry.boxes import UprightBox, footprint
 from stages.geometry.frames import wrap_angle
 
 TRIES = 25
+LEARNING = 100  # number of the first picture of a kind that is there to learn from
 TURNED = {"wall": 0.0, "hang": 0.0, "xy": 12.0, "by": 6.0, "upon": 35.0}  # degrees by which a thing is turned by chance
 NUDGED = 0.06  # metres by which free-standing things are moved by chance
 CLEAR = 0.01  # metres between things
@@ -74,11 +75,12 @@ def plans() -> dict[str, dict[str, Any]]:
     return dict(yaml.safe_load(text))
 
 
-def names(half: str) -> list[str]:
-    """All rooms of a half."""
-    return [
-        f"{half.replace('_', '-')}_{kind}_{k + 1}" for kind, plan in plans().items() for k in range(plan["draws"][half])
-    ]
+def names(half: str, learning: int = 0) -> list[str]:
+    """All rooms of a half; or as many of each kind, to learn from."""
+    numbers = {kind: range(LEARNING, LEARNING + learning) for kind in plans()}
+    if not learning:
+        numbers = {kind: range(1, plan["draws"][half] + 1) for kind, plan in plans().items()}
+    return [f"{half.replace('_', '-')}_{kind}_{number}" for kind, own in numbers.items() for number in own]
 
 
 def mirror_plan(plan: dict[str, Any]) -> dict[str, Any]:

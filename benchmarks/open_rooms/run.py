@@ -10,9 +10,10 @@ from typing import Any
 
 from benchmarks.open_rooms import pictures
 from benchmarks.open_rooms.by_clicks import plan_corrections
-from benchmarks.open_rooms.pictures import BY_HAND
+from benchmarks.open_rooms.pictures import ALONE, BY_HAND
 from plugins.eyes import see
 from plugins.inputs import from_rgbd
+from plugins.single_view import draw
 from stages.config.model import Config
 from stages.config.reads import options_of, stores
 from stages.contracts import Annotations, InputError, read_json, write_json
@@ -162,6 +163,9 @@ def _make_input(root: Path, folder: Path, kind: str, entry: Path) -> tuple[Path,
         told = [step.correction for step in plan_corrections(root, folder) if step.correction is not None]
         write_json(path, Corrections(objects=told))
         return (path,)
+    if kind == ALONE:
+        draw.run(image=folder / "rgb.png", out=entry)
+        return ()
     by_hand = {} if kind not in BY_HAND else {"masks": folder / f"{kind}.png", "labels": folder / f"{kind}.json"}
     files = {"rgb": folder / "rgb.png", "depth": folder / "depth.png"}
     camera, out = (str(folder / "intrinsics.json"),), entry if by_hand else entry.parent / "view"

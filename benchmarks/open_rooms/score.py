@@ -168,6 +168,7 @@ def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: Asset
     for path in scenes:
         scene = read_json(GeneratedScene, path)
         placed = {item.id: item for item in scene.objects}
+        scale = find_scale(truth, scene, ids) if masks == pictures.ALONE else 1.0
         for thing in asked:
             item = placed.get(ids.get(thing.number, ""))
             if item is None or item.status != "ok":
@@ -175,8 +176,21 @@ def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: Asset
                 continue
             seen = next(one for one in objects.objects if one.id == item.id)
             doubts = collect_doubts(cousins[item.id], seen, item, objects)
-            said = _measure_thing(truth, thing, item, scene, objects, ids, folders, doubts)
+            said = _measure_thing(truth, thing, item, scene, objects, ids, folders, doubts, scale)
             yield make_row(thing, scene.rank, item.status, said)
+
+
+def find_scale(truth: pictures.Picture, scene: GeneratedScene, ids: dict[int, str]) -> float:
+    """True over found distances from the camera, the median of what is placed: a picture alone tells no scale."""
+    placed = {item.id: item for item in scene.objects if item.status == "ok"}
+    world, eye = world_from_floor(truth.pose, scene.floor_from_camera), truth.pose[:3, 3]
+    ratios = [
+        np.linalg.norm(np.array(thing.position) - eye)
+        / np.linalg.norm(np.asarray(box_in_world(item, world).center) - eye)
+        for thing in truth.things
+        if (item := placed.get(ids.get(thing.number, ""))) is not None
+    ]
+    return float(np.median(ratios)) if ratios else 1.0
 
 
 def _measure_thing(
@@ -188,10 +202,13 @@ def _measure_thing(
     ids: dict[int, str],
     folders: AssetFolders,
     doubts: list[Doubt],
+    scale: float,
 ) -> dict[str, object]:
     box = box_in_world(item, world_from_floor(truth.pose, scene.floor_from_camera))
+    eye = truth.pose[:3, 3]
+    box = UprightBox(eye + scale * (np.asarray(box.center) - eye), scale * np.asarray(box.size), box.yaw)
     truth_box = UprightBox(thing.position, thing.size, thing.yaw)
-    errors = size_errors(thing, item.size, box.yaw)
+    errors = size_errors(thing, tuple(scale * np.array(item.size)), box.yaw)
     off = float(np.linalg.norm(np.array(box.center) - np.array(thing.position)))
     turn = None if thing.symmetry == "full" else angle_difference(box.yaw, thing.yaw, thing.symmetry)
     carrier = find_true_carrier(thing, ids)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from benchmarks.open_rooms.pictures import MASKS
 from benchmarks.open_rooms.plots import bin_sureness
 from stages.config.tables import TablesConfig
 from stages.tables.intervals import pair_sides, quantiles, rate_interval, rate_of, resample_rates, side_of
@@ -130,7 +131,7 @@ def _describe_half(rows: pd.DataFrame) -> Iterator[str]:
     views = group_by_view(first)
     groups = [
         (masks, judge, about, views[about][(views[about]["masks"] == masks) & (views[about]["judge"] == judge)])
-        for masks in ("drawn", "exact", "unaided", "corrected")
+        for masks in MASKS
         for judge in ("geometry", "hog", "no-image")
         for about in ("all", "whole")
     ]

@@ -14,9 +14,9 @@ from plugins.inputs.photo.picture import read_photo
 from plugins.inputs.rgbd.cameras import intrinsics_of_view
 from plugins.single_view.config import DrawOptions
 from plugins.single_view.drawing import draw_room
-from plugins.single_view.naming import name_outlines
+from plugins.single_view.naming import name_others, name_standing
 from plugins.single_view.room import Room, build_room, scale_room, see_camera
-from plugins.single_view.things import number_masks, see_outlines
+from plugins.single_view.things import number_labelled, see_outlines
 from stages.contracts import InputError, read_json, read_options, write_json
 
 
@@ -79,8 +79,8 @@ def draw_picture(
 ) -> Drawn:
     """The drawing of what a picture (H, W, 3) shows.
 
-    First the room of those things that COCO's network knows; then, by the camera that they give, what else stands or
-    hangs there; then the room of all.
+    First the room of those things that COCO's network knows; by the camera that they give, what else stands there; by
+    these, what rests on them or hangs; then the room of all.
 
     Args:
         name: file name of the picture.
@@ -93,13 +93,12 @@ def draw_picture(
     seen, heights = see_outlines(rgb), heights or {}
     labels = {value: one.names.proposals[0].name for value, one in enumerate(seen, 1) if one.is_sure}
     camera = see_camera(rgb, focal)
-    room = build_room(rgb, camera, number_masks(rgb, {value: seen[value - 1] for value in labels}), labels)
-    seen, further = name_outlines(rgb, seen, room, labels)
-    labels |= further
+    for name_more in (name_standing, name_others):
+        labels |= name_more(rgb, seen, build_room(rgb, camera, number_labelled(rgb, seen, labels), labels), labels)
     if not labels:
         mend = "draw it: python -m plugins.annotator annotate"
         raise InputError(name, "shows no thing that is known.", mend, code="E-SCENE-EMPTY")
-    masks = number_masks(rgb, {value: seen[value - 1] for value in sorted(labels)})
+    masks = number_labelled(rgb, seen, labels)
     room = scale_room(build_room(rgb, camera, masks, labels), labels, heights)
     project, left_out = draw_room(name, room, masks, labels)
     lines = [f"{labels[value]}: left out: {why}" for value, why in left_out.items()]

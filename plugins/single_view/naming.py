@@ -1,20 +1,22 @@
-"""Which outlines are things, and their names: by looks, by where they stand and by how large that makes them."""
+"""The names of outlines: by their looks and by how large where they stand, rest or hang makes them."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.eyes.proposal import find_border
+from plugins.eyes.naming import FLAT_CATEGORIES
 from plugins.inputs.photo.metrology import WallPlane
 from plugins.names.propose import read_coco
-from plugins.single_view.ends import Ends, measure_all
+from plugins.single_view import outline_kinds as kinds
+from plugins.single_view.ends import Ends
 from plugins.single_view.fit import CameraPrior, Item, Usual
 from plugins.single_view.modes import choose_modes
 from plugins.single_view.room import NORMALS, Room, usual_of
-from plugins.single_view.supports import CARRIERS, FLOOR, LEGGED, category_of, find_open
-from plugins.single_view.things import Seen, number_masks
+from plugins.single_view.supports import CARRIERS, LEGGED, category_of, find_beneath, find_open
+from plugins.single_view.supports import FLOOR as ON_FLOOR
+from plugins.single_view.things import Seen, measure_outlines, number_masks
 from plugins.single_view.walls import measure_rectangle
 from stages.contracts.categories import known_categories
 
@@ -24,88 +26,61 @@ LOW = -0.15  # slope of a ray to the floor: what is farther is too far for a roo
 MISSED = 0.3  # how likely COCO's network misses a thing that it knows; chosen
 MEANT = 0.2  # share of what a class of COCO is said of, from which on it means a category; chosen
 LIKELY = 0.1  # least probability of a name that size may choose; chosen
-LEAST_LOOKS = 0.02  # least share of a name by looks alone, which know little of it; chosen
-LEAST = 0.003  # share of the picture that an outline without a known class covers at least; chosen
-ALIGNED = 0.15  # of their width, by which the sides of pieces of one front are apart at most; chosen
-RECTANGLE = 0.85  # least share of its rectangle that what hangs flat fills; chosen
-CRISP = 0.93  # least score of its outline; chosen
+LEAST = 0.003  # share of the picture that what stands on the floor without a known class covers at least; chosen
 USUAL_FAR = 3.0  # metres to a wall before which nothing is known; chosen
-LEAST_HIGH = 0.8  # metres from the floor to what hangs flat; chosen
-FLAT_WIDTH = 0.12, 1.6  # metres of what hangs flat; chosen
+SELDOM = 0.02  # how likely what hangs is of a category that is not flat, before it is seen; chosen
+NOISE = 0.3  # of the logarithms of a width and height that are measured before the fit, alone and together; chosen
 
 
-def name_outlines(
+def name_standing(
     rgb: NDArray[np.uint8], seen: Sequence[Seen], room: Room, labels: Mapping[int, str]
-) -> tuple[list[Seen], dict[int, str]]:
-    """The outlines, and labels of what stands on the floor, carries a known thing, or hangs flat on a wall.
+) -> dict[int, str]:
+    """Labels of what stands on the floor, of known things by their size too; what must carry a known thing stands.
 
     Args:
         rgb: (H, W, 3).
         seen: all outlines; the value of a mask is its place, from 1.
         room: of those that have `labels`.
     """
-    seen = join_stacked(rgb, seen, labels)
-    ends = measure_outlines(rgb, seen)
-    floor = find_floor(ends, room, labels)
-    feet = {value: one.met[3] for value, one in ends.items()}
-    ends = dict(ends) | measure_outlines(rgb, seen, floor)  # the floor hides nothing
-    beneath = {feet[value] for value in labels if must_be_carried(labels[value])}
+    feet = measure_outlines(rgb, [one.mask for one in seen])
+    none = np.zeros(rgb.shape[:2], bool)  # walls and the floor hide nothing
+    ends = measure_outlines(rgb, [none if one.kind in (kinds.WALL, kinds.FLOOR) else one.mask for one in seen])
+    floor = {0} | {value for value, one in enumerate(seen, 1) if one.kind == kinds.FLOOR}
+    beneath = {feet[value].met[3] for value in labels if must_be_carried(labels[value])} - floor
     found, camera = dict[int, str](), as_camera(room)
-    for value, one in enumerate(seen, 1):
-        if not one.mask.any():
-            continue
-        item = Item(ends[value], find_open(value, ends, dict.fromkeys(ends, FLOOR)), ANYTHING)
-        if room.on.get(value) == FLOOR:
+    for value, own in ends.items():
+        one = seen[value - 1]
+        item = Item(own, find_open(value, ends, dict.fromkeys(ends, ON_FLOOR)), ANYTHING)
+        if room.on.get(value) == ON_FLOOR:
             found[value] = rename_by_size(camera, item, one)
-        elif value in labels or value in floor or one.mask.mean() < LEAST:
+        elif value in labels or one.mask.mean() < LEAST or room.view.rays(find_foot(own))[2] > LOW:
             continue
-        elif hangs_flat(room, one, ends[value]):
-            found[value] = "picture"
-        elif value in beneath or stands_free(ends[value], feet[value], floor, labels, room):
-            name = name_by_size(camera, item, one, value in beneath, feet[value] in floor)
-            found |= {value: name} if name else {}
-    return seen, found
+        elif value in beneath or one.kind == kinds.STANDS:
+            found[value] = name_by_size(camera, item, one, value in beneath, feet[value].met[3] in floor)
+    return found
 
 
-def measure_outlines(rgb: NDArray[np.uint8], seen: Sequence[Seen], floor: Collection[int] = ()) -> Mapping[int, Ends]:
-    """The ends of all outlines but those of the floor, by their places from 1; of those that show nothing none."""
-    masks = number_masks(rgb, {value: one for value, one in enumerate(seen, 1) if value not in floor})
-    return measure_all(masks, [value for value in range(1, len(seen) + 1) if (masks == value).any()], ~find_border(rgb))
-
-
-def join_stacked(rgb: NDArray[np.uint8], seen: Sequence[Seen], labels: Mapping[int, str]) -> list[Seen]:
-    """The outlines, those that lie right above another and are as wide joined to it: drawers over doors.
-
-    The lower one takes the pixels; the other shows nothing.
-    """
-    joined, ends = list(seen), measure_outlines(rgb, seen)
-    for value in sorted(ends, key=lambda value: -ends[value].at[3]):
-        below, own = ends[value].met[3], ends[value].at
-        if {value, below} & {0, *labels} or below not in ends:
+def name_others(rgb: NDArray[np.uint8], seen: Sequence[Seen], room: Room, labels: Mapping[int, str]) -> dict[int, str]:
+    """Labels of what hangs on a wall and of what rests on a thing that has a place. Arguments as of `name_standing`."""
+    outlines = [one.mask for one in seen]
+    masks, ends = number_masks(rgb, dict(enumerate(outlines, 1))), measure_outlines(rgb, outlines)
+    carriers = [value for value in room.boxes if CARRIERS & set(getattr(category_of(labels[value]), "kin", ()))]
+    found = dict[int, str]()
+    for value, one in enumerate(seen, 1):
+        if value in labels:
             continue
-        other = ends[below].at
-        wide = min(own[0] + own[2], other[0] + other[2])
-        aligned = max(abs(own[0] - other[0]), abs(own[2] - other[2])) < ALIGNED * wide
-        if aligned and joined[below - 1].mask.any():
-            upper, lower = joined[value - 1], joined[below - 1]
-            joined[below - 1] = replace(lower, mask=lower.mask | upper.mask)
-            joined[value - 1] = replace(upper, mask=np.zeros_like(upper.mask))
-    return joined
-
-
-def stands_free(ends: Ends, foot: int, floor: set[int], labels: Mapping[int, str], room: Room) -> bool:
-    """Whether an outline may stand on the floor: it ends there, or where nobody knows the floor, far below the horizon
-    and not at another thing; `foot`: the outline below it."""
-    left, _, right, bottom = ends.at * [-1, 1, 1, 1]
-    if ends.cut[1] or room.view.rays([(left + right) / 2, bottom])[2] > LOW:
-        return False
-    return foot in floor or (not floor and foot not in labels)
-
-
-def find_floor(ends: Mapping[int, Ends], room: Room, labels: Mapping[int, str]) -> set[int]:
-    """The outlines that show the floor: below what stands on it."""
-    standing = [value for value, on in room.on.items() if on == FLOOR and not must_be_carried(labels[value])]
-    return {ends[value].met[3] for value in standing if not ends[value].cut[3]} - set(labels) - {0}
+        if one.kind == kinds.HANGS:
+            size = measure_hung(room, one)
+            before = {name: FLAT_CATEGORIES.get(name, SELDOM) for name in list_names("wall")}
+        elif one.kind == kinds.RESTS:
+            beneath = find_beneath(masks, value, ends[value], carriers)
+            size = measure_resting(room, ends[value], beneath) if beneath else None
+            before = dict.fromkeys(list_names("top"), 1.0)
+        else:
+            continue
+        if size is not None:
+            found[value] = name_by_extents(size, one, before)
+    return found
 
 
 def must_be_carried(label: str) -> bool:
@@ -120,39 +95,57 @@ def as_camera(room: Room) -> tuple[CameraPrior, Array]:
     return prior, np.array([*prior.state, np.log(room.view.above)])
 
 
-def hangs_flat(room: Room, one: Seen, ends: Ends) -> bool:
-    """Whether an outline is an upright rectangle on a wall, of the size of a picture, clear of floor and border."""
-    if ends.cut.any() or one.score < CRISP:
-        return False
+def find_foot(ends: Ends) -> Array:
+    """The pixel (2,) below the middle of an outline, where it ends."""
+    left, _, right, bottom = ends.at * [-1, 1, 1, 1]
+    return np.array([(left + right) / 2, bottom])
+
+
+def measure_hung(room: Room, one: Seen) -> Array | None:
+    """Width and height (2,) of an outline on the wall that it lies on best, metres; None: it faces none."""
     farthest = max((float(box.center[1]) for box in room.boxes.values()), default=USUAL_FAR)
     walls = room.walls or [WallPlane(NORMALS[0], -farthest)]
-    shares = [measure_rectangle(room.view, wall, one.mask) for wall in walls]
-    share, sides = max(shares, key=lambda each: each[0])
-    width, height = np.ptp(sides, axis=0)
-    low, high = FLAT_WIDTH
-    return bool(
-        share > RECTANGLE and low < min(width, height) and max(width, height) < high and sides[0, 1] > LEAST_HIGH
-    )
+    share, sides = max((measure_rectangle(room.view, wall, one.mask) for wall in walls), key=lambda each: each[0])
+    return np.ptp(sides, axis=0) if share > 0 else None
+
+
+def measure_resting(room: Room, ends: Ends, beneath: int) -> Array | None:
+    """Width and height (2,) of an outline that rests on a thing, metres; None: it would rest above the horizon."""
+    box, view = room.boxes[beneath], room.view
+    foot = view.rays(find_foot(ends))
+    down = view.above - float(box.center[2] + box.size[2] / 2)
+    if down * foot[2] >= 0:
+        return None
+    left, top, right, bottom = ends.at
+    return np.array([left + right, top + bottom]) * -down / foot[2] / view.focal
+
+
+def list_names(place: str) -> list[str]:
+    """The categories whose things may be in a place: floor, top or wall."""
+    return [name for name, category in known_categories().items() if place in category.places]
+
+
+def weigh_looks(one: Seen, before: Mapping[str, float]) -> dict[str, float]:
+    """How likely each name is by looks, by what was likely before, and by what COCO's network would have told."""
+    looks = {each.name.replace(" ", "_"): each.probability for each in one.names.proposals}
+    total, detected = sum(before.values()), list_detected()
+    return {
+        name: (looks.get(name, 0.0) + one.names.other * share / total) * (MISSED if name in detected else 1.0)
+        for name, share in before.items()
+    }
 
 
 def name_by_size(camera: tuple[CameraPrior, Array], item: Item, one: Seen, carries: bool, rug: bool) -> str:
-    """The name of what stands on the floor, by its looks and by how usual its size would be; empty: none.
+    """The name of what stands on the floor, by its looks and by how usual its size would be.
 
-    carries: it carries something, so that it is a thing, and one of those that do. rug: it may be one.
+    carries: it carries something, so that it is one of the things that do. rug: it may be one.
     """
     known = known_categories()
-    looks = {each.name.replace(" ", "_"): each.probability for each in one.names.proposals}
-    total = sum(looks.values())
-    names = [
-        name
-        for name, category in known.items()
-        if "floor" in category.places and (rug or name != "rug") and (not carries or CARRIERS & set(category.kin))
-    ]
-    before = {name: max(looks.get(name, 0.0) / total, LEAST_LOOKS) for name in names}
-    before |= {name: MISSED * before[name] for name in list_detected() & set(names)}
-    tried = [as_named(item, name) for name in names]
-    scores = [np.log(before[name]) - cost_of(camera, one) for name, one in zip(names, tried, strict=True)]
-    return names[int(np.argmax(scores))].replace("_", " ")
+    names = [name for name in list_names("floor") if rug or name != "rug"]
+    names = [name for name in names if not carries or CARRIERS & set(known[name].kin)]
+    before = weigh_looks(one, dict.fromkeys(names, 1.0))
+    scores = {name: np.log(before[name]) - cost_of(camera, as_named(item, name)) for name in names}
+    return max(names, key=lambda name: scores[name]).replace("_", " ")
 
 
 def rename_by_size(camera: tuple[CameraPrior, Array], item: Item, one: Seen) -> str:
@@ -161,6 +154,18 @@ def rename_by_size(camera: tuple[CameraPrior, Array], item: Item, one: Seen) -> 
     costs = [cost_of(camera, as_named(item, each.name.replace(" ", "_"))) for each in likely]
     scores = [np.log(each.probability) - cost for each, cost in zip(likely, costs, strict=True)]
     return likely[int(np.argmax(scores))].name
+
+
+def name_by_extents(size: Array, one: Seen, before: Mapping[str, float]) -> str:
+    """The name of what is so wide and high (2,), metres, by its looks and by how usual that is."""
+    weights, scores = weigh_looks(one, before), dict[str, float]()
+    for name, weight in weights.items():
+        usual = usual_of(known_categories()[name])
+        covariance = usual.covariance[np.ix_([0, 2], [0, 2])] + NOISE**2 * (np.eye(2) + 1)
+        off = np.log(np.maximum(size, 1e-3)) - usual.mean[[0, 2]]
+        misfit = off @ np.linalg.solve(covariance, off) + np.linalg.slogdet(covariance)[1]
+        scores[name] = float(np.log(weight) - misfit / 2)
+    return max(scores, key=lambda name: scores[name]).replace("_", " ")
 
 
 def as_named(item: Item, name: str) -> Item:

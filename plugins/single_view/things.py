@@ -1,27 +1,30 @@
 """Things of a picture without depth: outlines by the same networks as with depth, names by what they look like."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plugins.eyes.choosing import KNOWN, Outlined, choose
-from plugins.eyes.proposal import RoomView
+from plugins.eyes.proposal import RoomView, find_border
 from plugins.eyes.proposers import mobile_sam, ssd
 from plugins.eyes.surfaces import Surfaces
 from plugins.names.observed import Observed, classify
 from plugins.names.propose import Names, propose_names
+from plugins.single_view.ends import Ends, measure_all
+from plugins.single_view.outline_kinds import FLOOR, KINDS, WALL, tell_kinds
 
 Mask = NDArray[np.bool_]
+ALIGNED = 0.15  # of their width, by which the sides of pieces of one front are apart at most; chosen
 
 
 @dataclass(frozen=True)
 class Seen:
-    """An outline (H, W), how good it is, its names, and whether COCO's network knows it."""
+    """An outline (H, W), what it shows (one of `KINDS`), its names, and whether COCO's network knows it."""
 
     mask: Mask
-    score: float
+    kind: str
     names: Names
     known: bool
 
@@ -35,14 +38,50 @@ def see_outlines(rgb: NDArray[np.uint8]) -> Sequence[Seen]:
     """The outlines of a picture (H, W, 3), no pixel in two; those of known things first."""
     view = make_view(rgb)
     found = choose(view, [*ssd.propose(view), *mobile_sam.propose(view)])
-    return [see_outline(rgb, one) for one in found]
+    found = join_stacked(rgb, found, tell(view, found))
+    return [see_outline(rgb, one, kind) for one, kind in zip(found, tell(view, found), strict=True)]
 
 
-def see_outline(rgb: NDArray[np.uint8], one: Outlined) -> Seen:
+def tell(view: RoomView, found: Sequence[Outlined]) -> list[str]:
+    """What each outline shows, of `KINDS`."""
+    return [KINDS[kind] for kind in tell_kinds(view.embedded.features, [one.mask for one in found]).argmax(axis=1)]
+
+
+def see_outline(rgb: NDArray[np.uint8], one: Outlined, kind: str) -> Seen:
     """An outline with its names."""
-    known = max(one.words.values(), default=0.0) >= KNOWN
-    names = propose_names(Observed(None, classify(rgb, one.mask)), one.words or None)
-    return Seen(one.mask, one.score, names, known)
+    return Seen(
+        one.mask, kind, propose_names(Observed(None, classify(rgb, one.mask)), one.words or None), is_known(one)
+    )
+
+
+def is_known(one: Outlined) -> bool:
+    """Whether COCO's network knows an outline."""
+    return max(one.words.values(), default=0.0) >= KNOWN
+
+
+def join_stacked(rgb: NDArray[np.uint8], found: Sequence[Outlined], kinds: Sequence[str]) -> list[Outlined]:
+    """The outlines, those that lie right above another and are as wide joined to it: drawers over doors."""
+    masks = [
+        one.mask if kind not in (WALL, FLOOR) else np.zeros_like(one.mask)
+        for one, kind in zip(found, kinds, strict=True)
+    ]
+    free = {value for value, one in enumerate(found, 1) if not is_known(one) and masks[value - 1].any()}
+    ends, pieces = measure_outlines(rgb, masks), [one.mask for one in found]
+    for value in sorted(free, key=lambda value: -ends[value].at[3]):
+        own, below = ends[value].at, ends[value].met[3]
+        if below not in free:
+            continue
+        other = ends[below].at
+        wide = min(own[0] + own[2], other[0] + other[2])
+        if max(abs(own[0] - other[0]), abs(own[2] - other[2])) < ALIGNED * wide and pieces[below - 1].any():
+            pieces[below - 1], pieces[value - 1] = pieces[below - 1] | pieces[value - 1], np.zeros_like(pieces[0])
+    return [replace(one, mask=mask) for one, mask in zip(found, pieces, strict=True) if mask.any()]
+
+
+def measure_outlines(rgb: NDArray[np.uint8], masks: Sequence[Mask]) -> Mapping[int, Ends]:
+    """The ends of masks (H, W), by their places from 1; of those that show nothing none."""
+    values = number_masks(rgb, dict(enumerate(masks, 1)))
+    return measure_all(values, [value for value, mask in enumerate(masks, 1) if mask.any()], ~find_border(rgb))
 
 
 def make_view(rgb: NDArray[np.uint8]) -> RoomView:
@@ -55,9 +94,14 @@ def make_view(rgb: NDArray[np.uint8]) -> RoomView:
     )
 
 
-def number_masks(rgb: NDArray[np.uint8], seen: Mapping[int, Seen]) -> NDArray[np.uint16]:
-    """Masks (H, W) of a picture (H, W, 3) with the value of each thing."""
+def number_masks(rgb: NDArray[np.uint8], masks: Mapping[int, Mask]) -> NDArray[np.uint16]:
+    """One picture (H, W) of the masks of a picture (H, W, 3), with the value of each."""
     values = np.zeros(rgb.shape[:2], np.uint16)
-    for value, one in seen.items():
-        values[one.mask] = value
+    for value, mask in masks.items():
+        values[mask] = value
     return values
+
+
+def number_labelled(rgb: NDArray[np.uint8], seen: Sequence[Seen], labels: Mapping[int, str]) -> NDArray[np.uint16]:
+    """Masks (H, W) of the outlines that have labels, by their places from 1."""
+    return number_masks(rgb, {value: seen[value - 1].mask for value in sorted(labels)})

@@ -1,17 +1,18 @@
-"""What outlines are called that no network knows: by where they stand and how large that makes them."""
+"""What outlines are called that no network knows: by where they stand, rest or hang and how large that makes them."""
 
 from collections.abc import Sequence
 
-import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from plugins.eyes.choosing import Outlined
 from plugins.names.propose import Names, Proposal
-from plugins.single_view.naming import join_stacked, name_outlines
+from plugins.single_view.naming import name_others, name_standing
+from plugins.single_view.outline_kinds import FLOOR, HANGS, NOTHING, RESTS, STANDS, WALL
 from plugins.single_view.room import Room, build_room
 from plugins.single_view.tests.room import BOXES, HEIGHT, LABELS, WIDTH, outline_box, outline_room, see_lines, show_room
-from plugins.single_view.things import Seen, number_masks
+from plugins.single_view.things import Seen, join_stacked, number_labelled
 from stages.contracts.categories import known_categories
 from stages.geometry.boxes import UprightBox
 
@@ -20,89 +21,101 @@ ALIKE = [Proposal(name.replace("_", " "), 0.3 / len(known_categories())) for nam
 NOBODY_KNOWS = Names(ALIKE, 0.7)
 
 
-def unknown(mask: Mask, score: float = 0.95) -> Seen:
-    return Seen(mask, score, NOBODY_KNOWS, False)
+def unknown(mask: Mask, kind: str) -> Seen:
+    return Seen(mask, kind, NOBODY_KNOWS, False)
 
 
 def known(mask: Mask, *names: tuple[str, float]) -> Seen:
-    return Seen(mask, 0.95, Names([Proposal(*one) for one in names], 0.05), True)
+    return Seen(mask, STANDS, Names([Proposal(*one) for one in names], 0.05), True)
 
 
-def see(*further: Mask, beside: Sequence[int] = (1, 2)) -> tuple[list[Seen], Room, dict[int, str]]:
+def see(*further: Seen, beside: Sequence[int] = (1, 2)) -> tuple[list[Seen], Room, dict[int, str]]:
     """Outlines of a fridge and a sofa that are known, and further ones."""
     masks = outline_room(tuple(beside))
-    seen = [known(masks == value, (LABELS[value], 0.9)) for value in beside] + [unknown(mask) for mask in further]
+    seen = [known(masks == value, (LABELS[value], 0.9)) for value in beside] + list(further)
     labels = {number: LABELS[value] for number, value in enumerate(beside, 1)}
-    things = {number: seen[number - 1] for number in labels}
-    return seen, build_room(show_room(), see_lines(), number_masks(show_room(), things), labels), labels
+    return seen, build_again(seen, labels), labels
 
 
-def floor_around(*masks: Mask) -> Mask:
+def build_again(seen: Sequence[Seen], labels: dict[int, str]) -> Room:
+    return build_room(show_room(), see_lines(), number_labelled(show_room(), seen, labels), labels)
+
+
+def stand(seen: Sequence[Seen], room: Room, labels: dict[int, str]) -> dict[int, str]:
+    return name_standing(show_room(), seen, room, labels)
+
+
+def kin_of(label: str) -> set[str]:
+    return set(known_categories()[label.replace(" ", "_")].kin)
+
+
+def floor_around(*masks: Mask) -> Seen:
     floor = np.zeros((HEIGHT, WIDTH), bool)
     floor[HEIGHT // 2 :] = True
-    return floor & ~np.any([*masks], axis=0)
+    return unknown(floor & ~np.any([*masks], axis=0), FLOOR)
 
 
 def test_a_row_of_drawers_over_a_door_is_one_front() -> None:
     masks = np.zeros((3, HEIGHT, WIDTH), bool)
     masks[0, 200:300, 100:200], masks[1, 150:198, 102:199], masks[2, 100:148, 100:300] = True, True, True
-    joined = join_stacked(show_room(), [unknown(mask) for mask in masks], {})
-    assert joined[0].mask.sum() == masks[0].sum() + masks[1].sum() and not joined[1].mask.any()
-    assert (joined[2].mask == masks[2]).all(), "what is wider is another thing"
-    kept = join_stacked(show_room(), [unknown(mask) for mask in masks], {1: "fridge"})
-    assert (kept[1].mask == masks[1]).all(), "what stands on a known thing is a thing"
+    found = [Outlined(mask, 0.9, "mobile_sam", {}, False) for mask in masks]
+    joined = join_stacked(show_room(), found, [STANDS, NOTHING, RESTS])
+    assert [one.mask.sum() for one in joined] == [masks[0].sum() + masks[1].sum(), masks[2].sum()]
+    assert (joined[1].mask == masks[2]).all(), "what is wider is another thing"
+    on_known = [Outlined(masks[0], 0.9, "ssd", {"refrigerator": 0.9}, False), *found[1:]]
+    assert len(join_stacked(show_room(), on_known, [STANDS, NOTHING, RESTS])) == 3, (
+        "what stands on a known thing is one"
+    )
+    assert len(join_stacked(show_room(), found, [FLOOR, STANDS, RESTS])) == 3, "the floor is no part of what it carries"
 
 
 def test_what_stands_on_the_floor_is_named_by_its_size() -> None:
     low = UprightBox([-1.1, 4.1, 0.36], [1.0, 0.5, 0.72], 0.0)
-    mask = outline_box(low) & (outline_room((1, 2)) == 0)
     masks = outline_room((1, 2))
-    seen, room, labels = see(mask, floor_around(mask, masks > 0))
-    _, found = name_outlines(show_room(), seen, room, labels)
+    mask = outline_box(low) & (masks == 0)
+    found = stand(*see(unknown(mask, STANDS), floor_around(mask, masks > 0)))
     category = known_categories()[found[3].replace(" ", "_")]
     extents = np.exp(category.describe_spread()[0])  # type: ignore[index]
     assert extents[1] == pytest.approx(1.0, rel=0.6) and extents[2] == pytest.approx(0.72, rel=0.4)
     assert 4 not in found, "the floor is no thing"
-    seen, room, labels = see(mask)
-    assert name_outlines(show_room(), seen, room, labels)[1][3] == found[3], "also where no outline shows the floor"
+    assert stand(*see(unknown(mask, STANDS)))[3] == found[3], "also where no outline shows the floor"
+    assert stand(*see(unknown(mask, STANDS), unknown(~mask & (masks == 0), WALL)))[3] == found[3], "walls hide nothing"
+    for kind in (WALL, NOTHING, RESTS, HANGS):
+        assert 3 not in stand(*see(unknown(mask, kind)))
 
 
-def test_a_wall_down_to_the_floor_is_no_thing() -> None:
-    masks = outline_room((1, 2))
-    wall = np.zeros((HEIGHT, WIDTH), bool)
-    wall[:280, 330:600] = True
-    wall &= masks == 0
-    seen, room, labels = see(wall, floor_around(wall, masks > 0))
-    assert 3 not in name_outlines(show_room(), seen, room, labels)[1]
+def test_what_is_tiny_or_ends_at_the_horizon_is_left() -> None:
+    tiny, high = np.zeros((2, HEIGHT, WIDTH), bool)
+    tiny[400:420, 20:40], high[60:150, 500:600] = True, True
+    assert not {3, 4} & set(stand(*see(unknown(tiny, STANDS), unknown(high, STANDS))))
 
 
-def test_an_upright_rectangle_high_on_a_wall_is_a_picture() -> None:
-    seen, room, labels = see(outline_box(BOXES[5]))
-    assert name_outlines(show_room(), seen, room, labels)[1][3] == "picture"
-    blurred = [*seen[:2], unknown(seen[2].mask, 0.8)]
-    assert 3 not in name_outlines(show_room(), blurred, room, labels)[1]
-    middle = np.zeros((HEIGHT, WIDTH), np.uint8)
-    y, x = np.argwhere(seen[2].mask).mean(axis=0).astype(int).tolist()
-    large = cv2.rectangle(middle.copy(), (x - 130, y - 50), (x + 130, y + 40), 1, -1)
-    for shape in (large, cv2.ellipse(middle.copy(), (x, y), (40, 30), 0, 0, 360, 1, -1), middle.copy()):
-        if not shape.any():
-            shape[y - 12 : y + 12, x - 12 : x + 12] = 1  # too small to tell
-        seen, room, labels = see(shape > 0)
-        assert 3 not in name_outlines(show_room(), seen, room, labels)[1]
-    cut = np.zeros((HEIGHT, WIDTH), bool)
-    cut[0:60, 300:400] = True
-    seen, room, labels = see(cut)
-    assert 3 not in name_outlines(show_room(), seen, room, labels)[1]
+def test_what_hangs_is_named_by_its_size_on_its_wall() -> None:
+    seen, room, labels = see(unknown(outline_box(BOXES[5]), HANGS))
+    assert name_others(show_room(), seen, room, labels) == {3: "picture"}
+    wide = UprightBox([-0.2, 4.35, 0.5], [1.1, 0.1, 0.6], 0.0)
+    radiator = Seen(outline_box(wide), HANGS, Names([Proposal("radiator", 0.5)], 0.5), False)
+    assert name_others(show_room(), *see(radiator)) == {3: "radiator"}, "by its looks, too"
+
+
+def test_what_rests_on_a_thing_is_named_by_its_size_there() -> None:
+    masks = outline_room((1, 2, 3, 4))
+    seen, room, labels = see(unknown(masks == 4, RESTS), beside=(1, 2, 3))
+    seen[2] = known(masks == 3, ("coffee table", 0.9))
+    label = name_others(show_room(), seen, room, labels)[4]
+    height = float(np.exp(known_categories()[label.replace(" ", "_")].describe_spread()[0][2]))  # type: ignore[index]
+    assert height < 0.3 and "top" in known_categories()[label.replace(" ", "_")].places
+    aside = np.roll(masks == 4, 150, axis=1)
+    assert name_others(show_room(), [*seen[:3], unknown(aside, RESTS)], room, labels) == {}, "nothing carries it"
 
 
 def test_what_carries_a_known_thing_is_one_of_those_that_do() -> None:
     masks = outline_room((1, 2, 3, 4))
-    seen = [known(masks == value, (LABELS[value], 0.9)) for value in (1, 2, 4)] + [unknown(masks == 3)]
+    seen = [known(masks == value, (LABELS[value], 0.9)) for value in (1, 2, 4)] + [unknown(masks == 3, NOTHING)]
     labels = {1: "fridge", 2: "sofa", 3: "mug"}
-    room = build_room(show_room(), see_lines(), number_masks(show_room(), {k: seen[k - 1] for k in labels}), labels)
+    room = build_again(seen, labels)
     assert 3 not in room.boxes
-    found = name_outlines(show_room(), seen, room, labels)[1]
-    assert {"appliance", "storage", "table"} & set(known_categories()[found[4].replace(" ", "_")].kin)
+    assert {"appliance", "storage", "table"} & kin_of(stand(seen, room, labels)[4])
 
 
 def test_the_floor_below_a_fridge_carries_no_mug() -> None:
@@ -111,10 +124,9 @@ def test_the_floor_below_a_fridge_carries_no_mug() -> None:
     column = int(np.nonzero(masks == 1)[1].max()) + 20
     mug = np.zeros((HEIGHT, WIDTH), bool)
     mug[foot - 20 : foot, column : column + 14] = True
-    seen = [known(masks == 1, ("fridge", 0.9)), known(mug, ("mug", 0.9)), unknown(floor_around(mug, masks > 0))]
+    seen = [known(masks == 1, ("fridge", 0.9)), known(mug, ("mug", 0.9)), floor_around(mug, masks > 0)]
     labels = {1: "fridge", 2: "mug"}
-    room = build_room(show_room(), see_lines(), number_masks(show_room(), {k: seen[k - 1] for k in labels}), labels)
-    assert 3 not in name_outlines(show_room(), seen, room, labels)[1]
+    assert 3 not in stand(seen, build_again(seen, labels), labels)
 
 
 def test_size_chooses_among_the_likely_names_of_a_known_thing() -> None:
@@ -122,4 +134,4 @@ def test_size_chooses_among_the_likely_names_of_a_known_thing() -> None:
     both = ("armchair", 0.5), ("sofa", 0.45)
     seen = [known(masks == 1, ("fridge", 0.9)), known(masks == 2, *both)]
     room = build_room(show_room(), see_lines(), masks, {1: "fridge", 2: "sofa"})
-    assert name_outlines(show_room(), seen, room, {1: "fridge", 2: "armchair"})[1][2] == "sofa"
+    assert stand(seen, room, {1: "fridge", 2: "armchair"})[2] == "sofa"
