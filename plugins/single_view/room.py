@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.annotator.solve import FLAT_DEPTH
+from plugins.annotator.solve import FLAT_DEPTH, usual_depth
 from plugins.eyes.proposal import find_border
-from plugins.inputs.photo.metrology import View, WallPlane
+from plugins.inputs.photo.metrology import View, WallPlane, hang_box
 from plugins.inputs.photo.perspective import Perspective, fit_view
 from plugins.inputs.photo.segments import find_segments, propose, usual_focal
 from plugins.single_view.ends import Ends, measure_all
@@ -149,23 +149,11 @@ def hang_things(
         walls.append(wall)
         for value in own:
             _, ends = measure_rectangle(view, wall, masks == value)
-            hanging[value] = hang_box(wall, ends, usual_depth(labels[value]))
+            (along, above), (width, height) = ends.mean(axis=0), np.maximum(np.ptp(ends, axis=0), 0.01)
+            size = float(width), usual_depth(labels[value]) or FLAT_DEPTH, float(height)
+            hanging[value] = hang_box(wall, float(along), float(above), size)
             holders[value] = -len(walls)
     return walls, hanging, holders
-
-
-def usual_depth(label: str) -> float:
-    """How deep a hanging thing usually is, metres."""
-    category = category_of(label)
-    return float(np.exp(usual_of(category).mean[1])) if category else FLAT_DEPTH
-
-
-def hang_box(wall: WallPlane, ends: Array, depth: float) -> UprightBox:
-    """The box with its rear on a wall."""
-    middle, size = ends.mean(axis=0), np.maximum(ends[1] - ends[0], 0.01)
-    center = middle[0] * wall.along + (wall.offset + depth / 2) * wall.normal + [0, 0, middle[1]]
-    yaw = float(np.arctan2(wall.normal[0], -wall.normal[1]))
-    return UprightBox(center, [size[0], depth, size[1]], yaw)
 
 
 def list_free_segments(rgb: NDArray[np.uint8], masks: NDArray[np.integer], values: list[int]) -> Array:
