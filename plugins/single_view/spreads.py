@@ -24,12 +24,11 @@ class Spread(NamedTuple):
 
 
 def measure_spread(measure: Callable[[Array], Array], state: Array) -> Spread:
-    """Spreads of the camera at the best state (5 + ...,): inverse of the squares of all slopes there (Gauss-Newton).
+    """Spreads of the camera at the best state (5 + ...,): the inverse of J^T J, J the slopes there (Gauss-Newton).
 
     measure: all deviations (N,) of a state, each in its own standard deviation.
     """
-    slopes = approx_fprime(state, measure, STEP)
-    spread = np.sqrt(np.diag(np.linalg.pinv(slopes.T @ slopes)))
+    spread = np.linalg.norm(np.linalg.pinv(approx_fprime(state, measure, STEP)), axis=1)
     return Spread(tilt=float(spread[1]), height=float(TOGETHER * spread[4]), focal=float(spread[3]))
 
 
