@@ -20,9 +20,11 @@ from benchmarks.open_rooms import packs
 from benchmarks.open_rooms.pairs import overlaps, pair_pieces
 from benchmarks.open_rooms.pictures import folders, read, read_masks
 from plugins.eyes.proposal import find_border
+from plugins.inputs.photo.segments import angles_of
 from plugins.single_view.draw import draw_picture
 from plugins.single_view.ends import measure_all
 from plugins.single_view.room import Room, build_room, see_camera
+from plugins.single_view.spreads import Spread
 from plugins.single_view.supports import FLOOR, find_open
 from stages.contracts.categories import category_in
 from stages.contracts.images import read_rgb
@@ -61,11 +63,14 @@ class Counts:
 
 @dataclass(frozen=True)
 class Camera:
-    """How far the camera is off: height and focal length as shares, tilt in degrees."""
+    """How far the camera is off: height and focal length as shares, tilt in degrees, roll included; each of them (how
+    far it looks down) in its spreads.
+    """
 
     height: float
     tilt: float
     focal: float
+    in_spreads: Spread
 
 
 def find_given(folder: Path, masks: str, focal: float | None) -> Found:
@@ -107,7 +112,9 @@ def measure(folder: Path, masks: str, with_focal: bool) -> tuple[Camera, list[Th
         told = "wall" if room.on[value] < 0 else "top" if room.on[value] else "hidden" if hidden else "foot"
         things.append(Thing(away / float(np.linalg.norm(thing.position - pose[:3, 3])) - 1, size - 1, told))
         named += category_in(found.labels[value]) in packs.kinds()[thing.kind].sensible
-    off = Camera(room.view.above / float(pose[2, 3]) - 1, tilt, room.view.focal / truth.focal - 1)
+    high, focal = room.view.above / float(pose[2, 3]), room.view.focal / truth.focal
+    apart = np.abs([angles_of(room.view.rotation)[1] - angles_of(pose[:3, :3])[1], np.log(high), np.log(focal)])
+    off = Camera(high - 1, tilt, focal - 1, Spread(*apart / room.spread))
     return off, things, Counts(sum(thing.named for thing in truth.things), len(room.boxes), named), seconds
 
 
@@ -126,6 +133,9 @@ def main() -> None:
     right = f"height within {HEIGHT:.0%}: {(height < HEIGHT).sum()}, tilt within {TILT:.0f}: {(tilt < TILT).sum()}"
     print(f"{len(cameras)} pictures: {right}; median off:")
     print(f"height {np.median(height):.1%}, tilt {np.median(tilt):.1f} degrees, focal length {np.median(focal):.1%}")
+    for name in Spread._fields:
+        apart = np.array([getattr(one.in_spreads, name) for one in cameras])
+        print(f"{name} within its spread: {(apart < 1).mean():.0%}, within two: {(apart < 2).mean():.0%}")
     for told in ("foot", "hidden", "top", "wall"):
         of = [thing for thing in things if thing.told == told]
         if of:

@@ -14,7 +14,7 @@ from plugins.annotator.fronts import front_corners
 from plugins.annotator.project import Project
 from plugins.annotator.solve import FLAT_DEPTH, Solved
 from plugins.annotator.support import support_at
-from plugins.inputs.photo.metrology import CLICK, MetrologyError, View
+from plugins.inputs.photo.metrology import CLICK, MetrologyError, View, hang_box
 from plugins.names.propose import Names, Proposal
 from stages.contracts.categories import find_usual_size, known_categories, sizes_of
 from stages.contracts.category import Category, find_category
@@ -29,7 +29,6 @@ DEEP = 0.6  # metres: how deep a thing is at most whose depth nothing tells, as 
 SPREAD, LOOSE = 0.25, 0.5  # least spread of the logarithms of a category's sizes; that of a guessed depth; chosen
 FAR = 2.0  # spreads from the usual beyond which a width or height is hardly drawn there; chosen
 DEPTH_TOLD = 0.3  # logarithm of a change of depth that an outline tells if it moves it by a `CLICK`; chosen
-STANDING = {"appliance", "bed", "box", "device", "dish", "lamp", "plant", "seat", "table"}  # kinds that hang nowhere
 SELDOM = 0.1  # how much seldomer things hang that stand, and the other way round; chosen
 UNLIKELY = 0.3  # logarithms by which a size lies beyond the usual, for e times fewer chances; chosen
 AT_BOUND = 0.05  # logarithm of a depth from its least, below which an outline shows none; chosen
@@ -95,7 +94,7 @@ def weigh_names(names: Names, hangs: bool, width: float, height: float) -> Names
         category = known_categories()[one.name.replace(" ", "_")]
         usual = find_usual_size(category.name)
         misfit = usual.misfit([np.median(sizes_of(category.name)[:, 0]), width, height]) if usual else 0.0
-        odd = is_standing(category) if hangs else category.name.startswith("wall_")
+        odd = is_standing(category) if hangs else category.places == ["wall"]
         shares.append(one.probability * float(np.exp(-misfit / UNLIKELY)) * (SELDOM if odd else 1))
     total = sum(shares) + names.other
     found = [Proposal(one.name, share / total) for one, share in zip(names.proposals, shares, strict=True)]
@@ -103,8 +102,9 @@ def weigh_names(names: Names, hangs: bool, width: float, height: float) -> Names
 
 
 def is_standing(category: Category | None) -> bool:
-    """Whether things of a category hang nowhere."""
-    return category is not None and bool(STANDING & set(category.kin))
+    """Whether nothing of a category's kind hangs: a cabinet, by that word alone, may."""
+    hanging = {kind for one in known_categories().values() if "wall" in one.places for kind in one.kin}
+    return category is not None and hanging.isdisjoint(category.kin)
 
 
 def find_carrier(project: Project, solved: Solved, hull: Array, label: str) -> str:
@@ -169,12 +169,10 @@ def fit_hanging(solved: Solved, on: str, hull: Array, reach: Reach, usual: Array
     along, up = points @ wall.along, points[:, 2]
     middle = [(along.min() + along.max()) / 2, (up.min() + up.max()) / 2]
     start = np.array([*middle, *np.log([max(np.ptp(along), 0.01), FLAT_DEPTH, max(np.ptp(up), 0.01)])])
-    yaw = float(np.arctan2(wall.normal[0], -wall.normal[1]))
 
     def box_of(values: Array) -> UprightBox:
-        size = np.exp(values[2:])
-        center = values[0] * wall.along + (wall.offset + size[1] / 2) * wall.normal
-        return UprightBox([*center[:2], values[1]], size, yaw)
+        width, depth, height = np.exp(values[2:]).tolist()
+        return hang_box(wall, values[0], values[1], (width, depth, height))
 
     return fit_box(view, box_of, start, reach, usual)
 

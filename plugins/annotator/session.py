@@ -23,7 +23,7 @@ from plugins.inputs.photo.perspective import find_weak_lines, horizon, vanishing
 from plugins.inputs.photo.picture import Photo
 from plugins.inputs.photo.segments import propose, usual_focal
 from plugins.names.propose import Names
-from stages.contracts import InputError, read_json, write_json
+from stages.contracts import Camera, InputError, read_json, write_json
 from stages.contracts.types import Pixel
 from stages.geometry.boxes import UprightBox, corners
 
@@ -96,8 +96,11 @@ class Session(Clicked):
             notes.append(f"The picture was made smaller, to {width} x {height} pixels.")
         if self.photo.focal:
             notes.append("The focal length is known from the photograph's EXIF data.")
+        project, camera = self.open_drawing(), self.folder / "camera.json"
+        if project.untouched and camera.is_file():
+            notes += filter(None, [read_json(Camera, camera).note])  # how sure it is, by what found the drawing
         return {
-            "project": self.open_drawing().model_dump(mode="json"),
+            "project": project.model_dump(mode="json"),
             "fresh": self.start_drawing().model_dump(mode="json"),
             "categories": self.categories,
             "folder": str(self.folder),

@@ -65,7 +65,7 @@ def _list_guessed(item: DrawnObject, hangs: bool) -> str:
     return ""
 
 
-def _usual_depth(label: str) -> float | None:
+def usual_depth(label: str) -> float | None:
     """How deep things of a label are; None: of no known one."""
     sizes = sizes_of(label)
     return float(np.median(sizes[:, 0])) if len(sizes) else None
@@ -143,7 +143,7 @@ class _Room:
 
     def _box(self, item: DrawnObject, points: list[Pixel], above: tuple[str, ...]) -> UprightBox:
         sizes = item.sizes if self.typed else (None, None, None)
-        deep = _usual_depth(item.label) if self.typed else None
+        deep = usual_depth(item.label) if self.typed else None
         if item.on in self.walls:
             return fit_hanging_box(self.view, self.walls[item.on], points[:3], sizes, deep or FLAT_DEPTH)
         ground = self._ground(item, above)

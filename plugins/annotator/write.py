@@ -105,13 +105,14 @@ def _annotate(item: DrawnObject, value: int, solved: Solved) -> Annotation:
 
 
 def write_folder(
-    folder: Path, rgb: NDArray[np.uint8], project: Project, depth: NDArray[np.float32] | None = None
+    folder: Path, rgb: NDArray[np.uint8], project: Project, depth: NDArray[np.float32] | None = None, note: str = ""
 ) -> Written:
     """Write the five files, and `config.yaml`, which names the folder as a scene of an experiment.
 
     Args:
         rgb: the upright picture (H, W, 3).
         depth: (H, W) metres by a sensor or a network; None: the depth of what was drawn.
+        note: how sure the camera is, for people.
 
     Raises:
         InputError: nothing was drawn, or nothing of it can be seen.
@@ -133,6 +134,7 @@ def write_folder(
         height=view.height,
         intrinsics=view.intrinsics.tolist(),
         floor_from_camera=floor_from_camera(view).tolist(),
+        note=note,
     )
     annotations = Annotations(
         objects=[_annotate(item, values[item.id], solved) for item in seen],

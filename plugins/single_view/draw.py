@@ -50,7 +50,7 @@ def run(*, image: Path, out: Path, drawing: Path | None = None, options: str = "
     if settings.field_of_view is not None:
         height, width = photo.rgb.shape[:2]
         focal = float(intrinsics_of_view(settings.field_of_view, width, height)[0, 0])
-    path = out / PROJECT
+    path, note = out / PROJECT, ""
     kept = read_json(Project, path) if path.is_file() else None
     if drawing is not None:
         project = read_drawing(drawing, photo.rgb)
@@ -60,10 +60,10 @@ def run(*, image: Path, out: Path, drawing: Path | None = None, options: str = "
         print(f"{path}: drawn by a person: kept; delete it to begin anew")
     else:
         drawn = draw_picture(image.name, photo.rgb, focal, settings.heights)
-        project = drawn.project
+        project, note = drawn.project, describe_camera(drawn.room)
         write_json(path, project)
-        print("\n".join([describe(drawn.room, project), *drawn.left_out]))
-    written = write_folder(out, photo.rgb, project)
+        print("\n".join([count_things(project), note, *drawn.left_out]))
+    written = write_folder(out, photo.rgb, project, note=note)
     print("".join(f"{note}\n" for note in written.notes if not note.endswith(UNSURE)), end="")
     print(f"{out}: put it right in the browser: python -m plugins.annotator annotate {image} --out {out}")
 
@@ -108,11 +108,20 @@ def draw_picture(
     return Drawn(project, room, masks, labels, lines)
 
 
-def describe(room: Room, project: Project) -> str:
+def count_things(project: Project) -> str:
     """What was found, in a line for people."""
-    view, walls = room.view, len(project.walls)
+    walls = len(project.walls)
+    return f"{len(project.objects)} things, {walls or 'no'} wall{'s' * (walls != 1)}"
+
+
+def describe_camera(room: Room) -> str:
+    """The camera, each number with its spread (one standard deviation), for people."""
+    view, spread = room.view, room.spread
     down = float(np.degrees(np.arcsin(-view.rotation[2, 2])))
-    return (
-        f"{len(project.objects)} things, {walls or 'no'} wall{'s' * (walls != 1)}; the camera is {view.above:.2f} m "
-        f"above the floor and looks {down:.0f} degrees down, its focal length is {view.focal:.0f} pixels"
+    height = f" (± {spread.height * view.above:.2f})" if spread.height else ""
+    told = (
+        f"the camera is {view.above:.2f} m{height} above the floor and looks {down:.1f} degrees "
+        f"(± {np.degrees(spread.tilt):.1f}) down, its focal length is {view.focal:.0f} pixels "
+        f"(± {spread.focal * view.focal:.0f})"
     )
+    return "; ".join(filter(None, [told, room.doubt]))

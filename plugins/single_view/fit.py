@@ -71,12 +71,16 @@ class CameraPrior:
 
     given: Perspective
     view: View
-    height: tuple[float, float] = HEIGHT
 
     @property
     def state(self) -> Array:
         """Yaw, pitch, roll and the logarithm of the focal length."""
         return np.array([*angles_of(self.view.rotation), np.log(self.view.focal)])
+
+    def view_of(self, state: Array) -> View:
+        """The camera of a state."""
+        size = self.view.width, self.view.height
+        return View(*size, float(np.exp(state[3])), rotation_of(*state[:3]), float(np.exp(state[4])))
 
 
 class Layout:
@@ -101,11 +105,6 @@ class Layout:
         self.order = sorted(range(len(items)), key=lambda k: len(list_carriers(items, k)))
         self.sparsity = self._list_dependences()
 
-    def view_of(self, state: Array) -> View:
-        """The camera of a state."""
-        size = self.camera.view.width, self.camera.view.height
-        return View(*size, float(np.exp(state[3])), rotation_of(*state[:3]), float(np.exp(state[4])))
-
     def place_things(self, state: Array) -> tuple[Array, Array]:
         """Feet (N, 3) of the things, the middle of what they stand with, and their extents (N, 3), in the room."""
         bearing, reach, sizes = np.split(state[CAMERA:].reshape(-1, BOX), [1, 2], axis=1)
@@ -124,7 +123,7 @@ class Layout:
 
     def project(self, state: Array) -> Array:
         """Pixels (N, 8, 2) of the corners."""
-        view, (feet, sizes) = self.view_of(state), self.place_things(state)
+        view, (feet, sizes) = self.camera.view_of(state), self.place_things(state)
         x, y, z = np.moveaxis(SIGNS * sizes[:, None], -1, 0)
         c, s = np.cos(self.yaw)[:, None], np.sin(self.yaw)[:, None]
         corners = np.stack([c * x - s * y, s * x + c * y, z], axis=-1) + feet[:, None]
@@ -151,7 +150,7 @@ class Layout:
         """All deviations of a state, those that are Cauchy's so that half their squares add up to the cost."""
         ends, odd, off = self.measure_things(state)
         robust = UNUSUAL * weigh_residuals(np.concatenate([ends.ravel(), odd.ravel()]) / UNUSUAL)
-        return np.concatenate([measure_camera(self.camera.given, self.view_of(state), state), robust, off.ravel()])
+        return np.concatenate([measure_camera(self.camera, state), robust, off.ravel()])
 
     def measure_costs(self, state: Array) -> Array:
         """Cost (N,) of each thing: minus the logarithm of how likely its ends, its size and its place are."""
@@ -162,7 +161,7 @@ class Layout:
     def start(self, camera: Array) -> Array:
         """A state with this camera (5,): each thing where its foot meets the floor, else as far as its size says."""
         state = np.concatenate([camera, np.zeros(BOX * len(self.items))])
-        view, rows = self.view_of(state), state[CAMERA:].reshape(-1, BOX)
+        view, rows = self.camera.view_of(state), state[CAMERA:].reshape(-1, BOX)
         rows[:, 2:], sizes = self.mean, np.exp(self.mean)
         for k in self.order:
             left, top, right, bottom = self.at[k] * [-1, -1, 1, 1]
@@ -209,8 +208,9 @@ class Layout:
         return csr_array(found)
 
 
-def measure_camera(given: Perspective, view: View, state: Array) -> Array:
+def measure_camera(camera: CameraPrior, state: Array) -> Array:
     """Deviations (C,) of the camera from its lines, a usual direction, its focal length and a usual height."""
+    given, view = camera.given, camera.view_of(state)
     axes = np.array([AXES.index(line.axis) for line in given.guides], dtype=int)
     ends = np.array([(line.a, line.b) for line in given.guides], dtype=float).reshape(-1, 2, 2)
     focal = (state[3] - np.log(given.likely_focal)) / given.spread

@@ -7,14 +7,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.annotator.solve import FLAT_DEPTH
+from plugins.annotator.solve import FLAT_DEPTH, usual_depth
 from plugins.eyes.proposal import find_border
-from plugins.inputs.photo.metrology import View, WallPlane
+from plugins.inputs.photo.metrology import View, WallPlane, hang_box
 from plugins.inputs.photo.perspective import Perspective, fit_view
 from plugins.inputs.photo.segments import find_segments, propose, usual_focal
 from plugins.single_view.ends import Ends, measure_all
 from plugins.single_view.fit import HEIGHT, CameraPrior, Item, Usual
 from plugins.single_view.modes import fit_things
+from plugins.single_view.spreads import Spread, compare_tilts, measure_spread, measure_spread_of_lines
 from plugins.single_view.supports import LEGGED, NOWHERE, WALL, category_of, find_open, find_supports
 from plugins.single_view.walls import AGAINST, find_wall, measure_rectangle
 from stages.contracts.category import Category
@@ -29,12 +30,15 @@ NORMALS = np.array([(0.0, -1, 0), (1, 0, 0), (-1, 0, 0)])  # of the walls: the f
 class Room:
     """A room: the lines that the camera follows, the camera, walls, boxes by the values of their masks.
 
+    spread: of the camera. doubt: a sentence where lines and things disagree about it.
     on: what each thing stands or hangs on: the value of a mask, 0 (floor), or -1 - k for wall k.
     left_out: why other things have no place.
     """
 
     perspective: Perspective
     view: View
+    spread: Spread
+    doubt: str
     walls: list[WallPlane]
     boxes: dict[int, UprightBox]
     on: dict[int, int]
@@ -81,7 +85,8 @@ def scale_room(room: Room, labels: Mapping[int, str], heights: Mapping[str, floa
     factor = float(np.median(factors))
     walls = [WallPlane(wall.normal, factor * wall.offset) for wall in room.walls]
     boxes = {value: UprightBox(factor * box.center, factor * box.size, box.yaw) for value, box in room.boxes.items()}
-    return replace(room, view=replace(room.view, above=factor * room.view.above), walls=walls, boxes=boxes)
+    view, spread = replace(room.view, above=factor * room.view.above), room.spread._replace(height=0.0)
+    return replace(room, view=view, spread=spread, walls=walls, boxes=boxes)
 
 
 def build_room(
@@ -102,15 +107,17 @@ def build_room(
     place = {value: number for number, value in enumerate(standing)}
     items = [make_item(value, labels[value], ends, on, place) for value in standing]
     view, boxes = replace(camera.view, above=float(np.exp(HEIGHT[0]))), dict[int, UprightBox]()
+    spread, doubt = measure_spread_of_lines(camera), ""
     if items:
         layout, state, _ = fit_things(camera, items)
-        view, boxes = layout.view_of(state), dict(zip(standing, layout.list_boxes(state), strict=True))
+        spread, doubt = measure_spread(layout.measure_deviations, state), compare_tilts(layout, state)
+        view, boxes = camera.view_of(state), dict(zip(standing, layout.list_boxes(state), strict=True))
     hung = [value for value in labels if on[value] == WALL]
     walls, hanging, holders = hang_things(rgb, view, masks, labels, boxes, hung)
     left_out = {value: "no wall that it hangs on is found" for value in hung if value not in hanging}
     left_out |= {value: "what it stands on is not seen" for value in labels if on[value] == NOWHERE}
     on = {value: holders.get(value, on[value]) for value in [*boxes, *hanging]}
-    return Room(camera.given, view, walls, boxes | hanging, on, left_out)
+    return Room(camera.given, view, spread, doubt, walls, boxes | hanging, on, left_out)
 
 
 def hang_things(
@@ -141,25 +148,12 @@ def hang_things(
             continue
         walls.append(wall)
         for value in own:
-            share, ends = measure_rectangle(view, wall, masks == value)
-            if share > 0:
-                hanging[value] = hang_box(wall, ends, usual_depth(labels[value]))
-                holders[value] = -len(walls)
+            _, ends = measure_rectangle(view, wall, masks == value)
+            (along, above), (width, height) = ends.mean(axis=0), np.maximum(np.ptp(ends, axis=0), 0.01)
+            size = float(width), usual_depth(labels[value]) or FLAT_DEPTH, float(height)
+            hanging[value] = hang_box(wall, float(along), float(above), size)
+            holders[value] = -len(walls)
     return walls, hanging, holders
-
-
-def usual_depth(label: str) -> float:
-    """How deep a hanging thing usually is, metres."""
-    category = category_of(label)
-    return float(np.exp(usual_of(category).mean[1])) if category else FLAT_DEPTH
-
-
-def hang_box(wall: WallPlane, ends: Array, depth: float) -> UprightBox:
-    """The box with its rear on a wall."""
-    middle, size = ends.mean(axis=0), np.maximum(ends[1] - ends[0], 0.01)
-    center = middle[0] * wall.along + (wall.offset + depth / 2) * wall.normal + [0, 0, middle[1]]
-    yaw = float(np.arctan2(wall.normal[0], -wall.normal[1]))
-    return UprightBox(center, [size[0], depth, size[1]], yaw)
 
 
 def list_free_segments(rgb: NDArray[np.uint8], masks: NDArray[np.integer], values: list[int]) -> Array:

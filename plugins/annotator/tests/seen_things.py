@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from plugins.annotator.clicking import Clicker, Seen
 from plugins.eyes.mobile_sam import Outlines
+from plugins.eyes.ssd import Box
 from plugins.names.propose import Names, Proposal
 from stages.geometry.masks import Mask, pixel_bounds
 
@@ -33,7 +34,9 @@ class KnownPicture:
         return _outlines([half, whole, np.zeros_like(whole)], [0.95, 0.9, 0.1])
 
     def outline_clicks(self, points: ArrayLike, inside: ArrayLike) -> Outlines:
-        """Of all the things at points inside, together."""
+        """Of all the things at points inside, together, or what a test says."""
+        if self.guesses:
+            return _outlines(self.guesses, [0.95, 0.7, 0.6])
         height, width = self.things[0].shape
         columns, rows = np.clip(np.rint(points), 0, [width - 1, height - 1]).astype(int)[np.asarray(inside, bool)].T
         return _outlines(
@@ -62,7 +65,7 @@ class KnownClicker(Clicker):
     def __init__(self, rgb: NDArray[np.uint8], things: dict[str, Mask]) -> None:
         self.rgb, self.room, self.things = rgb, None, things
         self._picture: Any = KnownPicture(list(things.values()))
-
+        self.boxes: list[Box] = []
         self.found: list[Mask] = []
         self.guesses: list[Mask] = []
 
@@ -70,7 +73,7 @@ class KnownClicker(Clicker):
     def seen(self) -> Seen:
         """At once."""
         self._picture.guesses = self.guesses
-        return Seen(self._picture, [], self.found)
+        return Seen(self._picture, self.boxes, self.found)
 
     def name(self, mask: Mask) -> Names:
         """Of the thing that most of a mask shows."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
 from plugins.annotator import annotate
-from plugins.annotator.paint import paint
+from plugins.annotator.paint import extend, paint
 from plugins.annotator.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
 from plugins.annotator.server import PageServer
 from plugins.annotator.session import Session, describe_room
@@ -217,6 +217,9 @@ def test_an_outline_beside_its_box_shows_the_thing_all_the_same() -> None:
     assert painted.depth[v, u] == pytest.approx(painted.depth[v + 20, u], rel=0.2)
     drawing.objects[0].outline = _pixels([[3, 4, 0], [3.2, 4, 0], [3.2, 4, 0.2]])  # far from it
     assert 1 not in paint(drawing, solve(drawing)).masks
+    reach, outline = np.full((4, 4), np.inf), np.zeros((4, 4), bool)
+    reach[2:, :2], outline[:2, 2:] = 2.0, True
+    assert (extend(reach, outline) == reach).all(), "nor where its box lies in a corner of the picture"
 
 
 def test_round_things_are_round(tmp_path: Path) -> None:

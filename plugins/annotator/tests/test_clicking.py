@@ -12,7 +12,7 @@ import pytest
 from plugins.annotator import annotate, clicking
 from plugins.annotator.clicking import CORNERS, LACKING, Asked, Clicker, outline_pieces
 from plugins.annotator.correcting import Correcting
-from plugins.annotator.outlined import propose_box, weigh_names
+from plugins.annotator.outlined import FACING, Fit, mark_box, propose_box, weigh_names
 from plugins.annotator.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
 from plugins.annotator.server import PageServer
 from plugins.annotator.session import Session
@@ -22,8 +22,10 @@ from plugins.annotator.tests.seen_things import KnownClicker
 from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from plugins.annotator.tests.test_by_hand import BOXES, HEIGHT, VIEW, WIDTH, _drawing, _pixels
 from plugins.annotator.tests.test_correcting import BOXES as ROOM
+from plugins.eyes.ssd import Box
 from plugins.eyes.tests.conftest import published  # noqa: F401
 from plugins.eyes.tests.test_networks import MIDDLE, draw_sign
+from plugins.inputs.photo.metrology import MetrologyError
 from plugins.inputs.photo.picture import Photo
 from plugins.names.propose import Names, Proposal
 from stages.contracts import Annotations, Objects, read_json
@@ -90,6 +92,24 @@ def test_a_second_click_adds_and_one_with_shift_takes_away() -> None:
     assert clicker.outline(Asked(clicks=[(140, 160, False)])) == [], "there is nothing to take from"
     whole = clicker.outline(Asked(clicks=[(60, 160, False)], before=_rings(THINGS["oven"])))
     assert all(0 < mask.sum() <= THINGS["oven"].sum() for mask in whole), "something is left"
+
+
+def test_a_guess_at_several_clicks_is_good_and_heeds_each_of_them() -> None:
+    clicker, both = KnownClicker(PICTURE, THINGS), THINGS["oven"] | THINGS["stool"]
+    asked = Asked(clicks=[(60, 160, True), (140, 160, True)], before=_rings(THINGS["oven"]))
+    by_the_last_click_alone = 3
+    for best, taken in ((both, 1), (THINGS["oven"], 0)):
+        clicker.guesses = [best, both, both]  # the others are no good ones
+        assert len(clicker.outline(asked)) == taken + by_the_last_click_alone
+
+
+def test_a_box_of_the_network_names_the_outline_that_it_agrees_with(monkeypatch: pytest.MonkeyPatch) -> None:
+    clicker = KnownClicker(PICTURE, THINGS)
+    clicker.boxes = [Box((40, 140, 80, 180), "oven", 0.9, {"oven": 0.9})]
+    monkeypatch.setattr(clicking, "classify", lambda *_: None)
+    monkeypatch.setattr(clicking, "propose_names", lambda _, words: words)
+    for mask, words in ((THINGS["oven"], {"oven": 0.9}), (_square(40, 140, 100), None), (THINGS["stool"], None)):
+        assert Clicker.name(clicker, mask) == words
 
 
 def test_the_networks_outline_a_sign_by_a_click_and_by_a_box(published: None) -> None:  # noqa: F811
@@ -185,6 +205,16 @@ def test_names_are_weighed_by_size_and_by_what_holds_the_thing() -> None:
     assert sum(one.probability for one in stands.proposals) + stands.other == pytest.approx(1)
     bed = weigh_names(Names([Proposal("bed", 0.5), Proposal("picture", 0.3)], 0.2), True, 1.5, 0.8)
     assert bed.proposals[0].name == "picture", "no bed hangs"
+
+
+def test_a_rear_corner_is_marked_where_an_outline_tells_the_depth() -> None:
+    box = UprightBox([-0.9, 3.0, 0.2], [0.8, 1.0, 0.4], 0.0)
+    for hangs, front in ((False, 3), (True, 2)):
+        marks = [len(mark_box(VIEW, Fit(box, 0.0, told), FACING[0], hangs)) for told in (False, True)]
+        assert marks == [front, front + 1]
+    assert len(mark_box(VIEW, Fit(BOXES["cabinet"], 0.0, True), FACING[0], hangs=False)) == 3, "hidden by its front"
+    with pytest.raises(MetrologyError, match="behind the camera"):
+        mark_box(VIEW, Fit(UprightBox([0, 0, 0.2], [1, 1, 0.4], 0.0), 0.0, True), FACING[0], hangs=False)
 
 
 def test_what_no_level_carries_keeps_its_bounds_as_marks() -> None:

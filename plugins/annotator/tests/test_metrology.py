@@ -23,7 +23,7 @@ from plugins.inputs.photo.metrology import (
     wall_plane,
 )
 from plugins.inputs.photo.perspective import Guide, Perspective, fit_view, horizon, vanishing_point
-from plugins.inputs.photo.segments import propose, usual_focal
+from plugins.inputs.photo.segments import angles_of, propose, usual_focal
 from stages.geometry.boxes import UprightBox, corners, oriented_iou
 
 ROOM = Path(__file__).parents[3] / "tests/data/photographed_room"  # room_1 of the default run, as JPEG, and its truth
@@ -60,7 +60,9 @@ def _same(view: View, true: View = VIEW, degrees: float = 0.1) -> None:
 
 
 def test_what_is_projected_is_found_again() -> None:
-    assert np.linalg.det(VIEW.rotation) == pytest.approx(1)
+    assert np.linalg.det(VIEW.rotation) == pytest.approx(1) and angles_of(VIEW.rotation) == pytest.approx(
+        (YAW, PITCH, ROLL)
+    )
     assert VIEW.rotation[2, 2] == pytest.approx(np.sin(PITCH))  # the optical axis points down
     right = VIEW.rotation[:, 0]
     assert right[2] < 0  # rolled clockwise: the camera's right side is the lower one

@@ -278,12 +278,15 @@ def fit_hanging_box(
         sizes: width, depth and height in metres where they are known; the front's middle stays.
         flat: its depth without a third pixel.
     """
-    along = wall.along
     depth = sizes[1] or flat
     if sizes[1] is None and len(pixels) > 2:
         depth = _depth_of_rear(view, wall, pixels)
     face = _face(view, wall, depth, pixels)
-    (left, right), (low, high) = np.sort(face @ along), np.sort(face[:, 2])
+    (left, right), (low, high) = np.sort(face @ wall.along), np.sort(face[:, 2])
     width, height = sizes[0] or max(right - left, 1e-4), sizes[2] or max(high - low, 1e-4)
-    middle = (left + right) / 2 * along + (wall.offset + depth) * wall.normal
-    return _box(middle, -wall.normal, (width, depth, height), (low + high - height) / 2)
+    return hang_box(wall, (left + right) / 2, (low + high) / 2, (width, depth, height))
+
+
+def hang_box(wall: WallPlane, along: float, above: float, size: tuple[float, float, float]) -> UprightBox:
+    """The box with its rear on a wall, its middle so far along that and above the floor; width, depth and height."""
+    return _box(along * wall.along + (wall.offset + size[1]) * wall.normal, -wall.normal, size, above - size[2] / 2)

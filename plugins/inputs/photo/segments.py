@@ -85,10 +85,10 @@ def _scores(ends: Points, lengths: Points, focal: float, size: tuple[int, int], 
 
 
 def angles_of(rotation: Points) -> tuple[float, float, float]:
-    """Yaw, pitch and roll of room_from_camera."""
+    """Yaw, pitch and roll, of which `rotation_of` makes room_from_camera."""
     up, forward = rotation[2], rotation[:, 2]
     yaw = float(np.arctan2(-forward[0], forward[1]))
-    return wrap_angle(yaw, np.pi), float(np.arcsin(np.clip(up[2], -1, 1))), float(np.arctan2(up[0], -up[1]))
+    return wrap_angle(yaw, np.pi), float(np.arcsin(np.clip(up[2], -1, 1))), float(np.arctan2(-up[0], -up[1]))
 
 
 def _assign_axes(view: View, ends: Points) -> tuple[NDArray[np.integer], Points]:

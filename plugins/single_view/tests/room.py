@@ -31,12 +31,12 @@ LINES = {
 }
 
 
-def see_lines(likely_focal: float = 512.0, spread: float = 0.3) -> CameraPrior:
-    """The camera by the room's lines."""
+def see_lines(likely_focal: float = 512.0, spread: float = 0.3, view: View = TRUE) -> CameraPrior:
+    """The camera by the room's lines, as a view shows them."""
     guides = []
     for axis, lines in LINES.items():
         for line in lines:
-            a, b = (tuple(pixel) for pixel in TRUE.project(line).tolist())
+            a, b = (tuple(pixel) for pixel in view.project(line).tolist())
             guides.append(Guide(axis=axis, a=a, b=b))  # type: ignore[arg-type]
     given = Perspective(guides=guides, likely_focal=likely_focal, spread=spread)
     return CameraPrior(given, fit_view(given, WIDTH, HEIGHT))

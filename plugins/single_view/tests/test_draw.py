@@ -16,7 +16,7 @@ from plugins.single_view.package import find_mistakes
 from plugins.single_view.tests.room import LABELS, WIDTH, outline_room, see_lines, show_room
 from plugins.single_view.tests.test_naming import known
 from stages.config.model import load, with_defaults
-from stages.contracts import InputError, read_json, write_json
+from stages.contracts import Camera, InputError, read_json, write_json
 from stages.contracts.scene_input import read_scene_input
 
 DATA = Path(os.environ.get("ACDC_TEST_DATA", Path(__file__).resolve().parents[4] / "shared/data"))
@@ -38,6 +38,7 @@ def test_a_photograph_becomes_an_input_folder_and_a_drawing(image: Path, capsys:
     out = image.with_suffix("")
     draw.run(image=image, out=out, options='{"heights": {"fridge": 1.8, "wardrobe": 2}}')
     told = capsys.readouterr().out
+    assert "m above the floor" in told, "the scale is told: it has no spread"
     assert "3 things" in told and "no wardrobe is found" in told and f"annotate {image} --out {out}" in told
     scene = read_scene_input(out)
     assert [item.label for item in scene.annotations.objects] == ["fridge", "sofa", "coffee table"]
@@ -54,12 +55,16 @@ def test_what_a_person_saved_is_kept_also_if_nothing_in_it_is_confirmed(
     draw.run(image=image, out=out)
     capsys.readouterr()
     draw.run(image=image, out=out)
-    assert "3 things" in capsys.readouterr().out, "what nobody saved is drawn anew"
+    told = capsys.readouterr().out
+    assert "3 things" in told, "what nobody saved is drawn anew"
+    session, note = Session(read_photo(image), image.name, out), read_json(Camera, out / "camera.json").note
+    assert note in told and session.start()["notes"] == [note] and note.count("(± ") == 3
     project = read_json(Project, out / PROJECT)
     del project.objects[0]
-    Session(read_photo(image), image.name, out).save(project.model_dump(mode="json"))
+    session.save(project.model_dump(mode="json"))
+    assert session.start()["notes"] == [], "a person has drawn since"
     draw.run(image=image, out=out)
-    assert "kept" in capsys.readouterr().out
+    assert "kept" in capsys.readouterr().out and read_json(Camera, out / "camera.json").note == ""
     assert [item.label for item in read_scene_input(out).annotations.objects] == ["sofa", "coffee table"]
     Image.fromarray(np.array(Image.open(image))[:, :600]).save(image)
     with pytest.raises(InputError, match="is of a picture of 640x480"):

@@ -55,6 +55,13 @@ def floor_around(*masks: Mask) -> Seen:
     return unknown(floor & ~np.any([*masks], axis=0), FLOOR)
 
 
+def test_a_known_thing_is_one_of_the_library_or_none() -> None:
+    mask = outline_box(BOXES[1])
+    assert known(mask, ("fridge", 0.9)).is_sure
+    assert not Seen(mask, 0.95, Names([Proposal("fridge", 0.3)], 0.7), True).is_sure, "it is likelier none"
+    assert not Seen(mask, 0.95, Names([Proposal("fridge", 0.9)], 0.1), False).is_sure, "no network knows it"
+
+
 def test_a_row_of_drawers_over_a_door_is_one_front() -> None:
     masks = np.zeros((3, HEIGHT, WIDTH), bool)
     masks[0, 200:300, 100:200], masks[1, 150:198, 102:199], masks[2, 100:148, 100:300] = True, True, True

@@ -8,7 +8,8 @@ import pytest
 
 from plugins.annotator.solve import solve
 from plugins.eyes.proposal import find_border
-from plugins.inputs.photo.metrology import WallPlane
+from plugins.inputs.photo.metrology import WallPlane, rotation_of
+from plugins.single_view.draw import describe_camera
 from plugins.single_view.drawing import draw_room, draw_wall
 from plugins.single_view.ends import Ends, measure_all
 from plugins.single_view.fit import Item, Layout
@@ -250,3 +251,21 @@ def test_what_stands_on_what_cannot_be_drawn_is_left_out_with_it(found: Room) ->
     on_it = replace(room, boxes=room.boxes | {7: room.boxes[4]}, on=room.on | {7: 4})
     assert "no place" in draw_room("room.png", on_it, outline_room(), LABELS | {7: "mug"})[1][7]
     assert {item.id for item in project.objects} == {"thing_1", "thing_2", "thing_5", "thing_6"}
+
+
+def test_each_number_of_the_camera_has_its_spread(found: Room) -> None:
+    spread = found.spread
+    assert abs(np.log(found.view.above / TRUE.above)) < 2 * spread.height < 0.4
+    assert abs(np.log(found.view.focal / TRUE.focal)) < 2 * spread.focal and np.degrees(spread.tilt) < 2
+    assert find((1,)).spread.height > 1.2 * spread.height, "fewer things tell less"
+    nothing = build_room(show_room(), see_lines(), np.zeros((HEIGHT, WIDTH), np.uint16), {})
+    assert nothing.spread.height > 0.19 and nothing.spread.tilt == pytest.approx(spread.tilt, rel=0.2)
+    assert scale_room(found, LABELS, {"camera": 1.45}).spread == spread._replace(height=0)
+
+
+def test_lines_that_no_thing_agrees_with_are_told(found: Room) -> None:
+    labels = {value: LABELS[value] for value in BOXES}
+    askew = replace(TRUE, rotation=rotation_of(0.25, -0.28 - np.radians(12), 0.0))
+    room = build_room(show_room(), see_lines(view=askew), outline_room(), labels)
+    assert found.doubt == "" and "by its lines the camera looks 28 degrees down, by its things 15" in room.doubt
+    assert room.doubt in describe_camera(room)
