@@ -29,7 +29,8 @@ LIKELY = 0.1  # least probability of a name that size may choose; chosen
 LEAST = 0.003  # share of the picture that what stands on the floor without a known class covers at least; chosen
 USUAL_FAR = 3.0  # metres to a wall before which nothing is known; chosen
 SELDOM = 0.02  # how likely what hangs is of a category that is not flat, before it is seen; chosen
-NOISE = 0.3  # of the logarithms of a width and height that are measured before the fit, alone and together; chosen
+NOISE = 0.3  # of the logarithms of a width and a height that are measured before the fit; chosen
+FAR = 0.6  # of the logarithm of the distance to a wall, before what hangs there has told it; chosen
 
 
 def name_standing(
@@ -69,17 +70,18 @@ def name_others(rgb: NDArray[np.uint8], seen: Sequence[Seen], room: Room, labels
     for value, one in enumerate(seen, 1):
         if value in labels:
             continue
-        if one.kind == kinds.HANGS:
-            size = measure_hung(room, one)
+        beneath = find_beneath(masks, value, ends[value], carriers)
+        kind = one.kind if beneath else one.choose_kind(without=kinds.RESTS)
+        if kind == kinds.HANGS:
+            size, far = measure_hung(room, one), FAR
             before = {name: FLAT_CATEGORIES.get(name, SELDOM) for name in list_names("wall")}
-        elif one.kind == kinds.RESTS:
-            beneath = find_beneath(masks, value, ends[value], carriers)
-            size = measure_resting(room, ends[value], beneath) if beneath else None
+        elif kind == kinds.RESTS:
+            size, far = measure_resting(room, ends[value], beneath), NOISE
             before = dict.fromkeys(list_names("top"), 1.0)
         else:
             continue
         if size is not None:
-            found[value] = name_by_extents(size, one, before)
+            found[value] = name_by_extents(size, far, one, before)
     return found
 
 
@@ -156,12 +158,15 @@ def rename_by_size(camera: tuple[CameraPrior, Array], item: Item, one: Seen) -> 
     return likely[int(np.argmax(scores))].name
 
 
-def name_by_extents(size: Array, one: Seen, before: Mapping[str, float]) -> str:
-    """The name of what is so wide and high (2,), metres, by its looks and by how usual that is."""
+def name_by_extents(size: Array, far: float, one: Seen, before: Mapping[str, float]) -> str:
+    """The name of what is so wide and high (2,), metres, by its looks and by how usual that is.
+
+    far: deviation of the logarithm of its distance.
+    """
     weights, scores = weigh_looks(one, before), dict[str, float]()
     for name, weight in weights.items():
         usual = usual_of(known_categories()[name])
-        covariance = usual.covariance[np.ix_([0, 2], [0, 2])] + NOISE**2 * (np.eye(2) + 1)
+        covariance = usual.covariance[np.ix_([0, 2], [0, 2])] + NOISE**2 * np.eye(2) + far**2
         off = np.log(np.maximum(size, 1e-3)) - usual.mean[[0, 2]]
         misfit = off @ np.linalg.solve(covariance, off) + np.linalg.slogdet(covariance)[1]
         scores[name] = float(np.log(weight) - misfit / 2)

@@ -15,18 +15,28 @@ from plugins.names.propose import Names, propose_names
 from plugins.single_view.ends import Ends, measure_all
 from plugins.single_view.outline_kinds import FLOOR, KINDS, WALL, tell_kinds
 
+Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 ALIGNED = 0.15  # of their width, by which the sides of pieces of one front are apart at most; chosen
 
 
 @dataclass(frozen=True)
 class Seen:
-    """An outline (H, W), what it shows (one of `KINDS`), its names, and whether COCO's network knows it."""
+    """An outline (H, W), how likely each of `KINDS` is (6,), its names, and whether COCO's network knows it."""
 
     mask: Mask
-    kind: str
+    kinds: Array
     names: Names
     known: bool
+
+    @property
+    def kind(self) -> str:
+        """What it shows."""
+        return KINDS[int(self.kinds.argmax())]
+
+    def choose_kind(self, without: str) -> str:
+        """What it shows, if it is not this."""
+        return KINDS[int(np.where(np.array(KINDS) == without, 0, self.kinds).argmax())]
 
     @property
     def is_sure(self) -> bool:
@@ -38,20 +48,16 @@ def see_outlines(rgb: NDArray[np.uint8]) -> Sequence[Seen]:
     """The outlines of a picture (H, W, 3), no pixel in two; those of known things first."""
     view = make_view(rgb)
     found = choose(view, [*ssd.propose(view), *mobile_sam.propose(view)])
-    found = join_stacked(rgb, found, tell(view, found))
-    return [see_outline(rgb, one, kind) for one, kind in zip(found, tell(view, found), strict=True)]
+    first = tell_kinds(view.embedded.features, [one.mask for one in found])
+    found = join_stacked(rgb, found, [KINDS[kind] for kind in first.argmax(axis=1)])
+    told = tell_kinds(view.embedded.features, [one.mask for one in found])
+    return [see_outline(rgb, one, kinds) for one, kinds in zip(found, told, strict=True)]
 
 
-def tell(view: RoomView, found: Sequence[Outlined]) -> list[str]:
-    """What each outline shows, of `KINDS`."""
-    return [KINDS[kind] for kind in tell_kinds(view.embedded.features, [one.mask for one in found]).argmax(axis=1)]
-
-
-def see_outline(rgb: NDArray[np.uint8], one: Outlined, kind: str) -> Seen:
+def see_outline(rgb: NDArray[np.uint8], one: Outlined, kinds: Array) -> Seen:
     """An outline with its names."""
-    return Seen(
-        one.mask, kind, propose_names(Observed(None, classify(rgb, one.mask)), one.words or None), is_known(one)
-    )
+    names = propose_names(Observed(None, classify(rgb, one.mask)), one.words or None)
+    return Seen(one.mask, kinds, names, is_known(one))
 
 
 def is_known(one: Outlined) -> bool:

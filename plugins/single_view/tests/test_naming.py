@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from plugins.eyes.choosing import Outlined
 from plugins.names.propose import Names, Proposal
 from plugins.single_view.naming import name_others, name_standing
-from plugins.single_view.outline_kinds import FLOOR, HANGS, NOTHING, RESTS, STANDS, WALL
+from plugins.single_view.outline_kinds import FLOOR, HANGS, KINDS, NOTHING, RESTS, STANDS, WALL
 from plugins.single_view.room import Room, build_room
 from plugins.single_view.tests.room import BOXES, HEIGHT, LABELS, WIDTH, outline_box, outline_room, see_lines, show_room
 from plugins.single_view.things import Seen, join_stacked, number_labelled
@@ -21,12 +21,17 @@ ALIKE = [Proposal(name.replace("_", " "), 0.3 / len(known_categories())) for nam
 NOBODY_KNOWS = Names(ALIKE, 0.7)
 
 
+def likely(*kinds: str) -> NDArray[np.float64]:
+    """Probabilities of kinds, the first the most."""
+    return np.array([2.0 ** -kinds.index(kind) if kind in kinds else 0.0 for kind in KINDS])
+
+
 def unknown(mask: Mask, kind: str) -> Seen:
-    return Seen(mask, kind, NOBODY_KNOWS, False)
+    return Seen(mask, likely(kind), NOBODY_KNOWS, False)
 
 
 def known(mask: Mask, *names: tuple[str, float]) -> Seen:
-    return Seen(mask, STANDS, Names([Proposal(*one) for one in names], 0.05), True)
+    return Seen(mask, likely(STANDS), Names([Proposal(*one) for one in names], 0.05), True)
 
 
 def see(*further: Seen, beside: Sequence[int] = (1, 2)) -> tuple[list[Seen], Room, dict[int, str]]:
@@ -101,8 +106,10 @@ def test_what_hangs_is_named_by_its_size_on_its_wall() -> None:
     seen, room, labels = see(unknown(outline_box(BOXES[5]), HANGS))
     assert name_others(show_room(), seen, room, labels) == {3: "picture"}
     wide = UprightBox([-0.2, 4.35, 0.5], [1.1, 0.1, 0.6], 0.0)
-    radiator = Seen(outline_box(wide), HANGS, Names([Proposal("radiator", 0.5)], 0.5), False)
+    radiator = Seen(outline_box(wide), likely(HANGS), Names([Proposal("radiator", 0.5)], 0.5), False)
     assert name_others(show_room(), *see(radiator)) == {3: "radiator"}, "by its looks, too"
+    either = Seen(outline_box(BOXES[5]), likely(RESTS, HANGS, WALL), NOBODY_KNOWS, False)
+    assert name_others(show_room(), *see(either)) == {3: "picture"}, "as nothing carries it"
 
 
 def test_what_rests_on_a_thing_is_named_by_its_size_there() -> None:
