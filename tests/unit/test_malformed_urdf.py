@@ -43,6 +43,7 @@ BROKEN_XML = [
     (CABINET, "not xml at all", "is not XML"),
     (CABINET, "<robot/>", "has no <link>"),
     (CABINET, "<mujoco/>", "has <mujoco> at the top"),
+    (END, '<xacro:d n="1"/></robot>', "it is xacro"),
     (CABINET, '<sdf><robot name="x"/></sdf>', "has <sdf> at the top"),
     (END, "", "is not XML"),
     ("<robot", '<!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/hostname">]><robot', "DOCTYPE"),
@@ -348,3 +349,10 @@ def test_one_broken_model_leaves_the_others_whole(
     assert "door.urdf: link 'body'" in capsys.readouterr().out
     assert [path.name for path in (tmp_path / "models").iterdir()] == [asset.id] == ["bottom_cabinet_oak_1"]
     assert (tmp_path / "models" / asset.id / "asset.json").exists()
+
+
+def test_elements_that_are_not_read_are_named(tmp_path: Path) -> None:
+    folder = write_cabinet(tmp_path)
+    file = next(folder.rglob("*.urdf")) if folder.is_dir() else folder
+    file.write_text(file.read_text().replace(END, "<include/><include/></robot>"))
+    assert "not read: <include> (2)" in read_urdf(file, tmp_path).remarks
