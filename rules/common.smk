@@ -9,7 +9,7 @@ from hashlib import sha256
 from itertools import product
 from pathlib import Path
 
-from stages.config.code import cover, files_digest
+from stages.config.code import cover, files_digest, path_of_jobs
 from stages.config.commands import check_line, command_digest, command_line, replacement
 from stages.config.files import read_file
 from stages.config.model import load, with_defaults
@@ -30,6 +30,8 @@ try:
         read_file(Path(file))
     CONFIG = load(with_defaults(config))
     cover(CONFIG.plugins)
+    if CONFIG.plugins:
+        os.environ.update(PYTHONPATH=path_of_jobs(CONFIG.plugins, Path.cwd()))
     OWN_SHARDS = shards_of(CONFIG)
     LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN_SHARDS.values())
     CONFIG = fill_counts(CONFIG, LIBRARY_SIZE)
