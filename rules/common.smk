@@ -17,6 +17,7 @@ from stages.config.packages import list_drawers, rule_files, shards_of
 from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, options_of, stores
 from stages.config.sizes import fill_counts
 from stages.contracts.errors import InputError
+from stages.contracts.system import check_writable
 from stages.contracts.training_sets import ROLE_NAME, SET_NAME
 
 # `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
@@ -26,6 +27,7 @@ os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.ge
 sys.path.append(os.getcwd())
 
 try:
+    check_writable(Path.cwd(), *map(Path, ("results", "logs", "benchmarks", ".snakemake")))
     for file in workflow.configfiles:
         read_file(Path(file))
     CONFIG = load(with_defaults(config))

@@ -187,6 +187,10 @@ def checks(mend: bool) -> list[Check]:
 
 def main(arguments: list[str]) -> int:
     """Print all checks; returns the exit code."""
+    if strange := [one for one in arguments if one != "--mend"]:
+        wants_help = strange[0] in ("-h", "--help")
+        print(__doc__ if wants_help else f"error: there is no {strange[0]}. Fix: --mend, or nothing")
+        return 0 if wants_help else 2
     return report(checks("--mend" in arguments))
 
 

@@ -21,6 +21,7 @@ from stages.contracts.__main__ import main as check
 from stages.contracts.files import write_atomically, write_json
 from stages.contracts.system import line_of
 from stages.training.logbook import Logbook
+from tests.refusals import refused
 
 NOISE = np.random.default_rng(0).integers(0, 255, (200, 200, 3), np.uint8)
 
@@ -182,3 +183,10 @@ def test_a_folder_is_synced_with_all_in_it(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr(system.os, "fsync", lambda fd: done.add(Path(f"/proc/self/fd/{fd}").readlink().name))
     system.sync(tmp_path)
     assert done == {tmp_path.name, "models", "cup", "a.obj"}
+
+
+def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    system.check_writable(tmp_path, tmp_path / "not there yet")
+    monkeypatch.setattr(os, "access", lambda path, mode: False)  # as root may write everywhere but on a read-only disk
+    with refused("E-FOLDER-READ-ONLY", str(tmp_path)):
+        system.check_writable(tmp_path)

@@ -77,7 +77,8 @@ def _outline(mask: Mask, near: Mask) -> tuple[NDArray[np.intp], NDArray[np.intp]
     """The outline of a thing, without the picture's border; none of one in and around which depth is flat."""
     around = cv2.dilate(mask.astype(np.uint8), np.ones((3, 3))) > 0
     inner = cv2.erode(mask.astype(np.uint8), np.ones((3, 3)), borderValue=1) > 0
-    return np.nonzero(mask & ~inner & near[around].any())
+    rows, columns = np.nonzero(mask & ~inner & near[around].any())
+    return rows, columns
 
 
 def _share(near: Mask, outlines: Outlines) -> float:

@@ -35,3 +35,11 @@ def test_a_client_without_its_service_runs_no_containers(tmp_path: Path, monkeyp
     assert doctor.check_containers().found == "podman, docker (installed, but nothing answers)"
     (tmp_path / "podman").unlink()
     assert not doctor.check_containers().good
+
+
+@pytest.mark.parametrize(("argument", "code", "words"), [("--help", 0, "--mend"), ("--fix", 2, "there is no --fix")])
+def test_arguments_are_looked_at_before_the_machine(
+    argument: str, code: int, words: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(doctor, "checks", lambda mend: pytest.fail("nothing is checked"))
+    assert doctor.main([argument]) == code and words in capsys.readouterr().out
