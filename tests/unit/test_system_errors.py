@@ -18,7 +18,7 @@ from PIL import Image
 
 from stages.contracts import system
 from stages.contracts.__main__ import main as check
-from stages.contracts.files import write_atomically, write_json
+from stages.contracts.files import read_text, write_atomically, write_json
 from stages.contracts.system import line_of
 from stages.training.logbook import Logbook
 from tests.refusals import refused
@@ -190,3 +190,9 @@ def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, monkeypatch
     monkeypatch.setattr(os, "access", lambda path, mode: False)  # as root may write everywhere but on a read-only disk
     with refused("E-FOLDER-READ-ONLY", str(tmp_path)):
         system.check_writable(tmp_path)
+
+
+def test_a_pipe_in_the_place_of_a_text_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "annotations.json")
+    with refused("E-FILE-UNREADABLE", "pipe"):
+        read_text(tmp_path / "annotations.json")

@@ -1,11 +1,13 @@
 """Words of others for floor and wall, depth of another view, values in two places, files paired by their numbers."""
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from plugins.inputs.rgbd import mask_coco
 from plugins.inputs.rgbd.belonging import doubt_depth
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from plugins.inputs.rgbd.layouts import find_view, list_frames
@@ -143,6 +145,15 @@ def test_annotations_that_name_themselves_are_read(tmp_path: Path) -> None:
         read_labelled(tmp_path / "results.json", None, 12, 4, "a.jpg")
 
 
+def test_so_many_annotations_as_fill_the_memory_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mask_coco, "MAX_BYTES", 3 * 24)
+    items = [{"id": k, "image_id": 0, "category_id": 1, "bbox": [1, 1, 2, 2]} for k in range(9)]
+    data = {"annotations": items, "categories": [{"id": 1, "name": "cup"}]}
+    (tmp_path / "m.json").write_text(json.dumps(data))
+    with refused("E-FILE-LARGE", "more than 4 annotations"):
+        read_labelled(tmp_path / "m.json", None, 6, 4, "a.jpg")
+
+
 def test_text_of_another_encoding_is_told(tmp_path: Path) -> None:
     (tmp_path / "m.json").write_bytes('{"shapes": [{"label": "Tür"}]}'.encode("cp1252"))
     with refused("E-FILE-ENCODING", "UTF-8"):
@@ -150,8 +161,6 @@ def test_text_of_another_encoding_is_told(tmp_path: Path) -> None:
 
 
 def test_a_pipe_is_refused(tmp_path: Path) -> None:
-    import os
-
     os.mkfifo(tmp_path / "m.json")
     with refused("E-FILE-UNREADABLE", "pipe"):
         read_labelled(tmp_path / "m.json", None, 6, 4, "a.jpg")
