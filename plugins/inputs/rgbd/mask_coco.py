@@ -30,7 +30,7 @@ def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture
         image = _find_image(path, data, picture)
         size = int(image.get("width") or width), int(image.get("height") or height)
         check_size(path, size, width, height)
-        shapes = []
+        shapes: list[Shape] = []
         for number, item in enumerate(data["annotations"], 1):
             if image and item.get("image_id") != image.get("id"):
                 continue
