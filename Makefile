@@ -16,6 +16,10 @@ RESULTS := $(BIN)/python -m plugins.studies results --results $(IN)/results --be
 STUDY := -$(RUN) config/study/table3.yaml --
 cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(policy)/$(set)/rollouts.csv))
 
+# A variable's value as it was typed, as text for Snakemake's YAML and in one word for the shell.
+quoted = '$(subst ','\'',$(1))'
+text = $(call quoted, '$(subst ','',$(value $(1)))' )
+
 .PHONY: help setup site wheel demo all study unseen registered table2 paper folder weights picture test slurm test-cluster lint types config reference lock containers clean
 help: ## list the commands
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
@@ -63,11 +67,11 @@ weights: $(STAMP) ## fetch the weights of the two networks that look at pictures
 	@$(BIN)/python -m plugins.eyes fetch
 
 picture: setup weights ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
-	$(BIN)/snakemake --cores $(CORES) photo --config image="$(RGB)" $(if $(DEPTH),depth="$(DEPTH)") $(if $(INTRINSICS),camera="$(INTRINSICS)")
+	$(BIN)/snakemake --cores $(CORES) photo --config image=$(call text,RGB) $(if $(DEPTH),depth=$(call text,DEPTH)) $(if $(INTRINSICS),camera=$(call text,INTRINSICS))
 
 test: setup lint types ## lint, types and all tests; Chromium for those of the report page
 	@bash envs/chromium.sh
-	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
+	PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 $(BIN)/python -m pytest -p xdist -n $(CORES) --dist loadfile --no-loadscope-reorder
 
 site: $(STAMP) ## the documentation as a site, with every link checked: site/index.html
 	bash envs/docs.sh

@@ -3,14 +3,14 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-for candidate in "${PYTHON:-python3}" python3.13 python3.12 python3.11 python3; do
-    if command -v "$candidate" >/dev/null && "$candidate" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))'; then
+for candidate in ${PYTHON:+"$PYTHON"} python3 python3.12 python3.11; do  # mplib has no wheels for 3.13
+    if command -v "$candidate" >/dev/null && "$candidate" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 12))'; then
         python=$candidate
         break
     fi
 done
 if [ -z "${python:-}" ]; then
-    echo "error: no Python 3.11, 3.12 or 3.13 found. Fix: install one, or name it: make all PYTHON=/path/to/python3.11" >&2
+    echo "error: no Python 3.11 or 3.12 found. Fix: install one, or name it: make all PYTHON=/path/to/python3.11" >&2
     exit 1
 fi
 

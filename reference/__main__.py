@@ -1,5 +1,6 @@
 """`python -m reference`: docs/architecture.md and its pictures, read off the code (`make reference`)."""
 
+import sys
 from pathlib import Path
 
 from reference import data, rooms
@@ -42,5 +43,7 @@ def generate(root: Path) -> dict[str, str]:
 
 
 if __name__ == "__main__":
+    if sys.argv[1:]:
+        sys.exit(__doc__)
     for name, text in generate(Path.cwd()).items():
         Path(name).write_text(text, encoding="utf-8")

@@ -9,7 +9,7 @@ from hashlib import sha256
 from itertools import product
 from pathlib import Path
 
-from stages.config.code import cover, files_digest
+from stages.config.code import cover, files_digest, path_of_jobs
 from stages.config.commands import check_line, command_digest, command_line, replacement
 from stages.config.files import read_file
 from stages.config.model import load, with_defaults
@@ -17,6 +17,7 @@ from stages.config.packages import list_drawers, rule_files, shards_of
 from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, options_of, stores
 from stages.config.sizes import fill_counts
 from stages.contracts.errors import InputError
+from stages.contracts.system import check_writable
 from stages.contracts.training_sets import ROLE_NAME, SET_NAME
 
 # `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
@@ -26,10 +27,13 @@ os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.ge
 sys.path.append(os.getcwd())
 
 try:
+    check_writable(Path.cwd(), *map(Path, ("results", "logs", "benchmarks", ".snakemake")))
     for file in workflow.configfiles:
         read_file(Path(file))
     CONFIG = load(with_defaults(config))
     cover(CONFIG.plugins)
+    if CONFIG.plugins:
+        os.environ.update(PYTHONPATH=path_of_jobs(CONFIG.plugins, Path.cwd()))
     OWN_SHARDS = shards_of(CONFIG)
     LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN_SHARDS.values())
     CONFIG = fill_counts(CONFIG, LIBRARY_SIZE)

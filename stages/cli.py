@@ -4,12 +4,15 @@ A command is a module `<command>.py` of the package (`-` is `_` there; `import`,
 a typed function `run`; its keyword arguments are the flags. Only the chosen one is imported: start-up stays cheap.
 """
 
+import ast
 import functools
 import importlib
+import importlib.util
 import keyword
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 from typing import Any, TypeVar
 
 from stages.contracts.section import SEEDS
@@ -35,6 +38,9 @@ def main(package: str, commands: dict[str, str]) -> None:
         print(usage, file=sys.stdout if asked_for_help else sys.stderr)
         sys.exit(0 if asked_for_help else 2)
 
+    if fault := find_wrong_flag(f"{package}.{find_module(argv[0])}", argv[1:]):
+        print(f"error: {package} {argv[0]}: {fault}", file=sys.stderr)
+        sys.exit(2)
     import tyro
 
     start_job()
@@ -55,6 +61,28 @@ def main(package: str, commands: dict[str, str]) -> None:
 def find_module(command: str) -> str:
     """The module of a command in its package."""
     return command.replace("-", "_") + "_" * keyword.iskeyword(command)
+
+
+def find_wrong_flag(module: str, given: list[str]) -> str:
+    """A flag that a command does not have, or one that it lacks; "" if there is none, or help is wanted.
+
+    By the text of the module, as what it imports may take seconds.
+    """
+    from stages.contracts.errors import suggest_nearest
+
+    spec = importlib.util.find_spec(module)
+    text = Path(spec.origin).read_text(encoding="utf-8") if spec and spec.origin else ""
+    runs = [each for each in ast.parse(text).body if isinstance(each, ast.FunctionDef) and each.name == "run"]
+    if not runs or runs[0].args.args or {"-h", "--help"}.intersection(given):
+        return ""
+    arguments = zip(runs[0].args.kwonlyargs, runs[0].args.kw_defaults, strict=True)
+    flags = {f"--{argument.arg.replace('_', '-')}": default for argument, default in arguments}
+    known = flags.keys() | {flag.replace("--", "--no-", 1) for flag in flags}
+    words = [word.partition("=")[0].replace("_", "-") for word in given if word.startswith("--")]
+    if strange := [word for word in words if word not in known]:
+        return f"there is no {strange[0]}. Fix: {suggest_nearest(strange[0], flags)}"
+    lacking = [flag for flag, default in flags.items() if default is None and flag not in words]
+    return f"{', '.join(lacking)} not given. Fix: --help says what they are" if lacking else ""
 
 
 def with_seeds_checked(run: Callable[..., None]) -> Callable[..., None]:

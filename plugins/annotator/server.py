@@ -24,6 +24,7 @@ PAGES = {
     "page.css": ("page.css", "text/css; charset=utf-8"),
     **{name: (name, "text/javascript; charset=utf-8") for name in SCRIPTS},
 }
+WRITES = {"save", "write"}
 MAX_REQUEST = 2_000_000  # bytes of a request: no drawing comes near
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; base-uri 'none'"
@@ -88,7 +89,8 @@ class Handler(BaseHTTPRequestHandler):
             elif name == "made.png" and isinstance(session, Correcting):
                 self._reply(200, "image/png", session.read_last_picture())
             elif name == "start":
-                self._json(200, session.start())
+                self.server.opened += 1
+                self._json(200, {**session.start(), "page": self.server.opened})
             elif name == "ready":
                 self._json(200, session.ready())
             elif name == "preview.jpg":
@@ -107,6 +109,9 @@ class Handler(BaseHTTPRequestHandler):
         session = self.server.session
         if name not in session.posts:
             return self._refuse(404, "no such page")
+        newest = self.headers.get("X-Page", "1") == str(self.server.opened or 1)
+        if name in WRITES and not newest:
+            return self._refuse(409, "this drawing was opened again in another tab: go on there, or reload this one")
         length = self.headers.get("Content-Length", "")
         if not re.fullmatch("[0-9]{1,18}", length):
             return self._refuse(400, "the length of the drawing is no number")
@@ -141,6 +146,7 @@ class PageServer(ThreadingHTTPServer):
         self.session = session
         self.token = secrets.token_urlsafe(24)
         self.lock = Lock()
+        self.opened = 0  # pages: only the newest may write
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A page that was closed or reloaded in the middle of an answer is no error."""

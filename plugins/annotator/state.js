@@ -13,11 +13,13 @@ export const onChange = (listener) => listeners.push(listener);
 export const changed = () => listeners.forEach((listener) => listener());
 export const copy = (value) => JSON.parse(JSON.stringify(value));
 
+let page = 0; // which of all tabs this is: only the newest may write
 export async function ask(name, body) {
-  const options = body === undefined ? {} : { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) };
-  const reply = await fetch(name, options);
+  const headers = { 'Content-Type': 'application/json', 'X-Page': page };
+  const reply = await fetch(name, body === undefined ? {} : { method: 'POST', headers, body: JSON.stringify(body) });
   const answer = await reply.json();
   if (!reply.ok) throw new Error(answer.error);
+  page = answer.page ?? page;
   return answer;
 }
 

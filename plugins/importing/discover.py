@@ -19,7 +19,8 @@ from stages.contracts.errors import escape_control
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")
 PAGE, PACK = "index.html", "pack.yaml"  # of the command `import`, in the folder that it writes
 WHOLE = {".urdf", ".xml"}  # models that name the meshes that they are made of
-NAMES = re.compile(rb"""file(?:name)?\s*=\s*["']([^"']+)["']""")
+UNREAD = {".sdf", ".world", ".xacro", ".usda"}  # likewise, of kinds that are not read: their meshes are parts, too
+NAMES = re.compile(rb"""file(?:name)?\s*=\s*["']([^"']+)["']|<uri>\s*([^<]+?)\s*</uri>|@([^@\n]+)@""")
 
 
 class Found(NamedTuple):
@@ -39,7 +40,7 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
     above. A folder whose name says nothing (`assets`, `urdf`) is skipped over. A model alone in its folder takes the
     folder's name.
 
-    Not models: MJCF that others include; meshes that a URDF or MJCF file names, and others beside these.
+    Not models: MJCF that others include; meshes that a URDF, MJCF, SDF or USD file names, and others beside these.
 
     Args:
         folder: of the user.
@@ -148,10 +149,11 @@ def _numbered_model(folder: Path) -> Path | None:
 
 
 def _find_named_meshes(folder: Path) -> set[Path]:
-    """The files below a folder whose name (without folders) is used by a URDF or MJCF file in it."""
+    """The files below a folder whose name (without folders) is used by a file of a model in it."""
     files = [path for path in folder.rglob("*") if is_utf8(str(path)) and path.is_file()]
-    texts = (read_text_inside(path, folder) for path in files if path.suffix.lower() in WHOLE)
-    used = (name.decode(errors="replace").replace("\\", "/") for text in texts for name in NAMES.findall(text))
+    texts = (read_text_inside(path, folder) for path in files if path.suffix.lower() in WHOLE | UNREAD)
+    found = (b"".join(forms) for text in texts for forms in NAMES.findall(text))
+    used = (name.decode(errors="replace").replace("\\", "/") for name in found)
     names = {name.rpartition("/")[2].lower() for name in used}
     return {path for path in files if path.suffix.lower() not in WHOLE and path.name.lower() in names}
 

@@ -15,7 +15,7 @@ from plugins.importing.discover import NUMBERED, Found
 from plugins.importing.evidence import UNITS, Evidence, Shared, collect_evidence
 from plugins.importing.importers import Importer
 from plugins.importing.importers.urdf import IMPORTER as URDF
-from plugins.importing.imports import ModelFile, Notes, guess_front, import_file, in_one_line, with_notes
+from plugins.importing.imports import ModelFile, Notes, guess_front, import_file, in_one_line, read_model, with_notes
 from plugins.importing.sandbox import run_in_fork
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import RobotModel
@@ -80,7 +80,7 @@ def read(found: Found, importer: Importer, place: Path) -> Evidence:
 
     def examine_all() -> str:
         with in_one_line(found.path):
-            robot = with_notes(found, importer).importer.read(found.path, found.folder)
+            robot = read_model(with_notes(found, importer))
             write_model(robot, place)
             return collect_evidence(robot).model_dump_json()
 

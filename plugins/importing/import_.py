@@ -135,9 +135,8 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
     parts = [path for path in given.rglob("*") if is_model(path, given, kinds)]
     if parts:
         what = f"holds no model, only parts of models ({parts[0].name} and such)."
-        raise InputError(
-            given, what, "give the folder or the file of the model that they are part of", code="E-MODELS-NONE"
-        )
+        mend = describe_unread(given) or "give the folder or the file of the model that they are part of"
+        raise InputError(given, what, mend, code="E-MODELS-NONE")
     fix = "see docs/your-models.md for the layout"
     raise InputError(
         given, f"holds no models ({', '.join(kinds)}).", describe_unread(given) or fix, code="E-MODELS-NONE"

@@ -24,7 +24,7 @@ from plugins.importing.sandbox import run_in_fork
 from plugins.importing.solid_handle import with_solid_handles
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.attributes import explain_ungraspable
-from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
+from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box, shut_where_smallest
 from stages.articulated.mesh_reader import thicken_piece
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.part_types import assign_part_types
@@ -164,10 +164,15 @@ def with_notes(found: Found, importer: Importer) -> ModelFile:
     return ModelFile(found.path, found.folder, notes, category, snake_case(f"{category}_{found.name}"), importer)
 
 
+def read_model(file: ModelFile) -> RobotModel:
+    """The model of a file, its doors and drawers shut."""
+    return shut_where_smallest(file.importer.read(file.path, file.folder))
+
+
 def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
     """Write the asset folder of one model; what is doubtful about it, in lines."""
     path, notes = file.path, file.notes
-    robot, turned = turn_upright(file.importer.read(path, file.folder), file)
+    robot, turned = turn_upright(read_model(file), file)
     robot, fixed = doors_and_drawers(robot)
     robot = assign_part_types(robot)
     check_believable(robot, path)

@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 DISK_GB = 5
+DRIVERS = ("VK_DRIVER_FILES", "VK_ICD_FILENAMES", "VK_ADD_DRIVER_FILES")  # which hide the drivers that are installed
 VULKAN_PROBE = "import sapien; print(sapien.render.RenderSystem().device.name)"
 OPEN3D_PROBE = "import open3d; print(open3d.__version__)"
 CUDA_PROBE = "import torch; print(torch.cuda.get_device_name() if torch.cuda.is_available() else '')"
@@ -57,10 +58,21 @@ def _read_pins(requirements: Path) -> dict[str, str]:
 
 
 def check_python() -> Check:
-    """Python 3.11 to 3.13."""
+    """Python 3.11 or 3.12."""
     version = ".".join(map(str, sys.version_info[:3]))
-    good = (3, 11) <= sys.version_info[:2] <= (3, 13)
-    return Check("python", good, version, "install Python 3.11, 3.12 or 3.13, then: make setup")
+    good = (3, 11) <= sys.version_info[:2] <= (3, 12)
+    return Check("python", good, version, "install Python 3.11 or 3.12, then: make setup")
+
+
+def check_folder(scripts: Path) -> Check:
+    """The environment lies where it was made: its scripts name their Python by its whole path."""
+    script = scripts / "snakemake"
+    first = script.read_bytes().partition(b"\n")[0].decode(errors="replace") if script.is_file() else ""
+    python = Path(first.removeprefix("#!").strip())
+    if not first.startswith("#!/") or python.parent.resolve() == scripts.resolve():
+        return Check("folder", True, "as the environment was made")
+    what = f"the environment was made in {python.parent.parent}, and moved or copied"
+    return Check("folder", False, what, "rm -r .venv; make setup")
 
 
 def check_packages() -> Check:
@@ -85,6 +97,10 @@ def check_packages() -> Check:
 def check_vulkan() -> Check:
     """A device that SAPIEN can render with."""
     device = _probe(VULKAN_PROBE)
+    stale = [(name, path) for name in DRIVERS for path in os.environ.get(name, "").split(os.pathsep) if path]
+    if not device and (gone := [(name, path) for name, path in stale if not Path(path).exists()]):
+        name, path = gone[0]
+        return Check("vulkan", False, f"{name} names {path}, which is not there", f"unset {name}")
     return Check("vulkan", bool(device), device or "SAPIEN finds no rendering device", _as_root("envs/vulkan.sh"))
 
 
@@ -109,8 +125,18 @@ def check_disk() -> Check:
 
 def check_containers() -> Check:
     """Something that runs the images: optional."""
-    found = [name for name in ("apptainer", "singularity", "podman", "docker") if shutil.which(name)]
-    return Check("containers", bool(found), ", ".join(found) or "none: rules run in this environment", needed=False)
+    found = {name: _answers(name) for name in ("apptainer", "singularity", "podman", "docker") if shutil.which(name)}
+    names = ", ".join(name if works else f"{name} (installed, but nothing answers)" for name, works in found.items())
+    return Check("containers", any(found.values()), names or "none: rules run in this environment", needed=False)
+
+
+def _answers(name: str) -> bool:
+    """Whether it can run an image: that its client is there is not enough."""
+    try:
+        ask = [name, "info"] if name in ("podman", "docker") else [name, "--version"]
+        return subprocess.run(ask, capture_output=True, timeout=20).returncode == 0
+    except (OSError, subprocess.TimeoutExpired):
+        return False
 
 
 def check_of_packages() -> list[Check]:
@@ -136,7 +162,7 @@ MENDS: dict[Mendable, tuple[str, str]] = {
 def mend_check(check: Mendable) -> Check:
     """The check after its mend, if it fails and we may install packages; else as it is."""
     outcome = check()
-    if outcome.good or os.geteuid() != 0 or not shutil.which("apt-get"):
+    if outcome.good or "unset" in outcome.fix or os.geteuid() != 0 or not shutil.which("apt-get"):
         return outcome
     notice, script = MENDS[check]
     print(notice, flush=True)
@@ -147,12 +173,24 @@ def mend_check(check: Mendable) -> Check:
 def checks(mend: bool) -> list[Check]:
     """Those about this machine."""
     vulkan, open3d = (mend_check(check) if mend else check() for check in (check_vulkan, check_open3d))
-    found = [check_python(), check_packages(), vulkan, open3d, check_cuda(), check_disk()]
+    found = [
+        check_python(),
+        check_folder(Path(sys.executable).parent),
+        check_packages(),
+        vulkan,
+        open3d,
+        check_cuda(),
+        check_disk(),
+    ]
     return [*found, check_containers(), *check_of_packages()]
 
 
 def main(arguments: list[str]) -> int:
     """Print all checks; returns the exit code."""
+    if strange := [one for one in arguments if one != "--mend"]:
+        wants_help = strange[0] in ("-h", "--help")
+        print(__doc__ if wants_help else f"error: there is no {strange[0]}. Fix: --mend, or nothing")
+        return 0 if wants_help else 2
     return report(checks("--mend" in arguments))
 
 

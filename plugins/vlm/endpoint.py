@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from plugins.vlm.answers import UnusableError
 from plugins.vlm.config import VlmConfig
+from plugins.vlm.hiding import holds_key
 from stages.contracts.errors import InputError, escape_control
 
 if TYPE_CHECKING:
@@ -121,7 +122,8 @@ class Endpoint:
         if not self.key:
             return text
         plain = ESCAPED.sub(lambda found: chr(int(found[1], 16)), text)
-        return (plain if self.key in plain else text).replace(self.key, HIDDEN)
+        hidden = (plain if self.key in plain else text).replace(self.key, HIDDEN)
+        return HIDDEN if holds_key(hidden, self.key) else hidden
 
 
 def _message(error: "openai.APIStatusError") -> str:

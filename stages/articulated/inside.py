@@ -1,6 +1,7 @@
 """Find the files that a model's file names, confined to the user's folder."""
 
 import os.path
+import unicodedata
 from collections.abc import Callable
 from itertools import product
 from pathlib import Path
@@ -17,7 +18,7 @@ def find_inside(name: str, here: Path, folder: Path) -> Path | None:
 
     It is looked for in `here` and in the folders above it, up to `folder`; where packages or folders in front of the
     name are called otherwise than in the file (a package that was renamed, a part of a collection), without those; and
-    last with small and capital letters alike, as on the systems where many files were written.
+    last with small and capital letters alike and accents in either form, as where many files were written.
 
     Raises:
         OutsideError: it lies, or would lie, outside.
@@ -42,13 +43,17 @@ def find_inside(name: str, here: Path, folder: Path) -> Path | None:
 
 
 def _match_spelling(base: Path, *parts: str) -> Path:
-    """The path below a folder, with small and capital letters as they are on disk."""
+    """The path below a folder, with letters as they are on disk."""
     for part in parts:
         path = base / part
         if not path.exists() and base.is_dir():
-            path = next((child for child in base.iterdir() if child.name.lower() == part.lower()), path)
+            path = next((child for child in base.iterdir() if _plain(child.name) == _plain(part)), path)
         base = path
     return base
+
+
+def _plain(name: str) -> str:
+    return unicodedata.normalize("NFC", name).lower()
 
 
 def explain_missing(who: Path, what: str, name: str, here: Path, folder: Path) -> InputError:

@@ -20,6 +20,7 @@ from stages.plugins import list_available, load
 NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 MOST_PIECES = 64
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
+COMMA = re.compile(r"\s*[A-Za-z ]*\s-?\d+,\d+(e[+-]?\d+)?\s")  # a line of STL, OBJ or PLY in another locale
 
 
 def find_reader(path: Path) -> MeshReader:
@@ -37,6 +38,15 @@ def find_reader(path: Path) -> MeshReader:
 @cache
 def _reader(kind: str) -> MeshReader | None:
     return load("mesh_files", kind) if kind in list_available("mesh_files") else None
+
+
+def has_decimal_comma(path: Path) -> bool:
+    """Whether a file that is text has lines of numbers such as 0,5."""
+    try:
+        with path.open(encoding="utf-8") as file:
+            return any(COMMA.match(file.readline()) for _ in range(50))
+    except (OSError, UnicodeDecodeError):
+        return False
 
 
 def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
@@ -63,7 +73,10 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
         raise
     except Exception as error:  # mesh readers raise whatever they stumble over
         reason = (str(error).splitlines() or [error.__class__.__name__])[0][:200]
-        raise InputError(path, f"cannot be read as a mesh: {reason}.", code="E-MESH-BROKEN") from None
+        mend = ""
+        if has_decimal_comma(path):
+            reason, mend = "its numbers have a decimal comma", "export it with a decimal point (an English locale)"
+        raise InputError(path, f"cannot be read as a mesh: {reason}.", mend, code="E-MESH-BROKEN") from None
     vertices = [np.asarray(mesh.vertices) for mesh in meshes]
     if not all(np.isfinite(points).all() and np.abs(points).max() < MAX_NUMBER for points in vertices):
         raise InputError(path, f"has coordinates that are no numbers or beyond {MAX_NUMBER:g}.", code="E-MESH-BROKEN")

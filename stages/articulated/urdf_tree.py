@@ -23,6 +23,14 @@ AROUND = " \t\r\n\0\x1a"  # the document, in files of other programs: XML allows
 MAX_NUMBER = 1e6  # of any number: beyond it is a slip, in whatever unit
 WIDEST_ANGLE = 4 * np.pi  # limits of a hinge; beyond them, up to a turn in degrees, they are degrees
 THIN = 1e-4  # metres, or radians of a joint: a piece this thin is thickened, a joint that moves less is fixed
+# What URDF has in each element; other programs' elements that say nothing of shapes are passed over.
+READ = {
+    "robot": {"link", "joint", "material", "transmission", "gazebo", "mujoco", "drake_ignore_self_collisions"},
+    "link": {"visual", "collision", "inertial", "contact", "self_collision_checking", "verbose"},
+    "joint": {"origin", "parent", "child", "axis", "limit", "mimic", "dynamics", "calibration", "safety_controller"},
+    "visual": {"origin", "geometry", "material"},
+    "collision": {"origin", "geometry", "material", "contact_coefficients", "verbose"},
+}
 LOOSE = ("continuous", "floating", "planar")  # types of joints that are fixed
 
 
@@ -34,6 +42,12 @@ def _clean_xml(text: str) -> str:
     text = re.sub(r"""\sxmlns(:[\w.-]+)?\s*=\s*("[^"]*"|'[^']*')""", "", text)
     text = re.sub(r"(</?[\w.-]+):", r"\1_", text)
     return re.sub(r"""(\s[\w.-]+):([\w.-]+\s*=\s*["'])""", r"\1_\2", text).strip(AROUND)
+
+
+def _unread(above: ET.Element) -> list[str]:
+    """Tags in an element that nothing here reads, and that may be part of the model."""
+    known = READ.get(above.tag)
+    return [] if known is None else [child.tag for child in above if child.tag not in known]
 
 
 class UrdfTree:
@@ -88,6 +102,13 @@ class UrdfTree:
             raise InputError(
                 self.path, f"has <{robot.tag[:40]}> at the top.", "a URDF starts with <robot>", code="E-URDF-ELEMENT"
             )
+        tags = [element.tag for element in robot.iter()]
+        if macros := sorted({tag.replace("_", ":", 1) for tag in tags if tag.startswith("xacro_")}):
+            mend = "xacro FILE > model.urdf, and give that"
+            raise InputError(self.path, f"has {', '.join(macros)[:200]}: it is xacro.", mend, code="E-URDF-XACRO")
+        if unread := Counter(tag for above in robot.iter() for tag in _unread(above)):
+            names = ", ".join(f"<{tag[:40]}>{f' ({count})' if count > 1 else ''}" for tag, count in unread.items())
+            self.remarks.append(f"not read: {names[:300]}")
         return robot
 
     def _index_named(self, tag: str) -> dict[str, ET.Element]:

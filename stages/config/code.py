@@ -2,6 +2,7 @@
 
 import ast
 import hashlib
+import os
 import re
 from collections.abc import Iterable
 from contextlib import suppress
@@ -25,6 +26,17 @@ def cover(packages: Iterable[str]) -> None:
     for package in packages:
         head = package.partition(".")[0]
         ROOTS[head] = plugins.folder(head)
+
+
+def path_of_jobs(packages: Iterable[str], here: Path) -> str:
+    """PYTHONPATH for jobs, which run in `here`: they find the user's packages where the config found them.
+
+    `python -m snakemake` looks where it was started, too, and PYTHONPATH may be relative to there.
+    """
+    places = [str(plugins.folder(package.partition(".")[0]).parent) for package in packages]
+    places = [place for place in places if place != str(here) and not place.endswith("-packages")]
+    before = filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))
+    return os.pathsep.join(dict.fromkeys([*before, *places]))
 
 
 @cache

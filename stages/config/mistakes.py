@@ -98,9 +98,19 @@ def mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str = "")
             what, code = "unknown key", "E-CONFIG-KEY"
             mend = _find_meant_key(str(path[-1]), _model_at(root, path[:-1]), root)
         elif detail["type"] != "value_error":
-            what, mend = f"{text} (got {detail['input']!r})", "docs/config.md says what is allowed"
+            what, mend = f"{text} (got {detail['input']!r})", _how_to_write(detail["type"], detail["input"], path)
         found.append(Mistake(prefix + ".".join(map(str, path)), what, mend, code))
     return found
+
+
+def _how_to_write(kind: str, given: Any, path: tuple[Any, ...]) -> str:
+    """How a value of another type is written."""
+    if kind == "string_type" and not isinstance(given, list):
+        return """in quotes, as "0012"; behind --config as ./NAME, or ' "NAME" ' with the blanks: else YAML reads it"""
+    if kind == "list_type" and not isinstance(given, dict):
+        first = f" or {list(range(given))}" if path[-1] == "seeds" and type(given) is int and 1 < given < 10 else ""
+        return f"write {[given]}{first}"
+    return "docs/config.md says what is allowed"
 
 
 def _find_meant_key(name: str, model: type[BaseModel], root: type[BaseModel]) -> str:

@@ -1,5 +1,6 @@
 """Read numpy and HDF5 files that pass between stages: whatever is wrong with one becomes an `InputError`."""
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,16 +21,35 @@ BLOCK = 4_000_000  # numbers looked at in one go
 @contextmanager
 def explain_unreadable(path: Path, what: str, fix: str = "") -> Iterator[None]:
     """Around the opening and decoding of a file, for which the libraries raise many kinds of exception."""
+    check_file(path, fix)
     try:
         yield
     except InputError:
         raise
     except FileNotFoundError:
         raise InputError(path, "no such file.", fix, code="E-FILE-MISSING") from None
+    except UnicodeDecodeError:
+        raise InputError(path, "is no UTF-8 text.", "save it as UTF-8", code="E-FILE-ENCODING") from None
+    except json.JSONDecodeError as error:
+        what = f"is no readable {what}: it is no JSON in line {error.lineno}."
+        raise InputError(path, what, fix, code="E-FILE-UNREADABLE") from None
     except Exception as error:
         raise InputError(
             path, f"is no readable {what} ({error.__class__.__name__}).", fix, code="E-FILE-UNREADABLE"
         ) from None
+
+
+def check_file(path: Path, fix: str = "") -> None:
+    """Refuse what is there and would be read for ever, or fill the memory.
+
+    Raises:
+        InputError: a folder, a pipe or a device, or more than `MAX_BYTES`.
+    """
+    path = Path(path)
+    if path.exists() and not path.is_file():
+        raise InputError(path, "is no file, but a folder, a pipe or a device.", fix, code="E-FILE-UNREADABLE")
+    if path.exists() and (size := path.stat().st_size) > MAX_BYTES:
+        raise InputError(path, f"has {size / 1e9:.1f} GB.", fix, code="E-FILE-LARGE")
 
 
 def read_npz(path: Path, fix: str = "") -> dict[str, NDArray[Any]]:

@@ -66,10 +66,12 @@ class DoubtKind(Enum):
     STRETCHED = ("size", "no cousin has its size: this one is stretched {times:.1f} times")
     # Points, where nothing was fitted: `generation.trim` leaves out 1.5 of so many at either end.
     FEW_POINTS = ("size", "only {points} points in its cloud", 300)
+    APART = ("size", "its mask lies in two places {distance:.0f} cm apart: one thing or two?")
     CUT_OFF = ("size", "cut off by the picture's border")
     LABEL = ("name", "{what}")
     # The first name's probability: of 59 things that were surer 54 were right, of 395 others 161 (masks.md).
     NAME = ("name", "called {name} by looks, size and place, {share:.0f} % sure; else {others}", 0.9)
+    SURFACE = ("name", "is flat, and nothing lies behind it: the floor or a wall?")
     NO_FIT = ("name", "no model fits what is seen of it: ordered by name, doors and drawers, size and place alone")
     MOUNTING_UNCLEAR = ("mounting", "{note}: mounting by geometry")
     MOUNTING_DIFFERS = ("mounting", "geometry finds another mounting: {found}")

@@ -123,6 +123,8 @@ def check_version(path: Path, text: str, fix: str) -> None:
 def read_text(path: Path, fix: str = "") -> str:
     """The text of `path`, or an `InputError` that names it."""
     try:
+        if Path(path).exists() and not Path(path).is_file():  # a pipe would be read for ever
+            raise InputError(path, "is no file, but a folder, a pipe or a device.", fix, code="E-FILE-UNREADABLE")
         if Path(path).stat().st_size > MAX_TEXT:
             raise InputError(path, f"is larger than {MAX_TEXT // 10**6} MB.", fix, code="E-FILE-LARGE")
         return Path(path).read_text(encoding="utf-8-sig")

@@ -77,6 +77,18 @@ def _is_full(path: Path) -> bool:
     return found.f_blocks > 0 and found.f_bavail == 0
 
 
+def check_writable(*folders: Path) -> None:
+    """Refuse folders that nothing can be written into, before a workflow starts. What is not there yet will be made.
+
+    Raises:
+        InputError: names the first.
+    """
+    for folder in folders:
+        if folder.exists() and not os.access(folder, os.W_OK | os.X_OK):
+            mend = "choose a folder that can be written, or change its permissions"
+            raise InputError(folder, "cannot be written into.", mend, code="E-FOLDER-READ-ONLY")
+
+
 def sync(path: Path) -> None:
     """Wait until a file, or a folder and all in it, is on the disk: only then a power cut leaves it whole."""
     for each in [path, *path.rglob("*")] if path.is_dir() else [path]:

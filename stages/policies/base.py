@@ -9,11 +9,14 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from stages.contracts.episode_store import ACTION
+from stages.contracts.errors import InputError
 from stages.contracts.policy_config import PolicyConfig
 from stages.plugins import load
 from stages.policies.handle_points import segment_handles
 
 Float = NDArray[np.float32]
+FARTHEST = 10.0  # of an action: what is drawn at random from a policy's distribution is nearer to [-1, 1]; chosen
 ActionMode = Literal["sample", "sharpened", "most_likely"]
 
 
@@ -82,7 +85,37 @@ class HandleSegmenter:
         return self.policy.get_action(env_ids, list(flagged.numpy()), proprio)
 
 
+class CheckedPolicy:
+    """A policy in closed loop whose actions are looked at before a simulator gets them."""
+
+    def __init__(self, policy: RolloutPolicy, name: str) -> None:
+        self.policy, self.name = policy, name
+
+    def start_episode(self, env_id: int, seed: int) -> None:
+        """As of `RolloutPolicy`."""
+        self.policy.start_episode(env_id, seed)
+
+    def get_action(self, env_ids: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
+        """As of `RolloutPolicy`.
+
+        Raises:
+            InputError: actions of another shape, that are no numbers, or far out of [-1, 1].
+        """
+        actions = np.asarray(self.policy.get_action(env_ids, clouds, proprio))
+        if actions.shape != (len(env_ids), ACTION):
+            what = f"gives actions of shape {actions.shape} for {len(env_ids)} environments."
+        elif actions.dtype.kind not in "fiu" or not np.isfinite(actions).all():
+            what = f"gives actions that are no finite numbers: {str(actions[0])[:100]}."
+        elif np.abs(actions).max(initial=0) > FARTHEST:
+            what = f"gives the action {actions.flat[np.abs(actions).argmax()]:g}, and actions are in [-1, 1]."
+        else:
+            return actions
+        mend = f"get_action returns ({len(env_ids)}, {ACTION}) numbers in [-1, 1]"
+        raise InputError(f"policy '{self.name}'", what, mend, code="E-POLICY-ACTIONS")
+
+
 def make_rollout_policy(policy: TrainablePolicy, num_envs: int, mode: ActionMode) -> RolloutPolicy:
     """The policy acting on so many environments; its clouds are what they were in training."""
     acting = policy.make_rollout_policy(num_envs, mode)
-    return HandleSegmenter(acting) if policy.config.handle else acting
+    checked = CheckedPolicy(acting, policy.config.policy)
+    return HandleSegmenter(checked) if policy.config.handle else checked

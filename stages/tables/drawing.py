@@ -33,8 +33,8 @@ GREY = "#6a6d70"  # as in figures.mplstyle
 
 
 def style() -> AbstractContextManager[None]:
-    """The style of every figure."""
-    return plt.style.context("stages.tables.figures")
+    """The style of every figure, without the user's own settings."""
+    return plt.style.context("stages.tables.figures", after_reset=True)
 
 
 def color(training_set: str) -> str:

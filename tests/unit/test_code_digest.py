@@ -1,5 +1,6 @@
 """What an edit of a template, a style or a script re-runs."""
 
+import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -91,3 +92,12 @@ def test_a_rollout_needs_the_code_of_its_own_simulator() -> None:
     needed = code.closure("plugins.mujoco.environment")
     assert "plugins.mujoco.mjcf_writer" in needed
     assert not [name for name in needed if name.startswith("stages.generation")]
+
+
+def test_jobs_find_packages_where_the_config_found_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "own_pack").mkdir()
+    (tmp_path / "own_pack" / "__init__.py").touch()
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", "elsewhere")
+    assert code.path_of_jobs(["own_pack"], tmp_path / "run") == f"elsewhere{os.pathsep}{tmp_path}"
+    assert code.path_of_jobs(["own_pack"], tmp_path) == "elsewhere"

@@ -32,6 +32,12 @@ def lines(text: str) -> list[str]:
 
 
 CASES = [
+    (
+        "{experiment: {rooms: [0012]}}",
+        "experiment.rooms.0: Input should be a valid string (got 10). Fix: in quotes, as ",
+    ),
+    ("{experiment: {seeds: 3}}", "experiment.seeds: Input should be a valid list (got 3). Fix: write [3] or [0, 1, 2]"),
+    ("{experiment: {rooms: mine}}", "experiment.rooms: Input should be a valid list (got 'mine'). Fix: write ['mine']"),
     ("evaluation: {test_assets: [twin, uncle]}", "evaluation.test_assets: there is no 'uncle'"),
     ("evaluation: {test_assets: [cousin_0]}", "evaluation.test_assets: there is no 'cousin_0'"),
     ("evaluation: {test_assets: [cousin_11]}", "evaluation.test_assets: there is no 'cousin_11'"),

@@ -8,6 +8,7 @@ import pytest
 import trimesh
 
 from plugins.importing.tests.own_models import import_folder
+from stages.articulated.mesh_reader import load_meshes
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.errors import InputError
 from tests.unit.articulated_models import CABINET, write_cabinet
@@ -43,6 +44,7 @@ BROKEN_XML = [
     (CABINET, "not xml at all", "is not XML"),
     (CABINET, "<robot/>", "has no <link>"),
     (CABINET, "<mujoco/>", "has <mujoco> at the top"),
+    (END, '<xacro:d n="1"/></robot>', "it is xacro"),
     (CABINET, '<sdf><robot name="x"/></sdf>', "has <sdf> at the top"),
     (END, "", "is not XML"),
     ("<robot", '<!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/hostname">]><robot', "DOCTYPE"),
@@ -348,3 +350,17 @@ def test_one_broken_model_leaves_the_others_whole(
     assert "door.urdf: link 'body'" in capsys.readouterr().out
     assert [path.name for path in (tmp_path / "models").iterdir()] == [asset.id] == ["bottom_cabinet_oak_1"]
     assert (tmp_path / "models" / asset.id / "asset.json").exists()
+
+
+def test_elements_that_are_not_read_are_named(tmp_path: Path) -> None:
+    folder = write_cabinet(tmp_path)
+    file = next(folder.rglob("*.urdf")) if folder.is_dir() else folder
+    file.write_text(file.read_text().replace(END, "<include/><include/></robot>"))
+    assert "not read: <include> (2)" in read_urdf(file, tmp_path).remarks
+
+
+def test_a_decimal_comma_is_told(tmp_path: Path) -> None:
+    lines = "facet normal 0 0 1\n outer loop\n" + "  vertex 0,5 0,1 0,0\n" * 3 + " endloop\nendfacet\n"
+    (tmp_path / "a.stl").write_text(f"solid a\n{lines}endsolid a\n")
+    with pytest.raises(InputError, match=r"decimal comma.*decimal point"):
+        load_meshes(tmp_path / "a.stl", tmp_path)

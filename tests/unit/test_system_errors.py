@@ -18,9 +18,10 @@ from PIL import Image
 
 from stages.contracts import system
 from stages.contracts.__main__ import main as check
-from stages.contracts.files import write_atomically, write_json
+from stages.contracts.files import read_text, write_atomically, write_json
 from stages.contracts.system import line_of
 from stages.training.logbook import Logbook
+from tests.refusals import refused
 
 NOISE = np.random.default_rng(0).integers(0, 255, (200, 200, 3), np.uint8)
 
@@ -182,3 +183,16 @@ def test_a_folder_is_synced_with_all_in_it(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr(system.os, "fsync", lambda fd: done.add(Path(f"/proc/self/fd/{fd}").readlink().name))
     system.sync(tmp_path)
     assert done == {tmp_path.name, "models", "cup", "a.obj"}
+
+
+def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    system.check_writable(tmp_path, tmp_path / "not there yet")
+    monkeypatch.setattr(os, "access", lambda path, mode: False)  # as root may write everywhere but on a read-only disk
+    with refused("E-FOLDER-READ-ONLY", str(tmp_path)):
+        system.check_writable(tmp_path)
+
+
+def test_a_pipe_in_the_place_of_a_text_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "annotations.json")
+    with refused("E-FILE-UNREADABLE", "pipe"):
+        read_text(tmp_path / "annotations.json")

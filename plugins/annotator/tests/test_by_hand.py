@@ -609,6 +609,18 @@ def test_a_full_disk_is_told_to_the_page(
     assert _ask(server, "GET", f"/{server.token}/")[0] == 200
 
 
+def test_the_older_of_two_tabs_cannot_overwrite(served: tuple[PageServer, Session]) -> None:
+    server, _ = served
+    base = f"/{server.token}/"
+    older, newer = (json.loads(_ask(server, "GET", base + "start")[1]) for _ in range(2))
+    body = json.dumps(older["project"]).encode()
+    for headers in ({"X_Page": str(older["page"])}, {}):
+        for command in ("save", "write"):
+            status, answer = _ask(server, "POST", base + command, body, **headers)
+            assert status == 409 and "another tab" in json.loads(answer)["error"]
+    assert _ask(server, "POST", base + "save", body, X_Page=str(newer["page"]))[0] == 200
+
+
 def test_hostile_drawings_are_refused_in_a_line(served: tuple[PageServer, Session]) -> None:
     server, session = served
     base = f"/{server.token}/"

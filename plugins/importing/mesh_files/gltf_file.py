@@ -26,6 +26,8 @@ from plugins.importing.mesh_files.gltf_header import (
     STRIP,
     TRIANGLES,
     Header,
+    check_indices,
+    check_tree,
     join_file,
     list_left_out,
     refuse_unread,
@@ -54,6 +56,8 @@ def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     """
     header, binary = split_file(path.read_bytes())
     refuse_unread(path, header)
+    check_indices(header)
+    check_tree(header)
     lines = list_left_out(header)
     said = _place_pictures(header.get("materials", []))
     primitives = _rename_attributes(header)

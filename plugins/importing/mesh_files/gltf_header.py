@@ -2,6 +2,8 @@
 
 import json
 import struct
+from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,14 @@ QUANTIZED, INSTANCES, MOVED = "KHR_mesh_quantization", "EXT_mesh_gpu_instancing"
 GLOSSY, WEBP = "KHR_materials_pbrSpecularGlossiness", "EXT_texture_webp"  # which trimesh reads
 READ = {QUANTIZED, INSTANCES, MOVED, GLOSSY, WEBP}
 LOOKS = ("KHR_materials_", "KHR_lights_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_xmp")  # not its shape
+# Keys that name other parts by their numbers, and what those are.
+NAMED = {
+    **{"scene": "scenes", "nodes": "nodes", "children": "nodes", "mesh": "meshes", "camera": "cameras"},
+    **{"skin": "skins", "material": "materials", "indices": "accessors", "bufferView": "bufferViews"},
+    **{"buffer": "buffers", "source": "images", "sampler": "samplers"},
+}
+LOOKS_ALONE = {"textures", "images", "samplers", "cameras"}  # of which too few are no reason to lose a shape
+NEWEST = 2.0  # version that is read
 TRIANGLES, STRIP, FAN = 4, 5, 6
 
 
@@ -32,7 +42,51 @@ def split_file(data: bytes) -> tuple[Header, bytes]:
         raise ValueError("its header is no object")
     if not str(version := header.get("asset", {}).get("version", "2")).startswith("2"):
         raise ValueError(f"it is glTF {version}, and 2.0 is read")
+    if float(header.get("asset", {}).get("minVersion", 2)) > NEWEST:
+        raise ValueError(f"it needs glTF {header['asset']['minVersion']}, and 2.0 is read")
     return header, binary
+
+
+def check_indices(header: Header) -> None:
+    """Refuse numbers that name no part of the file; below 0 Python would count from the end.
+
+    Raises:
+        ValueError: names the first.
+    """
+    for key, value, kind in _list_indices({name: part for name, part in header.items() if name != "animations"}):
+        count = len(header.get(kind, []))
+        if type(value) is not int or value < 0 or (value >= count and kind not in LOOKS_ALONE):
+            raise ValueError(f"its {key} is {value!r}, and it has {count} {kind}")
+
+
+def _list_indices(part: Any) -> Iterator[tuple[str, Any, str]]:
+    """Keys of a part of the header that name another by its number, the number, and what it is a number of."""
+    for key, value in part.items() if isinstance(part, dict) else ():
+        if key in ("extras", "animations"):
+            continue
+        kind = NAMED.get(key)
+        if kind and not isinstance(value, dict):
+            values = value if isinstance(value, list) else [value]
+            yield from ((key, one, kind) for one in values if not isinstance(one, dict))
+        if key == "attributes" and isinstance(value, dict):
+            yield from ((name, one, "accessors") for name, one in value.items())
+        if key.endswith("Texture") and isinstance(value, dict):
+            yield key, value.get("index"), "textures"
+        for inner in value if isinstance(value, list) else [value]:
+            yield from _list_indices(inner)
+
+
+def check_tree(header: Header) -> None:
+    """Refuse nodes below two others, or twice in a scene.
+
+    Raises:
+        ValueError: names the first.
+    """
+    places = [child for node in header.get("nodes", []) for child in node.get("children", [])]
+    for scene in header.get("scenes", []):
+        named = Counter([*places, *scene.get("nodes", [])])
+        if twice := [node for node, count in named.items() if count > 1]:
+            raise ValueError(f"its node {twice[0]} has two parents, or is twice in a scene")
 
 
 def join_file(header: Header, binary: bytes) -> bytes:

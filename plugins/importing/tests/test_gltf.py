@@ -263,3 +263,52 @@ def test_faces_without_corners_missing_buffers_and_old_files_are_one_line(tmp_pa
     path.write_text(json.dumps(text | {"asset": {"version": "1.0"}}))
     with refused("E-MESH-BROKEN", "it is glTF 1.0, and 2.0 is read"):
         load_meshes(path, tmp_path)
+
+
+def break_mesh(header: dict[str, Any]) -> None:
+    header["nodes"][0]["mesh"] = -1
+
+
+def break_child(header: dict[str, Any]) -> None:
+    header["nodes"][0]["children"] = [-1]
+
+
+def break_indices(header: dict[str, Any]) -> None:
+    header["meshes"][0]["primitives"][0]["indices"] = 99
+
+
+def break_position(header: dict[str, Any]) -> None:
+    header["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = -1
+
+
+def break_view(header: dict[str, Any]) -> None:
+    header["accessors"][0]["bufferView"] = True
+
+
+def give_two_parents(header: dict[str, Any]) -> None:
+    header["nodes"] += [{"children": [0]}]
+    header["scenes"][0]["nodes"] = [0, 1]
+
+
+def ask_for_newer(header: dict[str, Any]) -> None:
+    header["asset"]["minVersion"] = "9.0"
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (break_mesh, "its mesh is -1"),
+        (break_child, "its children is -1"),
+        (break_indices, "its indices is 99"),
+        (break_position, "its POSITION is -1"),
+        (break_view, "its bufferView is True"),
+        (give_two_parents, "its node 0 has two parents"),
+        (ask_for_newer, "it needs glTF 9.0"),
+    ],
+)
+def test_numbers_that_name_nothing_are_refused(tmp_path: Path, change: Any, words: str) -> None:
+    file = Gltf()
+    file.show(file.box())
+    change(file.header)
+    with pytest.raises(InputError, match=words):
+        read(file, tmp_path)

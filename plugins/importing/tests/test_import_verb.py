@@ -240,3 +240,13 @@ def test_models_that_are_gone_from_the_source_are_told(tmp_path: Path) -> None:
     assert line.endswith("delete chair/gone") and not [
         *describe_left_behind(tmp_path, [*(tmp_path / "chair").iterdir()])
     ]
+
+
+def test_meshes_of_a_model_that_is_not_read_are_no_models(tmp_path: Path) -> None:
+    place = tmp_path / "models" / "cabinet" / "meshes"
+    place.mkdir(parents=True)
+    trimesh.creation.box((0.5, 0.05, 0.5)).export(place / "door.obj")
+    uri = "<uri>model://cabinet/meshes/door.obj</uri>"
+    (place.parent / "model.sdf").write_text(f"<sdf><mesh>{uri}</mesh></sdf>")
+    with refused("E-MODELS-NONE", "only parts", "1 .sdf", "URDF"):
+        run(tmp_path / "models", out=tmp_path / "out")

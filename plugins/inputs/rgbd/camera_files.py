@@ -78,7 +78,10 @@ def load(path: Path) -> Any:
         return json.loads(text)
     if ":" not in text:
         return None
-    return yaml.safe_load(re.sub(r"^%YAML.*|!!opencv-matrix|^---$", "", text, flags=re.MULTILINE))
+    text = re.sub(r"^%YAML.*|!!opencv-matrix|^---$", "", text, flags=re.MULTILINE)
+    if any(isinstance(token, yaml.AliasToken) for token in yaml.scan(text)):  # a few lines of them fill any memory
+        raise InputError(path, "has YAML aliases (*name).", "write the values out", code="E-FILE-UNREADABLE")
+    return yaml.safe_load(text)
 
 
 def simplify_name(name: str) -> str:

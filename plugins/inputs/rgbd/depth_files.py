@@ -1,5 +1,6 @@
 """Read depth from PNG, TIFF, PGM, EXR, NPZ and NPY, and find out whether it is in metres or millimetres."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -58,7 +59,17 @@ def _read_image(path: Path) -> NDArray[Any]:
         if image.mode not in ("I;16", "I;16B", "I;16L", "I;16N", "I", "F"):
             what = f"has {8 * len(image.getbands())} bits per pixel ({image.mode}): a picture of depth, not depth."
             raise InputError(path, what, "export depth with 16 bits per pixel, or as floats", code="E-DEPTH-FORMAT")
-        return np.asarray(ImageOps.exif_transpose(image))
+        numbers = np.asarray(ImageOps.exif_transpose(image))
+        if image.format != "PPM":
+            return numbers
+        return np.rint(numbers * (_largest_of_pgm(path) / 65535)).astype(np.int32)  # Pillow scales them to 65535
+
+
+def _largest_of_pgm(path: Path) -> int:
+    """The fourth word of the header, of which comments are no part."""
+    with path.open("rb") as file:
+        head = re.sub(rb"#[^\n]*", b"", file.read(1000))
+    return int(head.split()[3])
 
 
 def _read_numpy(path: Path) -> NDArray[Any]:

@@ -25,6 +25,7 @@ def read_exr(path: Path) -> NDArray[Any]:
     with OpenEXR.File(str(path), separate_channels=True) as file:
         channels: dict[str, NDArray[Any]] = {}
         for number, part in enumerate(file.parts):
+            _check_windows(path, part.header)
             before = f"{part.name()}." if len(file.parts) > 1 and part.name() else ""
             channels |= {before + name: np.array(one.pixels) for name, one in file.channels(number).items()}
     name = depth_channel(path, channels)
@@ -32,6 +33,18 @@ def read_exr(path: Path) -> NDArray[Any]:
         others = ", ".join(one for one in channels if one != name)
         print(f"{path}: depth is its channel {name}, not {others}")
     return channels[name]
+
+
+def _check_windows(path: Path, header: dict[str, Any]) -> None:
+    """Refuse a part of a picture, or one with a border: it would be stretched over the picture.
+
+    Raises:
+        InputError: the window of its pixels is not the one that is shown.
+    """
+    data, shown = (np.asarray(header[name]).tolist() for name in ("dataWindow", "displayWindow"))
+    if data != shown:
+        what = f"holds the pixels {data} of {shown} (dataWindow, displayWindow)."
+        raise InputError(path, what, "save it without crop and overscan", code="E-DEPTH-SIZE")
 
 
 def depth_channel(path: Path, channels: dict[str, NDArray[Any]]) -> str:

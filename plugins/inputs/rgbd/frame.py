@@ -10,28 +10,24 @@ from numpy.typing import NDArray
 
 from plugins.names.propose import Proposal
 from stages.contracts import InputError
+from stages.contracts.doubt import Doubt
 from stages.contracts.images import orientation_of
 from stages.geometry.cameras import scale_intrinsics
 
 TILT = 75.0  # degrees: largest angle between image-up and the ground's normal, as cameras look down at tables; chosen
 LONGEST_SIDE = 1600  # pixels of a picture; larger ones are made smaller; chosen for time
 STRETCHED = 0.02  # by which the proportions of two pictures of the same view may differ: rounded sizes; chosen
-NOTHING = {"", "background", "ceiling", "unknown", "unlabeled", "unlabelled", "void"}
-
-
-def is_nothing(label: str) -> bool:
-    """Whether a label says that there is no object, e.g. `_background_`."""
-    return label.strip().strip("_").lower() in NOTHING
 
 
 @dataclass(frozen=True)
 class Labelled:
     """values (H, W) uint16, 0: nothing; what each value is called, e.g. {1: "mug", 2: "floor"}; the names that were
-    proposed for it, if any were, surest first."""
+    proposed for it, if any were, surest first; what is doubtful about it."""
 
     values: NDArray[np.uint16]
     labels: dict[int, str]
     proposals: dict[int, list[Proposal]] = field(default_factory=dict)
+    doubts: dict[int, list[Doubt]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,10 @@
 """The files of one frame of an RGB-D recording: which of a folder's files belong together.
 
-Two layouts: TUM's lists of time stamps, and folders of color and depth in the same order with a file of intrinsics
+Two layouts: TUM's lists of time stamps, and folders of color and depth with the same numbers and a file of intrinsics
 (Open3D, RealSense, Record3D's export as EXR and JPG). docs/your-data.md says how to bring others into the second one.
 """
 
+import re
 from functools import partial
 from pathlib import Path
 
@@ -41,15 +42,26 @@ def find_view(path: Path, number: int, camera: CameraReader | None, camera_file:
     if _is_tum(path):
         source = [] if camera else ["intrinsics of TUM's tools"]
         return View(color, depth, camera or _make_tum_camera, camera_file, 5000.0, (f"TUM, {color.name}", *source))
-    own = [one for one in sorted(path.iterdir()) if one.is_file() and "intrinsic" in one.name.lower()]
-    own += [path / name for name in CAMERA_FILES if (path / name).is_file()]
-    notes = [f"{color.name} and {depth.name}"]
+    pictures, images = _list_folders(path) or ([], [])
+    left = len(pictures) + len(images) - 2 * len(frames)
+    notes = [f"{color.name} and {depth.name}" + (f" ({left} files have no partner of their number)" if left else "")]
+    own = _list_camera_files(path)
     if camera is None:
         if not own:
             raise InputError(path, "has no file of intrinsics.", "give --camera", code="E-CAMERA-MISSING")
+        if len({one.read_bytes() for one in own}) > 1:
+            what = f"has several files of intrinsics: {', '.join(one.name for one in own)}."
+            raise InputError(path, what, "give that of the color camera as --camera", code="E-CAMERA-SEVERAL")
         camera = partial(read_lens, own[0])
         notes.append(f"intrinsics of {own[0].name}")
     return View(color, depth, camera, camera_file or next(iter(own), None), None, tuple(notes))
+
+
+def _list_camera_files(path: Path) -> list[Path]:
+    """The recording's files of intrinsics: those that say color, else all that say intrinsics, else one called so."""
+    own = [one for one in sorted(path.iterdir()) if one.is_file() and "intrinsic" in one.name.lower()]
+    own = [one for one in own if set(re.findall("[a-z]+", one.stem.lower())) & set(COLOR)] or own
+    return own or [path / name for name in CAMERA_FILES if (path / name).is_file()][:1]
 
 
 def list_frames(path: Path) -> list[tuple[Path, Path]]:
@@ -60,16 +72,26 @@ def list_frames(path: Path) -> list[tuple[Path, Path]]:
     """
     if _is_tum(path):
         return _list_of_tum(path)
-    colors = next((path / name for name in COLOR if (path / name).is_dir()), None)
-    if colors is not None and (path / "depth").is_dir():
-        pictures, images = _list_files(colors, PICTURES), _list_files(path / "depth", DEPTH_FILES)
-        if len(pictures) != len(images):
-            what = f"has {len(pictures)} pictures, but {len(images)} depth images."
-            raise InputError(path, what, "one depth image for each picture", code="E-RECORDING-LAYOUT")
-        return list(zip(pictures, images, strict=True))
+    if folders := _list_folders(path):
+        return _pair_files(path, *folders)
     what = "is no recording that is known (TUM, Open3D, RealSense, Record3D)."
     fix = "folders color and depth with intrinsics.json, or --rgb and --depth"
     raise InputError(path, what if path.exists() else "no such folder.", fix, code="E-RECORDING-LAYOUT")
+
+
+def _list_folders(path: Path) -> tuple[list[Path], list[Path]] | None:
+    """The files of the folders of color and depth, if there are such.
+
+    Raises:
+        InputError: there are several of color.
+    """
+    colors = [path / name for name in COLOR if (path / name).is_dir()]
+    if not colors or not (path / "depth").is_dir():
+        return None
+    if len(colors) > 1:
+        what = f"has several folders of pictures: {', '.join(one.name for one in colors)}."
+        raise InputError(path, what, "leave the one that depth is aligned to", code="E-RECORDING-LAYOUT")
+    return _list_files(colors[0], PICTURES), _list_files(path / "depth", DEPTH_FILES)
 
 
 def _is_tum(path: Path) -> bool:
@@ -94,6 +116,31 @@ def _make_tum_camera(width: int, height: int, _: str) -> Lens:
 def _read_stamps(path: Path) -> list[tuple[float, Path]]:
     lines = [line.split() for line in path.read_text().splitlines() if line.strip() and not line.startswith("#")]
     return [(float(stamp), path.parent / name) for stamp, name, *_ in lines]
+
+
+def _pair_files(path: Path, pictures: list[Path], images: list[Path]) -> list[tuple[Path, Path]]:
+    """Pictures with the depth images of the same numbers: all of a name's, or the first or last, whichever pairs most.
+
+    Raises:
+        InputError: the numbers pair less than half of them.
+    """
+    pairs: list[tuple[Path, Path]] = []
+    for part in (slice(None), slice(0, 1), slice(-1, None)):
+        colors, depths = (_number_files(files, part) for files in (pictures, images))
+        pairs = max(pairs, [(colors[number], depths[number]) for number in colors if number in depths], key=len)
+    if not pairs or 2 * len(pairs) < min(len(pictures), len(images)):
+        what = (
+            f"has {len(pictures)} pictures and {len(images)} depth images, of which {len(pairs)} have the same number."
+        )
+        mend = "give a picture and its depth the same number, or write rgb.txt and depth.txt with times as TUM does"
+        raise InputError(path, what, mend, code="E-RECORDING-LAYOUT")
+    return pairs
+
+
+def _number_files(files: list[Path], part: slice) -> dict[tuple[int, ...], Path]:
+    """Files by a part of the numbers in their names; empty if two have the same."""
+    numbered = {tuple(map(int, re.findall(r"\d+", file.stem)[part])): file for file in files}
+    return numbered if len(numbered) == len(files) else {}
 
 
 def _list_files(folder: Path, suffixes: tuple[str, ...]) -> list[Path]:

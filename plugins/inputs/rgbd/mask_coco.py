@@ -15,7 +15,7 @@ from plugins.inputs.rgbd.mask_shapes import (
     refuse_shape,
 )
 from stages.contracts import InputError
-from stages.contracts.arrays import explain_unreadable
+from stages.contracts.arrays import MAX_BYTES, explain_unreadable
 from stages.geometry.masks import OUTLINE
 
 
@@ -30,7 +30,7 @@ def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture
         image = _find_image(path, data, picture)
         size = int(image.get("width") or width), int(image.get("height") or height)
         check_size(path, size, width, height)
-        shapes = []
+        shapes: list[Shape] = []
         for number, item in enumerate(data["annotations"], 1):
             if image and item.get("image_id") != image.get("id"):
                 continue
@@ -38,6 +38,9 @@ def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture
                 what = f"annotation {number} is of category {item.get('category_id')!r}, which has no name."
                 raise InputError(path, what, "name it in categories", code="E-MASKS-NAMES")
             label = names[item["category_id"]]
+            if len(shapes) * width * height > MAX_BYTES:
+                what = f"has more than {len(shapes)} annotations of this picture."
+                raise InputError(path, what, "give those of its things alone", code="E-FILE-LARGE")
             try:
                 mask, remark = _read_mask(item, (height, width))
             except ShapeError as error:

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.inputs.rgbd.frame import Labelled, is_nothing
+from plugins.inputs.rgbd.frame import Labelled
 from plugins.inputs.rgbd.mask_shapes import NO_PIXELS, check_size, list_remarks
+from plugins.inputs.rgbd.surfaces import surface_of
 from stages.contracts import InputError
 from stages.contracts.arrays import explain_unreadable
 from stages.contracts.images import read_masks, read_upright
@@ -36,7 +37,7 @@ def read_label_image(path: Path, labels: Path | None, width: int, height: int) -
         )
     if labels is None:
         raise InputError(path, f"has {len(found)} values without names.", NAMES_OPTION, code="E-MASKS-NAMES")
-    if names.get(0) and not is_nothing(names[0]) and not shown.all():
+    if names.get(0) and surface_of(names[0]) != "nothing" and not shown.all():
         what = f"calls the value {_write_value(0, colors)} {names[0]!r}, which is the value of what nobody outlined."
         raise InputError(labels, what, "count objects from 1", code="E-MASKS-NAMES")
     sizes = dict(zip(found.tolist(), pixels.tolist(), strict=True))

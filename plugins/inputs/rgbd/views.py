@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from plugins.inputs.rgbd.belonging import doubt_depth
 from plugins.inputs.rgbd.camera_files import KNOWS
 from plugins.inputs.rgbd.cameras import check_intrinsics, intrinsics_of_camera, intrinsics_of_view
 from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
@@ -15,6 +16,8 @@ from plugins.inputs.rgbd.frame import Frame, check_upright, fit_frame
 from plugins.inputs.rgbd.lens import Lens, read_lens, straighten_frame
 from plugins.inputs.rgbd.mask_files import read_labelled
 from plugins.inputs.rgbd.mask_shapes import list_remarks
+from plugins.inputs.rgbd.pieces import doubt_surfaces, split_values
+from plugins.inputs.rgbd.surfaces import surface_of
 from stages.contracts import InputError
 from stages.contracts.images import check_shown, read_rgb
 from stages.geometry.cameras import make_intrinsics
@@ -98,4 +101,14 @@ def read_frame(view: View, unit: str, depth_is: str, masks: Path | None, labels:
         doubt = f"depth in doubt: floor and walls would be flat with --depth-is {'ray' if flatter == 'ray' else 'z'}"
         print(f"{view.depth}: {doubt}")
         frame = replace(frame, doubt=doubt)
-    return frame
+    return frame if frame.masks is None else _compare_masks(view.depth, frame)
+
+
+def _compare_masks(depth: Path, frame: Frame) -> Frame:
+    """The frame with what its masks and its depth say of each other."""
+    assert frame.masks is not None
+    things = [value for value, label in frame.masks.labels.items() if not surface_of(label)]
+    if doubt := doubt_depth(frame.depth, frame.masks.values, things):
+        print(f"{depth}: {doubt}")
+        frame = replace(frame, doubt="; ".join(filter(None, [frame.doubt, doubt])))
+    return doubt_surfaces(split_values(frame))

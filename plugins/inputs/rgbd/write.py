@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from plugins.inputs.own_scene import write_config
 from plugins.inputs.rgbd.edges import remove_edges
-from plugins.inputs.rgbd.frame import TILT, Frame, Labelled, fit_frame, is_nothing
+from plugins.inputs.rgbd.frame import TILT, Frame, Labelled, fit_frame
+from plugins.inputs.rgbd.surfaces import surface_of
 from plugins.names.propose import Proposal
 from stages.contracts import Annotations, Camera, InputError
 from stages.contracts.doubt import Doubt, DoubtKind
@@ -21,7 +22,6 @@ LONGEST_LABEL = 200  # characters
 MOSTLY = 0.8  # share of the proposed names that open, from which on only models that open are compared; chosen
 # Depth is good up to the border, few points stray, and what is held in a hand looks down steeply.
 FRAME_OPTIONS = {"extraction": {"crop": 1.0, "trim": TRIM, "max_tilt": TILT}}
-FLOORS, WALLS = {"floor", "ground", "carpet"}, {"wall", "walls"}
 
 
 def opens(label: str, proposals: Sequence[Proposal]) -> bool:
@@ -44,27 +44,26 @@ def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
             raise InputError("masks", what, f"a word or two, at most {LONGEST_LABEL} characters", code="E-MASKS-NAMES")
     values = masks.values.copy()
     shown = set(np.unique(values).tolist())
-    kinds = {value: label.strip().lower() for value, label in masks.labels.items() if value in shown}
-    floors = [value for value, label in kinds.items() if label in FLOORS]
+    kinds = {value: surface_of(label) for value, label in masks.labels.items() if value in shown}
+    floors, walls = ([value for value, kind in kinds.items() if kind == surface] for surface in ("floor", "wall"))
     values[np.isin(values, floors[1:])] = floors[0] if floors else 0
-    values[np.isin(values, [value for value, label in kinds.items() if is_nothing(label)])] = 0
+    values[np.isin(values, [value for value, kind in kinds.items() if kind == "nothing"])] = 0
     objects = [
         Annotation(
             mask=value,
             label=masks.labels[value].strip(),
-            articulated=opens(label, masks.proposals.get(value, [])),
-            doubts=doubt_name(masks.proposals.get(value, [])),
+            articulated=opens(masks.labels[value], masks.proposals.get(value, [])),
+            doubts=doubt_name(masks.proposals.get(value, [])) + masks.doubts.get(value, []),
             proposals=[one.name for one in masks.proposals.get(value, [])],
             probabilities=[round(one.probability, 4) for one in masks.proposals.get(value, [])],
         )
-        for value, label in kinds.items()
-        if label not in FLOORS | WALLS and not is_nothing(label)
+        for value, kind in kinds.items()
+        if not kind
     ]
     if not objects:
         raise InputError(
             "masks", "show no object, only floor and walls.", "name at least one object", code="E-MASKS-EMPTY"
         )
-    walls = [value for value, label in kinds.items() if label in WALLS]
     return values, Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls)
 
 

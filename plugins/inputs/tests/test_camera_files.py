@@ -248,3 +248,9 @@ def test_camera_by_name() -> None:
     assert intrinsics_of_camera("realsense_d435", 480, 640)[0, 0] == pytest.approx(613, rel=0.02), "held upright"
     with refused("E-CAMERA-NAME"):
         intrinsics_of_camera("polaroid", 640, 480)
+
+
+def test_aliases_of_yaml_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "k.yaml").write_text("a: &a [1, 1]\nK: [*a, *a]\n")
+    with refused("E-FILE-UNREADABLE", "aliases"):
+        contents(tmp_path / "k.yaml")

@@ -198,6 +198,7 @@ class Part:
 
     def __init__(self, called: str, channels: dict[str, NDArray[np.float32]]) -> None:
         self.called, self.channels = called, channels
+        self.header = {name: (np.array([0, 0]), np.array([29, 19])) for name in ("dataWindow", "displayWindow")}
 
     def name(self) -> str:
         return self.called
@@ -269,6 +270,19 @@ def test_parts_of_an_exr_and_no_library(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setitem(sys.modules, "OpenEXR", None)
     with refused("E-LIBRARY-MISSING"):
         read_raw(tmp_path / "d.exr")
+
+
+def test_a_window_of_an_exr_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    part = Part("", {"Z": DEPTH})
+    part.header["displayWindow"] = (np.array([0, 0]), np.array([39, 19]))
+    with refused("E-DEPTH-SIZE", "displayWindow"):
+        exr(monkeypatch, tmp_path / "d.exr", part)
+
+
+def test_numbers_of_a_pgm_are_those_in_the_file(tmp_path: Path) -> None:
+    numbers = np.arange(1, 401, dtype=">u2").reshape(20, 20) * np.array(25, ">u2")
+    (tmp_path / "d.pgm").write_bytes(b"P5\n# depth\n20 20\n10000\n" + numbers.astype(">u2").tobytes())
+    assert np.array_equal(read_raw(tmp_path / "d.pgm"), numbers)
 
 
 def test_several_pages_of_a_tiff_are_refused(tmp_path: Path) -> None:

@@ -247,7 +247,7 @@ def test_files_of_other_tools_are_refused(tmp_path: Path, data: object) -> None:
 def test_what_is_no_file_of_masks_at_all(tmp_path: Path, name: str) -> None:
     if name:
         (tmp_path / name).write_text("<annotation/>")
-    with refused("E-IMAGE-UNREADABLE" if name else "E-FILE-MISSING"):
+    with refused("E-IMAGE-UNREADABLE" if name else "E-FILE-UNREADABLE"):
         read_labelled(tmp_path / name, None, WIDTH, HEIGHT, "rgb.png")
 
 
