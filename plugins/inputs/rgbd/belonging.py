@@ -1,7 +1,8 @@
 """Whether depth belongs to its picture: at the outlines of things depth changes by steps.
 
-Of seven frames, real and ray-cast, steps lie on 50 to 96 % of the outline in the median of the things where depth is
-right, on 14 to 32 % where it is moved, of another lens or turned; on 54 % where the turned scene is nearly the same.
+Of a few frames, real and ray-cast, steps lie on 50 to 96 % of the outline in the median of the things where depth is
+right, on 14 to 32 % where it is moved, of another lens or turned; on 54 % where the turned scene is nearly the same. Of
+43 path-traced frames with drawn masks none is doubted as it is, 42 are when mirrored, 43 when moved by 40 pixels.
 """
 
 from collections.abc import Iterator, Sequence
