@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.objects import DepthError, Wall
+from stages.extraction.contact import CONTACT_DISTANCE
 from stages.geometry.cameras import PointMap
 from stages.geometry.estimate import REACH
 
@@ -22,6 +23,8 @@ def remove_reflections(
 ) -> NDArray[np.float32]:
     """Depth (H, W), set to unknown (0) where an object of this room shows points behind a wall.
 
+    Of what hangs on that wall, even little behind it: sensors smear depth between a mirror's frame and what it shows.
+
     Args:
         seen: what is used of the picture, floor frame.
         things: their pixels (H, W).
@@ -31,9 +34,12 @@ def remove_reflections(
         known = mask & seen.known
         if not known.any():
             continue
-        limit = NICHE + REACH * error.predict(depth[known].astype(np.float64))
+        noise = REACH * error.predict(depth[known].astype(np.float64))
         for wall in walls:
-            behind = seen.of(known) @ np.array(wall.normal) - wall.offset < -limit
+            before = seen.of(known) @ np.array(wall.normal) - wall.offset
+            in_room = before[before >= -NICHE - noise]
+            on_wall = len(in_room) > 0 and abs(np.median(in_room)) < CONTACT_DISTANCE + np.median(noise)
+            behind = before < -noise - (0.0 if on_wall else NICHE)
             if IN_ROOM <= (~behind).mean() < 1:
                 clean[known] = np.where(behind, 0, clean[known])
     return clean
