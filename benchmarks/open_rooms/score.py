@@ -23,6 +23,7 @@ from stages.contracts.library import Asset
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.parts import HingeSide
 from stages.evaluation.scoring import box_in_world, world_from_floor
+from stages.generation.settling import OVERLAP
 from stages.geometry.boxes import UprightBox, axis_aligned_iou, corners, oriented_iou
 from stages.geometry.frames import angle_difference, wrap_angle
 
@@ -70,6 +71,7 @@ class Row:
     floats: bool = False
     behind: bool = False
     too_large: bool = False
+    collides: bool = False  # of the scene: two things in each other, or one in floor or wall
     doubt_of_size: bool = False
     sure_of_size: float | None = None
     iou: float | None = None
@@ -243,6 +245,7 @@ def _measure_thing(
         "floats": level is not None and bottom > level + FLOATS,
         "behind": measure_overreach(box, truth.size) > MAX_BEHIND,
         "too_large": known is not None and bool((plan > known.high + np.log(TOO_LARGE)).any()),
+        "collides": check is not None and (check.collisions > 0 or check.max_penetration > OVERLAP),
         "doubt_of_size": any(doubt.cause == "size" for doubt in doubts),
         "sure_of_size": None if item.size_spread is None else round(measure_sureness(item.size, item.size_spread), 3),
         "iou": round(axis_aligned_iou(box, truth_box), 3),
@@ -253,7 +256,7 @@ def _measure_thing(
 def score(root: Path, results: Path, out: Path, version: str) -> None:
     """Write open.csv.xz (a row per object and rank), clicks.csv, open_sizes.svg, open.md.
 
-    Of other versions rank 1 stays in open.csv.xz.
+    Of other versions rank 1 stays in open.csv.xz, and all of sets that `run` did not run.
 
     Args:
         root: folder of `render` and `run`.
@@ -278,13 +281,14 @@ def score(root: Path, results: Path, out: Path, version: str) -> None:
     out.mkdir(parents=True, exist_ok=True)
     if (out / "open.csv.xz").is_file():
         known = pd.read_csv(out / "open.csv.xz")
-        known = known[(known["version"] != version) & (known["rank"] == 1)]
+        known = known[(known["version"] != version) & ((known["rank"] == 1) | ~known["half"].isin(table["half"]))]
         table = pd.concat([known, table]).reset_index(drop=True)
     table.to_csv(out / "open.csv.xz", index=False)
     if steps:
         pd.DataFrame(steps).to_csv(out / "clicks.csv", index=False)
     clicks = pd.read_csv(out / "clicks.csv") if (out / "clicks.csv").is_file() else pd.DataFrame()
-    main = table[(table["version"] == version) & (table["rank"] == 1) & (table["judge"] == "geometry")]
+    last = table["version"] == table.groupby("half")["version"].transform("last")
+    main = table[last & (table["rank"] == 1) & (table["judge"] == "geometry")]
     draw_sureness(main[main["masks"] == "drawn"], out / "open_sizes.svg")
     (out / "open.md").write_text(page(table, clicks), encoding="utf-8")
     print(f"{out / 'open.md'}: {len(table)} rows")

@@ -24,6 +24,7 @@ class Category:
         like: words for similar things: a label that says so is nearest to it.
         kin: kinds of things that it is one of: a label of no category is nearest to its kin.
         places: where its things are: floor, top (of what carries things), wall.
+        carries: where its things carry others (`stages.contracts.category.Carries`).
         further: numbers of later models that are sampled freely as well, in styles that templates lack: those before
             them stay as they were drawn, and rooms are not furnished with them.
         varied: later models vary a template's recipe (cabinets) in place of being sampled anew in its style.
@@ -41,6 +42,7 @@ class Category:
     like: str = ""
     kin: str = ""
     places: str = "floor"
+    carries: str = ""
     further: range = range(0)
     varied: bool = False
     fronts: tuple[Fronts, ...] = ()

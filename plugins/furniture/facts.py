@@ -27,6 +27,7 @@ def describe_category(record: Category) -> Row:
             "like": _split(record.like),
             "kin": _split(record.kin),
             "places": _split(record.places),
+            "carries": record.carries,
             "doors": doors,
             "flaps": flaps,
             "sizes": sizes(range(SAMPLES)),

@@ -17,7 +17,8 @@ class GenerationConfig(Section):
     wall_view: Literal["rear", "first"] = Field(
         "rear",
         description="View of what touches a wall. rear: the best of the matched views that turns its rear to the wall, "
-        "as A.3 lays it. first: the best matched view, as in the paper.",
+        "as A.3 lays it; of other things the front, where it fits about as well as the rear. first: the best matched "
+        "view, as in the paper.",
     )
     snap_articulated: float | None = Field(
         20.0,

@@ -13,6 +13,9 @@ from stages.contracts.types import Id, Panels, Size, Text
 
 Array = NDArray[np.float64]
 Place = Literal["floor", "top", "wall"]
+# Where things carry others: on the level top that they end in, on a seat before a back, on the upper of their boards,
+# inside, as a floor does; empty: nowhere.
+Carries = Literal["", "top", "seat", "boards", "inside", "floor"]
 FEWEST_MODELS = 3  # that say how large a category is: the next one is outside n others with 2 chances of n + 1
 UNLIKE = 0.15  # deviation of logarithms of extents; chosen on `work`
 USUAL_SPREAD = float(np.log(1.5))  # by which an extent may lie beyond those of its category's models and still be usual
@@ -58,6 +61,7 @@ class Category(Contract):
     like: list[Text] = Field([], description="words for similar things: a label that says so is nearest to it")
     kin: list[Text] = Field([], description="kinds of things that it is one of: labels of no category are nearest")
     places: list[Place] = Field(["floor"], description="where its things are; top: on what carries things")
+    carries: Carries = Field("", description="where its things carry others; empty: nowhere")
     doors: Panels = Field(0, description="on upright hinges, of all of its first models together")
     flaps: Panels = Field(0, description="on level hinges, likewise")
     sizes: list[Size] = Field([], description="of models that say how large it usually is")
@@ -100,23 +104,37 @@ def split_words(name: str) -> list[str]:
     return [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", name)]
 
 
-def by_joined_name(known: Mapping[str, Category]) -> dict[str, Category]:
-    """Categories by all their names, without spaces: `coffeetable`."""
-    return {re.sub("[ _]", "", word): one for one in known.values() for word in (one.name, *one.names)}
+def list_singulars(word: str) -> list[str]:
+    """A word, and what it may be the plural of: `mugs`, `boxes`, `shelves`."""
+    return [word, word.removesuffix("s"), word.removesuffix("es"), re.sub("ves$", "f", word)]
 
 
-def find_category(name: str, known: Mapping[str, Category]) -> Category | None:
+def may_stand_on(upper: Category | None, lower: Category | None) -> bool:
+    """Whether things of a category may stand on those of another; None, which is not known, may be anything."""
+    if upper is not None and upper.places == ["floor"]:
+        return lower is not None and lower.carries == "floor"
+    return lower is None or lower.carries != ""
+
+
+def by_joined_name(known: Mapping[str, Category], like: bool = False) -> dict[str, Category]:
+    """Categories by all their names, without spaces: `coffeetable`; `like`: and by words for similar things."""
+    similar = {re.sub("[ _]", "", word): one for one in known.values() for word in one.like if like}
+    return similar | {re.sub("[ _]", "", word): one for one in known.values() for word in (one.name, *one.names)}
+
+
+def find_category(name: str, known: Mapping[str, Category], like: bool = False) -> Category | None:
     """The category that a name means (a label of a person, a file), by its last words: `025_mug`, `studyTable`.
 
     Args:
         known: categories by name.
+        like: or to which the things that it means are similar.
     """
-    by_word, words = by_joined_name(known), split_words(name)
+    by_word, words = by_joined_name(known, like), split_words(name)
     for end in range(len(words), 0, -1):
         if end < len(words) and words[-1] in PARTS and "with" not in words:
             return None
         for start in range(end):
             joined = "".join(words[start:end])
-            if found := by_word.get(joined) or by_word.get(joined.removesuffix("s")):
+            if found := next((by_word[each] for each in list_singulars(joined) if each in by_word), None):
                 return found
     return None

@@ -45,7 +45,7 @@ class DoubtKind(Enum):
 
     CAMERA_HEIGHT = ("camera", "{what}", (0.3, 3.0))  # m above floor or table: as people hold one
     OPENINGS = ("affordance", "{what}")  # doors and drawers of the model are not those that were stated (A.7)
-    UNNAMED = ("place", "stands on something that was not named, and is held there")
+    UNNAMED = ("place", "nothing that was named carries it: held in the air where it was seen")
     BEYOND_WALL = ("place", "is seen beyond {wall}: past its end or through an opening, else in a mirror")
     BEHIND_WALL = ("place", "reaches {depth:.0f} cm behind {wall}", 0.05)  # m: a place is right to 5 cm (open.md)
     # A share of its pixels, chosen: with less, what is known may be of something else.

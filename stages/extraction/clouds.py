@@ -22,6 +22,9 @@ MAX_POINTS = 8000  # of a cloud; chosen for time
 NEIGHBOURS, MAX_DEVIATIONS = 16, 3.0  # of a point, and their distance in deviations of all distances: no outlier
 SPACING, SPARSE = 1.5, 0.95  # DBSCAN's radius in distances to a neighbour, at this quantile of the points; chosen
 SMALL = 0.01  # share of an object's points: smaller clusters are dropped; chosen
+# What begins so far behind the largest cluster, from above, and beside it in the picture, is seen past or through it:
+# half of its diagonal, at least what touches, at most 25 cm. Chosen on `work`, whose true pixels are known.
+BEHIND, FARTHEST_BEHIND = 0.5, 0.25
 RIDGE = 0.1  # pixels squared, added to the variances of a fit: a core one pixel wide has none across it; chosen
 BLUR_BLOCK = 32  # pixels that OpenCV blurs at once
 MAX_CHANGE = 0.05  # largest relative change of depth from the core's local mean; chosen
@@ -43,17 +46,17 @@ def make_object_cloud(mask: Mask, view: DepthView, options: ExtractionConfig, rn
     cloud = view.of(mask if options.restore_border else core)
     if len(cloud) < 3:
         raise ObjectError("no depth on its pixels")
-    cloud = clean_cloud(cloud, options, rng)
+    cloud = clean_cloud(cloud, view, options, rng)
     if len(cloud) < 3:
         raise ObjectError("its depth is too scattered: no cluster of points")
     return cloud
 
 
-def clean_cloud(points: Array, options: ExtractionConfig, rng: np.random.Generator) -> Array:
+def clean_cloud(points: Array, view: DepthView, options: ExtractionConfig, rng: np.random.Generator) -> Array:
     """Points (M, 3), M <= 8000, without stray ones.
 
-    Every DBSCAN cluster of some size is kept, not only the largest: a pole in front of an object
-    cuts its cloud in two.
+    Every DBSCAN cluster of some size is kept, not only the largest: a pole in front of an object cuts its cloud in
+    two, and a lamp's pole has no depth. But not what is behind and beside it in the picture: a wall through a handle.
 
     `rng` chooses which points of a large cloud are left out.
     """
@@ -66,7 +69,25 @@ def clean_cloud(points: Array, options: ExtractionConfig, rng: np.random.Generat
     radius = max(options.dbscan_eps, SPACING * float(np.quantile(distances[:, -1], SPARSE)))
     labels = dbscan(points, radius, options.dbscan_min_points)
     clusters, counts = np.unique(labels[labels >= 0], return_counts=True)
-    return points[np.isin(labels, clusters[counts >= SMALL * len(points)])]
+    large = clusters[counts >= SMALL * len(points)]
+    parts = {cluster: points[labels == cluster] for cluster in large}
+    largest = parts.get(clusters[np.argmax(counts)], points) if len(clusters) else points
+    kept = [cluster for cluster, part in parts.items() if not is_behind(part, largest, view)]
+    return points[np.isin(labels, kept)]
+
+
+def is_behind(part: Array, largest: Array, view: DepthView) -> bool:
+    """Whether a cluster (N, 3) is seen past the edge of the largest one (M, 3) of an object, or through it.
+
+    What a nearer thing cuts off is not beside it in the picture; a lamp's foot is no farther from above than its shade.
+    """
+    eye, width = view.frame[:2, 3], float(np.linalg.norm(np.ptp(largest[:, :2], axis=0)))
+    ends = float(np.quantile(np.linalg.norm(largest[:, :2] - eye, axis=1), 0.99))
+    behind = float(np.median(np.linalg.norm(part[:, :2] - eye, axis=1))) - ends
+    if behind < max(min(BEHIND * width, FARTHEST_BEHIND), 2 * view.tolerance(np.median(part, axis=0))):
+        return False
+    apart, _ = KDTree(view.project(largest)).query(view.project(part))
+    return bool(apart.min() <= OUTLINE)
 
 
 def _blur(values: Array) -> Array:

@@ -38,6 +38,10 @@ class DepthView(PointMap):
         """Gap in metres that counts as touching at a point of the floor frame."""
         return CONTACT_DISTANCE + self.error.predict(self.distance(point))
 
+    def project(self, points: Array) -> Array:
+        """Pixels (N, 2) of points (N, 3) of the floor frame; NaN behind the camera."""
+        return project(transform_points(invert_transform(self.frame), points), self.intrinsics)
+
     def outline(self, point: ArrayLike) -> float:
         """Metres by which the outline of a mask may be off at a point of the floor frame."""
         return OUTLINE * (self.distance(point) / float(self.intrinsics[0, 0]))

@@ -1,11 +1,10 @@
 """The levels on which an object carries others: the heights of most of its upper surface."""
 
-import re
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from stages.contracts.category import Category
 from stages.geometry.boxes import UprightBox
 from stages.geometry.estimate import BIN, PROMINENT
 from stages.geometry.frames import Array, yaw_matrix
@@ -15,14 +14,6 @@ from stages.geometry.room_planes import STRAY
 LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above; chosen
 PLAN_CELLS = 16  # of a ground plan along either side; chosen
 HIGHEST_POINTS = 3  # of a cell, the last of which is its height, as single ones are noise; chosen
-# Last words of labels of closed things with a level top, so that what is higher stands on it: no seat, shelf or bowl.
-TOPPED = """
-table desk counter countertop worktop workbench workstation island bar nightstand sideboard credenza buffet console
-cabinet cupboard drawer dresser commode bureau chest stand unit wardrobe closet armoire trunk vanity
-dishwasher oven stove cooker microwave fridge refrigerator freezer washer dryer machine
-"""
-SHELVES = "shelf shelve shelving bookshelf bookshelve bookcase rack"  # boards one above the other
-SEATS = "chair armchair stool sofa couch settee loveseat bench bed ottoman pouf footstool seat"  # stand on the floor
 
 
 def find_level(points: Array, box: UprightBox, distance: float) -> float | None:
@@ -68,24 +59,10 @@ def is_uppermost(points: Array, box: UprightBox, thick: float) -> NDArray[np.boo
     return np.asarray(points[:, 2] > ends[cells] - thick)
 
 
-def is_topped(label: str) -> bool:
-    """Whether objects with this label end in a level top."""
-    return _last_word(label) in TOPPED.split()
-
-
-def is_seat(label: str) -> bool:
-    """Whether objects with this label are seats or beds, which stand on the floor."""
-    return _last_word(label) in SEATS.split()
-
-
-def find_carrying_heights(label: str, level: float | None, top: float) -> tuple[float, ...]:
-    """Heights at which an object with this label may carry others, the likeliest first; its box ends at `top`.
+def find_carrying_heights(category: Category | None, level: float | None, top: float) -> tuple[float, ...]:
+    """Heights at which an object may carry others, the likeliest first; its box ends at `top`.
 
     A chair carries at its seat, a desk between its clutter and on top of that, a shelf at its top alone.
     """
-    return (top,) if level is None or _last_word(label) in SHELVES.split() else (level, top)
-
-
-def _last_word(label: str) -> str:
-    words = re.findall(r"[a-z]+", label.lower())
-    return words[-1].removesuffix("s") if words else ""
+    has_boards = category is not None and category.carries == "boards"
+    return (top,) if level is None or has_boards else (level, top)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.contracts.category import Category, may_stand_on
 from stages.contracts.objects import Box, Mounting, Wall
 from stages.contracts.types import FLOOR, UNNAMED, WALL
 from stages.extraction.contact import (
@@ -69,8 +70,12 @@ def mount_objects(
                 print(f"{scene} {name}: {note}: mounting by geometry")
         known = one.stated.box is not None
         reach = 2 * view.tolerance(box.center)
-        beneath = {key: end_near(each, done[key].heights, box.bottom, reach) for key, each in carriers.items()}
-        placed = place_object(box, beneath, others, walls, view, own, known, stated, one.is_seat, unnamed)
+        beneath = {
+            key: end_near(each, done[key].heights, box.bottom, reach)
+            for key, each in carriers.items()
+            if may_stand_on(one.category, done[key].category)
+        }
+        placed = place_object(box, beneath, others, walls, view, own, known, stated, one.category, unnamed)
         if placed.collapsed:
             done[name] = one.fail("its top is found below what carries it: the depth of one of the two is wrong")
             continue
@@ -127,25 +132,25 @@ def place_object(
     own: NDArray[np.bool_],
     known: bool = False,
     stated: Mounting | None = None,
-    is_seat: bool = False,
+    category: Category | None = None,
     unnamed: NDArray[np.bool_] | None = None,
 ) -> Placement:
     """Where one object stands or hangs.
 
     Args:
         box: of what was seen of it, at its `own` pixels (H, W).
-        carriers: boxes of the objects that may be beneath it, hidden space filled, by id.
+        carriers: boxes of the objects that may carry it, hidden space filled, by id.
         others: boxes of all other objects, as seen.
         known: the box is known whole: nothing of it is hidden.
         stated: how it is held, if the input states it.
-        is_seat: it stands on the floor however little is seen of it above a table.
+        category: of it; what never stands on the floor does not reach down to it from high above.
         unnamed: pixels (H, W) of no mask.
     """
     tolerance, sunk = view.tolerance(box.center), SUNK * view.distance(box.center)
     beneath, support = find_carrier(box, carriers, tolerance, sunk)
     touched = find_touched_walls(box, others, walls, view, own, 0.0 if known else MAX_HIDDEN_DEPTH)
     seen = box.top - box.bottom
-    is_column = support == FLOOR and box.top > MAX_STRETCH * seen and not (known or is_seat)
+    is_column = support == FLOOR and box.top > MAX_STRETCH * seen and not known
     if is_column and not (touched and is_hanging(box, beneath, view, own)):
         height, near = find_carrier(box, carriers, tolerance, sunk, share=0.0)
         if box.bottom - height < 2 * tolerance:
@@ -156,6 +161,11 @@ def place_object(
         if shelf is not None and shelf > beneath + tolerance:
             beneath, support = shelf, UNNAMED
     hangs = bool(touched) and (box.bottom - beneath > tolerance if known else is_hanging(box, beneath, view, own))
+    if stated is None and category is not None and "floor" not in category.places:
+        if is_column and support == FLOOR:  # in the air: a lamp of tables is no column
+            hangs |= bool(touched) and "wall" in category.places
+            beneath, support = box.bottom, UNNAMED
+        hangs &= "wall" in category.places or support in (UNNAMED, FLOOR)
     measured = Mounting(type=1 if hangs else 3 if touched else 2, walls=[wall.id for wall in touched])
     mounting = stated or measured
     placed = box if known or mounting.hangs else with_bottom(box, min(beneath, box.top - THINNEST))

@@ -6,12 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
+from stages.contracts.categories import known_categories
+from stages.contracts.category import Category, find_category
 from stages.contracts.objects import SceneObject
 from stages.contracts.scenes import Annotation
 from stages.contracts.types import LARGEST
 from stages.extraction.clouds import MAX_POINTS, ObjectError, make_object_cloud
 from stages.extraction.contact import DepthView
-from stages.extraction.levels import find_carrying_heights, find_level, is_seat, is_topped
+from stages.extraction.levels import find_carrying_heights, find_level
 from stages.geometry.boxes import UprightBox, round_off_box, surface_points, with_top
 from stages.geometry.frames import Array
 from stages.geometry.masks import MIN_PIXELS, Mask, central_crop, pixel_bounds, remove_specks
@@ -22,8 +24,8 @@ MAX_CUT = 0.4  # share of an object's pixels outside the crop (A.7), above which
 
 @dataclass(frozen=True)
 class MeasuredObject:
-    """An object and what the input states of it; if it did not fail its pixels (H, W), cloud (N, 3) and box, floor
-    frame, the heights at which it may carry others, and whether it stands on the floor, as seats do."""
+    """An object, what the input states of it, and the category that its label means or is like; if it did not fail its
+    pixels (H, W), cloud (N, 3) and box, floor frame, and the heights at which it may carry others."""
 
     object: SceneObject
     stated: Annotation
@@ -31,7 +33,7 @@ class MeasuredObject:
     cloud: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
     box: UprightBox | None = None
     heights: tuple[float, ...] = ()
-    is_seat: bool = False
+    category: Category | None = None
 
     def fail(self, reason: str) -> "MeasuredObject":
         """The object, failed."""
@@ -56,6 +58,7 @@ def measure_object(
     is_whole = item.box is not None and not item.guessed
     other = {"box", "guessed", "mounting", "proposals", "probabilities"}
     known = SceneObject(id=name, whole=is_whole, names=item.names, **item.model_dump(exclude=other))
+    category = find_category(item.label, known_categories(), like=True)
     share, heights = None, tuple[float, ...]()
     try:
         mask = find_object_mask(whole, options.crop, item.box is not None)
@@ -67,23 +70,22 @@ def measure_object(
         else:
             share = round(float((view.depth[mask] > 0).mean()), 3)
             cloud = make_object_cloud(mask, view, options, rng)
-            box, heights = fit_box(item.label, cloud, view.of(mask), view, options.trim)
+            box, heights = fit_box(category, cloud, view.of(mask), view, options.trim)
         extent = float(np.max(box.size))
         if extent > LARGEST:
             raise ObjectError(f"{extent:.0f} m large: its depth cannot be right")
     except ObjectError as failure:
         return MeasuredObject(known, item).fail(str(failure))
-    seat = is_seat(item.label)
     seen = {"pixels": bounds, "points": len(cloud), "depth_known": share}
-    return MeasuredObject(known.model_copy(update=seen), item, mask, cloud, box, heights or (box.top,), seat)
+    return MeasuredObject(known.model_copy(update=seen), item, mask, cloud, box, heights or (box.top,), category)
 
 
 def fit_box(
-    label: str, cloud: Array, whole: Array, view: DepthView, trim: float
+    category: Category | None, cloud: Array, whole: Array, view: DepthView, trim: float
 ) -> tuple[UprightBox, tuple[float, ...]]:
     """The box of a cleaned cloud (N, 3), floor frame, and the heights at which it may carry others.
 
-    An object whose label implies a level top (a table) ends at it. A thin top that erosion removed is restored.
+    What carries on its top (a table) ends at that level. A thin top that erosion removed is restored.
 
     Args:
         whole: (M, 3) of all its pixels.
@@ -94,8 +96,10 @@ def fit_box(
     if top > box.top + view.tolerance(center):
         box, cloud = with_top(box, top), whole
     level = find_level(cloud, box, view.distance(center))
-    heights = find_carrying_heights(label, level, box.top)
-    return (box if level is None or not is_topped(label) else with_top(box, level)), heights
+    heights = find_carrying_heights(category, level, box.top)
+    if level is not None and category is not None and category.carries == "top":
+        box = with_top(box, level)
+    return box, heights
 
 
 def find_object_mask(whole: Mask, crop_share: float, is_known: bool) -> Mask:

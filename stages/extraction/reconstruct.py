@@ -8,6 +8,8 @@ from pydantic import ValidationError
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError, Objects
+from stages.contracts.categories import known_categories
+from stages.contracts.category import find_category
 from stages.contracts.files import first_error
 from stages.contracts.objects import object_ids
 from stages.extraction.contact import DepthView
@@ -49,8 +51,10 @@ def reconstruct(
     error = estimate_depth_error(image, seen, shown)
 
     annotations = sorted(image.annotations.objects, key=lambda item: item.mask)
-    masks = (image.masks == item.mask for item in annotations)
-    image = replace(image, depth=remove_reflections(image.depth, seen, masks, walls, error))
+    things = (
+        (image.masks == item.mask, find_category(item.label, known_categories(), like=True)) for item in annotations
+    )
+    image = replace(image, depth=remove_reflections(image.depth, seen, things, walls, error))
     view = DepthView(np.where(crop, image.depth, 0), image.intrinsics, seen.frame, error)
     names = object_ids([item.label for item in annotations])
     found = [

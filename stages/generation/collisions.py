@@ -1,7 +1,8 @@
 """Push overlapping things apart in the x-y plane (paper A.3): by the shortest way, whole stacks at once, with a cap."""
 
-from dataclasses import dataclass, replace
-from itertools import combinations
+from dataclasses import dataclass, field, replace
+from itertools import combinations, product
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -16,7 +17,7 @@ from stages.generation.nesting import find_landing
 from stages.generation.placed import Placed, Prism
 from stages.generation.stacking import find_stack
 from stages.generation.surfaces import find_surface
-from stages.geometry.boxes import depth_behind, footprint, volume
+from stages.geometry.boxes import depth_behind, volume
 
 CLEAR = 1e-4  # metres that a push goes beyond the border, so that rounding does not leave the pair touching
 Pair = tuple[str, str]
@@ -30,14 +31,38 @@ class Freed:
     left: list[Pair]
 
 
+class _Reach(NamedTuple):
+    """How far the collision shapes of an item go from its center: from above, down, and up, metres."""
+
+    radius: float
+    low: float
+    high: float
+
+
+class _Forbidden(NamedTuple):
+    """Shifts of one item at which it overlaps another, and, at these shifts and `CLEAR` beyond, is not clear of it.
+
+    offset: (3,) of the other's center from its own, where they were found.
+    """
+
+    offset: NDArray[np.float64]
+    overlaps: BaseGeometry
+    unclear: BaseGeometry
+
+
 @dataclass(frozen=True)
 class _Scene:
-    """Everything that a push has to look at. `nested`: what lies in what."""
+    """Everything that a push has to look at. `nested`: what lies in what.
+
+    Items are only shifted, so that what is found of their shapes holds in all later scenes: `reaches`, `found`.
+    """
 
     items: dict[str, Placed]
     walls: list[Wall]
     options: GenerationConfig
     nested: frozenset[Pair] = frozenset()
+    reaches: dict[str, _Reach] = field(default_factory=dict)
+    found: dict[Pair, _Forbidden] = field(default_factory=dict)
 
     @property
     def supports(self) -> dict[str, str]:
@@ -45,6 +70,33 @@ class _Scene:
 
     def shapes(self, name: str) -> list[Prism]:
         return self.items[name].collision_prisms
+
+    def reach(self, name: str) -> _Reach:
+        if name not in self.reaches:
+            prisms, center = self.shapes(name), self.items[name].center
+            far = [float(np.linalg.norm(prism.outline - center[:2], axis=1).max()) for prism in prisms]
+            low, high = (
+                min((prism.low for prism in prisms), default=0),
+                max((prism.high for prism in prisms), default=0),
+            )
+            self.reaches[name] = _Reach(max(far, default=-np.inf), low - center[2], high - center[2])
+        return self.reaches[name]
+
+    def are_near(self, a: str, b: str, limit: float) -> bool:
+        """Whether two items may overlap once one of them is shifted by `limit` metres at most."""
+        (x, y, z), one, other = self.items[b].center - self.items[a].center, self.reach(a), self.reach(b)
+        over = min(one.high, other.high + z) - max(one.low, other.low + z)
+        return bool(over > self.options.touch and np.hypot(x, y) < one.radius + other.radius + limit)
+
+    def forbidden(self, a: str, b: str) -> _Forbidden:
+        """The shifts of `a` at which it overlaps `b`."""
+        offset = self.items[b].center - self.items[a].center
+        known = self.found.get((a, b))
+        if known is None or known.offset[2] != offset[2]:
+            region = forbidden_shifts(self.shapes(a), self.shapes(b), self.options.touch)
+            known = self.found[a, b] = _Forbidden(offset, region, region.buffer(CLEAR))
+        x, y, _ = offset - known.offset
+        return _Forbidden(offset, *(affinity.translate(each, x, y) for each in known[1:]))
 
 
 def resolve_collisions(items: list[Placed], walls: list[Wall], options: GenerationConfig) -> Freed:
@@ -88,12 +140,7 @@ def overlapping_pairs(scene: _Scene) -> list[Pair]:
     for a, b in combinations(sorted(scene.items), 2):
         if (a, b) in scene.nested:
             continue
-        first, second = scene.items[a], scene.items[b]
-        if min(first.top, second.top) - max(first.bottom, second.bottom) <= scene.options.touch:
-            continue
-        if not footprint(first.box).intersects(footprint(second.box)):
-            continue
-        if forbidden_shifts(scene.shapes(a), scene.shapes(b), scene.options.touch).contains(Point(0, 0)):
+        if scene.are_near(a, b, 0.0) and scene.forbidden(a, b).overlaps.contains(Point(0, 0)):
             pairs.append((a, b))
     return pairs
 
@@ -132,11 +179,12 @@ def _movers(pair: Pair, scene: _Scene) -> list[str]:
 def shortest_push(name: str, scene: _Scene, limit: float) -> NDArray[np.float64] | None:
     """The shortest shift (2,), `limit` metres at most, that frees an item's stack from all else; None: none does."""
     stack = sorted(find_stack(name, scene.supports))
-    mover = [prism for member in stack for prism in scene.shapes(member)]
-    others = [prism for other in sorted(scene.items) if other not in stack for prism in scene.shapes(other)]
-    free = allowed_shifts(name, scene, limit).difference(
-        forbidden_shifts(mover, others, scene.options.touch).buffer(CLEAR)
-    )
+    unclear = [
+        scene.forbidden(member, other).unclear
+        for member, other in product(stack, sorted(scene.items.keys() - stack))
+        if scene.are_near(member, other, limit + CLEAR)
+    ]
+    free = allowed_shifts(name, scene, limit).difference(shapely.union_all(unclear))
     if free.is_empty:
         return None
     return np.array(nearest_points(Point(0, 0), free)[1].coords[0])

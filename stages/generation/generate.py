@@ -50,9 +50,8 @@ def run(
         if not items:
             what = "has no object that could be placed."
             raise InputError(objects, what, "see the reasons in it and in cousins.json", code="E-SCENE-EMPTY")
-        freed = resolve_collisions(
-            assign_supports(items, inputs.supports, inputs.nudges, config), inputs.objects.walls, config
-        )
+        stacked = assign_supports(items, inputs.supports, inputs.nudges, config, inputs.categories)
+        freed = resolve_collisions(stacked, inputs.objects.walls, config)
         doubted = doubt_placements(freed.items, inputs)
         settled = simulate(doubted, inputs.objects, len(freed.left), config)
         scenes.append(to_contract(doubted, failed, settled, inputs.objects, variant, rank))

@@ -59,11 +59,12 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
     placed = Placed(item.id, item.label, asset, folder, box, mounting, support, cousin=rank)
     if cousin.differs:
         placed = replace(placed, doubts=(DoubtKind.OPENINGS.of(what=cousin.differs),))
-    yaw = find_yaw(cousin, box, one.cloud, camera, touched, asset.articulated, options)
+    category = inputs.categories.get(asset.category)
+    yaw = find_yaw(cousin, box, one.cloud, camera, touched, asset.articulated, options, category)
     if item.whole:
         placed = placed.change_box("as the input tells it", fit_stated_box(box, yaw, reached))
     else:
-        placed = size(placed, yaw, one, scene, inputs.categories.get(asset.category), reached, options)
+        placed = size(placed, yaw, one, scene, category, reached, options)
     if not reached:
         placed = placed.change_box("out of walls", move_out_of_walls(placed.box, scene.walls))
     return placed.change_box("least extent", replace(placed.box, size=np.maximum(placed.box.size, THINNEST)))

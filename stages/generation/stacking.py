@@ -8,6 +8,7 @@ from shapely import Point
 from shapely.ops import nearest_points
 
 from stages.config.generation import GenerationConfig
+from stages.contracts.category import Category, find_category, may_stand_on
 from stages.generation.placed import FLOOR, UNNAMED, WALL, Placed
 from stages.generation.surfaces import find_surface
 from stages.geometry.boxes import footprint
@@ -18,15 +19,17 @@ def assign_supports(
     stated: Mapping[str, str],
     nudges: Mapping[str, Sequence[float] | None],
     options: GenerationConfig,
+    categories: Mapping[str, Category],
 ) -> list[Placed]:
     """The items with their supports and at their heights (A.3), from low to high.
 
     Args:
         stated: by id, what carries it as a person says.
         nudges: by id, metres (x, y) by which a person moves it with all that it carries.
+        categories: by name, as the library knows them.
     """
     ordered = sort_by_height(items)
-    supports = find_supports(ordered, options.support_overlap, options.stack_tolerance)
+    supports = find_supports(ordered, options.support_overlap, options.stack_tolerance, categories)
     ordered, supports = apply_stated(ordered, supports, stated)
     return nudge(put_on_supports(ordered, supports, options.stack_tolerance is not None), nudges)
 
@@ -36,7 +39,9 @@ def sort_by_height(items: list[Placed]) -> list[Placed]:
     return sorted(items, key=lambda item: (item.center[2], item.id))
 
 
-def find_supports(items: list[Placed], overlap: float, tolerance: float | None) -> dict[str, str]:
+def find_supports(
+    items: list[Placed], overlap: float, tolerance: float | None, categories: Mapping[str, Category]
+) -> dict[str, str]:
     """The support of every item: 'floor', the id of the highest one beneath it, or 'unnamed'.
 
     What extraction saw beneath it counts: cousins have other sizes than what was seen.
@@ -48,8 +53,10 @@ def find_supports(items: list[Placed], overlap: float, tolerance: float | None) 
         under a table ends up standing on it. Otherwise an item at the height of a top, over its edge or at most so
         far beside it, stands on that top: noise moves distant items there. An item farther above all that is beneath
         it is 'unnamed' (on a shelf).
+        categories: by name; what may not stand on another thing by them does not.
     """
     supports: dict[str, str] = {}
+    meant = {item.id: find_category(item.label, categories, like=True) for item in items}
     for index, item in enumerate(items):
         if tolerance is not None and item.support in supports:
             supports[item.id] = item.support
@@ -58,6 +65,7 @@ def find_supports(items: list[Placed], overlap: float, tolerance: float | None) 
             (lower, find_surface(item, lower).height, measure_overlap(item, lower))
             for lower in items[:index]
             if footprint_gap(item, lower) <= (tolerance or 0.0)
+            and (tolerance is None or may_stand_on(meant[item.id], meant[lower.id]))
         ]
         carriers = [
             (height, lower.id, lower.top)

@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 from shapely import MultiPoint
 
 from stages.config.generation import GenerationConfig
-from stages.contracts.cousins import Cousin
+from stages.contracts.category import Category
+from stages.contracts.cousins import Cousin, Orientation
 from stages.contracts.objects import Wall
 from stages.geometry.boxes import UprightBox
 from stages.geometry.estimate import SPREAD
@@ -16,6 +17,8 @@ from stages.geometry.viewing import view_yaw
 
 ALONG_SIDE = np.deg2rad(15)  # what is turned less than this against a side runs along it; chosen
 QUARTER = SYMMETRY_PERIOD["quarter_turn"]
+AS_WELL = 0.12  # of a judge's score, by which a front may fit worse than a rear and still be what is seen; on `work`
+BACK_TO_WALL = {"storage", "appliance", "fixture"}  # kinds of things whose rear is never seen
 
 
 def find_yaw(
@@ -26,6 +29,7 @@ def find_yaw(
     touched: Sequence[Wall],
     articulated: bool,
     options: GenerationConfig,
+    category: Category | None = None,
 ) -> float:
     """The matched yaw, turned to the wall that the object touches (A.3), else to the axes of its cloud (A.7).
 
@@ -34,8 +38,11 @@ def find_yaw(
         camera: its position.
         touched: the walls that the object touches, the dominant one first.
         articulated: whether the model is.
+        category: of the model.
     """
     views = [cousin.orientation, *cousin.orientations]
+    if options.wall_view == "rear":
+        views = prefer_front(views, category)
     yaws = [view_yaw(camera, box.center, view.yaw) for view in views]
     yaw = pick_rear_at_wall(yaws, [wall.normal for wall in touched]) if options.wall_view == "rear" else yaws[0]
     if touched:
@@ -44,6 +51,22 @@ def find_yaw(
         return yaw
     limit = options.snap_articulated if articulated else options.snap_other
     return turn_to(yaw, box.yaw, None if limit is None else float(np.deg2rad(limit)))
+
+
+def prefer_front(views: Sequence[Orientation], category: Category | None) -> list[Orientation]:
+    """The views, best first; where the best shows a rear, and the opposite one fits as well, that one before it.
+
+    Seen from above and in part, fronts and rears of cupboards, televisions and sofas have one outline and one depth.
+    What hangs on walls, or stands with its back to one, shows its front however much worse that fits.
+    """
+    first, *others = views
+    turned = category is not None and ("wall" in category.places or bool(BACK_TO_WALL & set(category.kin)))
+    for view in others if abs(wrap_angle(first.yaw)) > np.pi / 2 else ():
+        opposite = abs(wrap_angle(view.yaw - first.yaw - np.pi)) < QUARTER / 2 and abs(wrap_angle(view.yaw)) < np.pi / 2
+        judged = first.score is not None and view.score is not None and view.score > first.score - AS_WELL
+        if opposite and (turned or judged):
+            return [view, *views]
+    return list(views)
 
 
 def pick_rear_at_wall(yaws: Sequence[float], normals: Sequence[ArrayLike]) -> float:

@@ -229,10 +229,27 @@ def test_the_page_counts_what_is_right_and_what_is_absurd() -> None:
     table = pd.DataFrame(rows).assign(version="this")
     assert tables.share(table[table["judge"] == "geometry"], "size").startswith("75 [")
     absurd = tables.scenes_of(table[table["judge"] == "geometry"]).iloc[0]
-    assert absurd.to_dict() == {"held": 1, "floats": 0, "behind": 0, "too_large": 1}
+    expected = {"held": 1, "floats": 0, "behind": 0, "too_large": 1, "carrier_wrong": 0, "collides": 0}
+    assert absurd.to_dict() == expected
     assert tables.compare_with_no_image(table, "geometry") == "+10.0 [+10.0, +10.0] of 4"
     page = tables.page(table, pd.DataFrame())
-    assert "| drawn | geometry | 1 | 0/1 | 1 | 0 | 0 | 1 |" in page and "## work" in page
+    assert "| drawn | geometry | 1 | 0/1 | 1 | 0 | 0 | 1 | 0 | 0 |" in page and "## work" in page
+
+
+def test_a_scene_is_right_only_if_every_carrier_is_and_nothing_is_in_anything() -> None:
+    table = pd.DataFrame([row(1), row(2, carrier=None), row(1, rank=2, carrier=False), row(1, rank=3, collides=True)])
+    wrong = tables.scenes_of(table)
+    assert wrong.sum(axis=1).tolist() == [0, 1, 1]
+    assert wrong.loc[("a", 2), "carrier_wrong"] == wrong.loc[("a", 3), "collides"] == 1
+    earlier = table.assign(collides=np.nan)  # of versions that did not keep it
+    assert tables.scenes_of(earlier).sum(axis=1).tolist() == [0, 1, 0]
+
+
+def test_what_is_turned_round_does_not_face_where_it_should() -> None:
+    turns = {1: (True, 10.0), 2: (False, 40.0), 3: (False, 179.0), 4: (False, None), 5: (None, None)}  # 4 is missing
+    rows = [row(number, yaw=yaw, yaw_degrees=degrees) for number, (yaw, degrees) in turns.items()]
+    page = tables.page(pd.DataFrame(rows).assign(version="this"), pd.DataFrame())
+    assert "| desk | 5 | 5 | 5/5 | 5/5 | 5/5 | 1/4 | 2/4 | 5/5 |" in page
 
 
 def test_sizes_are_binned_by_how_sure_they_are_and_errors_by_what_is_seen(tmp_path: Path) -> None:

@@ -33,7 +33,9 @@ def build(inputs: Inputs, rank: int, options: GenerationConfig) -> Built:
     """The scene of a rank before physics runs."""
     items, failed = choose_models(inputs, rank, Places(inputs, options))
     freed = resolve_collisions(
-        assign_supports(items, inputs.supports, inputs.nudges, options), inputs.objects.walls, options
+        assign_supports(items, inputs.supports, inputs.nudges, options, inputs.categories),
+        inputs.objects.walls,
+        options,
     )
     return Built(doubt_placements(freed.items, inputs), failed, freed.left)
 

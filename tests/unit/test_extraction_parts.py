@@ -16,6 +16,8 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.masks import central_crop, erode, remove_specks
 from stages.geometry.room_planes import PLANE_THRESHOLD, WallPlane, find_walls, fit_wall, merge_walls, scale_threshold
 
+DOWN = np.array([[1.0, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 9], [0, 0, 0, 1]])
+FROM_ABOVE = DepthView(np.zeros((9, 9)), np.array([[900.0, 0, 4], [0, 900, 4], [0, 0, 1]]), DOWN)
 QUIET = DepthNoiseConfig(range_constant=0, range_quadratic=0, scale=0)
 
 
@@ -105,7 +107,7 @@ def test_cleaning_drops_flyers_and_keeps_both_halves() -> None:
     rng = _rng()
     halves = [rng.uniform([x, 0, 0], [x + 0.3, 0.3, 0.02], (1500, 3)) for x in (0.0, 0.6)]
     flyers = rng.uniform(-2, 2, (30, 3))
-    cloud = clean_cloud(np.vstack([*halves, flyers]), ExtractionConfig(), rng)
+    cloud = clean_cloud(np.vstack([*halves, flyers]), FROM_ABOVE, ExtractionConfig(), rng)
     assert np.abs(cloud).max() < 1.0
     assert (cloud[:, 0] < 0.3).any() and (cloud[:, 0] > 0.6).any()
 
@@ -117,7 +119,7 @@ def test_small_clusters_go(count: int, kept: bool) -> None:
     rng = _rng()
     points = rng.uniform(0, [0.6, 0.6, 0.02], (4000, 3))
     clump = rng.uniform([0.8, 0.3, 0.0], [0.83, 0.33, 0.03], (count, 3))
-    cloud = clean_cloud(np.vstack([points, clump]), ExtractionConfig(), rng)
+    cloud = clean_cloud(np.vstack([points, clump]), FROM_ABOVE, ExtractionConfig(), rng)
     assert bool((cloud[:, 0] > 0.7).any()) == kept
 
 

@@ -1,15 +1,24 @@
 """What carries an object: level tops under noise, pictures above furniture, what would be squeezed flat."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from stages.contracts.objects import USUAL_ERROR, Wall
+from stages.contracts import Annotations
+from stages.contracts.categories import known_categories
+from stages.contracts.category import find_category, may_stand_on
+from stages.contracts.objects import USUAL_ERROR, SceneObject, Wall
+from stages.contracts.scenes import Annotation
 from stages.extraction.contact import DepthView, make_gap
-from stages.extraction.levels import find_carrying_heights, find_level, is_topped, is_uppermost
-from stages.extraction.mounting import end_near, place_object
+from stages.extraction.levels import find_carrying_heights, find_level, is_uppermost
+from stages.extraction.mounting import end_near, mount_objects, place_object
+from stages.extraction.objects import MeasuredObject
+from stages.extraction.observation import AnnotatedImage
 from stages.geometry.boxes import UprightBox
 from stages.geometry.minimum_box import minimum_box
 
+KNOWN = known_categories()
 LOOKING_ALONG_X = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1.0]])
 WALL = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
 
@@ -44,7 +53,6 @@ def test_a_desk_is_as_high_as_most_of_its_top(covered: float, seed: int, tallest
     cloud = np.concatenate(parts)
     found = level(cloud)
     assert found == pytest.approx(0.75, abs=0.01)
-    assert is_topped("computer desk")
     if covered:
         assert np.quantile(cloud[:, 2], 0.99) > 0.79  # what the quantile makes of it
 
@@ -61,13 +69,13 @@ def test_a_chair_carries_at_its_seat_and_is_as_high_as_its_back() -> None:
     back = rng.uniform([0.45, 0, 0.45], [0.5, 0.5, 0.9], (1000, 3))
     found = level(np.concatenate([surface(rng, 3000, 0.45, (0, 0), (0.5, 0.5)), back]))
     assert found == pytest.approx(0.45, abs=0.01)
-    assert find_carrying_heights("chair", found, 0.9) == (found, 0.9) and not is_topped("chair")
+    assert find_carrying_heights(KNOWN["chair"], found, 0.9) == (found, 0.9)
 
 
 def test_boards_of_a_shelf_are_no_top() -> None:
-    assert find_carrying_heights("bookshelves", 0.8, 1.8) == (1.8,)
-    assert find_carrying_heights("cabinet", 0.8, 1.8) == (0.8, 1.8)
-    assert find_carrying_heights("thing", None, 1.8) == (1.8,)
+    assert find_carrying_heights(KNOWN["bookshelf"], 0.8, 1.8) == (1.8,)
+    assert find_carrying_heights(KNOWN["sideboard"], 0.8, 1.8) == (0.8, 1.8)
+    assert find_carrying_heights(None, None, 1.8) == (1.8,)
 
 
 @pytest.mark.parametrize(
@@ -79,11 +87,22 @@ def test_a_carrier_ends_at_its_height_that_is_near(bottom: float, top: float) ->
 
 
 @pytest.mark.parametrize(
-    ("label", "topped"),
-    [("Chest of drawers", True), ("coffee-table", True), ("table lamp", False), ("desk chair", False), ("", False)],
-)
-def test_the_last_word_says_whether_a_thing_ends_in_a_level_top(label: str, topped: bool) -> None:
-    assert is_topped(label) == topped
+    ("label", "carries"),
+    [("Chest of drawers", "top"), ("coffee-table", "top"), ("kitchen counter", "top"), ("shelves", "boards"),
+     ("table lamp", ""), ("desk chair", "seat"), ("settee", "seat"), ("area rug", "floor")],
+)  # fmt: skip
+def test_the_category_that_a_label_means_or_is_like_says_where_it_carries(label: str, carries: str) -> None:
+    found = find_category(label, KNOWN, like=True)
+    assert found is not None and found.carries == carries
+
+
+@pytest.mark.parametrize(
+    ("upper", "lower", "may"),
+    [("table", "chair", False), ("chair", "rug", True), ("mug", "table", True), ("mug", "floor_lamp", False),
+     ("can", "bowl", True), ("bed", None, False), (None, "chair", True), (None, "picture", False), (None, None, True)],
+)  # fmt: skip
+def test_categories_say_what_stands_on_what(upper: str | None, lower: str | None, may: bool) -> None:
+    assert may_stand_on(KNOWN.get(upper or ""), KNOWN.get(lower or "")) is may
 
 
 def test_a_front_has_no_level() -> None:
@@ -141,8 +160,8 @@ def test_what_is_squeezed_flat_is_told(distance: float, height: float, left: flo
     assert placed.collapsed == (left == 0.01 and height == 0.09)
 
 
-def held_by(box: UprightBox, carrier: UprightBox, walls: list[Wall], **said: bool) -> str:
-    lens = np.array([[30.0, 0, 45], [0, 30.0, 45], [0, 0, 1]])
+def held_by(box: UprightBox, carrier: UprightBox, walls: list[Wall], focal: float = 30.0, **said: Any) -> str:
+    lens = np.array([[focal, 0, 45], [0, focal, 45], [0, 0, 1]])
     empty = DepthView(np.full((90, 90), 9.0, np.float32), lens, LOOKING_ALONG_X, USUAL_ERROR)
     own = np.zeros((90, 90), bool)
     placed = place_object(box, {"carrier": carrier}, [carrier], walls, empty, own, **said)
@@ -154,7 +173,8 @@ def held_by(box: UprightBox, carrier: UprightBox, walls: list[Wall], **said: boo
     [
         (0.45, 0.61, {}, "carrier"),
         (0.55, 0.61, {}, "carrier"),  # a third over its edge: depth of one of them errs
-        (0.55, 0.61, {"is_seat": True}, "floor"),  # a chair behind the table
+        (0.75, 0.61, {"category": KNOWN["mug"]}, "unnamed"),  # in the air: no cup is a column
+        (0.75, 0.61, {"category": KNOWN["vase"]}, "floor"),
         (0.55, 0.85, {}, "floor"),
         (0.75, 0.61, {}, "floor"),
     ],
@@ -164,6 +184,39 @@ def test_what_would_become_a_column_stands_on_what_it_is_beside(
 ) -> None:
     table, cup = UprightBox([2, 0, 0.3], [1, 1, 0.6], 0.0), UprightBox([2, y, bottom + 0.05], [0.1, 0.1, 0.1], 0.0)
     assert held_by(cup, table, [], **said) == support
+
+
+def test_what_may_hang_and_never_stands_on_the_floor_hangs_though_its_lower_edge_is_not_seen() -> None:
+    clock, cupboard = UprightBox([3.97, 0, 1.7], [0.05, 0.3, 0.3], 0.0), UprightBox([3.7, 2, 0.5], [0.5, 0.5, 1], 0.0)
+    assert held_by(clock, cupboard, [WALL], category=KNOWN["clock"]) == "wall"
+    assert held_by(clock, cupboard, [], category=KNOWN["clock"]) == "unnamed"
+
+
+def test_a_lamp_whose_foot_was_lost_stands_on_the_nightstand_below_it() -> None:
+    shade, chest = UprightBox([3.8, 0, 1.5], [0.3, 0.3, 0.4], 0.0), UprightBox([3.75, 0, 0.6], [0.5, 0.5, 1.2], 0.0)
+    assert held_by(shade, chest, [WALL], focal=200, category=KNOWN["table_lamp"]) == "carrier"
+    assert held_by(shade, chest, [WALL], focal=200) == "wall"
+
+
+@pytest.mark.parametrize(("label", "bottom"), [("table", 0.0), ("thing", 0.45)])
+def test_a_table_over_a_chair_stands_on_the_floor(label: str, bottom: float) -> None:
+    """Of the table only its top is seen, just above the chair's seat."""
+    boxes = {
+        "chair": UprightBox([2, 0, 0.225], [0.5, 0.5, 0.45], 0.0),
+        label: UprightBox([2, 0, 0.6], [0.6, 0.6, 0.28], 0.0),
+    }
+    found = [
+        MeasuredObject(SceneObject(id=name, label=name, mask=number), Annotation(mask=number, label=name),
+                       np.zeros((90, 90), bool), np.zeros((0, 3)), box, (box.top,), find_category(name, KNOWN))
+        for number, (name, box) in enumerate(boxes.items(), 1)
+    ]  # fmt: skip
+    lens = np.array([[30.0, 0, 45], [0, 30.0, 45], [0, 0, 1]])
+    view = DepthView(np.full((90, 90), 9.0, np.float32), lens, LOOKING_ALONG_X, USUAL_ERROR)
+    pixels, stated = np.zeros((90, 90, 3), np.uint8), Annotations(objects=[one.stated for one in found])
+    image = AnnotatedImage(pixels, view.depth, np.zeros((90, 90), np.uint16), lens, stated)
+    placed = {one.object.id: one.object for one in mount_objects("room", found, image, [], {}, view)}[label]
+    assert placed.box is not None and placed.measured_support == ("floor" if bottom == 0 else "chair")
+    assert placed.box.center[2] - placed.box.size[2] / 2 == pytest.approx(bottom)
 
 
 def test_a_cabinet_on_the_wall_beside_a_tall_fridge_hangs() -> None:

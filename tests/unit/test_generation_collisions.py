@@ -7,6 +7,7 @@ import pytest
 from shapely import Point
 
 from stages.config.generation import GenerationConfig
+from stages.generation import collisions
 from stages.generation.collisions import forbidden_shifts, resolve_collisions
 from stages.generation.mounting import move_out_of_walls
 from stages.geometry.boxes import UprightBox, corners
@@ -159,3 +160,23 @@ def test_out_of_walls():
     assert inside.center == pytest.approx([3.7, 0, 0.5])
     beyond = move_out_of_walls(UprightBox((5, 0, 0.5), (0.6, 1, 1), 0.0), [BACK])  # another room
     assert beyond.center == pytest.approx([5, 0, 0.5])
+
+
+def test_shapes_are_compared_once_and_only_where_they_may_meet(monkeypatch):
+    compared = []
+
+    def count(mover, others, touch):
+        compared.append((len(mover), len(others)))
+        return forbidden_shifts(mover, others, touch)
+
+    monkeypatch.setattr(collisions, "forbidden_shifts", count)
+    row = [thing(f"thing_{k}", (0.9 * k, 0, 0.5), (1, 1, 1)) for k in range(12)]  # each in the next: many pushes
+    items, left = solve(row, push_limit=5.0, push_rounds=60)
+    pushed = sum(item.moved > 0 for item in items.values())
+    assert not left and pushed > 3
+    assert len(compared) <= 12 * 11  # each once from either side, whatever the number of pushes
+    compared.clear()
+    apart = [thing(f"thing_{k}", (3.0 * k, 0, 0.5), (1, 1, 1)) for k in range(12)]
+    assert not solve(apart)[1] and not compared
+    above = [thing(f"thing_{k}", (0, 0, 0.5 + 1.5 * k), (1, 1, 1)) for k in range(5)]
+    assert not solve(above)[1] and not compared

@@ -71,7 +71,7 @@ def test_a_can_lies_in_a_bowl_and_stays(index: int, aside: float, tmp_path: Path
         for name, folder in folders.items()
     ]
     options = GenerationConfig()
-    result = resolve_collisions(assign_supports(items, {}, {}, options), [], options)
+    result = resolve_collisions(assign_supports(items, {}, {}, options, {}), [], options)
     assert not result.left
     physics = physics_scene()
     add_ground(physics)

@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stages.contracts.categories import known_categories
+from stages.contracts.cousins import Orientation
 from stages.contracts.objects import Mounting
 from stages.generation.placing import reaches_walls
-from stages.generation.turning import find_wall_axes, measure_rectangularity, pick_rear_at_wall, turn_to
+from stages.generation.turning import find_wall_axes, measure_rectangularity, pick_rear_at_wall, prefer_front, turn_to
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import wrap_angle, yaw_matrix
 from stages.geometry.viewing import view_yaw
@@ -84,3 +86,26 @@ def test_what_stands_on_furniture_or_is_round_is_not_extended_to_the_wall():
 def test_a_sofa_is_no_stool(size, stays):
     box = UprightBox((0, 0, 0), size, 0.0)
     assert (replace(thing("sofa", (0, 0, 0), (0.9, 2.2, 0.8)), box=box).stretch <= 2.0) == stays
+
+
+@pytest.mark.parametrize(
+    ("degrees", "scores", "category", "seen"),
+    [
+        ((180, 5), (1.0, 0.95), "sofa", 5),  # as well: the front
+        ((180, 5), (1.0, 0.5), "sofa", 180),  # seen from behind
+        ((180, 5), (1.0, 0.5), "wardrobe", 5),  # nobody sees its rear
+        ((180, 5), (1.0, 0.5), "television", 5),
+        ((180, 5), (1.0, 0.5), None, 180),
+        ((180, 5), (None, None), "picture", 5),
+        ((180, 5), (None, None), "chair", 180),  # no judge says how well they fit
+        ((120, 85, -50), (1.0, 1.0, 1.0), "chair", -50),  # the opposite one alone
+        ((60, -120), (1.0, 1.1), "chair", 60),  # a front already
+        ((180,), (1.0,), "wardrobe", 180),  # as a person says
+    ],
+)
+def test_a_front_that_fits_as_well_as_the_rear_is_what_is_seen(
+    degrees: tuple[float, ...], scores: tuple[float | None, ...], category: str | None, seen: float
+) -> None:
+    views = [Orientation(yaw=np.deg2rad(each), score=score) for each, score in zip(degrees, scores, strict=True)]
+    found = prefer_front(views, known_categories().get(category or ""))
+    assert np.rad2deg(found[0].yaw) == pytest.approx(seen)

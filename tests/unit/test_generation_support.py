@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stages.config.generation import GenerationConfig
+from stages.contracts.categories import known_categories
 from stages.contracts.objects import Wall
 from stages.generation import stacking
 from stages.generation.collisions import resolve_collisions
@@ -24,11 +25,11 @@ CUP = thing("cup", (2, 0.2, 0.87), (0.08, 0.08, 0.1))
 
 
 def tree(items, overlap=0.7, tolerance=0.15):
-    return find_supports(sort_by_height(items), overlap, tolerance)
+    return find_supports(sort_by_height(items), overlap, tolerance, known_categories())
 
 
 def stacked(items, options=GenerationConfig()):  # noqa: B008
-    return stacking.assign_supports(items, {}, {}, options)
+    return stacking.assign_supports(items, {}, {}, options, known_categories())
 
 
 def test_things_of_one_height_come_by_id_whatever_the_order():
@@ -135,13 +136,19 @@ def test_a_wall_at_an_odd_angle_is_left_alone():
 
 def test_what_noise_moved_over_the_edge_of_a_cabinet_still_stands_on_it():
     cabinet, pot = thing("cabinet", (2, 0, 0.4), (0.6, 0.6, 0.8)), thing("pot", (1.65, 0, 0.9), (0.3, 0.3, 0.2))
-    assert find_supports([cabinet, pot], 0.7, 0.15)["pot"] == "cabinet"
-    assert find_supports([cabinet, pot], 0.7, None)["pot"] == "floor"
-    assert find_supports([cabinet, thing("pot", (1.65, 0, 0.1), (0.3, 0.3, 0.2))], 0.7, 0.15)["pot"] == "floor"
+    assert find_supports([cabinet, pot], 0.7, 0.15, {})["pot"] == "cabinet"
+    assert find_supports([cabinet, pot], 0.7, None, {})["pot"] == "floor"
+    assert find_supports([cabinet, thing("pot", (1.65, 0, 0.1), (0.3, 0.3, 0.2))], 0.7, 0.15, {})["pot"] == "floor"
     other = thing("other", (1, 0, 0.4), (0.6, 0.6, 0.8))
     aside, far = (thing("pot", (x, 0, 0.9), (0.2, 0.2, 0.2)) for x in (1.55, 1.4))  # 5 and 20 cm before the cabinet
-    assert find_supports([cabinet, other, aside], 0.7, 0.15)["pot"] == "cabinet"
-    assert find_supports([cabinet, far], 0.7, 0.15)["pot"] == "unnamed"
+    assert find_supports([cabinet, other, aside], 0.7, 0.15, {})["pot"] == "cabinet"
+    assert find_supports([cabinet, far], 0.7, 0.15, {})["pot"] == "unnamed"
+
+
+def test_a_table_over_a_stool_stands_on_the_floor():
+    stool, table = thing("stool", (2, 0, 0.07), (0.3, 0.3, 0.14)), thing("table", (2, 0, 0.375), (0.8, 1.2, 0.75))
+    assert tree([stool, table])["table"] == "floor"
+    assert tree([stool, replace(table, id="box", label="box")])["box"] == "stool"
 
 
 def test_what_is_seen_high_above_all_that_was_named_stands_on_a_shelf_and_stays_there():

@@ -177,7 +177,7 @@ def test_noise_of_depth_behind_a_wall_is_no_reflection(error: DepthError, remove
     depth[right] *= 1 + 0.5 / BACK_WALL  # 46 cm behind the wall
     wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-BACK_WALL, points=100)
     seen = PointMap(depth, INTRINSICS, WORLD_FROM_CAMERA)
-    clean = remove_reflections(depth, seen, [masks == OBJECT], [wall], error)
+    clean = remove_reflections(depth, seen, [(masks == OBJECT, None)], [wall], error)
     assert np.array_equal((clean == 0) & (depth > 0), right & removed)
 
 
@@ -192,3 +192,25 @@ def test_a_mirror_is_not_as_deep_as_what_it_shows() -> None:
     assert not result.depth[shown].any() and result.depth[(masks == OBJECT) & ~shown].all()
     behind = extracted(np.where(masks == OBJECT, np.float32(6.0), depth), masks, "chair")
     assert behind.depth[masks == OBJECT].all(), "all of it: seen through a door"
+
+
+@pytest.mark.parametrize(("label", "on_wall"), [("wall mirror", True), ("chair", False), ("thing", False)])
+def test_a_mirror_that_is_seen_wholly_behind_its_wall_hangs_on_it(label: str, on_wall: bool) -> None:
+    depth, masks = trace([UprightBox([BACK_WALL - 0.02, 0, 1.5], [0.04, 0.8, 0.9], 0.0)])
+    shown = np.where(masks == OBJECT, np.float32(6.5), depth)  # what it shows is as far away as that
+    (item,) = extracted(shown, masks, label).objects.objects
+    assert item.box is not None and item.mounting is not None
+    assert (abs(item.box.center[0] - BACK_WALL) < 0.1) == on_wall == item.mounting.hangs
+    assert not on_wall or list(item.box.size[1:]) == pytest.approx([0.8, 0.9], abs=0.08)
+
+
+@pytest.mark.parametrize(("share", "removed"), [(0.3, True), (0.9, False)])  # of a cupboard in a niche little is before
+def test_what_a_sensor_smears_between_a_mirror_and_what_it_shows_is_no_part_of_it(share: float, removed: bool) -> None:
+    depth, masks = trace([UprightBox([BACK_WALL - 0.02, 0, 1.5], [0.04, 0.8, 0.9], 0.0)])
+    columns = np.flatnonzero((masks == OBJECT).any(axis=0))
+    smeared = (masks == OBJECT) & (np.arange(WIDTH) > np.quantile(columns, 1 - share))
+    depth[smeared] *= 1 + 0.2 / BACK_WALL  # 18 cm behind the wall
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-BACK_WALL, points=100)
+    seen = PointMap(depth, INTRINSICS, WORLD_FROM_CAMERA)
+    clean = remove_reflections(depth, seen, [(masks == OBJECT, None)], [wall], DepthError(0.01, 0.0))
+    assert np.array_equal((clean == 0) & (depth > 0), smeared & removed)

@@ -87,7 +87,7 @@ def _lean_board(low_x: float, high_x: float, thick: float, y: tuple[float, float
     return hull([(a + d, b, c) for a, c in ((low_x, low), (high_x, high)) for d in (0, thick) for b in y])
 
 
-@category("armchair", templates=4, names="easychair, recliner", kin="seat")
+@category("armchair", templates=4, names="easychair, recliner", kin="seat", carries="seat")
 def sample_armchair(rng: Rng, index: int) -> Sampled:
     """Cushions in a wooden frame, with wings, or a tub."""
     style = ["open", "wing", "tub", "open"][index % 4]

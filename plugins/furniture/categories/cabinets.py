@@ -59,6 +59,7 @@ def cabinet_of(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) 
     count=56,
     names="cabinet, cupboard, storage furniture, base cabinet, lower cabinet, floor cabinet, sink cabinet",
     kin="storage",
+    carries="top",
     varied=True,
     fronts=columns("D", "D D", "D D D", "D D D D", "PD", "PD PD", "DP DP", "D PPP", "PPPP D D") + rows("P DD", "DD P"),
 )
@@ -82,7 +83,9 @@ def sample_bottom_cabinet(rng: Rng, index: int) -> Sampled:
     return Sampled(size, cabinet_of(rng, layout, WOODS + STONES + TILES, major=major))
 
 
-@category("nightstand", templates=5, names="bedside cabinet, bedside table", like="nighttable", kin="storage")
+@category(
+    "nightstand", templates=5, names="bedside cabinet, bedside table", like="nighttable", kin="storage", carries="top"
+)
 def sample_nightstand(rng: Rng, index: int) -> Sampled:
     """Small, beside a bed: drawers, a door, an open shelf."""
     layout = cells_of("PO PP PD PPP OP")[index % 5]
@@ -98,6 +101,7 @@ def sample_nightstand(rng: Rng, index: int) -> Sampled:
     names="television cabinet, cabinet television, tv bench, tv cabinet, tv unit",
     like="tvconsole, mediaconsole, mediaunit",
     kin="storage",
+    carries="top",
 )
 def sample_tv_stand(rng: Rng, index: int) -> Sampled:
     """Long, very low, with open bays for what is beneath the screen."""
@@ -122,6 +126,7 @@ def sample_tv_stand(rng: Rng, index: int) -> Sampled:
     count=27,
     names="medicine cabinet, upper cabinet, cabinet upper",
     kin="storage",
+    carries="top",
     places="wall",
     varied=True,
     fronts=columns("D", "D D", "D D D", "D D D D", "DO DO", "D O") + rows("DD PP"),
@@ -143,6 +148,7 @@ def sample_wall_cabinet(rng: Rng, index: int) -> Sampled:
     templates=7,
     count=28,
     kin="storage",
+    carries="top",
     varied=True,
     fronts=columns("D PPP D", "D PP PP D", "D D PPP", "PPP D D") + rows("PPP DDD") + columns("D O D", "D D D D"),
 )
@@ -162,6 +168,7 @@ def sample_sideboard(rng: Rng, index: int) -> Sampled:
     count=26,
     names="armoire, closet",
     kin="storage",
+    carries="top",
     varied=True,
     fronts=columns("D D", "D D D", "D D D D", "DP DP", "D PPPPP") + rows("DD P P"),
 )
@@ -182,6 +189,7 @@ def sample_wardrobe(rng: Rng, index: int) -> Sampled:
     count=32,
     names="chest drawers, drawer chest, dresser, commode",
     kin="storage",
+    carries="top",
     varied=True,
     fronts=columns("PP", "PPP", "PPPP", "PPPPPP", "PPP PPP") + rows("PP P P", "PPP P P P") + columns("PPPP D"),
 )

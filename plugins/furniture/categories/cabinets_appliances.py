@@ -49,6 +49,7 @@ FURTHER_FRIDGES = range(12, 12 + len(FRIDGES))
     names="refrigerator",
     like="freezer, icebox",
     kin="appliance",
+    carries="top",
     varied=True,
     appliance=True,
 )
@@ -86,7 +87,17 @@ def _sample_further_fridge(rng: Rng, number: int) -> Sampled:
     return Sampled(size, p)
 
 
-@category("microwave", templates=4, count=12, kin="appliance", places="top", varied=True, appliance=True)
+@category(
+    "microwave",
+    templates=4,
+    count=12,
+    names="microwave oven",
+    kin="appliance",
+    carries="top",
+    places="top",
+    varied=True,
+    appliance=True,
+)
 def sample_microwave(rng: Rng, index: int) -> Sampled:
     """A glazed door beside a control panel; stands on something."""
     size = box_of(rng, (0.34, 0.44), (0.44, 0.58), (0.26, 0.34))
@@ -101,7 +112,17 @@ def sample_microwave(rng: Rng, index: int) -> Sampled:
 FURTHER_OVENS = range(12, 15)
 
 
-@category("oven", templates=3, count=15, further=FURTHER_OVENS, kin="appliance", varied=True, appliance=True)
+@category(
+    "oven",
+    templates=3,
+    count=15,
+    further=FURTHER_OVENS,
+    like="stove, cooker, hob, cooktop",
+    kin="appliance",
+    carries="top",
+    varied=True,
+    appliance=True,
+)
 def sample_oven(rng: Rng, index: int) -> Sampled:
     """A glazed flap below a control panel; the large ones have a drawer beneath. Further ones have two flaps."""
     if index in FURTHER_OVENS:
@@ -125,7 +146,7 @@ def _double_oven(rng: Rng, high: bool) -> Sampled:
     return Sampled(size, p)
 
 
-@category("dishwasher", templates=2, count=10, kin="appliance", varied=True, appliance=True)
+@category("dishwasher", templates=2, count=10, kin="appliance", carries="top", varied=True, appliance=True)
 def sample_dishwasher(rng: Rng, index: int) -> Sampled:
     """A plain flap below a narrow control panel."""
     size = box_of(rng, (0.58, 0.64), (0.44, 0.62), (0.80, 0.88))

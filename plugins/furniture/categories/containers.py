@@ -103,7 +103,7 @@ class Basket(Generator):
         return Model(parts, symmetry="full" if turned else "half_turn", placement="object")
 
 
-@category("basket", templates=4, kin="box", places="floor, top")
+@category("basket", templates=4, kin="box", carries="inside", places="floor, top")
 def sample_basket(rng: Rng, index: int) -> Sampled:
     """Round and square, with and without a handle."""
     style, handle = ["round", "square"][index % 2], "arch" if index % 4 in (1, 2) else "none"

@@ -89,7 +89,7 @@ class Desk(Generator):
         return Model(parts, moving)
 
 
-@category("desk", templates=4, kin="table")
+@category("desk", templates=4, like="workbench, workstation", kin="table", carries="top")
 def sample_desk(rng: Rng, index: int) -> Sampled:
     """With one pedestal, with two, without, with a shelf on top."""
     top, front = pick(rng, WOODS, PAINTS[:2]), pick(rng, WOODS, PAINTS)
@@ -161,7 +161,7 @@ class Bench(Generator):
         return Model(parts, symmetry="half_turn")
 
 
-@category("bench", templates=4, kin="seat")
+@category("bench", templates=4, kin="seat", carries="seat")
 def sample_bench(rng: Rng, index: int) -> Sampled:
     """A board, slats, padded; some with a back."""
     back = index % 4 == 3
@@ -223,5 +223,6 @@ WALL_SHELF = Category(
     templates=5,
     like="wallshelf, wallrack, shelfboard",
     kin="storage",
+    carries="boards",
     places="wall",
 )

@@ -130,7 +130,9 @@ class Pan(Generator):
         return Model(move_model(Model(parts), (0.0, -reach / 2, 0.0)).base, placement="object")
 
 
-@category("pan", templates=3, names="frying pan, frypan, skillet", like="saucepan", kin="dish", places="top")
+@category(
+    "pan", templates=3, names="frying pan, frypan, skillet", like="saucepan", kin="dish", carries="inside", places="top"
+)
 def sample_pan(rng: Rng, index: int) -> Sampled:
     """Flat frying pans to sauce pans with a lid."""
     diameter, lid = rng.uniform(0.2, 0.3), index % 3 == 2

@@ -50,7 +50,15 @@ class Suitcase(Generator):
         return Model(parts)
 
 
-@category("suitcase", templates=2, names="luggage, trolley case, baggage", like="briefcase, valise", kin="box")
+@category(
+    "suitcase",
+    templates=2,
+    names="luggage, trolley case, baggage",
+    like="briefcase, valise",
+    kin="box",
+    carries="top",
+    places="floor, top",
+)
 def sample_suitcase(rng: Rng, index: int) -> Sampled:
     """For the cabin or the hold, with its handle out or in."""
     tall = rng.uniform(0.53, 0.78)

@@ -55,6 +55,7 @@ class Ottoman(Generator):
     names="pouf, pouffe, footstool, foot stool, hassock",
     like="bean bag, beanbag",
     kin="seat",
+    carries="seat",
 )
 def sample_ottoman(rng: Rng, index: int) -> Sampled:
     """Cubes with a lid, poufs, footstools."""

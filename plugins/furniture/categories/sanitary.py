@@ -109,6 +109,8 @@ class Sink(Generator):
     names="basin, washbasin, wash basin, bathroom sink, kitchen sink, hand basin, lavabo",
     like="washstand, faucet, tap",
     kin="fixture",
+    carries="inside",
+    places="floor, top",
 )
 def sample_sink(rng: Rng, index: int) -> Sampled:
     """On a pedestal, on a cabinet, at the wall, of a kitchen."""

@@ -114,7 +114,7 @@ def _slat(low: Point, high: Point, y: float, width: float, depth: float) -> Trim
     return hull([(x + dx, b, z) for x, _, z in (low, high) for dx, b in corners])
 
 
-@category("chair", templates=6, count=10, names="folding chair, rocking chair, chair desk", kin="seat")
+@category("chair", templates=6, count=10, names="folding chair, rocking chair, chair desk", kin="seat", carries="seat")
 def sample_chair(rng: Rng, index: int) -> Sampled:
     """Dining chairs, some with arms, some padded."""
     arms = index % 4 == 3
@@ -173,7 +173,7 @@ class Stool(Generator):
         return Model(parts, symmetry="quarter_turn" if count == 4 else "none")
 
 
-@category("stool", templates=3, count=10, kin="seat")
+@category("stool", templates=3, count=10, kin="seat", carries="seat")
 def sample_stool(rng: Rng, index: int) -> Sampled:
     """Low stools and bar stools."""
     wide = uniform(rng, 0.32, 0.42)

@@ -56,7 +56,7 @@ class Sofa(Generator):
         return Model(parts)
 
 
-@category("sofa", templates=4, count=10, names="couch", like="settee, loveseat", kin="seat, bed")
+@category("sofa", templates=4, count=10, names="couch", like="settee, loveseat", kin="seat, bed", carries="seat")
 def sample_sofa(rng: Rng, index: int) -> Sampled:
     """Armchair to three-seater."""
     seats = [2, 3, 1, 3][index % 4]

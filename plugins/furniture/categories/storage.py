@@ -86,7 +86,9 @@ def _row(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: float, hei
         at += wide
 
 
-@category("bookshelf", templates=5, count=10, names="bookcase", like="shelf, rack, shelving", kin="storage")
+@category(
+    "bookshelf", templates=5, count=10, names="bookcase", like="shelf, rack, shelving", kin="storage", carries="boards"
+)
 def sample_bookshelf(rng: Rng, index: int) -> Sampled:
     """Narrow or wide, low or tall, with or without books."""
     columns = 1 + index % 2
@@ -134,7 +136,7 @@ class Carton(Generator):
         return Model(parts, symmetry="none" if self.label else "half_turn", placement="object")
 
 
-@category("box", templates=4, count=10, like="carton, crate, package", kin="box", places="floor, top")
+@category("box", templates=4, count=10, like="carton, crate, package", kin="box", carries="top", places="floor, top")
 def sample_box(rng: Rng, index: int) -> Sampled:
     """Cartons, boxes with a lid, crates."""
     style = ["closed", "open", "lid", "crate"][index % 4]
@@ -173,7 +175,7 @@ class Book(Generator):
         return Model(parts, placement="object")
 
 
-@category("book", templates=3, count=10, like="novel", kin="box", places="top")
+@category("book", templates=3, count=10, like="novel", kin="box", carries="top", places="top")
 def sample_book(rng: Rng, index: int) -> Sampled:
     """One to four books."""
     count = 1 + index % 4

@@ -99,7 +99,7 @@ def _sample_table(rng: Rng, index: int, legs: str, top: str, shelf: float) -> Ta
     )
 
 
-@category("table", templates=5, count=10, kin="table")
+@category("table", templates=5, count=10, like="counter, countertop, worktop, island", kin="table", carries="top")
 def sample_table(rng: Rng, index: int) -> Sampled:
     """Dining tables and desks."""
     legs = ["square", "tapered", "trestle", "pedestal", "splayed", "panels", "round"][index % 7]
@@ -116,6 +116,7 @@ def sample_table(rng: Rng, index: int) -> Sampled:
     count=10,
     names="table coffee, low table, tea table, cocktail table, center table, centre table",
     kin="table",
+    carries="top",
 )
 def sample_coffee_table(rng: Rng, index: int) -> Sampled:
     """Low tables, some with a shelf, some round."""
@@ -177,4 +178,5 @@ BED = Category(
     templates=3,
     count=10,
     kin="bed",
+    carries="seat",
 )

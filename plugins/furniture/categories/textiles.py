@@ -59,6 +59,7 @@ class Rug(Generator):
     names="carpet, mat, area rug, doormat, door mat, bath mat, floor mat",
     like="runner, kilim, tapestry",
     kin="cloth",
+    carries="floor",
 )
 def sample_rug(rng: Rng, index: int) -> Sampled:
     """From a mat before a door to a carpet beneath a table."""

@@ -61,7 +61,7 @@ class Bowl(Generator):
         return Model(hollow(outer, wall, self.colour, self.inside, CERAMIC), symmetry="full", placement="object")
 
 
-@category("bowl", templates=5, count=10, kin="dish", places="top")
+@category("bowl", templates=5, count=10, kin="dish", carries="inside", places="top")
 def sample_bowl(rng: Rng, index: int) -> Sampled:
     """Shallow and wide to deep and steep."""
     radius = rng.uniform(0.06, 0.11)
@@ -139,7 +139,7 @@ class Plate(Generator):
         return Model(hollow(outer, wall, self.colour, self.inside, CERAMIC), symmetry="full", placement="object")
 
 
-@category("plate", templates=3, count=10, kin="dish", places="top")
+@category("plate", templates=3, count=10, kin="dish", carries="inside", places="top")
 def sample_plate(rng: Rng, index: int) -> Sampled:
     """Small to large, flat to deep."""
     diameter = uniform(rng, 0.18, 0.28, 4)
@@ -176,7 +176,9 @@ class CookingPot(Generator):
         return Model(parts, symmetry="half_turn", placement="object")
 
 
-@category("cooking_pot", templates=3, count=10, names="kitchen pot, pot", kin="dish, plant", places="top")
+@category(
+    "cooking_pot", templates=3, count=10, names="kitchen pot, pot", kin="dish, plant", carries="inside", places="top"
+)
 def sample_cooking_pot(rng: Rng, index: int) -> Sampled:
     """Low casserole to tall stock pot."""
     diameter, lid = uniform(rng, 0.18, 0.30, 4), index % 2 == 0

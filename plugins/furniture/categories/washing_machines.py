@@ -100,4 +100,5 @@ WASHING_MACHINE = Category(
     names="washer, clothes washer, laundry machine, front loader, tumble dryer",
     like="tumbledryer, spinner",
     kin="appliance",
+    carries="top",
 )

@@ -36,7 +36,6 @@ KINDS = {
     "storage": "cabinet chest drawer locker console",
     "appliance": "dryer machine printer",
     "seat": "seat",
-    "table": "counter countertop workbench island",
     "dish": "dish pot jug",
     "flat": "board whiteboard blackboard tablet",
     "lamp": "lamp chandelier",
