@@ -26,6 +26,7 @@ from plugins.single_view.ends import measure_all
 from plugins.single_view.room import Room, build_room, see_camera
 from plugins.single_view.spreads import Spread
 from plugins.single_view.supports import FLOOR, find_open
+from stages.contracts import InputError
 from stages.contracts.categories import category_in
 from stages.contracts.images import read_rgb
 
@@ -95,7 +96,12 @@ def measure(folder: Path, masks: str, with_focal: bool) -> tuple[Camera, list[Th
     """The camera and the things of a picture, how many were asked for, drawn and rightly named, and CPU seconds."""
     truth, start = read(folder), time.process_time()
     focal = truth.focal if with_focal else None
-    found = find_alone(folder, focal) if masks == "none" else find_given(folder, masks, focal)
+    asked = sum(thing.named for thing in truth.things)
+    try:
+        found = find_alone(folder, focal) if masks == "none" else find_given(folder, masks, focal)
+    except InputError:  # nothing is known there
+        far = Spread(np.inf, np.inf, np.inf)
+        return Camera(*far, far), [], Counts(asked, 0, 0), time.process_time() - start
     seconds, room, pose = time.process_time() - start, found.room, truth.pose
     ends = measure_all(found.masks, list(found.labels), ~find_border(read_rgb(folder / "rgb.png")))
     up = pose[:3, :3].T @ [0, 0, 1]
@@ -115,7 +121,7 @@ def measure(folder: Path, masks: str, with_focal: bool) -> tuple[Camera, list[Th
     high, focal = room.view.above / float(pose[2, 3]), room.view.focal / truth.focal
     apart = np.abs([angles_of(room.view.rotation)[1] - angles_of(pose[:3, :3])[1], np.log(high), np.log(focal)])
     off = Camera(high - 1, tilt, focal - 1, Spread(*apart / room.spread))
-    return off, things, Counts(sum(thing.named for thing in truth.things), len(room.boxes), named), seconds
+    return off, things, Counts(asked, len(room.boxes), named), seconds
 
 
 def main() -> None:
