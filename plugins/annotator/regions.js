@@ -10,6 +10,14 @@ export const ROOM = ['floor', 'wall'];
 export const chosen = () => (state.chosen ? find(state.chosen) : null);
 export const boxOf = (item) => item.around ?? state.solved?.regions[item.id]?.box;
 
+// Where the name of a thing stands: at the upper left of its largest outline, whatever stray pixels it has.
+function corner(outlines) {
+  const boxes = outlines.map((points) => [0, 1].map((axis) => points.map((p) => p[axis])).map((all) => [Math.min(...all), Math.max(...all)]));
+  const [[x], [y]] = boxes.reduce((one, other) => (spread(other) > spread(one) ? other : one));
+  return [x, y + 13 * unit()];
+}
+const spread = (sides) => sides.reduce((size, [low, high]) => size * (high - low), 1);
+
 export function draw() {
   const over = get('over');
   svg.classList.toggle('selecting', state.tool === 'select');
@@ -20,8 +28,7 @@ export function draw() {
     if (!region) continue;
     const kind = ['region', ROOM.includes(item.label) ? 'room' : '', state.chosen === item.id ? 'chosen' : ''].join(' ').trim();
     parts.push(element('g', { class: kind, 'data-object': item.id }, region.outlines.map((points) => area(points, 'face'))));
-    const box = boxOf(item);
-    if (item.label && box) parts.push(name(nameOf(item), [box[0][0], box[0][1] + 13 * unit()]));
+    if (item.label && region.outlines.length) parts.push(name(nameOf(item), corner(region.outlines)));
   }
   parts.push(...drawOffers());
   const item = chosen();
