@@ -10,13 +10,14 @@ export const ROOM = ['floor', 'wall'];
 export const chosen = () => (state.chosen ? find(state.chosen) : null);
 export const boxOf = (item) => item.around ?? state.solved?.regions[item.id]?.box;
 
-// Where the name of a thing stands: at the upper left of its largest outline, whatever stray pixels it has.
+// Where the name of a thing stands: at the upper left point of its largest outline, whatever stray pixels it has.
 function corner(outlines) {
-  const boxes = outlines.map((points) => [0, 1].map((axis) => points.map((p) => p[axis])).map((all) => [Math.min(...all), Math.max(...all)]));
-  const [[x], [y]] = boxes.reduce((one, other) => (spread(other) > spread(one) ? other : one));
+  const points = outlines.reduce((one, other) => (spread(other) > spread(one) ? other : one));
+  const [x, y] = points.reduce((one, other) => (other[0] + other[1] < one[0] + one[1] ? other : one));
   return [x, y + 13 * unit()];
 }
-const spread = (sides) => sides.reduce((size, [low, high]) => size * (high - low), 1);
+const reach = (sides) => Math.max(...sides) - Math.min(...sides);
+const spread = (points) => reach(points.map(([x]) => x)) * reach(points.map(([, y]) => y));
 
 export function draw() {
   const over = get('over');
