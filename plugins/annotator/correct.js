@@ -53,11 +53,15 @@ function line(...parts) {
 // A name is doubted no more once a person has said it.
 const renamed = (item) => item.named || item.label !== JSON.parse(state.before.get(item.mask) ?? '{}').label;
 const doubtsOf = (item) => (made(item).doubts ?? []).filter(({ cause }) => cause !== 'name' || !renamed(item));
+const CURES = { name: 'label', size: 'width', place: 'on', mounting: 'mounting', affordance: 'models' }; // what a click on a doubt leads to
 function doubtLine(item, { text, cause }) {
   const names = cause === 'name' ? state.proposals[item.mask] ?? [] : [];
   const about = button(item, names.length ? `${nameOf(item)}?` : `${nameOf(item)}: ${text}`);
   if (names.length) about.title = text;
-  if (cause === 'name') about.addEventListener('click', () => { get('label').focus(); get('label').select(); });
+  about.addEventListener('click', () => {
+    const cure = get(CURES[cause]);
+    if (cure?.select) { cure.focus(); cure.select(); } else cure?.scrollIntoView({ block: 'nearest' }); // keys would change a list
+  });
   return line(about, ...names.map((name) => named(item, name)));
 }
 function doubts() {

@@ -10,6 +10,15 @@ export const ROOM = ['floor', 'wall'];
 export const chosen = () => (state.chosen ? find(state.chosen) : null);
 export const boxOf = (item) => item.around ?? state.solved?.regions[item.id]?.box;
 
+// Where the name of a thing stands: at the upper left point of its largest outline, whatever stray pixels it has.
+function corner(outlines) {
+  const points = outlines.reduce((one, other) => (spread(other) > spread(one) ? other : one));
+  const [x, y] = points.reduce((one, other) => (other[0] + other[1] < one[0] + one[1] ? other : one));
+  return [x, y + 13 * unit()];
+}
+const reach = (sides) => Math.max(...sides) - Math.min(...sides);
+const spread = (points) => reach(points.map(([x]) => x)) * reach(points.map(([, y]) => y));
+
 export function draw() {
   const over = get('over');
   svg.classList.toggle('selecting', state.tool === 'select');
@@ -20,8 +29,7 @@ export function draw() {
     if (!region) continue;
     const kind = ['region', ROOM.includes(item.label) ? 'room' : '', state.chosen === item.id ? 'chosen' : ''].join(' ').trim();
     parts.push(element('g', { class: kind, 'data-object': item.id }, region.outlines.map((points) => area(points, 'face'))));
-    const box = boxOf(item);
-    if (item.label && box) parts.push(name(nameOf(item), [box[0][0], box[0][1] + 13 * unit()]));
+    if (item.label && region.outlines.length) parts.push(name(nameOf(item), corner(region.outlines)));
   }
   parts.push(...drawOffers());
   const item = chosen();

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import get_args
 
-import jinja2
 from PIL import Image
 
 from plugins.importing.discover import PACK
@@ -16,6 +15,7 @@ from plugins.importing.importers import Axis
 from plugins.importing.pack import Pack
 from stages.contracts.categories import known_categories
 from stages.contracts.files import write_text
+from stages.tables.markup import environment
 
 
 def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack, counts: Mapping[str, str]) -> None:
@@ -25,23 +25,23 @@ def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack,
         pack: what they share, which the page lets its reader change and save.
         counts: by suffix, how many models tell what.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("plugins.importing", "."), autoescape=True, undefined=jinja2.StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-    page = environment.get_template("import_page.html.jinja").render(
-        source=source.name,
-        notes=NOTES,
-        used=[(model, _place(model, path), _inline(model.picture)) for model in models if model.asset is not None],
-        pack=pack,
-        counts=counts,
-        axes=get_args(Axis),
-        units=UNITS,
-        known=sorted(known_categories()),
-        file=PACK,
-        refused=[(model, _place(model, path)) for model in models if model.asset is None],
+    page = (
+        environment("plugins.importing")
+        .get_template("import_page.html.jinja")
+        .render(
+            source=source.name,
+            notes=NOTES,
+            used=[(model, _place(model, path), _inline(model.picture)) for model in models if model.asset is not None],
+            pack=pack,
+            counts=counts,
+            axes=get_args(Axis),
+            units=UNITS,
+            known=sorted(known_categories()),
+            file=PACK,
+            refused=[(model, _place(model, path)) for model in models if model.asset is None],
+        )
     )
-    write_text(path, page + "\n")
+    write_text(path, page)
 
 
 def _place(model: Examined, page: Path) -> str:

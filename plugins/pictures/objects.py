@@ -1,4 +1,4 @@
-"""Command `objects`: overview.png, the picture with outlines, names, mounting types and projected boxes."""
+"""Command `objects`: overview.png, the picture with outlines, names, how each thing is held, and projected boxes."""
 
 from pathlib import Path
 from typing import Any
@@ -15,9 +15,11 @@ from stages.contracts.objects import SceneObject
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
 from stages.geometry.frames import invert_transform, transform_points
+from stages.tables.text import count
 
 WIDTH = 1280  # pixels to which every picture is drawn: pages show it at about half of that, whatever its own size
 LINE, PADDING = 3, 5  # pixels
+HELD = {1: "hangs on", 2: "stands free", 3: "stands at"}  # by the type of `Mounting`, before its walls
 
 
 def run(*, objects: Path, image: Path, out: Path) -> None:
@@ -62,11 +64,10 @@ def _wireframe(canvas: ImageDraw.ImageDraw, item: SceneObject, objects: Objects,
 def _caption(item: SceneObject) -> str:
     parts = []
     if item.mounting is not None:
-        parts.append(f"mount {item.mounting.type}")
-        parts += [wall.replace("wall_", "w") for wall in item.mounting.walls]
-    if item.doors or item.drawers:
-        parts.append(f"{item.doors}d {item.drawers}dr")
-    return "\n".join([item.id, "  ".join(parts)]) if parts else item.id
+        walls = " and ".join(wall.replace("_", " ") for wall in item.mounting.walls)
+        parts.append(f"{HELD[item.mounting.type]} {walls}".strip())
+    parts += [count(number, noun) for number, noun in ((item.doors, "door"), (item.drawers, "drawer")) if number]
+    return "\n".join([item.id.replace("_", " "), *([", ".join(parts)] if parts else [])])
 
 
 class _Captions:

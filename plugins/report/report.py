@@ -34,7 +34,7 @@ from stages.tables.markup import Table, environment
 from stages.tables.methods import join_published, kinds_of
 from stages.tables.order import title as title_of
 from stages.tables.policy_notes import policy_notes
-from stages.tables.rows import published_policies, read_table
+from stages.tables.rows import published_policies, read_table, records
 from stages.tables.scenes import parse_comparisons
 from stages.tables.text import count, number, percent
 
@@ -99,16 +99,19 @@ def _tables(files: RunFiles, published: Path, options: PolicyTables) -> dict[str
     by_role = result.compare_over_roles(cells, judged, kinds)
     first = [*over_assets, *(each for each in by_role if each.target not in {one.target for one in over_assets})]
     paper = None if cells is None else join_published(published_policies(published), cells, options)
+    claimed = table(claim_tables.claims_table, "table3_claims", options)
+    unsaid = judged is not None and all(map(claim_tables.count_lacking_runs, records(judged)))
     return {
+        "rebuilt": result.describe_rooms(frames.get("table2")),
         "results": first,
         "roles": [each for each in by_role if each not in first],
-        "trained": len(trainings),
         "of_policies": [
             *(trained if failed(trainings) else []),
             *table(claim_tables.assets_table, "assets", options, kinds, notes),
-            *table(claim_tables.claims_table, "table3_claims", options),
+            *([] if unsaid else claimed),
         ],
         "folded": [
+            *(claimed if unsaid else []),
             *table(claim_tables.by_handle_table, "assets_by_handle", options),
             *([] if failed(trainings) else trained),
         ],

@@ -3,7 +3,8 @@
 import re
 from dataclasses import dataclass, field, replace
 from functools import cache
-from itertools import compress
+from itertools import compress, groupby
+from operator import itemgetter
 from typing import Any
 
 import jinja2
@@ -22,6 +23,14 @@ class Table:
     rows: list[list[str]]
     headers: int = 1
     notes: list[str] = field(default_factory=list)
+
+    @property
+    def groups(self) -> list[tuple[str, list[list[str]]]]:
+        """Rows that follow each other with the same first cell, under it and without it; if none do, all under ""."""
+        found = [(head, list(rows)) for head, rows in groupby(self.rows, key=itemgetter(0))]
+        if self.headers < 2 or len(found) == len(self.rows):
+            return [("", self.rows)]
+        return [(head, [row[1:] for row in rows]) for head, rows in found]
 
     def drop_empty(self) -> "Table":
         """The rows that were run, and the columns with a value of ours."""

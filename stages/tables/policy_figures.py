@@ -69,7 +69,7 @@ def figure4(cells: pd.DataFrame, published: pd.DataFrame, more: Panels | None = 
     rows = _rows(cells if more is None else pd.concat([cells, more.rows]), published)
     first = 0 if more is None else more.columns
     columns = first + (2 if len(cells) and any(len(of_row(published, row)) for row in rows) else 1)
-    width = max(4.6, 3.4 * columns)
+    width = max(4.6, 2.9 * columns)  # four panels are as wide as a page, so that their text is not shrunk
     figure, axes = plt.subplots(
         len(rows), columns, figsize=(width, 3.0 * len(rows) + 0.3), squeeze=False, layout="constrained"
     )
@@ -77,21 +77,22 @@ def figure4(cells: pd.DataFrame, published: pd.DataFrame, more: Panels | None = 
         if more is not None:
             more.draw(panels[:first], row)
         name = f"{row_title(row)}{', roles' if first else ''}"
-        _distances(panels[first], of_row(cells, row), name, "not run", encoder)
+        _distances(panels[first], of_row(cells, row), name, encoder)
         if columns == first + 2:
             paper = _with_deviation(of_row(published, row))
-            _distances(panels[-1], paper, f"{row_title(row)}, paper", "not in the paper", "DINOv2")
+            panels[-1].set_visible(len(paper) > 0)
+            _distances(panels[-1], paper, f"{row_title(row)}, paper", "DINOv2")
         panels[0].set_ylabel("success (%)")
     _legend(figure, int(width / 2.2))
     return figure
 
 
-def _distances(panel: Axes, cells: pd.DataFrame, name: str, missing: str, encoder: str) -> None:
+def _distances(panel: Axes, cells: pd.DataFrame, name: str, encoder: str) -> None:
     """One panel of Figure 4."""
     rate_axis(panel, False)
     panel.set_title(name, loc="left")
     if cells.empty:
-        mark_not_run(panel, missing)
+        mark_not_run(panel)
         panel.set_xticks([])
         return
     cells = cells.sort_values("feature_distance")
@@ -102,33 +103,34 @@ def _distances(panel: Axes, cells: pd.DataFrame, name: str, missing: str, encode
         shift = step * (index - (len(sets) - 1) / 2)  # keeps the bars of different sets apart
         draw_rates(panel, line["feature_distance"] + shift, line, training_set)
     names = ", ".join(title(asset) for asset in cells["test_asset"].unique())
-    panel.set_xlabel(f"{distance_from_twin(encoder)}\n{names}", size=7.5)
+    panel.set_xlabel(f"{distance_from_twin(encoder)}\n{fill(names, 40)}")
 
 
 def figure9(cells: pd.DataFrame, published: pd.DataFrame) -> Figure:
-    """A panel per target and policy (rows) and training set (columns): ours, and the paper's as a faint dashed line.
+    """A panel per target and policy (rows) and training set of ours (columns); the paper's as a faint dashed line.
 
     The four test assets stand from left to right, as in the paper: distances under different encoders do not compare.
     Our bars are the standard deviation over runs where there are two or more, else the interval of the run.
     """
     cells = _select_tested(cells)
-    rows, sets = _rows(cells, published), sorted({*cells["training_set"], *published["training_set"]}, key=set_key)
+    rows = _rows(cells, published)
+    sets = sorted({*(cells if len(cells) else published)["training_set"]}, key=set_key)
     test_assets = sorted({*cells["test_asset"], *published["test_asset"]}, key=set_key)
     figure, axes = plt.subplots(
-        len(rows), len(sets), figsize=(2.1 * len(sets), 2.0 * len(rows) + 0.5), squeeze=False, sharex=True,
+        len(rows), len(sets), figsize=(max(4.6, 2.6 * len(sets)), 2.2 * len(rows) + 0.5), squeeze=False, sharex=True,
         sharey=True, layout="constrained",
     )  # fmt: skip
     for number, row in enumerate(rows):
         for column, name in enumerate(sets):
             panel = axes[number, column]
             rate_axis(panel, column == 0)
-            panel.set_xticks(range(len(test_assets)), [title(name) for name in test_assets], size=6.5, rotation=30)
+            panel.set_xticks(range(len(test_assets)), [title(name) for name in test_assets], size=8, rotation=30)
             panel.set_xlim(-0.4, len(test_assets) - 0.6)
             if number == 0:
                 panel.set_title(title(name), color=color(name))
             _positions(panel, name, test_assets, of_row(cells, row, name), of_row(published, row, name))
         axes[number, 0].set_ylabel(f"{fill(row_title(row), 16)}\nsuccess (%)")
-    _legend(figure, 6)
+    _legend(figure, min(len(sets) + 1, 4))
     return figure
 
 
@@ -141,7 +143,7 @@ def _positions(panel: Axes, name: str, test_assets: list[str], ours: pd.DataFram
         panel.fill_between(places, 100 * theirs["low"], 100 * theirs["high"], color=GREY, alpha=0.12, linewidth=0)
     if ours.empty:
         height = 0.5 if theirs.empty else 0.13 if theirs["mean"].mean() > 0.35 else 0.8  # clear of the paper's line
-        mark_not_run(panel, "not run" if len(theirs) else "not run,\nnor in the paper", height)
+        mark_not_run(panel, height=height)
         return
     ours = ours.sort_values("test_asset", key=lambda column: column.map(test_assets.index))
     deviation = _with_deviation(ours)

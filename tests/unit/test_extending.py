@@ -22,7 +22,7 @@ from stages.config import code
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.model import load, merge_mappings, with_defaults
-from stages.contracts import InputError, LibraryPart, Objects, read_json
+from stages.contracts import InputError, Library, LibraryPart, Objects, read_json, write_json
 from stages.contracts.policy_folder import read_config
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
@@ -39,7 +39,7 @@ from stages.training.train import run as train
 from tests.refusals import refused
 from tests.toy_reach import write_store
 from tests.unit.demo_assets import cabinet
-from tests.unit.matching_data import World
+from tests.unit.matching_data import MODELS, World
 from tests.unit.synthetic_room import write_room
 from tests.workflow.workspace import ROOT, make, snakemake
 
@@ -89,7 +89,7 @@ def test_every_config_line_of_the_page_is_one(package: Path) -> None:
 def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> None:
     training = {"configs": {"mine": {"policy": "mean_action"}}}
     experiment = {
-        "variants": {"b": {"model_selection": "by_name"}},
+        "variants": {"b": {"model_selection": "by_height"}},
         "rooms": ["attic"],
         "targets": {},
         "policies": {"mine": {}},
@@ -105,7 +105,7 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
     )
     assert config.matching.encoder == "my_package.encoders.colors" and config.matching.search == "torch"
     assert config.assets.importers == ["urdf", "my_package.importers.off"]
-    assert config.matching_of("b").model_selection == "my_package.judges.by_name"
+    assert config.matching_of("b").model_selection == "my_package.judges.by_height"
     assert config.training.configs["mine"].policy == "my_package.policies.mean_action"
     for wrong, kind, named in (
         ({"matching": {"encoder": "color"}}, "E-PLUGIN-UNKNOWN", "did you mean 'colors'?"),
@@ -127,7 +127,7 @@ def test_a_module_that_is_not_there_or_defines_nothing_is_one_line(package: Path
     with refused("E-PLUGIN-PACKAGE"):
         implementation("encoders", "my_package.encoders.color")
     with refused("E-PLUGIN-SYMBOL"):
-        implementation("encoders", "my_package.judges.by_name")
+        implementation("encoders", "my_package.judges.by_height")
     (package / "judges" / "broken.py").write_text("import nothing_of_that_name\nclass Judge: ...")
     with pytest.raises(ModuleNotFoundError, match="nothing_of_that_name"):
         implementation("judges", "my_package.judges.broken")
@@ -160,7 +160,7 @@ def test_an_edit_of_a_plugin_or_of_what_it_imports_changes_the_digest(
         path.write_text(content)
         seen.add(digest())
     assert len(seen) == 4
-    (package / "judges" / "by_name.py").touch()
+    (package / "judges" / "by_height.py").touch()
     encoder.write_text(text)
     helper.unlink()
     assert digest() in seen
@@ -210,12 +210,17 @@ def test_encoder_text_encoder_search_and_judge(package: Path, tmp_path: Path) ->
         encoder="my_package.encoders.colors",
         text_encoder="my_package.text_encoders.last_word",
         search="my_package.searches.brute",
-        model_selection="my_package.judges.by_name",
+        model_selection="my_package.judges.by_height",
         kwargs={"colors": {"grid": 8}},
     )
+    library = read_json(Library, world.library)
+    sized = [entry.model_copy(update={"size": MODELS[entry.id][1]}) for entry in library.assets]
+    write_json(world.library, library.model_copy(update={"assets": sized}))
     first = world.match(tmp_path / "cousins.json", count_threshold=None).objects[0]
-    assert first.decided_by == "my_package.judges.by_name" and first.orientation_decided_by == "distance"
-    assert [cousin.asset for cousin in first.cousins] == sorted(cousin.asset for cousin in first.cousins)
+    assert first.decided_by == "my_package.judges.by_height" and first.orientation_decided_by == "distance"
+    high = read_json(Objects, world.objects).objects[0].box.size[2]  # type: ignore[union-attr]
+    gaps = [abs(MODELS[cousin.asset][1][2] - high) for cousin in first.cousins]
+    assert gaps == sorted(gaps) and gaps[0] < gaps[-1]
     assert {category.category for category in first.categories} == {"cabinet"}
     nearest = first.by_distance[0]
     assert (
@@ -369,7 +374,7 @@ def test_a_run_with_plugins_has_a_dag(tmp_path: Path) -> None:
         "plugins: [my_package]\n"
         "assets: {importers: [urdf, 'off']}\n"
         "extraction: {source: smoothed}\n"
-        "matching: {encoder: colors, text_encoder: last_word, search: brute, model_selection: by_name}\n"
+        "matching: {encoder: colors, text_encoder: last_word, search: brute, model_selection: by_height}\n"
         "training: {configs: {mean: {policy: mean_action, points: 64, num_checkpoints: 1}}}\n"
         "experiment: {rooms: [room_1, attic], targets: {touch: {room: room_1, object: cabinet_1}, door: null},\n"
         "  policies: {mean: {}, micro: null, micro_handle: null}}\n"

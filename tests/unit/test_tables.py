@@ -292,6 +292,17 @@ def test_rows_and_columns_that_were_not_run_are_left_out() -> None:
     assert (table.drop_empty().columns, table.drop_empty().rows) == (["asset", "a"], [["twin", "9 %"], skill[:2]])
 
 
+def test_rows_that_begin_alike_stand_under_one_heading() -> None:
+    rows = [["door", "twin", "9 %"], ["door", "all", "8 %"], ["bowl", "twin", "7 %"]]
+    table = Table("t", "", ["task", "asset", "a"], rows, headers=2)
+    assert table.groups == [("door", [["twin", "9 %"], ["all", "8 %"]]), ("bowl", [["twin", "7 %"]])]
+    page = html([table], "t")
+    assert (
+        page.count(">door<") == page.count('colspan="2"') / 2 == 1 and 'data-label="a"' in page and "task" not in page
+    )
+    assert Table("t", "", table.columns, rows[1:], headers=2).groups == [("", rows[1:])]
+
+
 @pytest.mark.parametrize(
     ("rate", "text"),
     [

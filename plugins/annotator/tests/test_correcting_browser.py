@@ -170,6 +170,34 @@ def test_doubted_names_come_first_and_a_click_settles_each(browser: Any, tmp_pat
         page.wait_for_function("() => document.querySelectorAll('#in-doubt li').length === 1")
 
 
+def test_names_stand_at_the_largest_outline_and_keep_their_numbers(browser: Any, tmp_path: Path) -> None:  # noqa: F811
+    """A stray pixel far off moves no name; a doubt about a size leads to the field for it."""
+    folder = write_room(tmp_path / "kitchen", BOXES, ["cabinet", "cabinet"])
+    masks = np.array(Image.open(folder / "masks.png"))
+    masks[0, 0] = CABINET
+    Image.fromarray(masks).save(folder / "masks.png")
+    given = json.loads((folder / "annotations.json").read_text())
+    given["objects"][1]["doubts"] = [{"cause": "size", "what": "cut off by the picture's border"}]
+    (folder / "annotations.json").write_text(json.dumps(given))
+    session = Correcting(folder, ["mug"], tmp_path / "results", "kitchen")
+    with watched(browser, session, "#over polygon") as page:
+        shown = page.locator("#over text")
+        assert sorted(shown.all_text_contents())[:2] == ["cabinet 1", "cabinet 2"]
+        first = page.locator("#over text", has_text="cabinet 1")
+        columns = np.nonzero(masks[1:] == CABINET)[1]
+        assert float(first.get_attribute("x")) > columns.min() - 5
+        page.locator("#in-doubt button").first.click()
+        assert page.evaluate("document.activeElement.id") == "width"
+        page.locator("#objects button", has_text="cabinet 2").click()
+        page.locator("#label").fill("sofa")
+        page.keyboard.press("Enter")
+        page.locator("#objects button", has_text="cabinet").first.click()
+        page.locator("#label").fill("sofa")
+        page.keyboard.press("Enter")
+        page.wait_for_function("() => document.querySelector('#objects').textContent.includes('sofa 2')")
+        assert page.locator("#objects button").nth(0).text_content() == "sofa 2"  # the second to be called so
+
+
 def test_a_room_is_put_right_from_its_doubt_on_and_made_again(opened: Any, session: Correcting) -> None:
     """Nine actions; of what comes of them extraction reads all but the model, which generation reads."""
     page, results = opened, session.folder.parent / "results"

@@ -175,15 +175,13 @@ def test_the_papers_own_numbers_stand_beside_ours() -> None:
 
 def test_the_headline_gives_the_numbers_of_one_seed_and_says_what_they_are() -> None:
     one = answers({name: runs[:1] for name, runs in AS_PAPER.items()}).reset_index()
-    line, (said, again) = sentences(one, "door", {"lite": "lite"})
+    line, (again,) = sentences(one, "door", {"lite": "lite"})
     row = one[one["claim"] == "unseen"].iloc[0]
-    ends = f"{percent(row['theirs'])} → {percent(row['ours'])}".replace(" ", "\N{NO-BREAK SPACE}")
-    assert line.startswith("success at door opening on ")
-    assert f"8 cousins instead of the twin: {ends}, +" in line and line.endswith("]")
-    assert said.startswith(f"Lite: {ends}, +") and said.endswith(
-        "with 8 cousins instead of the twin, for these policies."
+    assert line.startswith("Door opening on ") and line.endswith("]")
+    assert (
+        f" succeeds {percent(row['ours'])} of the time after training on 8 cousins, {percent(row['theirs'])} " in line
     )
-    assert "[" in said and "training again: set <code>experiment: {seeds: [0, 1]}" in again
+    assert "training again: set <code>experiment: {seeds: [0, 1]}" in again
     _, (judged,) = sentences(answers(AS_PAPER).reset_index(), "door", {"lite": "lite"})
     assert judged.endswith("over 6 and 6 seeds of training: that cousins help holds.")
     assert sentences(None, "door", {}) == ("", []) == sentences(one, "door", {"other": "lite"})

@@ -111,6 +111,7 @@ def test_figure_4_has_a_point_per_asset_and_thirds_of_the_assets(rows: pd.DataFr
         "distance from the twin, 24 assets", "length of the handle (m), 24 assets",
     ]  # fmt: skip
     assert len(panels) == 8 and panels[4].get_title(loc="left") == "Door opening, lite_handle"
+    assert [panel.get_visible() for panel in panels] == [True] * 7 + [False]  # the paper has no such policy
 
 
 def test_names_of_rows_and_sets() -> None:

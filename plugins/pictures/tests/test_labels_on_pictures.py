@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plugins.pictures.objects import WIDTH, draw_overview
+from plugins.pictures.objects import WIDTH, _caption, draw_overview
 from plugins.pictures.previews import draw_side_by_side
 from plugins.pictures.snapshots import TILE, contact_sheet
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject, Wall
@@ -75,3 +75,12 @@ def test_names_of_models_can_be_read_where_a_page_shows_the_sheet() -> None:
     sheet = np.asarray(contact_sheet(np.full((1, 1, 64, 64, 3), 255, np.uint8), ["wall_cabinet_04"]))
     rows, columns = np.nonzero((sheet < 128).all(axis=2))
     assert rows.max() - rows.min() >= 12 and columns.max() < TILE
+
+
+def test_a_label_says_in_words_how_a_thing_is_held() -> None:
+    item = SceneObject(id="wall_cabinet_1", label="wall cabinet", mask=1, points=9, doors=1, drawers=2)
+    held = [Mounting(type=1, walls=["wall_1"]), Mounting(type=2), Mounting(type=3, walls=["wall_1", "wall_2"])]
+    assert [_caption(item.model_copy(update={"mounting": how})) for how in held] == [
+        f"wall cabinet 1\n{words}, 1 door, 2 drawers"
+        for words in ("hangs on wall 1", "stands free", "stands at wall 1 and wall 2")
+    ]

@@ -12,7 +12,8 @@ from plugins.report.page.charts import success_chart
 from stages.tables.methods import Kinds
 from stages.tables.order import SKILL, set_key, target_title, title
 from stages.tables.rows import records
-from stages.tables.text import percent
+from stages.tables.table2 import TOTAL
+from stages.tables.text import number, percent
 
 
 class Result(NamedTuple):
@@ -32,15 +33,22 @@ AGAIN = Markup(
 )
 
 
-def _format_ends(row: dict[str, Any]) -> str:
-    return f"{percent(row['theirs'])} → {percent(row['ours'])}".replace(" ", "\N{NO-BREAK SPACE}")
+def describe_rooms(table: pd.DataFrame | None) -> str:
+    """How well rooms are rebuilt, in words, by the total of the first variant in Table 2; empty: not scored."""
+    totals = records(table[table["scene"] == TOTAL]) if table is not None else []
+    if not totals:
+        return ""
+    row = totals[0]
+    ends = f" [{number(row['l2_cm_low'], 1)}, {number(row['l2_cm_high'], 1)}]" if pd.notna(row["l2_cm_low"]) else ""
+    return (
+        f"{row['category_correct']} of {row['n_objects']} objects have the right category, and they stand "
+        f"{number(row['l2_cm_mean'], 1)} cm{ends} from their true places"
+    )
 
 
 def _verdict(row: dict[str, Any], name: str) -> str:
-    """The difference, its interval, and whom it is about."""
-    text = f"{name}: {_format_ends(row)}, {evidence(row)} with {title(row['training_set'])} instead of the twin"
-    if count_lacking_runs(row):
-        return f"{text}, for these policies."
+    """The difference, its interval, and what it says of training."""
+    text = f"{name}: {evidence(row)} with {title(row['training_set'])} instead of the twin"
     seeds = f"over {row['runs']} and {row['baseline_runs']} seeds of training"
     verdict = "whether cousins help cannot be said" if row["verdict"] == OPEN else f"that cousins help {row['verdict']}"
     return f"{text}, {seeds}: {verdict}."
@@ -58,16 +66,14 @@ def sentences(claims: pd.DataFrame | None, target: str, names: dict[str, str]) -
         return "", []
     first = rows[0]
     over = title_of(first["assets"], "held-out roles" if first["over"] == "roles" else first["over"])
-    whose = {policy: name.replace(" (", ", ").rstrip(")") for policy, name in names.items()}
-    alike = [row for row in rows if all(row[key] == first[key] for key in ("over", "assets", "training_set"))]
-    ends = ", ".join(
-        f"{_format_ends(row)}, {evidence(row)}" + f" ({whose[row['policy']]})" * (len(alike) > 1) for row in alike
-    )
     what = target_title(first["target"], first["task"])
-    line = f"success at {what[0].lower()}{what[1:]} on {over}, trained on {title(first['training_set'])} "
+    line = (
+        f"{what} on {over} succeeds {percent(first['ours'])} of the time after training on "
+        f"{title(first['training_set'])}, {percent(first['theirs'])} after training on the twin: {evidence(first)}"
+    )
     again = [AGAIN] if any(map(count_lacking_runs, rows)) else []
-    verdicts = [_verdict(row, names[row["policy"]]) for row in rows]
-    return f"{line}instead of the twin: {ends}", [*(one[0].upper() + one[1:] for one in verdicts), *again]
+    verdicts = [_verdict(row, names[row["policy"]]) for row in rows if not count_lacking_runs(row)]
+    return line, [*(one[0].upper() + one[1:] for one in verdicts), *again]
 
 
 def compare_over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: Kinds) -> list[Result]:
