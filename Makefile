@@ -20,7 +20,7 @@ cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(p
 quoted = '$(subst ','\'',$(1))'
 text = $(call quoted, '$(subst ','',$(value $(1)))' )
 
-.PHONY: help setup site wheel demo all study unseen registered table2 paper folder weights picture test slurm test-cluster lint types config reference lock containers clean
+.PHONY: help setup site wheel demo all study unseen registered table2 paper folder weights picture test verify slurm test-cluster lint types config reference lock containers clean
 help: ## list the commands
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -85,6 +85,9 @@ slurm: $(STAMP) ## the executor plugin that profiles/slurm needs
 test-cluster: setup slurm ## the workflow on a real SLURM of two nodes on this machine, and its faults; installs SLURM (as root)
 	bash envs/slurm.sh
 	$(BIN)/python -m pytest -m cluster $(CLUSTER)
+
+verify: $(STAMP) ## are all files of results/ as the run left them? what is broken, and what makes it anew; IN: another folder
+	@$(BIN)/python -m plugins.ops verify --results $(IN)/results
 
 lint: $(STAMP) ## ruff, snakefmt, snakemake --lint
 	$(BIN)/ruff check .

@@ -17,6 +17,7 @@ from plugins.in_scene.room import read_room
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts import GeneratedScene, InputError, read_json, read_options, write_json
 from stages.contracts.archives import pack
+from stages.contracts.errors import ObjectError
 from stages.contracts.look import ROOM_LIGHT
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
@@ -85,7 +86,7 @@ def run(
         for path, generated in read.items():
             try:
                 one, taken = demonstrate_in_scene(path, generated, setting)
-            except InputError as error:  # a model that this task cannot use
+            except ObjectError as error:  # a model that this task cannot use
                 one, taken = _failed(generated, str(error)[:900]), None
             found.append(one)
             if one.film and taken:

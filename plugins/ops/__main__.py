@@ -3,4 +3,10 @@
 from stages.cli import main
 
 if __name__ == "__main__":
-    main("plugins.ops", {"cluster": "what a SLURM cluster has and lacks, from one of its login nodes"})
+    main(
+        "plugins.ops",
+        {
+            "cluster": "what a SLURM cluster has and lacks, from one of its login nodes",
+            "verify": "finished results against what the run recorded of them",
+        },
+    )

@@ -13,6 +13,7 @@ from stages.articulated.model import RobotModel
 from stages.articulated.part_types import contract_joints, copy_part_types, count_parts
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
+from stages.contracts import checksums
 from stages.contracts.errors import InputError
 from stages.contracts.files import as_json, ask_before_writing, make_partial_path, read_json
 from stages.contracts.library import Asset, Placement, Recipe, Symmetry
@@ -119,8 +120,10 @@ def atomic_folder(out: Path) -> Iterator[Path]:
         with name_file_in_errors(out):
             yield folder
             ask_before_writing(out)
+            checksums.forget(out)
             if out.exists():
                 shutil.rmtree(out)
             folder.replace(out)
+            checksums.record(out)
     finally:
         shutil.rmtree(folder, ignore_errors=True)

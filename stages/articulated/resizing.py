@@ -11,7 +11,7 @@ import numpy as np
 from stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
 from stages.articulated.model import RobotModel
 from stages.articulated.stretching import stretch_model
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, ObjectError
 from stages.contracts.library import Asset, Finish, Recipe, Vector
 from stages.contracts.types import LARGEST
 from stages.plugins import load_all
@@ -66,12 +66,12 @@ def resize_model(folder: Path, asset: Asset, size: Sequence[float], by_recipe: b
         by_recipe: make a model that has a recipe anew; else everything in it is scaled per axis.
 
     Raises:
-        InputError: the size is not positive, or not of this world.
+        ObjectError: the size is not positive, or not of this world.
     """
     x, y, z = (float(value) for value in size)
     if not all(0 < extent <= LARGEST for extent in (x, y, z)):
         fix = f"all extents must be positive, {LARGEST:g} m at most"
-        raise InputError(folder, f"cannot be resized to {x:g} x {y:g} x {z:g} m.", fix, code="E-MODEL-SIZE")
+        raise ObjectError(folder, f"cannot be resized to {x:g} x {y:g} x {z:g} m.", fix, code="E-MODEL-SIZE")
     about = Description(asset.id, asset.category, asset.licence, asset.provenance, asset.symmetry, asset.placement)
     if by_recipe and asset.recipe is not None:
         return load_maker().make_model(asset.recipe, (x, y, z), about)

@@ -3,12 +3,14 @@
 The workflow runs it after every stage, so that a stage replaced by the user's own command is held to the
 same contract; the files beside a file that belong to its contract are checked too. Exit code 1 and one line
 naming file and field if a file breaks it. With `--refuse` all files of the command are then renamed to
-`<name>.refused`: they are no result, but they are not lost either.
+`<name>.refused`: they are no result, but they are not lost either; of files that keep it the checksums are recorded,
+as the user's own command does not.
 """
 
 import sys
 from pathlib import Path
 
+from stages.contracts.checksums import forget, record
 from stages.contracts.errors import InputError
 from stages.contracts.kinds import KINDS
 from stages.contracts.system import line_of
@@ -37,10 +39,16 @@ def parse(arguments: list[str]) -> list[tuple[str, Path]]:
     return pairs
 
 
+def list_files(pairs: list[tuple[str, Path]]) -> dict[Path, None]:
+    """The files and their companions, each once."""
+    return dict.fromkeys(path for kind, file in pairs for path in KINDS[kind].files(file))
+
+
 def set_aside(pairs: list[tuple[str, Path]]) -> list[Path]:
     """Rename the files and their companions; returns the new paths."""
     kept = []
-    for path in dict.fromkeys(path for kind, file in pairs for path in KINDS[kind].files(file)):
+    for path in list_files(pairs):
+        forget(path)
         kept.append(path.replace(path.with_name(path.name + REFUSED)))
     return kept
 
@@ -56,6 +64,8 @@ def main(arguments: list[str]) -> int:
     try:
         for kind, path in pairs:
             KINDS[kind].check(path)
+        for path in list_files(pairs) if refuse else []:
+            record(path)
     except OSError as error:
         print(f"error: {line_of(error)}", file=sys.stderr)
         return 1

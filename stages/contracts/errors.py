@@ -21,6 +21,13 @@ class InputError(Exception):
         super().__init__((f"{self.where}: " if where else "") + self.what + (f" Fix: {self.fix}" if fix else ""))
 
 
+class ObjectError(InputError):
+    """One object, or the model in its place, cannot be used: that object fails, and the others go on.
+
+    A file that cannot be read is none: it would be counted against the method.
+    """
+
+
 def escape_control(text: str) -> str:
     """A text that a terminal shows as it is: what steers it, as names of files may, and line breaks but our own, which
     are indented, are written as escapes."""

@@ -11,6 +11,7 @@ from typing import Any, Literal, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from stages.contracts import checksums
 from stages.contracts.errors import InputError
 from stages.contracts.system import name_file_in_errors, sync, sync_names
 
@@ -50,6 +51,8 @@ def ask_before_writing(path: Path) -> None:
 def write_atomically(path: Path) -> Iterator[Path]:
     """Yield a temporary path (same folder and suffix) that replaces `path` only if the block succeeds.
 
+    The checksum of a result is recorded.
+
     Raises:
         InputError: one of `BEFORE_WRITING` refuses.
     """
@@ -61,8 +64,10 @@ def write_atomically(path: Path) -> Iterator[Path]:
             yield temporary
             sync(temporary)
             ask_before_writing(path)
+            checksums.forget(path)
             temporary.replace(path)
             sync_names(path.parent)
+            checksums.record(path)
     finally:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.contracts import Asset, InputError
+from stages.contracts import Asset
 from stages.contracts.doubt import DoubtKind
+from stages.contracts.errors import ObjectError
 from stages.generation.finishing import paint
 from stages.generation.inputs import Inputs, MatchedObject
 from stages.generation.models import resize
@@ -17,14 +18,18 @@ SAME_MEANING = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or 
 
 
 def choose_models(inputs: Inputs, rank: int, places: Places) -> tuple[list[Placed], dict[str, str]]:
-    """The cousins of one rank: turned, sized and mounted where their objects are; and why others cannot be, by id."""
+    """The cousins of one rank: turned, sized and mounted where their objects are; and why others cannot be, by id.
+
+    Raises:
+        InputError: a file of the library is broken: no fault of the object.
+    """
     items, failed, models = list[Placed](), dict[str, str](), dict[int, str]()
     for one in inputs.matched:
         try:
             item = choose(one, rank, models, places)
             models[one.object.mask] = item.asset.id
             items.append(resize(paint(item, one.color)))
-        except InputError as error:
+        except ObjectError as error:
             failed[one.object.id] = error.what
     return items, failed
 
@@ -37,18 +42,18 @@ def choose(one: MatchedObject, rank: int, models: Mapping[int, str], places: Pla
         models: asset by mask value, of what stands in this scene already.
 
     Raises:
-        InputError: the object has no cousin left, or the library lacks it.
+        ObjectError: the object has no cousin left, or the library lacks it.
     """
     stated, name = one.correction, one.object.id
     if one.failed:
-        raise InputError(name, one.failed, code="E-OBJECT-FAILED")
+        raise ObjectError(name, one.failed, code="E-OBJECT-FAILED")
     if stated.like is not None and stated.like in models:
         return take_stated(models[stated.like], one, places, "the model of what it is like, as a person says")
     if stated.model is not None and (stated.pinned or rank == 1):
         return take_stated(stated.model, one, places, "chosen by a person")
     cousins = [cousin for cousin in one.cousins if cousin.asset not in {stated.model, *stated.banned}]
     if not cousins:
-        raise InputError(name, "all of its cousins are banned", code="E-COUSINS-BANNED")
+        raise ObjectError(name, "all of its cousins are banned", code="E-COUSINS-BANNED")
     rank -= stated.model is not None and rank > 1
     categories = find_synonyms(one.distances, cousins[0].category)
     placed = (places.find(one, cousin) for cousin in cousins)

@@ -5,9 +5,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stages.config.generation import GenerationConfig
-from stages.contracts import Asset, InputError, read_json
+from stages.contracts import Asset, read_json
 from stages.contracts.cousins import Cousin
 from stages.contracts.doubt import DoubtKind
+from stages.contracts.errors import ObjectError
 from stages.contracts.objects import Mounting
 from stages.generation.inputs import Inputs, MatchedObject
 from stages.generation.mounting import PLACE_TOLERANCE, fit_stated_box, move_out_of_walls
@@ -40,11 +41,11 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
     see comes from its own proportions and the sizes of its category (`sizes`).
 
     Raises:
-        InputError: the library lacks it.
+        ObjectError: the library lacks it.
     """
     item, scene = one.object, inputs.objects
     if cousin.asset not in inputs.folders:
-        raise InputError("--library", f"asset '{cousin.asset}' is not in the library", code="E-LIBRARY-ASSET")
+        raise ObjectError("--library", f"asset '{cousin.asset}' is not in the library", code="E-LIBRARY-ASSET")
     folder = inputs.folders[cousin.asset]
     asset = read_json(Asset, folder / "asset.json")
     assert item.box is not None

@@ -17,7 +17,7 @@ from sapien.physx import PhysxArticulation
 from stages.articulated.asset_folder import read_asset
 from stages.articulated.resizing import resize_model
 from stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION, write_urdf
-from stages.contracts.errors import InputError
+from stages.contracts.errors import ObjectError
 from stages.contracts.library import Asset
 from stages.contracts.parts import PARTS
 from stages.geometry.frames import yaw_matrix, yaw_quaternion
@@ -88,11 +88,13 @@ class ParsedAsset:
         try:
             parsed = self._loader.parse(str(urdf))
         except Exception as error:  # the loader raises whatever its XML and mesh readers raise
-            raise InputError(urdf, f"cannot be loaded: {str(error).splitlines()[0]}.", code="E-MODEL-BROKEN") from error
+            raise ObjectError(
+                urdf, f"cannot be loaded: {str(error).splitlines()[0]}.", code="E-MODEL-BROKEN"
+            ) from error
         names = ("articulation_builders", "actor_builders") if isinstance(parsed, dict) else (0, 1)
         bodies = [*parsed[names[0]], *parsed[names[1]]]
         if len(bodies) != 1:
-            raise InputError(urdf, f"holds {len(bodies)} separate bodies.", "one body per URDF", code="E-MODEL-BODIES")
+            raise ObjectError(urdf, f"holds {len(bodies)} separate bodies.", "one body per URDF", code="E-MODEL-BODIES")
         return bodies[0]
 
 

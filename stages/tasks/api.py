@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from stages.config.demonstrations import RandomiseOptions
 from stages.contracts import Asset, InputError, read_json
+from stages.contracts.errors import ObjectError
 from stages.contracts.task_options import TaskConfig
 from stages.plugins import load
 from stages.simulation.kinematics import Array
@@ -95,7 +96,7 @@ class EnvWrapper:
         names = [candidate.name for candidate in asset.joints if candidate.part_type == part]
         if joint not in names:
             fix = f"its {part} joints: {names or 'none'}"
-            raise InputError(assets, f"has no {part} joint {joint!r}.", fix, code="E-TASK-JOINT")
+            raise ObjectError(assets, f"has no {part} joint {joint!r}.", fix, code="E-TASK-JOINT")
         self.assets, self.asset, self.joint, self.size = assets, asset.id, joint, size or asset.size
 
     @property

@@ -57,6 +57,16 @@ def test_bleeding_stays_at_the_outline() -> None:
     assert changed[:, 29:31].all() and not changed[:, :26].any() and not changed[:, 34:].any()
 
 
+def test_bleeding_is_also_of_what_is_near() -> None:
+    """Less than a metre away, beside what nobody knows: that stays unknown, and takes nothing from what is known."""
+    depth = np.full((40, 60), 0.5, np.float32)
+    depth[:, 30:] = 0.9
+    depth[:10] = 0
+    blurred = blur_outlines(depth)
+    assert 0.5 < blurred[20, 29] < 0.7 < blurred[20, 30] < 0.9
+    assert not blurred[:10].any() and blurred[10, :20] == pytest.approx(0.5)
+
+
 def test_periphery_is_quiet_in_the_middle() -> None:
     ramp = periphery_ramp((100, 100))
     assert ramp[50, 50] == 0 and ramp[15, 50] == 0 and ramp[0, 50] == pytest.approx(1)

@@ -2,6 +2,8 @@
 
 import json
 import re
+import shutil
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -489,6 +491,21 @@ def test_missing_clouds_are_named(scene: dict[str, Path], tmp_path: Path) -> Non
     (tmp_path / "objects.json").write_text(scene["objects"].read_text())
     with pytest.raises(InputError, match=r"clouds\.npz"):
         read_inputs(scene["cousins"], tmp_path / "objects.json", scene["library"])
+
+
+def test_a_broken_archive_of_the_library_is_no_failed_object(scene: dict[str, Path], tmp_path: Path) -> None:
+    """One flipped bit in a mesh of it: the object that it would stand for is not to blame."""
+    for kept in scene["library"].parent.glob("library.*"):
+        shutil.copy(kept, tmp_path)
+    archive = tmp_path / "library.zip"
+    with zipfile.ZipFile(archive) as opened:
+        first = next(each for each in opened.infolist() if each.filename.startswith("bottom_cabinet_0/meshes/"))
+    content = bytearray(archive.read_bytes())
+    content[first.header_offset + 30 + len(first.filename) + first.compress_size // 2] ^= 1
+    archive.write_bytes(content)
+    with refused("E-FILE-UNREADABLE", "library.zip", "snakemake --cores 2 library"):
+        run(cousins=scene["cousins"], objects=scene["objects"], library=tmp_path / "library.json", variant="b",
+            out=tmp_path / "out")  # fmt: skip
 
 
 def test_frames_agree_with_the_box(scene: dict[str, Path], tmp_path: Path) -> None:

@@ -11,9 +11,10 @@ from plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
 from plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
 from plugins.in_scene.demonstrate import run
 from plugins.in_scene.room import OBSTACLES_WITHIN, GeneratedRoom, read_room
-from stages.contracts import read_json, write_json
+from stages.contracts import InputError, read_json, write_json
 from stages.contracts.archives import unpack
 from stages.contracts.episode_store import read_episodes
+from stages.contracts.errors import ObjectError
 from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.library_folder import write_part
 from stages.contracts.objects import Wall
@@ -144,6 +145,28 @@ def test_every_task_is_demonstrated_in_a_scene(
     )  # fmt: skip
     (found,) = read_json(SceneDemonstrations, tmp_path / "out" / "in_scene.json").demonstrations
     assert (found.status, found.joint) == ("ok", joint), found.reason
+
+
+def test_a_model_that_cannot_be_used_fails_alone_and_a_broken_file_ends_the_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else a flipped bit in the library is a rank that the robot cannot open."""
+
+    def demonstrate(path: Path, generated: GeneratedScene, setting: object) -> None:
+        raise faults[path.name]("model.urdf", "is broken.", code="E-MODEL-BROKEN")
+
+    faults: dict[str, type[InputError]] = {"scene_1.json": ObjectError, "scene_2.json": ObjectError}
+    monkeypatch.setattr("plugins.in_scene.demonstrate.demonstrate_in_scene", demonstrate)
+    monkeypatch.setattr("plugins.in_scene.demonstrate.FilmRenderer", lambda light: None)
+    paths = tuple(tmp_path / name for name in faults)
+    for rank, path in enumerate(paths, 1):
+        write_json(path, scene(rank))
+    run(scenes=paths, object="cabinet_1", task="door", library=tmp_path, out=tmp_path / "out")
+    found = read_json(SceneDemonstrations, tmp_path / "out/in_scene.json").demonstrations
+    assert [(one.status, one.reason) for one in found] == [("failed", "model.urdf: is broken.")] * 2
+    faults["scene_2.json"] = InputError
+    with refused("E-MODEL-BROKEN"):
+        run(scenes=paths, object="cabinet_1", task="door", library=tmp_path, out=tmp_path / "out")
 
 
 @needs("bowl")
