@@ -13,7 +13,7 @@ from plugins.furniture.robot import robot_of
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.resizing import SizedModel
 from stages.articulated.urdf_tree import THIN
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, ObjectError
 from stages.contracts.files import first_error
 from stages.contracts.library import Asset, Recipe
 from stages.contracts.types import LARGEST
@@ -52,6 +52,7 @@ def generate(recipe: Recipe, size: Size | None = None) -> Model:
 
     Raises:
         InputError: no such generator, a bad size, or a parameter that is missing, unknown or out of bounds.
+        ObjectError: they make no model of that size.
     """
     from plugins.furniture.catalogue import GENERATORS
 
@@ -67,7 +68,7 @@ def generate(recipe: Recipe, size: Size | None = None) -> Model:
         raise InputError(where, f"parameter {first_error(error)}.", code="E-RECIPE-PARAMETER") from None
     except (ValueError, IndexError, ArithmeticError, QhullError) as error:
         reason = (str(error).splitlines() or [type(error).__name__])[0][:200]
-        raise InputError(where, f"its parameters make no model: {reason}.", code="E-RECIPE-PARAMETER") from None
+        raise ObjectError(where, f"its parameters make no model: {reason}.", code="E-RECIPE-PARAMETER") from None
 
 
 def _size(recipe: Recipe, size: Size | None) -> Size:
