@@ -47,7 +47,7 @@ def name_standing(
     none = np.zeros(rgb.shape[:2], bool)  # walls and the floor hide nothing
     ends = measure_outlines(rgb, [none if one.kind in (kinds.WALL, kinds.FLOOR) else one.mask for one in seen])
     floor = {0} | {value for value, one in enumerate(seen, 1) if one.kind == kinds.FLOOR}
-    beneath = {feet[value].met[3] for value in labels if must_be_carried(labels[value])} - floor
+    beneath = {feet[value].met[3] for value in labels if must_be_carried(labels[value])}
     found, camera = dict[int, str](), as_camera(room)
     for value, own in ends.items():
         one = seen[value - 1]

@@ -79,7 +79,7 @@ def join_stacked(rgb: NDArray[np.uint8], found: Sequence[Outlined], kinds: Seque
             continue
         other = ends[below].at
         wide = min(own[0] + own[2], other[0] + other[2])
-        if max(abs(own[0] - other[0]), abs(own[2] - other[2])) < ALIGNED * wide and pieces[below - 1].any():
+        if max(abs(own[0] - other[0]), abs(own[2] - other[2])) < ALIGNED * wide:
             pieces[below - 1], pieces[value - 1] = pieces[below - 1] | pieces[value - 1], np.zeros_like(pieces[0])
     return [replace(one, mask=mask) for one, mask in zip(found, pieces, strict=True) if mask.any()]
 

@@ -1,14 +1,16 @@
 """What outlines are called that no network knows: by where they stand, rest or hang and how large that makes them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from plugins.eyes.choosing import Outlined
+from plugins.inputs.photo.metrology import WallPlane
 from plugins.names.propose import Names, Proposal
-from plugins.single_view.naming import name_others, name_standing
+from plugins.single_view.naming import name_by_extents, name_others, name_standing, weigh_looks
 from plugins.single_view.outline_kinds import FLOOR, HANGS, KINDS, NOTHING, RESTS, STANDS, WALL
 from plugins.single_view.room import Room, build_room
 from plugins.single_view.tests.room import BOXES, HEIGHT, LABELS, WIDTH, outline_box, outline_room, see_lines, show_room
@@ -74,6 +76,8 @@ def test_a_row_of_drawers_over_a_door_is_one_front() -> None:
     joined = join_stacked(show_room(), found, [STANDS, NOTHING, RESTS])
     assert [one.mask.sum() for one in joined] == [masks[0].sum() + masks[1].sum(), masks[2].sum()]
     assert (joined[1].mask == masks[2]).all(), "what is wider is another thing"
+    aside = [Outlined(np.roll(masks[k], 30 * k, axis=1), 0.9, "mobile_sam", {}, False) for k in (0, 1)]
+    assert len(join_stacked(show_room(), aside, [STANDS, NOTHING])) == 2, "so is what is not above it"
     on_known = [Outlined(masks[0], 0.9, "ssd", {"refrigerator": 0.9}, False), *found[1:]]
     assert len(join_stacked(show_room(), on_known, [STANDS, NOTHING, RESTS])) == 3, (
         "what stands on a known thing is one"
@@ -96,6 +100,15 @@ def test_what_stands_on_the_floor_is_named_by_its_size() -> None:
         assert 3 not in stand(*see(unknown(mask, kind)))
 
 
+def test_a_rug_ends_at_the_floor() -> None:
+    flat = UprightBox([-0.6, 2.9, 0.01], [1.2, 0.6, 0.02], 0.0)
+    mask = outline_box(flat)
+    rug = Seen(mask, likely(STANDS), Names([Proposal("rug", 0.9)], 0.1), False)
+    below = unknown(np.any([np.roll(mask, k, axis=0) for k in range(1, 40)], axis=0) & ~mask, NOTHING)
+    assert stand(*see(rug))[3] == "rug"
+    assert stand(*see(rug, below))[3] != "rug", "what ends at another thing is none"
+
+
 def test_what_is_tiny_or_ends_at_the_horizon_is_left() -> None:
     tiny, high = np.zeros((2, HEIGHT, WIDTH), bool)
     tiny[400:420, 20:40], high[60:150, 500:600] = True, True
@@ -110,6 +123,31 @@ def test_what_hangs_is_named_by_its_size_on_its_wall() -> None:
     assert name_others(show_room(), *see(radiator)) == {3: "radiator"}, "by its looks, too"
     either = Seen(outline_box(BOXES[5]), likely(RESTS, HANGS, WALL), NOBODY_KNOWS, False)
     assert name_others(show_room(), *see(either)) == {3: "picture"}, "as nothing carries it"
+
+
+def test_a_wall_that_is_not_faced_tells_no_size() -> None:
+    seen, room, labels = see(unknown(outline_box(BOXES[5]), HANGS))
+    behind = replace(room, walls=[WallPlane(np.array([0.0, 1.0, 0.0]), -1.0)])
+    assert name_others(show_room(), seen, behind, labels) == {}
+
+
+def test_the_distance_of_a_wall_is_less_sure_than_that_of_a_top() -> None:
+    picture, size = unknown(outline_box(BOXES[5]), HANGS), np.array([1.5, 1.6])  # thrice as large as usual
+    alike = {"picture": 1.0, "curtain": 0.2}
+    assert name_by_extents(size, 0.6, picture, alike) == "picture"
+    assert name_by_extents(size, 0.0, picture, alike) == "curtain"
+
+
+def test_what_rests_above_the_camera_has_no_size() -> None:
+    seen, room, labels = see(unknown(outline_room((1, 2, 3, 4)) == 4, RESTS), beside=(1, 2, 3))
+    tall = UprightBox(np.add(room.boxes[3].center, [0, 0, 1.5]), room.boxes[3].size, 0.0)
+    high = replace(room, boxes={**room.boxes, 3: tall})
+    assert name_others(show_room(), seen, high, labels) == {}
+
+
+def test_what_the_network_of_coco_knows_it_would_have_found() -> None:
+    weights = weigh_looks(unknown(outline_box(BOXES[5]), RESTS), {"bottle": 1.0, "jar": 1.0})
+    assert weights["bottle"] < 0.5 * weights["jar"]
 
 
 def test_what_rests_on_a_thing_is_named_by_its_size_there() -> None:
@@ -130,6 +168,8 @@ def test_what_carries_a_known_thing_is_one_of_those_that_do() -> None:
     room = build_again(seen, labels)
     assert 3 not in room.boxes
     assert {"appliance", "storage", "table"} & kin_of(stand(seen, room, labels)[4])
+    seen[3] = replace(seen[3], names=Names([Proposal("ottoman", 0.99)], 0.01))
+    assert {"appliance", "storage", "table"} & kin_of(stand(seen, room, labels)[4]), "whatever it looks like"
 
 
 def test_the_floor_below_a_fridge_carries_no_mug() -> None:

@@ -18,6 +18,8 @@ def test_an_outline_is_its_features_inside_and_around_and_its_place() -> None:
     found = kinds.measure_outline(features, mask)
     assert found[0] == pytest.approx(3) and found[512] == pytest.approx(0, abs=1e-3), "mean and spread inside"
     assert 1 < found[256] < 3, "around it both halves"
+    features[0, 8:16, 32:48] = 50  # what it covers
+    assert kinds.measure_outline(features, mask)[256] == pytest.approx(found[256]), "it is not around itself"
     left, right, top, bottom, side, fill, form, *touches = found[768:]
     assert [left, top] == [0.5, pytest.approx(1 / 6)] and right == pytest.approx(0.75, abs=0.01)
     assert bottom == pytest.approx(1 / 3, abs=0.01) and side == pytest.approx((128 * 256 / mask.size) ** 0.5)
