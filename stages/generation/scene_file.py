@@ -7,6 +7,7 @@ from stages.articulated.asset_folder import read_asset
 from stages.articulated.resizing import resize_asset
 from stages.contracts import GeneratedScene, InputError, Objects
 from stages.contracts.doubt import sort_by_gravity
+from stages.contracts.errors import ObjectError
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Mounting
 from stages.generation.placed import Placed
@@ -94,7 +95,7 @@ def read_items(generated: GeneratedScene, folders: Mapping[str, Path], cache: Pa
         if item.status != "ok":
             continue
         if item.asset not in folders:
-            raise InputError(
+            raise ObjectError(
                 path, f"{item.id} is '{item.asset}', which the library does not have.", code="E-LIBRARY-ASSET"
             )
         folder = resize_asset(folders[item.asset], item.size, cache, item.finish)

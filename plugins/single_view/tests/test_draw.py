@@ -122,4 +122,4 @@ def test_a_real_living_room_has_its_sofa_before_its_wall(tmp_path: Path) -> None
     drawn = draw.draw_picture("color.png", np.array(Image.open(DATA / "rooms/living/color.png").convert("RGB")))
     labels = {item.id: item.label for item in drawn.project.objects}
     assert "sofa" in labels.values() and "picture" in labels.values() and drawn.project.walls
-    assert drawn.room.view.above == pytest.approx(1.43, rel=0.2)  # by its depth, which nobody read
+    assert drawn.room.view.above == pytest.approx(1.43, rel=0.25)  # by its depth, which nobody read
