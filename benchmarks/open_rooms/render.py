@@ -1,5 +1,6 @@
 """A room as a photograph: path-traced by Mitsuba 3 (`pip install mitsuba`), which nothing else of the project needs."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from stages.contracts import InputError
 DEPTH = 5  # bounces
 TILE = {"floor": 1.2, "wall": 1.6}  # metres that a texture covers
 PAINTS = [(0.82, 0.80, 0.74), (0.70, 0.76, 0.78), (0.80, 0.72, 0.64), (0.75, 0.78, 0.70)]
+UPSIDE_DOWN = {"work", "held_out", "third"}  # whose things show their pictures so, and stay as they were rendered
 LAMP, WINDOW = 1.6, 3.0  # radiance of the ceiling and of the window behind the camera
 
 
@@ -53,7 +55,10 @@ def photograph(room: Room, half: str, packs: Path, pose: Floats, focal: float, s
     papered = _paper_room(half, packs, rng)
     for number, surface in enumerate(surfaces(room)):
         bsdf = papered[number] if number < len(papered) else _make_material(mi, surface)
-        scene[f"mesh_{number}"] = _mesh(mi, surface.part, bsdf, f"mesh_{number}")
+        part = surface.part
+        if part.uv is not None and half not in UPSIDE_DOWN:  # Mitsuba counts v from above
+            part = replace(part, uv=part.uv * [1, -1] + [0, 1])
+        scene[f"mesh_{number}"] = _mesh(mi, part, bsdf, f"mesh_{number}")
     image = mi.render(mi.load_dict(scene), seed=seed)
     pixels = _without_fireflies(np.clip(np.array(image)[..., :3], 0, None))
     pixels = pixels / max(float(np.quantile(pixels, 0.97)), 1e-6) * rng.uniform(0.85, 1.05)

@@ -18,7 +18,12 @@ OVERLAP = ["iou", "oriented_iou"]
 FAULTS = ["held", "floats", "behind", "too_large", "carrier_wrong", "collides"]
 EFFORT = ["clicks", "words", "clicks_by_hand", "words_by_hand"]
 OPTIONS = TablesConfig()
-HALVES = {"work": "to work on", "held_out": "looked at four times", "third": "looked at twice"}
+HALVES = {
+    "work": "to work on",
+    "held_out": "looked at four times",
+    "third": "looked at twice",
+    "fourth": "looked at once",
+}
 
 
 def _side(rows: pd.DataFrame, measure: str) -> pd.DataFrame:

@@ -1,5 +1,5 @@
 # Rooms that are not ours: pictures of rooms of other people's models, reconstructed and scored (docs/results/open.md).
-# `snakemake open_rooms` in a clone of this repository, no part of `all`: 0.8 GB of models, Mitsuba 3, four hours on two cores.
+# `snakemake open_rooms` in a clone of this repository, no part of `all`: 1 GB of models, Mitsuba 3, four hours on two cores.
 # Reads:  the default library and its features.
 # Writes: results/open_rooms/{packs,pictures,results}/, results/open_rooms/open.md, open.csv.xz, clicks.csv.
 from plugins.studies.open_rooms import digest_of, picture_names
@@ -21,7 +21,7 @@ rule open_models:
     resources:
         **needs(2000, 60),
     params:
-        code=digest_of("blend.py", "fetch.py", "packs.py", "models.csv"),
+        code=digest_of("blend.py", "fetch.py", "packs.py", "planner.js", "models.csv"),
     shell:
         "python -m benchmarks.open_rooms fetch results/open_rooms 2>&1 | tee {log:q}"
 

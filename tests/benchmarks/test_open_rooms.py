@@ -340,17 +340,18 @@ def test_every_model_is_in_one_half_and_may_be_dressed_turned_and_scaled() -> No
     assert len(ids) == len(set(ids)) == len(listed)
     for line in listed:
         assert line["frame"] in packs.FRAMES and float(line["scale"] or 1) > 0
-        assert bool(line["looks"]) == (line["pack"] in packs.OBJS)
+        assert not line["looks"] or line["pack"] in packs.OBJS
     for turn in packs.FRAMES.values():
         assert np.linalg.det(turn) == pytest.approx(1) and np.allclose(turn @ turn.T, np.eye(4))
-    third = {line["kind"] for line in listed if halves[line["pack"]] == "third"} - {"clutter"}
-    assert len(third) >= 15
+    for half in ("third", "fourth"):
+        assert len({line["kind"] for line in listed if halves[line["pack"]] == half} - {"clutter"}) >= 15
 
 
 def test_a_half_has_the_rooms_that_the_plans_say() -> None:
     assert rooms.names("work")[:4] == ["work_living_1", "work_living_2", "work_living_3", "work_lounge_1"]
     assert len(rooms.names("work")) == len(rooms.names("held_out")) == 15
     assert len(rooms.names("third")) == 24 and len(set(rooms.names("third"))) == 24
+    assert len(rooms.names("fourth")) == 17 and "fourth_kitchen_3" in rooms.names("fourth")
 
 
 def write_blend(path: Path, moved: float) -> None:
@@ -455,6 +456,45 @@ def test_pictures_are_the_right_way_up_on_what_mujoco_reads(tmp_path: Path) -> N
     assert part.uv is not None and part.picture is not None
     assert part.uv == pytest.approx(np.tile([0.5, 0.125], (12, 1)))
     assert np.ptp(part.vertices, axis=0) == pytest.approx([2, 2, 2])
+
+
+KITCHEN = """<mujoco><asset><texture name="t" type="cube" builtin="flat" rgb1=".5 .5 .5" width="8" height="8"/>
+<material name="grey" texture="t" rgba="1 .5 0 1"/></asset><worldbody>
+<body name="stand"><geom type="box" size="5 5 5"/></body>
+<body name="desk"><geom type="box" size="9 9 9" contype="0" conaffinity="0"/>
+<body name="oven" euler="0 0 90"><geom type="box" size="1 2 3" material="grey" contype="0" conaffinity="0"/>
+<geom type="box" size="8 8 8"/>
+<body><geom type="cylinder" size=".5 .1" pos="0 0 4" contype="0" conaffinity="0"/></body></body></body>
+</worldbody></mujoco>"""
+
+
+def test_a_body_of_a_scene_is_read_by_its_name_and_cut(tmp_path: Path) -> None:
+    folder = tmp_path / Path(packs.MJCF["franka"]).parent
+    folder.mkdir(parents=True)
+    (tmp_path / packs.MJCF["franka"]).write_text(KITCHEN)
+    whole = packs.Model("franka", "oven", "oven", (), "", "none", "", 0.5, tmp_path)
+    assert whole.size == pytest.approx((1.0, 2.0, 3.55))  # its own axes; what only collides is left out
+    box, lid = whole.parts
+    assert box.color == pytest.approx((0.5, 0.25, 0), abs=0.01) and lid.normals is not None
+    cut = replace(whole, name="oven z<3.5")
+    assert len(cut.parts) == 1 and cut.size == pytest.approx((1.0, 2.0, 3.0))
+    assert replace(whole, name="oven z>3.5").size == pytest.approx((0.5, 0.5, 0.1))
+    last = replace(whole, name="nothing")
+    assert last.size == pytest.approx((9.0, 9.0, 9.0))  # the last tree, which is the desk
+
+
+def test_meshes_and_boxes_of_a_urdf_stand_where_they_are_told(tmp_path: Path) -> None:
+    (tmp_path / "pybullet_data").mkdir()
+    (tmp_path / "pybullet_data/top.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    (tmp_path / "pybullet_data/table.urdf").write_text(
+        '<robot><link><visual><origin xyz="0 0 0.5"/><geometry><mesh filename="top.obj" scale="2 4 1"/></geometry>'
+        '<material><color rgba="1 0 0 1"/></material></visual><visual><geometry><box size="0.1 0.1 1"/></geometry>'
+        "</visual><visual><geometry><sphere/></geometry></visual></link></robot>"
+    )
+    table = packs.Model("bullet", "table", "table", (), "", "none", "z up", 1.0, tmp_path)
+    assert table.size == pytest.approx((2.05, 4.05, 1.0))
+    top, leg = table.parts
+    assert top.color == (1, 0, 0) and np.allclose(top.vertices[:, 2], 1.0) and leg.color == (0.7, 0.7, 0.7)
 
 
 def test_another_package_is_refused(tmp_path: Path) -> None:
