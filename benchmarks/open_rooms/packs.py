@@ -68,7 +68,6 @@ FRAMES = {
     "y up": TO_OURS,
     "front -y": MINUS_Y,
     "front -x": MINUS_Y @ MINUS_Y,
-    "front +y": MINUS_Y.T,
     "z up": TO_OURS.T,  # of OBJs, which are taken to be y up
     "z up front +y": MINUS_Y.T @ TO_OURS.T,
 }
@@ -183,6 +182,7 @@ class Model:
             place = visual.find("origin")
             turn = np.eye(4)
             turn[:3, 3] = _numbers("0 0 0" if place is None else place.get("xyz", "0 0 0"))
+            found: list[Part] = []
             if mesh is not None:
                 turn[:3, :3] = np.diag(_numbers(mesh.get("scale", "1 1 1")))
                 found = list(_obj(path.parent / mesh.attrib["filename"], turn, ordered=False))
@@ -192,8 +192,6 @@ class Model:
                 faces = np.arange(len(corners)).reshape(-1, 3)
                 grey = Part(corners, faces, None, None, (0.7, 0.7, 0.7), None, 1.0)
                 found = [_transform_part(grey, TO_OURS @ turn)]
-            else:
-                continue
             red, green, blue, _ = (0, 0, 0, 0) if color is None else _numbers(color.attrib["rgba"])
             parts += found if color is None else [replace(part, color=(red, green, blue)) for part in found]
         return parts
@@ -243,15 +241,14 @@ def _numbers(text: str) -> list[float]:
 
 
 def _cut_part(part: Part, cut: str) -> Iterator[Part]:
-    """What lies on one side: of "x>0.3" the triangles all beyond that."""
+    """What lies on one side: of "x>0.3" the triangles all beyond that; of a part whose faces share no corner."""
     side = {"<": -1.0, ">": 1.0}[cut[1]]
     beyond = side * (part.vertices[:, "xyz".index(cut[0])] - float(cut[2:])) > 0
-    kept = beyond[part.faces].all(axis=1)
+    kept = beyond.reshape(-1, 3).all(axis=1).repeat(3)
     if kept.any():
-        used, numbers = np.unique(part.faces[kept], return_inverse=True)
-        normals, uv = (None if values is None else values[used] for values in (part.normals, part.uv))
-        faces = numbers.reshape(-1, 3)
-        yield replace(part, vertices=part.vertices[used], faces=faces, normals=normals, uv=uv)
+        normals, uv = (None if values is None else values[kept] for values in (part.normals, part.uv))
+        faces = np.arange(kept.sum()).reshape(-1, 3)
+        yield replace(part, vertices=part.vertices[kept], faces=faces, normals=normals, uv=uv)
 
 
 def _stand_parts(parts: list[Part]) -> list[Part]:
@@ -316,15 +313,13 @@ def _geom(world: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Part:
         picture = None
     red, green, blue = (float(value) for value in color[:3])
     triangles = np.arange(len(points)).reshape(-1, 3)
-    turned = None if normals is None else normals @ turn.T
-    return Part(
-        points @ turn.T + data.geom_xpos[geom], triangles, turned, uv, (red, green, blue), picture, float(color[3])
-    )
+    normals = None if normals is None else normals @ turn.T
+    points = points @ turn.T + data.geom_xpos[geom]
+    return Part(points, triangles, normals, uv, (red, green, blue), picture, float(color[3]))
 
 
-Corners = tuple[
-    NDArray[np.float64], NDArray[np.float64] | None, NDArray[np.float64] | None
-]  # of faces: point, normal, uv
+# Of the corners of faces, one after the other: points, normals, uv.
+Corners = tuple[NDArray[np.float64], NDArray[np.float64] | None, NDArray[np.float64] | None]
 
 
 def _mesh_of(world: mujoco.MjModel, geom: int) -> Corners:
