@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import sys
 import time
 import traceback
 from dataclasses import dataclass
@@ -49,10 +50,14 @@ def shelves(results: Path, config: Config) -> Shelves:
     store = next(iter(stores(config)))
     features = sorted((results / "matching/features" / store).glob("shard_*.npy"))
     snapshots = sorted((results / "assets/snapshots").glob("shard_*.h5"))
-    if not features or len(features) != len(snapshots):
-        wanted = f"{results}/matching/features/{store}/shard_{{0,1}}.npy"
+    models = list((results / "assets/library").glob("shard_*.zip"))
+    if not models or {len(features), len(snapshots)} != {len(models)}:
+        wanted = " ".join(f"{results}/matching/features/{store}/shard_{shard}.npy" for shard in range(len(models)))
         raise InputError(
-            results, "has no library with features.", f"snakemake --cores 2 {wanted}", code="E-FEATURES-MISSING"
+            results,
+            "has no library with features of all its models.",
+            f"snakemake --cores 2 {wanted}",
+            code="E-FEATURES-MISSING",
         )
     return Shelves(results / "assets/library/library.json", tuple(features), tuple(snapshots))
 
@@ -81,12 +86,14 @@ def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...],
     for kind in masks:
         for folder in sorted(pictures.folders(root, half), key=lambda path: path.name.split("_")[::-1]):
             if only in folder.name:
-                with contextlib.suppress(StoppedError):
+                try:
                     _reconstruct(root, folder, kind, rows, config, shelf)
+                except StoppedError as stopped:
+                    print(f"{folder.name}, {kind}: {stopped}", file=sys.stderr)
 
 
 class StoppedError(Exception):
-    """A picture that a stage refused; the log says why."""
+    """Why a stage refused a picture, and its log."""
 
 
 def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], config: Config, shelf: Shelves) -> None:
@@ -200,7 +207,6 @@ def log_stage(log: Path) -> Any:
             yield
         except Exception as error:
             traceback.print_exc()
-            print(f"stopped: {error}")
-            raise StoppedError from error
+            raise StoppedError(f"{error} (see {log})") from error
         finally:
             print(f"{time.process_time() - since:.1f} CPU s")

@@ -18,7 +18,7 @@ from plugins.report.doubts import collect_doubts
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.categories import find_usual_size
 from stages.contracts.doubt import Doubt
-from stages.contracts.generated import RIGHT_MIN, RIGHT_SHARE, PlacedObject, measure_sureness
+from stages.contracts.generated import RIGHT_MIN, RIGHT_SHARE, PlacedObject, measure_place_sureness, measure_sureness
 from stages.contracts.library import Asset
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.parts import HingeSide
@@ -74,6 +74,7 @@ class Row:
     collides: bool = False  # of the scene: two things in each other, or one in floor or wall
     doubt_of_size: bool = False
     sure_of_size: float | None = None
+    sure_of_place: float | None = None
     iou: float | None = None
     oriented_iou: float | None = None
 
@@ -248,6 +249,7 @@ def _measure_thing(
         "collides": check is not None and (check.collisions > 0 or check.max_penetration > OVERLAP),
         "doubt_of_size": any(doubt.cause == "size" for doubt in doubts),
         "sure_of_size": None if item.size_spread is None else round(measure_sureness(item.size, item.size_spread), 3),
+        "sure_of_place": None if item.place_spread is None else round(measure_place_sureness(item.place_spread), 3),
         "iou": round(axis_aligned_iou(box, truth_box), 3),
         "oriented_iou": round(oriented_iou(box, truth_box), 3),
     }

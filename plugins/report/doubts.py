@@ -4,7 +4,6 @@ A doubt is what a person can mend: `stages.contracts.doubt` has all of them with
 """
 
 import math
-import re
 from collections.abc import Collection
 from typing import NamedTuple
 
@@ -16,14 +15,6 @@ from stages.contracts.objects import Mounting, Objects, SceneObject
 MOUNTING = {1: "hangs on a wall", 2: "stands free", 3: "stands and touches a wall"}
 AS_NEAR = 0.05  # share by which a second model is farther than the first
 ANOTHER_SIZE = 0.3  # share by which an extent differs from the cloud's
-
-
-SURE = re.compile(r"size is (\d+) % sure: (.*)")  # DoubtKind.SIZE_UNSURE
-
-
-def _say(doubt: Doubt) -> Doubt:
-    """As a person would say it."""
-    return doubt.model_copy(update={"what": SURE.sub(r"its size is right with a chance of \1 % (\2)", doubt.what)})
 
 
 def describe_mounting(mounting: Mounting) -> str:
@@ -79,7 +70,7 @@ def collect_doubts(
     if placed is None:
         differs = entry.cousins[0].differs if entry.cousins else ""
         return sort_by_gravity(found + ([DoubtKind.OPENINGS.of(what=differs)] if differs else []))
-    found += map(_say, placed.doubts)
+    found += placed.doubts
     if "size" not in item.told and (juts := _measure_protrusion(placed, item)) > DoubtKind.JUTS.threshold:
         found.append(DoubtKind.JUTS.of(distance=100 * juts))
     if placed.moved > DoubtKind.PUSHED.threshold:

@@ -26,7 +26,7 @@ from plugins.robustness import rows as robustness
 from plugins.robustness.table import robustness_table
 from stages.config.tables import PolicyTables
 from stages.contracts.files import read_json, read_options, read_text, write_text
-from stages.contracts.generated import measure_sureness
+from stages.contracts.generated import measure_place_sureness, measure_sureness
 from stages.contracts.library import Library
 from stages.tables import policy_tables, scene_tables, table2
 from stages.tables.cells import CELL, RATE
@@ -53,7 +53,8 @@ COLUMNS = {
 # What templates call to write things out.
 WORDS = {"number": number, "count": count, "percent": percent, "role_title": role_title, "title_of": title_of}
 WORDS |= {"describe_mounting": describe_mounting, "mountings_agree": mountings_agree}
-WORDS |= {"measure_extents": measure_extents, "measure_sureness": measure_sureness, "embed_svg": embed_svg}
+WORDS |= {"measure_extents": measure_extents, "embed_svg": embed_svg}
+WORDS |= {one.__name__: one for one in (measure_sureness, measure_place_sureness)}
 
 
 def render(template: str, scripts: tuple[str, ...] = (), **values: Any) -> str:

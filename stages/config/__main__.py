@@ -26,6 +26,8 @@ def show(files: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
+    if {"-h", "--help"}.intersection(sys.argv[1:]):
+        sys.exit(print(__doc__))
     if sys.argv[1:2] == ["show"]:
         sys.exit(show(sys.argv[2:]))
     if sys.argv[1:] or not Path("config/schema.json").is_file():

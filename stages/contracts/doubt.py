@@ -54,13 +54,17 @@ class DoubtKind(Enum):
     # m: the 68 things of the default run's stable scenes move 0.04 mm at most.
     SHIFTED = ("place", "moved {distance:.1f} cm when physics ran", 0.01)
     UNSTABLE = ("place", "{what}")
+    PLACE_UNSURE = ("place", "its place is right to 5 cm with a chance of {share:.0f} %", 0.5)  # calibrated (open.md)
     # Times the usual extents of its category: finds a picture whose scale is wrong; of things in pictures of right
     # scale these are wrong as often as others.
     UNUSUAL_SIZE = ("size", "{what}", 1.25)
     # The chance that every extent is within 10 % or 3 cm: of 86 surer ones 52 were right, of 100 others 23 (open.md).
     SIZE_UNSURE = (
-        "size", "size is {share:.0f} % sure: depth ±{depth:.0f} %, width ±{width:.0f} %, height ±{height:.0f} %", 0.5,
-    )  # fmt: skip
+        "size",
+        "its size is right with a chance of {share:.0f} % (depth ±{depth:.0f} %, width ±{width:.0f} %, "
+        "height ±{height:.0f} %)",
+        0.5,
+    )
     # m by which the model is deeper than its box, chosen: more than boxes of clouds are off.
     JUTS = ("size", "reaches {distance:.0f} cm before the front that the picture shows", 0.15)
     STRETCHED = ("size", "no cousin has its size: this one is stretched {times:.1f} times")

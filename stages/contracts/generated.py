@@ -30,6 +30,9 @@ from stages.contracts.types import (
 )
 
 RIGHT_SHARE, RIGHT_MIN = 0.10, 0.03  # a size is right if every extent is: within a share of it, or metres
+# A place is right within 5 cm: metres of its spread at which that is as likely as not, and how steep the chance falls;
+# calibrated on `work` (docs/results/open.md).
+EVEN, STEEP = 0.042, 2.4
 
 
 class PlacedObject(Contract):
@@ -46,6 +49,9 @@ class PlacedObject(Contract):
     size: Vector = Field((0.0, 0.0, 0.0), description="box extents along the asset's own axes, metres")
     size_spread: Vector | None = Field(
         None, description="standard deviations of the logarithms of `size`; null: it was not fitted"
+    )
+    place_spread: NonNegative | None = Field(
+        None, description="standard deviation of `position`, metres; null: it was not fitted"
     )
     finish: Finish = Field(
         {}, exclude_if=lambda found: not found, description="parameters of its recipe that are as the picture shows"
@@ -136,3 +142,8 @@ def measure_sureness(size: Iterable[float], spread: Iterable[float]) -> float:
     """The chance that extents (3,), metres, are all right, given the standard deviations (3,) of their logarithms."""
     within = (math.log1p(max(RIGHT_SHARE, RIGHT_MIN / extent)) for extent in size)
     return math.prod(math.erf(far / (each * math.sqrt(2))) for far, each in zip(within, spread, strict=True))
+
+
+def measure_place_sureness(spread: float) -> float:
+    """The chance that a place is right to 5 cm, given the standard deviation of its center, metres."""
+    return 1 / (1 + (spread / EVEN) ** STEEP)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from stages.contracts.category import Category, describe_unusual, find_category
 from stages.contracts.doubt import Doubt, DoubtKind
-from stages.contracts.generated import measure_sureness
+from stages.contracts.generated import measure_place_sureness, measure_sureness
 from stages.contracts.objects import SceneObject, Wall
 from stages.generation.inputs import Inputs
 from stages.generation.placed import UNNAMED, Placed
@@ -16,15 +16,21 @@ from stages.geometry.boxes import depth_behind, is_behind
 def doubt_placements(items: list[Placed], inputs: Inputs) -> list[Placed]:
     """The items, each with what may be wrong with it."""
     room, seen = inputs.objects, {item.id: item for item in inputs.objects.objects}
-    return [doubt_placement(item, room.walls, seen[item.id], inputs.categories) for item in items]
+    moved = {name for name, nudge in inputs.nudges.items() if nudge is not None}
+    return [
+        doubt_placement(item, room.walls, seen[item.id], inputs.categories, moved=item.id in moved) for item in items
+    ]
 
 
-def doubt_placement(item: Placed, walls: list[Wall], seen: SceneObject, known: Mapping[str, Category]) -> Placed:
-    """The item with what may be wrong with it. Sizes that a person says are not doubted.
+def doubt_placement(
+    item: Placed, walls: list[Wall], seen: SceneObject, known: Mapping[str, Category], moved: bool = False
+) -> Placed:
+    """The item with what may be wrong with it. Sizes that a person says are not doubted, nor places.
 
     Args:
         seen: the object as extraction found it.
         known: categories by name, as the library knows them.
+        moved: whether a person moved it.
     """
     found: list[Doubt] = []
     if item.support == UNNAMED:
@@ -43,4 +49,8 @@ def doubt_placement(item: Placed, walls: list[Wall], seen: SceneObject, known: M
         if item.spread and (sure := measure_sureness(item.size, item.spread)) < DoubtKind.SIZE_UNSURE.threshold:
             depth, width, height = (100 * math.expm1(each) for each in item.spread)
             found.append(DoubtKind.SIZE_UNSURE.of(share=100 * sure, depth=depth, width=width, height=height))
+    if item.place_spread and not moved:
+        sure = measure_place_sureness(item.place_spread)
+        if sure < DoubtKind.PLACE_UNSURE.threshold:
+            found.append(DoubtKind.PLACE_UNSURE.of(share=100 * sure))
     return replace(item, doubts=(*item.doubts, *found))

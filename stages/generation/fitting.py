@@ -85,9 +85,10 @@ class Prior:
 
 
 class Fit(NamedTuple):
-    """A box, and the standard deviations (3,) of the logarithms of its extents."""
+    """A box, and the standard deviations of its center (3,), metres, and of the logarithms of its extents (3,)."""
 
     box: UprightBox
+    shift: Array
     spread: Array
     cost: float
 
@@ -146,7 +147,8 @@ def improve_box(solid: Solid, start: UprightBox, seen: Observation, known: Prior
             change[3:] = np.clip(change[3:], -LARGEST_CHANGE, LARGEST_CHANGE)
     box = change_box(change)
     last = compare(box, solid, find_correspondences(solid, seen, box), seen, known, tolerance)
-    return Fit(box, TOO_SURE * np.sqrt(np.diag(np.linalg.inv(curvature))[3:]), last.cost)
+    deviations = TOO_SURE * np.sqrt(np.diag(np.linalg.inv(curvature)))
+    return Fit(box, deviations[:3], deviations[3:], last.cost)
 
 
 def find_correspondences(solid: Solid, seen: Observation, box: UprightBox) -> Correspondences:

@@ -37,8 +37,9 @@ class Placed:
     folder: of the model. robot: the model at its size, unless that is the folder's. prisms: of its collision shapes, in
     the asset frame. support: 'floor', 'wall', the id of the object beneath, or 'unnamed': it stands on something that
     is no object of the scene; as extraction saw it until it is stacked. spread: standard deviations of the logarithms
-    of fitted extents. cousin: its rank in cousins.json. chosen: by a person. steps: what each step changed so far.
-    doubts: what may be wrong. finish: parameters of the asset's recipe that are other than the library's.
+    of fitted extents. place_spread: metres, of its fitted center. cousin: its rank in cousins.json. chosen: by
+    a person. steps: what each step changed so far. doubts: what may be wrong. finish: parameters of the asset's recipe
+    that are other than the library's.
     """
 
     id: str
@@ -51,6 +52,7 @@ class Placed:
     robot: RobotModel | None = None
     prisms: tuple[Prism, ...] = ()
     spread: tuple[float, float, float] | None = None
+    place_spread: float | None = None
     moved: float = 0.0
     cousin: int | None = None
     chosen: bool = False

@@ -37,6 +37,7 @@ def to_contract(
                 yaw=round(item.box.yaw, 6),
                 size=round_vector(item.size),
                 size_spread=None if item.spread is None else round_vector(item.spread),
+                place_spread=None if item.place_spread is None else round(item.place_spread, 6),
                 finish=item.finish,
                 support=item.support,
                 mounting=item.mounting,

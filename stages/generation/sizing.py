@@ -57,7 +57,8 @@ def size(
         scene.depth_error,
     )
     fit = fit_box(read_solid(placed.folder), placed.box, seen, known)
-    placed = replace(placed.change_box("fitted to the picture", fit.box), spread=tuple(fit.spread.tolist()))
+    placed = placed.change_box("fitted to the picture", fit.box)
+    placed = replace(placed, spread=tuple(fit.spread.tolist()), place_spread=float(np.linalg.norm(fit.shift)))
     for wall in reached:
         placed = placed.change_box(f"to {wall.id}", move_to_wall(placed.box, wall))
     return placed

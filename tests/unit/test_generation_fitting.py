@@ -98,6 +98,7 @@ def test_a_box_seen_whole_is_found_from_a_wrong_start() -> None:
     assert fit.box.size == pytest.approx(TRUE.size, abs=0.04)
     assert fit.box.center == pytest.approx(TRUE.center, abs=0.02)
     assert fit.spread.max() < 0.2 * TOO_SURE
+    assert 0.01 < np.linalg.norm(fit.shift) < 0.06 * TOO_SURE
 
 
 def test_points_whose_rays_miss_the_model_count_by_how_far_they_are_off() -> None:
@@ -131,7 +132,8 @@ def test_what_the_border_cuts_is_as_large_as_usual_and_its_spread_says_so() -> N
     fit = fit_box(Block(), seen_half, cut, known(usual=usual))
     assert np.isinf(inside.limit).any() and not np.isinf(whole.outline.limit).any()
     assert fit.box.size[1] == pytest.approx(0.9, abs=0.1)  # half of it is seen
-    assert fit.spread[1] > 2 * fit_box(Block(), TRUE, whole, known(usual=usual)).spread[1]
+    best = fit_box(Block(), TRUE, whole, known(usual=usual))
+    assert fit.spread[1] > 2 * best.spread[1] and np.linalg.norm(fit.shift) > 1.5 * np.linalg.norm(best.shift)
 
 
 def test_what_hides_a_thing_says_how_far_it_goes_on_at_most() -> None:

@@ -22,7 +22,7 @@ from stages.config.packages import load_command
 from stages.contracts import Asset, Cousins, GeneratedScene, InputError, Objects, read_json, write_json
 from stages.contracts.categories import known_categories
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
-from stages.contracts.generated import measure_sureness
+from stages.contracts.generated import EVEN, measure_place_sureness, measure_sureness
 from stages.contracts.library_folder import AssetFolders, write_part
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from stages.generation.doubts import doubt_placement
@@ -409,8 +409,22 @@ def test_a_size_that_the_fit_is_not_sure_of_is_doubted() -> None:
     fridge, seen = thing("fridge", (2, 0, 0.9), (0.7, 0.9, 1.8)), SceneObject(id="fridge_1", label="fridge", mask=1)
     assert whats(replace(fridge, spread=(0.04, 0.03, 0.01)), [], seen) == []
     unsure = replace(fridge, spread=(0.3, 0.03, 0.01))
-    assert whats(unsure, [], seen) == ["size is 25 % sure: depth ±35 %, width ±3 %, height ±1 %"]
+    assert whats(unsure, [], seen) == ["its size is right with a chance of 25 % (depth ±35 %, width ±3 %, height ±1 %)"]
     assert whats(unsure, [], seen.model_copy(update={"told": ["size"]})) == [], "a person says so"
+
+
+def test_a_place_that_the_fit_is_not_sure_of_is_doubted_until_a_person_moves_it() -> None:
+    fridge, seen = thing("fridge", (2, 0, 0.9), (0.7, 0.9, 1.8)), SceneObject(id="fridge_1", label="fridge", mask=1)
+    sure, unsure = (replace(fridge, place_spread=each) for each in (0.02, 0.084))
+    assert whats(sure, [], seen) == []
+    assert whats(unsure, [], seen) == ["its place is right to 5 cm with a chance of 16 %"]
+    assert doubt_placement(unsure, [], seen, {}, moved=True).doubts == ()
+
+
+def test_a_place_is_as_likely_right_as_wrong_where_its_spread_is_even() -> None:
+    assert measure_place_sureness(EVEN) == 0.5
+    assert measure_place_sureness(EVEN / 2) == pytest.approx(1 - measure_place_sureness(2 * EVEN))
+    assert measure_place_sureness(0.01) > 0.95
 
 
 def test_sureness_is_the_chance_that_every_extent_is_right() -> None:

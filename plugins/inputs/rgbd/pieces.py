@@ -17,7 +17,7 @@ from stages.geometry.room_planes import STRAY, fit_plane, scale_threshold
 
 # Chosen.
 LARGE_SHARE, LARGE_PIXELS = 0.1, 40  # of the largest piece, and pixels: what is smaller belongs to the nearest piece
-GAP = 0.25  # times the smaller piece: nearer pieces are one thing
+GAP = 0.25  # times the larger piece: nearer pieces are one thing
 NEARER = 0.02  # share of the distance by which something is before a thing
 BESIDE = 0.15  # likewise, by which another thing between two pieces is as far as they are
 END = 3  # pixels around a piece's end in which its depth is looked at
@@ -39,16 +39,16 @@ def split_values(frame: Frame) -> Frame:
     """The frame with a value of its own for each thing that shared one, as in maps of classes. Each is printed.
 
     Pieces of one value are one thing where they are near each other, or something may hide what lies between them,
-    which is doubted if it is larger than they are.
+    which is doubted if it is larger than they are. So it is where masks tell things of one name apart: nothing is split
+    there, for a thing's outline may lack thin parts.
     """
     assert frame.masks is not None
     values, labels, doubts = frame.masks.values.copy(), dict(frame.masks.labels), dict(frame.masks.doubts)
     seen = PointMap(frame.depth, frame.intrinsics)
-    things = np.isin(values, [value for value, label in labels.items() if not surface_of(label)])
-    for value, label in frame.masks.labels.items():
-        if surface_of(label):
-            continue
-        found, apart = _find_things(values, value, things, seen)
+    named = {value: label for value, label in labels.items() if not surface_of(label)}
+    things, told_apart = np.isin(values, [*named]), len(set(named.values())) < len(named)
+    for value, label in named.items():
+        found, apart = _find_things(values, value, things, seen, told_apart)
         if apart:
             doubts[value] = [*doubts.get(value, []), DoubtKind.APART.of(distance=100 * apart)]
         if len(found) > 1:
@@ -59,8 +59,11 @@ def split_values(frame: Frame) -> Frame:
     return replace(frame, masks=replace(frame.masks, values=values, labels=labels, doubts=doubts))
 
 
-def _find_things(values: NDArray[np.uint16], value: int, things: Mask, seen: PointMap) -> tuple[list[Mask], float]:
-    """The pixels (H, W) of each thing of a value, and the metres between pieces that may be one, or 0."""
+def _find_things(
+    values: NDArray[np.uint16], value: int, things: Mask, seen: PointMap, is_one: bool
+) -> tuple[list[Mask], float]:
+    """The pixels (H, W) of each thing of a value, and the metres between pieces that may be one, or 0; `is_one`: all
+    pieces are."""
     _, parts, stats, _ = cv2.connectedComponentsWithStats((values == value).astype(np.uint8), connectivity=8)
     sizes = stats[1:, cv2.CC_STAT_AREA]
     large = 1 + np.flatnonzero(sizes >= max(LARGE_PIXELS, LARGE_SHARE * sizes.max(initial=0)))
@@ -73,8 +76,8 @@ def _find_things(values: NDArray[np.uint16], value: int, things: Mask, seen: Poi
     one, apart = np.eye(len(pieces), dtype=bool), 0.0
     for k, other in combinations(range(len(pieces)), 2):
         between = _look_between(pieces[k], pieces[other], things & (values != value), seen)
-        near = between.gap <= GAP * min(extents[k], extents[other])
-        one[k, other] = near or between.hides
+        near = between.gap <= GAP * max(extents[k], extents[other])
+        one[k, other] = near or between.hides or is_one
         if one[k, other] and not near and between.gap > max(extents[k], extents[other]):
             apart = max(apart, between.gap)
     number, group = connected_components(one, directed=False)

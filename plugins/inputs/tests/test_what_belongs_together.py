@@ -99,6 +99,22 @@ def test_two_things_of_one_value_become_two(capsys: pytest.CaptureFixture[str]) 
     assert "2 places" in capsys.readouterr().out
 
 
+def test_masks_that_tell_things_of_a_name_apart_are_not_split_but_doubted() -> None:
+    names = {FLOOR: "floor", WALL: "wall", OBJECT: "box", OBJECT + 2: "box"}
+    boxes = [UprightBox([2.4, side, 0.1], [0.2, 0.2, 0.2], 0.0) for side in (0.7, -0.4, 0.1)]
+    frame = make_frame(boxes, names, {OBJECT + 1: OBJECT})
+    split = split_values(frame).masks
+    assert split is not None and split.labels == names
+    assert list(split.doubts) == [OBJECT] and "one thing or two" in split.doubts[OBJECT][0].what
+
+
+def test_a_small_piece_near_a_large_one_is_a_part_of_it() -> None:
+    crown, twig = UprightBox([2.4, 0.2, 1.0], [0.6, 0.6, 0.6], 0.0), UprightBox([2.4, 0.2, 0.5], [0.1, 0.1, 0.1], 0.0)
+    frame = make_frame([crown, twig], {FLOOR: "floor", WALL: "wall", OBJECT: "plant"}, {OBJECT + 1: OBJECT})
+    split = split_values(frame).masks
+    assert split is not None and list(split.labels.values()).count("plant") == 1
+
+
 def test_a_thing_that_another_hides_in_the_middle_stays_one() -> None:
     board = UprightBox([3.0, 0.1, 0.5], [0.3, 2.0, 1.0], 0.0)
     pole = UprightBox([1.8, 0.1, 0.7], [0.2, 0.2, 1.4], 0.0)

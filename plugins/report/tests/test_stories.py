@@ -13,7 +13,7 @@ from plugins.report.page.objects import Evidence, Match, cloud_picture, match
 from plugins.report.report import WORDS
 from plugins.report.snapshots import Snapshots, views_of
 from stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
-from stages.contracts.doubt import MEND, Doubt, DoubtKind
+from stages.contracts.doubt import MEND, Doubt
 from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.geometry.cameras import intrinsics_from_fov, look_at
@@ -222,10 +222,3 @@ def test_pictures_need_no_more_than_the_run_has() -> None:
     both = told(matched(), item, rgb=rgb, masks=masks, clouds={"desk_1": cloud}).pictures
     assert [caption for _, caption in both] == ["mask", *captions]
     assert all(picture.source.startswith("data:image/webp") and picture.width <= THUMBNAIL for picture, _ in both)
-
-
-def test_a_chance_is_said_in_words() -> None:
-    doubt = DoubtKind.SIZE_UNSURE.of(share=49.0, depth=7.0, width=11.0, height=6.0)
-    made = told(matched(), thing(), placed={"desk_1": placed(doubts=[doubt])})
-    words = "its size is right with a chance of 49 % (depth ±7 %, width ±11 %, height ±6 %)"
-    assert words in [one.what for one in made.doubts]
