@@ -2,7 +2,7 @@
 
 import base64
 import io
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.annotator.cures import Cure
 from plugins.annotator.fronts import FACES, extents, front_corners
 from plugins.report.doubts import collect_doubts
 from plugins.report.snapshots import Snapshots, views_of
@@ -27,10 +28,10 @@ GRAVE = ("affordance", "place", "size")  # causes of doubts that are listed befo
 MAX_MODELS = 24  # models that can be chosen, nearest first
 
 
-def describe_doubt(doubt: Doubt | str) -> dict[str, Any]:
-    """A doubt, or why there is nothing to doubt, as the page shows it."""
-    cause = doubt.cause if isinstance(doubt, Doubt) else ""
-    return {"text": str(doubt), "cause": cause, "grave": cause in GRAVE}
+def describe_doubt(doubt: Doubt | str, cures: Sequence[Cure] = ()) -> dict[str, Any]:
+    """A doubt, or why there is nothing to doubt, as the page shows it, and what one click does against it."""
+    cause, text = (doubt.cause, doubt.what) if isinstance(doubt, Doubt) else ("", doubt)
+    return {"text": text, "cause": cause, "grave": cause in GRAVE, "cures": cures}
 
 
 @dataclass(frozen=True)
@@ -50,11 +51,11 @@ class LastRun:
     sizes: dict[str, list[float]] = field(default_factory=dict)
     views: dict[int, dict[str, float]] = field(default_factory=dict)
 
-    def describe_things(self) -> dict[str, Any]:
-        """What the page shows of every thing, by mask value."""
-        return {str(mask): self._describe_object(item) for mask, item in self.items.items()}
+    def describe_things(self, cure: Callable[[Doubt, int], list[Cure]]) -> dict[str, Any]:
+        """What the page shows of every thing, by mask value; `cure`: what helps against a doubt about one."""
+        return {str(mask): self._describe_object(item, cure) for mask, item in self.items.items()}
 
-    def _describe_object(self, item: SceneObject) -> dict[str, Any]:
+    def _describe_object(self, item: SceneObject, cure: Callable[[Doubt, int], list[Cure]]) -> dict[str, Any]:
         entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
         found: Sequence[Doubt | str] = []
         if item.status == "failed":
@@ -63,7 +64,8 @@ class LastRun:
             found = [f"no cousins: {entry.reason}"]
         elif entry is not None and self.objects is not None:
             found = collect_doubts(entry, item, placed, self.objects)
-        about: dict[str, Any] = {"id": item.id, "doubts": [describe_doubt(one) for one in found]}
+        doubts = [describe_doubt(one, cure(one, item.mask) if isinstance(one, Doubt) else ()) for one in found]
+        about: dict[str, Any] = {"id": item.id, "doubts": doubts}
         if placed is None or placed.status == "failed":
             return about
         depth, width, height = placed.size
