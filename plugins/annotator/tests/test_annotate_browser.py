@@ -245,6 +245,20 @@ def test_an_absurd_size_and_a_camera_that_nobody_measured_are_mended_by_a_click(
     page.wait_for_function("() => document.getElementById('camera-facts').textContent.includes('1.50 m above')")
 
 
+def test_what_fell_behind_is_put_on_what_it_is_seen_on_by_a_click(opened: Opened) -> None:
+    page, session, room, hand = opened
+    table, bowl = room.truth.objects[3], room.truth.objects[4]
+    hand.known_height(table)
+    hand.object(table, "floor")
+    hand.object(bowl, "floor")
+    page.wait_for_selector("#put-on:not([hidden])")
+    assert "nothing of it would be seen" in page.locator("#object-doubt").text_content()
+    page.get_by_role("button", name="Put it on dining table").click()
+    assert _saved(page, session).objects[1].on == "object_1"
+    page.wait_for_selector("#put-on", state="hidden")
+    assert "would be seen" not in page.locator("#object-doubt").text_content()
+
+
 def test_what_was_marked_as_standing_but_taken_for_hanging_is_put_right_by_its_support(
     opened: Opened,
 ) -> None:
