@@ -177,7 +177,7 @@ def test_noise_of_depth_behind_a_wall_is_no_reflection(error: DepthError, remove
     depth[right] *= 1 + 0.5 / BACK_WALL  # 46 cm behind the wall
     wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-BACK_WALL, points=100)
     seen = PointMap(depth, INTRINSICS, WORLD_FROM_CAMERA)
-    clean = remove_reflections(depth, seen, [(masks == OBJECT, None)], [wall], error)
+    clean = remove_reflections(depth, seen, [(masks == OBJECT, [])], [wall], error)
     assert np.array_equal((clean == 0) & (depth > 0), right & removed)
 
 
@@ -194,11 +194,18 @@ def test_a_mirror_is_not_as_deep_as_what_it_shows() -> None:
     assert behind.depth[masks == OBJECT].all(), "all of it: seen through a door"
 
 
-@pytest.mark.parametrize(("label", "on_wall"), [("wall mirror", True), ("chair", False), ("thing", False)])
-def test_a_mirror_that_is_seen_wholly_behind_its_wall_hangs_on_it(label: str, on_wall: bool) -> None:
+HUNG, STANDS = Held(type=1, walls=[WALL]), Held(type=2)
+
+
+@pytest.mark.parametrize(
+    ("label", "held", "on_wall"),
+    [("wall mirror", None, True), ("chair", None, False), ("thing", None, False), ("thing", HUNG, True),
+     ("wall mirror", STANDS, False)],
+)  # fmt: skip
+def test_a_mirror_that_is_seen_wholly_behind_its_wall_hangs_on_it(label: str, held: Held | None, on_wall: bool) -> None:
     depth, masks = trace([UprightBox([BACK_WALL - 0.02, 0, 1.5], [0.04, 0.8, 0.9], 0.0)])
     shown = np.where(masks == OBJECT, np.float32(6.5), depth)  # what it shows is as far away as that
-    (item,) = extracted(shown, masks, label).objects.objects
+    (item,) = extracted(shown, masks, label, held=held).objects.objects
     assert item.box is not None and item.mounting is not None
     assert (abs(item.box.center[0] - BACK_WALL) < 0.1) == on_wall == item.mounting.hangs
     assert not on_wall or list(item.box.size[1:]) == pytest.approx([0.8, 0.9], abs=0.08)
@@ -212,5 +219,5 @@ def test_what_a_sensor_smears_between_a_mirror_and_what_it_shows_is_no_part_of_i
     depth[smeared] *= 1 + 0.2 / BACK_WALL  # 18 cm behind the wall
     wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-BACK_WALL, points=100)
     seen = PointMap(depth, INTRINSICS, WORLD_FROM_CAMERA)
-    clean = remove_reflections(depth, seen, [(masks == OBJECT, None)], [wall], DepthError(0.01, 0.0))
+    clean = remove_reflections(depth, seen, [(masks == OBJECT, [])], [wall], DepthError(0.01, 0.0))
     assert np.array_equal((clean == 0) & (depth > 0), smeared & removed)
