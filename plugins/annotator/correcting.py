@@ -26,6 +26,7 @@ from stages.contracts.files import Contract
 from stages.contracts.objects import Wall, object_ids
 from stages.contracts.parts import says_opening
 from stages.contracts.scene_input import read_scene_input
+from stages.contracts.scenes import Held
 from stages.contracts.things import read_things
 from stages.contracts.types import FLOOR, WALL, Id
 from stages.extraction.corrected_masks import (
@@ -241,10 +242,13 @@ class Correcting(Clicked):
         losses, regions = list_losses({item.mask: item for item in drawing.objects}, painted), {}
         for item in drawing.objects:
             mask = painted.masks == item.mask
+            box, held = item.around or find_corners(mask), item.mounting
+            wall = self._walls.get(held.walls[0]) if isinstance(held, Held) and held.type == 1 else None
+            moved, at = self._moved.get(item.mask, STILL), (wall, box) if wall and box else None
             regions[item.id] = {
-                "box": item.around or find_corners(mask),
+                "box": box,
                 "outlines": outline_mask(mask),
-                "faces": self.made.faces(item, self._moved.get(item.mask, STILL)),
+                "faces": self.made.faces(item, moved, at),
             }
         return {
             "regions": regions,

@@ -19,7 +19,8 @@ from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.doubt import Doubt
 from stages.contracts.generated import PlacedObject
-from stages.contracts.objects import SceneObject
+from stages.contracts.objects import SceneObject, Wall
+from stages.contracts.types import Pixel
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
 from stages.geometry.frames import invert_transform, transform_points
@@ -76,24 +77,31 @@ class LastRun:
             "model": placed.asset,
         }
 
-    def faces(self, correction: Correction, before: tuple[float, float]) -> list[list[list[float]]]:
+    def faces(
+        self, correction: Correction, before: tuple[float, float], at: tuple[Wall, tuple[Pixel, Pixel]] | None = None
+    ) -> list[list[list[float]]]:
         """The sides of an object of the scene of rank 1 as pixels, its front last; none if a corner is behind the
         camera.
 
         Args:
             correction: the correction so far; the object is shown turned, moved and sized by it.
             before: (x, y) metres by which the last run had moved it already.
+            at: the wall at which a person says that it hangs, and opposite corners of what shows it.
         """
         placed = self.placed.get(correction.mask)
         if placed is None or placed.status == "failed" or self.objects is None:
             return []
-        size, center = np.array(placed.size), np.array(placed.position)
+        box, hangs = UprightBox(placed.position, placed.size, placed.yaw), placed.support == "wall"
+        if at is not None and not (hangs and placed.mounting and placed.mounting.walls[:1] == [at[0].id]):
+            hung = hang_on(self.objects, at[0], at[1], box.size)
+            box, hangs = hung or box, hung is not None or hangs
+        size, center = np.array(box.size), np.array(box.center)
         if correction.size is not None:
             width, depth, height = correction.size
-            center[2] += 0 if placed.support == "wall" else (height - size[2]) / 2
+            center[2] += 0 if hangs else (height - size[2]) / 2
             size = np.array([depth, width, height])
         center[:2] += np.subtract(correction.nudge or (0.0, 0.0), before)
-        points = corners(UprightBox(center, size, placed.yaw if correction.front is None else correction.front))
+        points = corners(UprightBox(center, size, box.yaw if correction.front is None else correction.front))
         pixels = project(
             transform_points(invert_transform(np.array(self.objects.floor_from_camera)), points),
             self.objects.intrinsics,
@@ -152,6 +160,25 @@ class LastRun:
         file = io.BytesIO()
         view.save(file, "PNG")
         return "data:image/png;base64," + base64.b64encode(file.getvalue()).decode("ascii")
+
+
+def hang_on(objects: Objects, wall: Wall, around: tuple[Pixel, Pixel], size: NDArray[np.float64]) -> UprightBox | None:
+    """The box on a wall that two opposite corners of its picture show; None: they do not lie on that wall.
+
+    Args:
+        size: depth, width and height, metres, as it was placed: it is as deep in proportion.
+    """
+    camera, normal = np.array(objects.floor_from_camera), np.array(wall.normal)
+    pixels = np.array([(x, y, 1.0) for x, _ in around for _, y in around])
+    rays = pixels @ np.linalg.inv(objects.intrinsics).T @ camera[:3, :3].T
+    reach = (wall.offset - camera[:3, 3] @ normal) / (rays @ normal)
+    if not (reach > 0).all():
+        return None
+    points = camera[:3, 3] + reach[:, None] * rays
+    width, height = (float(np.ptp(points @ axis)) for axis in ([-normal[1], normal[0], 0.0], [0.0, 0.0, 1.0]))
+    depth = float(size[0] * width / size[1])
+    center = (points.min(axis=0) + points.max(axis=0)) / 2 + normal * depth / 2
+    return UprightBox(center, [depth, width, height], float(np.arctan2(normal[1], normal[0])))
 
 
 def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[int, int]) -> LastRun:

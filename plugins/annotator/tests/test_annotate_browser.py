@@ -163,6 +163,11 @@ def test_what_a_click_stands_on_is_said_before_it_and_a_changed_support_keeps_th
     page.locator("#on").select_option("wall_1")
     hung = _saved(page, session).objects[1]
     assert hung.on == "wall_1" and hung.points[0] == pytest.approx(before[0], abs=0.2)
+    hand.wall([0.3, -0.6, 0], [0.3, 0.6, 0])
+    hand.key("3")
+    far = float(page.locator("#object-facts").text_content().split()[0])
+    page.locator("#on").select_option("wall_2")  # 30 cm nearer: its box is shown there
+    page.wait_for_function(f"() => parseFloat(document.getElementById('object-facts').textContent) < {far - 0.2}")
     page.locator("#on").select_option("object_1")
     again = _saved(page, session).objects[1]
     assert again.points[0] == pytest.approx(before[0], abs=3) and len(again.points) == len(before)
