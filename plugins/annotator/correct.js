@@ -16,12 +16,13 @@ const HINTS = {
   select: 'Click what is wrong, in the picture or in a list. B draws a box around what is missing.',
   box: 'Press at one corner of the thing, let go at the opposite one.',
   outline: 'Click around what is seen of it; Enter closes the outline.',
-  join: 'Click what is a part of the chosen thing.',
+  join: 'Click what is a part of the chosen thing, one after the other; J or Esc: done.',
 };
 const things = () => state.project.objects.filter((item) => !ROOM.includes(item.label));
 const byMask = (mask) => state.project.objects.find((item) => item.mask === mask);
 
 function choose(tool) {
+  if (tool === 'join' && state.tool === 'join') tool = 'select';
   if (tool === 'click' && !clicks.offered()) return;
   clicks.end();
   state.draft = null; state.tool = tool; changed(); svg.focus({ preventScroll: true }); }
@@ -163,7 +164,11 @@ function join(part) {
     chosen().joins.push(part.mask, ...part.joins);
     leaveOut(project, part.mask);
   });
-  choose('select');
+}
+// Where outlines overlap: before all others, or behind them.
+function order(by) {
+  const layers = things().map((item) => item.layer);
+  edit(() => { chosen().layer = by > 0 ? Math.max(0, ...layers) + 1 : Math.min(0, ...layers) - 1; });
 }
 const round = (value) => Math.round(10 * value) / 10;
 function setBox(item, corners) {
@@ -279,6 +284,7 @@ function bind() {
     if (type === '1') chosen().on = null;
   }));
   get('on').addEventListener('change', ({ target }) => edit(() => { chosen().on = ['', 'floor'].includes(target.value) ? target.value || null : Number(target.value); }));
+  for (const one of document.querySelectorAll('[data-layer]')) one.addEventListener('click', () => order(Number(one.dataset.layer)));
   bindPlacement(chosen);
   bindFront(chosen, (item) => ({ ...state.project, mask: item.mask }));
   get('found').addEventListener('click', () => edit(() => Object.assign(chosen(), { around: null, outline: [], pieces: [] })));

@@ -130,6 +130,9 @@ def test_what_was_drawn_covers_what_was_found_whichever_comes_first() -> None:
     for things in ([drawn, whole], [whole, drawn]):
         painted = paint_masks({item.mask: item for item in things}, found, cut).masks
         assert (painted[20, 20], painted[0, 0]) == (OBJECT, OBJECT + 1)
+    for before, behind in ((1, 0), (0, -1)):  # unless a person says which is in front
+        things = [whole.model_copy(update={"layer": before}), drawn.model_copy(update={"layer": behind})]
+        assert (paint_masks({item.mask: item for item in things}, found, cut).masks == OBJECT + 1).all()
 
 
 def test_what_was_drawn_anew_has_no_box_or_front_of_what_was_found() -> None:

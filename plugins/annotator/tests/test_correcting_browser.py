@@ -18,8 +18,9 @@ from plugins.report.tests.test_report_browser import CONTRAST
 from stages.contracts import Objects, read_json
 from stages.contracts.corrections import CORRECTIONS, Correction, corrections_of
 from stages.contracts.doubt import DoubtKind
+from stages.extraction.corrected_masks import find_corners
 from stages.extraction.extract import run as extract
-from tests.unit.synthetic_room import OBJECT, write_room
+from tests.unit.synthetic_room import OBJECT, WALL, write_room
 
 CABINET, BOX = OBJECT, OBJECT + 1
 DOUBT = DoubtKind.UNUSUAL_SIZE.of(
@@ -272,13 +273,42 @@ def test_size_support_front_and_place_are_said(opened: Any, session: Correcting)
     assert page.locator("#command").text_content().endswith("results/report/scenes/kitchen.html")
 
 
-def test_two_clicks_join_a_part_to_what_it_is_of(opened: Any, session: Correcting) -> None:
+def test_parts_are_joined_click_by_click_and_names_keep_their_numbers(opened: Any, session: Correcting) -> None:
     page = opened
     page.keyboard.press("j")
     assert "part of the chosen thing" in page.locator("#hint").text_content()
-    page.locator("[data-object=cabinet_2] polygon").first.click(force=True)
-    page.wait_for_function("() => document.querySelectorAll('#objects button').length === 3")
-    assert read_told(page, session) == {CABINET: {"joins": [BOX]}}
-    page.click("#undo")
+    for count, part in ((3, "cabinet_2"), (2, "wall_1")):
+        page.locator(f"[data-object={part}] polygon").first.click(force=True)
+        page.wait_for_function(f"() => document.querySelectorAll('#objects button').length === {count}")
+    assert read_told(page, session) == {CABINET: {"joins": [BOX, WALL]}}
+    page.keyboard.press("j")
+    assert page.locator("[data-tool=join]").get_attribute("aria-pressed") == "false"
+    for _ in range(2):
+        page.click("#undo")
     page.wait_for_function("() => document.querySelectorAll('#objects button').length === 4")
     assert read_told(page, session) == {}
+    page.locator("#objects button", has_text="cabinet 1").click()
+    page.get_by_role("button", name="Delete", exact=True).last.click()
+    assert page.locator("#objects button").all_text_contents() == ["cabinet 2", "floor", "wall"]
+
+
+def test_what_an_outline_covers_is_brought_to_the_front(opened: Any, session: Correcting) -> None:
+    page = opened
+    shown = session.given.masks == BOX
+    page.locator("#objects button", has_text="cabinet 1").click()
+    page.keyboard.press("o")
+    (x0, y0), (x1, y1) = find_corners(shown)
+    a, d, e, f = page.locator("#view").evaluate("e => { const m = e.getScreenCTM(); return [m.a, m.d, m.e, m.f]; }")
+    for x, y in ((x0 - 5, y0 - 5), (x1 + 5, y0 - 5), (x1 + 5, y1 + 5), (x0 - 5, y1 + 5)):
+        page.mouse.click(x * a + e, y * d + f)
+    page.keyboard.press("Enter")
+    covered = page.locator("#objects li", has_text="cabinet 2").locator(".note")
+    page.wait_for_function("() => document.querySelector('#objects').textContent.includes('no pixel shows it')")
+    page.locator("#objects button", has_text="cabinet 2").click()
+    page.get_by_role("button", name="To the front").click()
+    page.wait_for_function("() => !document.querySelector('#objects').textContent.includes('no pixel shows it')")
+    assert read_told(page, session)[BOX] == {"layer": 1} and covered.text_content() == ""
+    assert (session._paint_drawing(session.open_drawing()).masks == BOX).sum() == shown.sum()
+    page.get_by_role("button", name="To the back").click()
+    assert read_told(page, session)[BOX] == {"layer": -1}
+    page.wait_for_function("() => document.querySelector('#objects').textContent.includes('no pixel shows it')")
