@@ -165,11 +165,6 @@ function join(part) {
     leaveOut(project, part.mask);
   });
 }
-// Where outlines overlap: before all others, or behind them.
-function order(by) {
-  const layers = things().map((item) => item.layer);
-  edit(() => { chosen().layer = by > 0 ? Math.max(0, ...layers) + 1 : Math.min(0, ...layers) - 1; });
-}
 const round = (value) => Math.round(10 * value) / 10;
 function setBox(item, corners) {
   item.around = corners.map((corner) => corner.map(round));
@@ -284,7 +279,6 @@ function bind() {
     if (type === '1') chosen().on = null;
   }));
   get('on').addEventListener('change', ({ target }) => edit(() => { chosen().on = ['', 'floor'].includes(target.value) ? target.value || null : Number(target.value); }));
-  for (const one of document.querySelectorAll('[data-layer]')) one.addEventListener('click', () => order(Number(one.dataset.layer)));
   bindPlacement(chosen);
   bindFront(chosen, (item) => ({ ...state.project, mask: item.mask }));
   get('found').addEventListener('click', () => edit(() => Object.assign(chosen(), { around: null, outline: [], pieces: [] })));

@@ -338,7 +338,11 @@ def test_outlines_walls_camera_and_what_is_wrong(opened: Opened) -> None:
     hand.key("o")
     for corner in (points[left], points[right], points[right + 4], points[left + 4]):
         hand.click(corner)
-    hand.key("Enter", "2")
+    hand.key("Enter")
+    for name, layer in (("To the front", 1), ("To the back", -1)):
+        page.get_by_role("button", name=name).click()
+        assert _saved(page, session).objects[0].layer == layer
+    hand.key("Escape", "2")
     page.get_by_role("button", name="Wall behind the chosen object").click()
     hand.key("1")
     page.get_by_label("Field of view across, degrees").fill("70")
