@@ -56,10 +56,10 @@ const renamed = (item) => item.named || item.label !== JSON.parse(state.before.g
 const doubtsOf = (item) => (made(item).doubts ?? []).filter(({ cause }) => cause !== 'name' || !renamed(item));
 // What a click on a doubt leads to; what mends it at once has a button of its own.
 const LEADS = { name: ['label', 'call it otherwise'], size: ['width', 'type its own length'], place: ['on', 'say what it stands on, or move it'], mounting: ['mounting', 'say how it is held'], affordance: ['models', 'choose another model'] };
-function doubtLine(item, { text, cause, cures }) {
-  const names = cause === 'name' ? state.proposals[item.mask] ?? [] : [];
+function doubtLine(item, { text, leads, cures }) {
+  const names = leads === 'name' ? state.proposals[item.mask] ?? [] : [];
   const about = button(item, names.length ? `${nameOf(item)}?` : `${nameOf(item)}: ${text}`);
-  const [field, what] = LEADS[cause] ?? [];
+  const [field, what] = LEADS[leads] ?? [];
   about.title = [names.length && text, what].filter(Boolean).join(': ');
   about.addEventListener('click', () => {
     const lead = get(field);

@@ -180,7 +180,7 @@ class Correcting(Clicked):
             placed = self.made.placed.get(mask)
             size = self.made.sizes.get(placed.asset) if placed else None
             moved = self._moved.get(mask, STILL)
-            return list_cures(doubt, partial(find_beneath, masks, mask), self._walls, moved, size, room)
+            return list_cures(doubt, partial(find_beneath, masks, mask), self._walls, moved, placed, size, room)
 
         return cure
 

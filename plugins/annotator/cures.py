@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.doubt import Doubt, DoubtKind
+from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Objects, Wall
 from stages.contracts.types import FLOOR, WALL
 from stages.geometry.cameras import PointMap
@@ -57,6 +58,7 @@ def list_cures(
     beneath: Callable[[], int | None],
     walls: Mapping[int, Wall],
     nudged: Sequence[float],
+    placed: PlacedObject | None,
     size: Sequence[float] | None,
     room: Mapping[int, str],
 ) -> list[Cure]:
@@ -66,6 +68,7 @@ def list_cures(
         beneath: the mask value of what the picture shows just below the thing.
         walls: by mask value.
         nudged: metres (x, y) by which a person moved the thing before that run.
+        placed: the thing in the scene of rank 1.
         size: width, depth and height of the model that stands there, metres.
         room: labels of floor and walls by mask value.
     """
@@ -85,7 +88,16 @@ def list_cures(
         return [{"text": "take what geometry finds", "set": {"mounting": None}}]
     if DoubtKind.SURFACE.read(doubt) is not None:
         return [{"text": f"it is {name}", "set": {"label": name}} for name in (FLOOR, WALL)]
-    if DoubtKind.STRETCHED.read(doubt) is not None and size is not None:
-        sides = " × ".join(f"{100 * side:.0f}" for side in size)
-        return [{"text": f"as large as its model: {sides} cm", "set": {"size": list(size)}}]
+    if placed is None or placed.status != "ok":
+        return []
+    if DoubtKind.NO_FIT.read(doubt) is not None:
+        return [{"text": "keep its model", "set": {"model": placed.asset}}]
+    if doubt.cause == "size":
+        depth, width, height = placed.size
+        return [*(_size_it("as its model:", size) if size else []), *_size_it("keep", (width, depth, height))]
     return []
+
+
+def _size_it(words: str, size: Sequence[float]) -> list[Cure]:
+    sides = " × ".join(f"{100 * side:.0f}" for side in size)
+    return [{"text": f"{words} {sides} cm", "set": {"size": [round(side, 3) for side in size]}}]

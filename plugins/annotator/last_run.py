@@ -17,7 +17,7 @@ from plugins.report.snapshots import Snapshots, views_of
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
-from stages.contracts.doubt import Doubt
+from stages.contracts.doubt import Doubt, DoubtKind
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import SceneObject, Wall
 from stages.contracts.types import Pixel
@@ -32,7 +32,8 @@ MAX_MODELS = 24  # models that can be chosen, nearest first
 def describe_doubt(doubt: Doubt | str, cures: Sequence[Cure] = ()) -> dict[str, Any]:
     """A doubt, or why there is nothing to doubt, as the page shows it, and what one click does against it."""
     cause, text = (doubt.cause, doubt.what) if isinstance(doubt, Doubt) else ("", doubt)
-    return {"text": text, "cause": cause, "grave": cause in GRAVE, "cures": cures}
+    leads = "affordance" if doubt == DoubtKind.NO_FIT.of() else cause  # to the models
+    return {"text": text, "cause": cause, "leads": leads, "grave": cause in GRAVE, "cures": cures}
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,11 @@ class LastRun:
             found = [f"no cousins: {entry.reason}"]
         elif entry is not None and self.objects is not None:
             found = collect_doubts(entry, item, placed, self.objects)
-        doubts = [describe_doubt(one, cure(one, item.mask) if isinstance(one, Doubt) else ()) for one in found]
+        doubts: list[dict[str, Any]] = []
+        for one in found:
+            offered = [each for doubt in doubts for each in doubt["cures"]]  # each click stands once
+            cures = cure(one, item.mask) if isinstance(one, Doubt) else []
+            doubts.append(describe_doubt(one, [each for each in cures if each not in offered]))
         about: dict[str, Any] = {"id": item.id, "doubts": doubts}
         if placed is None or placed.status == "failed":
             return about

@@ -21,7 +21,10 @@ from tests.unit.synthetic_room import OBJECT, WALL, write_room
 
 CABINET, BOX = OBJECT, OBJECT + 1
 BOXES = [UprightBox((3.7, -0.8, 0.4), (0.6, 0.8, 0.8), 0.0), UprightBox((3.6, -0.8, 0.95), (0.3, 0.4, 0.3), 0.0)]
-OF_CABINET = [DoubtKind.BEHIND_WALL.of(depth=7, wall="wall_1"), DoubtKind.STRETCHED.of(times=1.7)]
+OF_CABINET = [
+    DoubtKind.BEHIND_WALL.of(depth=7, wall="wall_1"), DoubtKind.STRETCHED.of(times=1.7), DoubtKind.CUT_OFF.of(),
+    DoubtKind.NO_FIT.of(),
+]  # fmt: skip
 OF_BOX = [DoubtKind.UNNAMED.of(), DoubtKind.BEYOND_WALL.of(wall="wall_1"), DoubtKind.SURFACE.of()]
 
 
@@ -72,8 +75,14 @@ def test_one_click_beside_a_doubt_mends_it(browser: Any, session: Correcting) ->
             [-0.08, 0], abs=5e-3
         )  # the camera looks a little aside
         own = page.locator("#own-doubts li", has_text=OF_CABINET[1].what)
-        own.get_by_role("button", name="as large as its model: 50 × 40 × 80 cm").click()
+        own.get_by_role("button", name="as its model: 50 × 40 × 80 cm").click()
         assert read_told(page, session)[CABINET]["size"] == [0.5, 0.4, 0.8]
+        own.get_by_role("button", name="keep ").click()
+        depth, width, height = session.made.placed[CABINET].size
+        assert read_told(page, session)[CABINET]["size"] == pytest.approx([width, depth, height], abs=1e-3)
+        assert line(OF_CABINET[2]).locator("button").count() == 1  # a size is offered once
+        line(OF_CABINET[3]).get_by_role("button", name="keep its model").click()
+        assert read_told(page, session)[CABINET]["model"] == "cabinet_0"
         low = page.evaluate(CONTRAST)
         assert [text for text in low if not text.startswith("text ")] == []
 
