@@ -22,9 +22,9 @@ async function write() {
 }
 
 // In the picture before all others, or behind them, whatever is nearer.
-function order(by) {
-  const layers = state.project.objects.map((item) => item.layer ?? 0);
-  edit(() => { find(state.chosen).layer = by > 0 ? Math.max(0, ...layers) + 1 : Math.min(0, ...layers) - 1; });
+export function order(item, by) {
+  const layers = state.project.objects.map((other) => other.layer ?? 0);
+  edit(() => { item.layer = by > 0 ? Math.max(0, ...layers) + 1 : Math.min(0, ...layers) - 1; });
 }
 
 export function bindFrame() {
@@ -37,7 +37,7 @@ export function bindFrame() {
     button.addEventListener('click', () => get('view').dispatchEvent(new KeyboardEvent('keydown', { key: button.dataset.key, bubbles: true })));
   }
   onChange(() => { get('drafting').hidden = !state.draft || state.draft.kind === 'frame'; });
-  for (const one of document.querySelectorAll('[data-layer]')) one.addEventListener('click', () => order(Number(one.dataset.layer)));
+  for (const one of document.querySelectorAll('[data-layer]')) one.addEventListener('click', () => order(find(state.chosen), Number(one.dataset.layer)));
   get('object').addEventListener('submit', (event) => event.preventDefault());
   get('write').addEventListener('click', write);
   get('close').addEventListener('click', async () => {

@@ -1,5 +1,5 @@
 // The page that corrects what was found and chosen: what a click, a drag or a key does, and the panel.
-import { bindFrame, frameKey, keyOf, proposal } from './both.js';
+import { bindFrame, frameKey, keyOf, order, proposal } from './both.js';
 import * as clicks from './clicks.js';
 import { begin, move, pixel, zoom } from './canvas.js';
 import { bindFront, closed, front, typed } from './fronts.js';
@@ -104,7 +104,7 @@ function panel() {
     const note = document.createElement('span');
     note.className = 'note';
     note.textContent = state.solved?.notes[item.id] ?? '';
-    return line(button(item, nameOf(item)), note);
+    return line(button(item, nameOf(item)), note, ...(state.solved?.covered.includes(item.id) ? [proposal('to the front', false, () => order(item, 1))] : []));
   }));
   const item = chosen();
   get('object').hidden = !item;

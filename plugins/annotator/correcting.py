@@ -253,6 +253,7 @@ class Correcting(Clicked):
         return {
             "regions": regions,
             "notes": {item.id: losses[item.mask] for item in drawing.objects if item.mask in losses},
+            "covered": [item.id for item in drawing.objects if item.mask in painted.swallowed],
         }
 
     def models(self, body: Any) -> Answer:

@@ -15,6 +15,7 @@ from stages.geometry.cameras import PointMap
 
 NEAR = 0.02  # share of the picture's height within which something lies just below a thing; chosen
 SHARE = 0.5  # of a thing's columns below which the same thing lies that may carry it; chosen
+APART = 0.3  # metres: a mask whose points lie farther from every wall of the run shows another one; chosen
 Cure = dict[str, Any]  # text: of a button; of: the mask value whose name follows; set: what it corrects
 
 
@@ -46,11 +47,13 @@ def match_walls(
     def distance(points: NDArray[np.float64], wall: Wall) -> float:
         return float(np.median(np.abs(points @ np.array(wall.normal) - wall.offset)))
 
-    return {
-        value: min(objects.walls, key=partial(distance, points))
-        for value, points in ((value, seen.of(mask)) for value, mask in shown.items())
-        if len(points) and objects.walls
-    }
+    found = {}
+    for value, mask in shown.items():
+        points = seen.of(mask)
+        near = [wall for wall in objects.walls if len(points) and distance(points, wall) < APART]
+        if near:
+            found[value] = min(near, key=partial(distance, points))
+    return found
 
 
 def list_cures(

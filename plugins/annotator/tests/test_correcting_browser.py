@@ -304,11 +304,12 @@ def test_what_an_outline_covers_is_brought_to_the_front(opened: Any, session: Co
     page.keyboard.press("Enter")
     covered = page.locator("#objects li", has_text="cabinet 2").locator(".note")
     page.wait_for_function("() => document.querySelector('#objects').textContent.includes('no pixel shows it')")
-    page.locator("#objects button", has_text="cabinet 2").click()
-    page.get_by_role("button", name="To the front").click()
+    page.get_by_role("button", name="to the front", exact=True).click()  # beside what is said of it
     page.wait_for_function("() => !document.querySelector('#objects').textContent.includes('no pixel shows it')")
     assert read_told(page, session)[BOX] == {"layer": 1} and covered.text_content() == ""
     assert (session._paint_drawing(session.open_drawing()).masks == BOX).sum() == shown.sum()
-    page.get_by_role("button", name="To the back").click()
-    assert read_told(page, session)[BOX] == {"layer": -1}
+    page.locator("#objects button", has_text="cabinet 2").click()
+    for name, layer in (("To the front", 2), ("To the back", -1)):
+        page.get_by_role("button", name=name, exact=True).click()
+        assert read_told(page, session)[BOX] == {"layer": layer}
     page.wait_for_function("() => document.querySelector('#objects').textContent.includes('no pixel shows it')")

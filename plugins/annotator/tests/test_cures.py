@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from plugins.annotator.correcting import Correcting
-from plugins.annotator.cures import find_beneath
+from plugins.annotator.cures import find_beneath, match_walls
 from plugins.annotator.tests.annotate_page import watched
 from plugins.annotator.tests.corrected_scene import read_told, write_run
 from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
@@ -44,6 +44,16 @@ def test_below_a_thing_lies_what_most_of_its_columns_show_there() -> None:
     assert find_beneath(masks, 5) == 7
     masks[41:60, 10:24] = 0
     assert find_beneath(masks, 5) is None and find_beneath(masks, 1) is None
+
+
+def test_a_mask_shows_the_wall_that_its_points_lie_on(session: Correcting) -> None:
+    objects, depth, wall = session.made.objects, session.given.depth, session.given.masks == WALL
+    assert objects is not None
+    beside = objects.walls[0].model_copy(update={"id": "wall_2", "offset": objects.walls[0].offset + 0.1})
+    two = objects.model_copy(update={"walls": [beside, objects.walls[0]]})
+    assert match_walls(two, depth, {WALL: wall, 7: wall & False})[WALL].id == "wall_1"
+    assert match_walls(objects, depth, {WALL: wall, 7: wall & False}).keys() == {WALL}
+    assert match_walls(objects, 0.8 * depth, {WALL: wall}) == {}, "another one, that the run did not know"
 
 
 def test_a_kind_of_doubt_knows_its_own_words() -> None:
