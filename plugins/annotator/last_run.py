@@ -21,7 +21,8 @@ from stages.contracts.doubt import Doubt, DoubtKind
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import SceneObject, Wall
 from stages.contracts.types import Pixel
-from stages.geometry.boxes import UprightBox, corners
+from stages.extraction.reflections import NICHE
+from stages.geometry.boxes import UprightBox, corners, is_behind
 from stages.geometry.cameras import project
 from stages.geometry.frames import invert_transform, transform_points
 
@@ -91,13 +92,14 @@ class LastRun:
         Args:
             correction: the correction so far; the object is shown turned, moved and sized by it.
             before: (x, y) metres by which the last run had moved it already.
-            at: the wall at which a person says that it hangs, and opposite corners of what shows it.
+            at: the wall at which a person says that it hangs, and opposite corners of what shows it: what is far behind
+            the wall is put onto it, as extraction does.
         """
         placed = self.placed.get(correction.mask)
         if placed is None or placed.status == "failed" or self.objects is None:
             return []
         box, hangs = UprightBox(placed.position, placed.size, placed.yaw), placed.support == "wall"
-        if at is not None and not (hangs and placed.mounting and placed.mounting.walls[:1] == [at[0].id]):
+        if at is not None and is_behind(box, at[0].normal, at[0].offset - NICHE):
             hung = hang_on(self.objects, at[0], at[1], box.size)
             box, hangs = hung or box, hung is not None or hangs
         size, center = np.array(box.size), np.array(box.center)

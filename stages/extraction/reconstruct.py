@@ -20,8 +20,9 @@ from stages.extraction.floor import find_floor_frame
 from stages.extraction.mounting import mount_objects
 from stages.extraction.objects import measure_object
 from stages.extraction.observation import AnnotatedImage
-from stages.extraction.reflections import remove_reflections
+from stages.extraction.reflections import NICHE, remove_reflections
 from stages.extraction.walls import find_room_walls
+from stages.geometry.boxes import UprightBox, is_behind
 from stages.geometry.cameras import PointMap
 from stages.geometry.masks import central_crop
 
@@ -52,7 +53,10 @@ def reconstruct(
     walls, shown = find_room_walls(image, seen, rng)
     error = estimate_depth_error(image, seen, shown)
 
-    annotations = sorted(image.annotations.objects, key=lambda item: item.mask)
+    annotations = [
+        leave_box(item, find_hanging(item, walls, shown))
+        for item in sorted(image.annotations.objects, key=lambda item: item.mask)
+    ]
     things = ((image.masks == item.mask, find_hanging(item, walls, shown)) for item in annotations)
     image = replace(image, depth=remove_reflections(image.depth, seen, things, walls, error))
     view = DepthView(np.where(crop, image.depth, 0), image.intrinsics, seen.frame, error)
@@ -99,3 +103,12 @@ def find_hanging(item: Annotation, walls: list[Wall], shown: Mapping[int, Wall])
         return [shown[value] for value in item.mounting.walls if value in shown] if item.mounting.type == 1 else []
     category = find_category(item.label, known_categories(), like=True)
     return walls if category is not None and category.places[0] == "wall" else []
+
+
+def leave_box(item: Annotation, walls: list[Wall]) -> Annotation:
+    """The object without its stated box, if that lies far behind a wall at which it hangs: it is measured there."""
+    if item.box is None or item.mounting is None:
+        return item
+    box = UprightBox(item.box.center, item.box.size, item.box.yaw)
+    behind = any(is_behind(box, wall.normal, wall.offset - NICHE) for wall in walls)
+    return item.model_copy(update={"box": None}) if behind else item

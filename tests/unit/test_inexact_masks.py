@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Annotations
 from stages.contracts.corrections import Correction
-from stages.contracts.objects import USUAL_ERROR, DepthError, SceneObject, Wall
+from stages.contracts.objects import USUAL_ERROR, Box, DepthError, SceneObject, Wall
 from stages.contracts.scenes import Annotation, Held
 from stages.extraction.contact import DepthView, measure_shelf
 from stages.extraction.corrected_masks import Cutter, correct_masks, paint_masks
@@ -35,9 +35,13 @@ SOFA = UprightBox([3.0, 0, 0.4], [0.9, 1.8, 0.8], 0.1)
 
 
 def extracted(
-    depth: NDArray[np.float32], masks: NDArray[np.uint16], *labels: str, held: Held | None = None
+    depth: NDArray[np.float32],
+    masks: NDArray[np.uint16],
+    *labels: str,
+    held: Held | None = None,
+    box: Box | None = None,
 ) -> ExtractedScene:
-    objects = [Annotation(mask=OBJECT + k, label=label, mounting=held) for k, label in enumerate(labels)]
+    objects = [Annotation(mask=OBJECT + k, label=label, mounting=held, box=box) for k, label in enumerate(labels)]
     told = Annotations(objects=objects, floor=FLOOR, walls=[WALL])
     rgb = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     image = AnnotatedImage(rgb, depth, masks, INTRINSICS, told)
@@ -212,6 +216,18 @@ def test_a_mirror_that_is_seen_wholly_behind_its_wall_hangs_on_it(label: str, he
     assert item.box is not None and item.mounting is not None
     assert (abs(item.box.center[0] - BACK_WALL) < 0.1) == on_wall == item.mounting.hangs
     assert not on_wall or list(item.box.size[1:]) == pytest.approx([0.8, 0.9], abs=0.08)
+
+
+@pytest.mark.parametrize(("held", "front", "left"), [(None, 6.5, False), (HUNG, 6.5, True), (HUNG, 4.1, False)])
+def test_a_box_far_behind_the_wall_where_its_thing_hangs_is_left(held: Held | None, front: float, left: bool) -> None:
+    """As it was drawn into a photograph, before somebody said that it hangs there."""
+    depth, masks = trace([UprightBox([BACK_WALL - 0.02, 0, 1.5], [0.04, 0.8, 0.9], 0.0)])
+    shown = np.where(masks == OBJECT, np.float32(front), depth)
+    box = Box(center=(round(front + 0.1, 3), 0, 1.4), size=(0.1, 1.3, 1.5), yaw=0.0)
+    (item,) = extracted(shown, masks, "thing", held=held, box=box).objects.objects
+    assert item.box is not None and item.mounting is not None
+    assert item.mounting.hangs == (held is not None) and (item.box == box) == (not left)
+    assert not left or item.box.center[0] == pytest.approx(BACK_WALL, abs=0.1)
 
 
 @pytest.mark.parametrize(("share", "removed"), [(0.3, True), (0.9, False)])  # of a cupboard in a niche little is before
