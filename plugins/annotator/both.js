@@ -1,6 +1,6 @@
 // What both pages have: buttons above the picture, writing and closing, and keys that are the same on both.
 import { fit, zoom } from './canvas.js';
-import { ask, changed, onChange, redo, save, state, undo } from './state.js';
+import { ask, changed, edit, find, onChange, redo, save, state, undo } from './state.js';
 
 const get = (id) => document.getElementById(id);
 function whole() { fit(); changed(); }
@@ -21,6 +21,12 @@ async function write() {
   changed();
 }
 
+// In the picture before all others, or behind them, whatever is nearer.
+export function order(item, by) {
+  const layers = state.project.objects.map((other) => other.layer ?? 0);
+  edit(() => { item.layer = by > 0 ? Math.max(0, ...layers) + 1 : Math.min(0, ...layers) - 1; });
+}
+
 export function bindFrame() {
   get('undo').addEventListener('click', undo);
   get('redo').addEventListener('click', redo);
@@ -31,6 +37,7 @@ export function bindFrame() {
     button.addEventListener('click', () => get('view').dispatchEvent(new KeyboardEvent('keydown', { key: button.dataset.key, bubbles: true })));
   }
   onChange(() => { get('drafting').hidden = !state.draft || state.draft.kind === 'frame'; });
+  for (const one of document.querySelectorAll('[data-layer]')) one.addEventListener('click', () => order(find(state.chosen), Number(one.dataset.layer)));
   get('object').addEventListener('submit', (event) => event.preventDefault());
   get('write').addEventListener('click', write);
   get('close').addEventListener('click', async () => {

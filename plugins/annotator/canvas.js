@@ -21,6 +21,14 @@ export function name(text, [x, y]) {
   const size = 13 * unit(), room = state.project.width - 0.6 * size * text.length;
   return element('text', { x: Math.max(0, Math.min(x, room)), y, 'font-size': size }, [text]);
 }
+// Where the name of a thing stands: at the upper left point of its largest outline, whatever stray pixels it has.
+export function corner(outlines) {
+  const points = outlines.reduce((one, other) => (spread(other) > spread(one) ? other : one));
+  const [x, y] = points.reduce((one, other) => (other[0] + other[1] < one[0] + one[1] ? other : one));
+  return [x, y + 13 * unit()];
+}
+const reach = (sides) => Math.max(...sides) - Math.min(...sides);
+const spread = (points) => reach(points.map(([x]) => x)) * reach(points.map(([, y]) => y));
 export const unit = () => box.width / Math.max(1, Math.min(svg.clientWidth, (svg.clientHeight * box.width) / box.height));
 
 export function begin() {

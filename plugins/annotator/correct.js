@@ -1,5 +1,5 @@
 // The page that corrects what was found and chosen: what a click, a drag or a key does, and the panel.
-import { bindFrame, frameKey, keyOf, proposal } from './both.js';
+import { bindFrame, frameKey, keyOf, order, proposal } from './both.js';
 import * as clicks from './clicks.js';
 import { begin, move, pixel, zoom } from './canvas.js';
 import { bindFront, closed, front, typed } from './fronts.js';
@@ -16,12 +16,13 @@ const HINTS = {
   select: 'Click what is wrong, in the picture or in a list. B draws a box around what is missing.',
   box: 'Press at one corner of the thing, let go at the opposite one.',
   outline: 'Click around what is seen of it; Enter closes the outline.',
-  join: 'Click what is a part of the chosen thing.',
+  join: 'Click what is a part of the chosen thing, one after the other; J or Esc: done.',
 };
 const things = () => state.project.objects.filter((item) => !ROOM.includes(item.label));
 const byMask = (mask) => state.project.objects.find((item) => item.mask === mask);
 
 function choose(tool) {
+  if (tool === 'join' && state.tool === 'join') tool = 'select';
   if (tool === 'click' && !clicks.offered()) return;
   clicks.end();
   state.draft = null; state.tool = tool; changed(); svg.focus({ preventScroll: true }); }
@@ -53,23 +54,35 @@ function line(...parts) {
 // A name is doubted no more once a person has said it.
 const renamed = (item) => item.named || item.label !== JSON.parse(state.before.get(item.mask) ?? '{}').label;
 const doubtsOf = (item) => (made(item).doubts ?? []).filter(({ cause }) => cause !== 'name' || !renamed(item));
-const CURES = { name: 'label', size: 'width', place: 'on', mounting: 'mounting', affordance: 'models' }; // what a click on a doubt leads to
-function doubtLine(item, { text, cause }) {
-  const names = cause === 'name' ? state.proposals[item.mask] ?? [] : [];
+// What a click on a doubt leads to; what mends it at once has a button of its own.
+const LEADS = { name: ['label', 'call it otherwise'], size: ['width', 'type its own length'], place: ['on', 'say what it stands on, or move it'], mounting: ['mounting', 'say how it is held'], affordance: ['models', 'choose another model'] };
+function doubtLine(item, { text, leads, cures }) {
+  const names = leads === 'name' ? state.proposals[item.mask] ?? [] : [];
   const about = button(item, names.length ? `${nameOf(item)}?` : `${nameOf(item)}: ${text}`);
-  if (names.length) about.title = text;
+  const [field, what] = LEADS[leads] ?? [];
+  about.title = [names.length && text, what].filter(Boolean).join(': ');
   about.addEventListener('click', () => {
-    const cure = get(CURES[cause]);
-    if (cure?.select) { cure.focus(); cure.select(); } else cure?.scrollIntoView({ block: 'nearest' }); // keys would change a list
+    const lead = get(field);
+    if (lead?.select) { lead.focus(); lead.select(); } else lead?.scrollIntoView({ block: 'nearest' }); // keys would change a list
   });
-  return line(about, ...names.map((name) => named(item, name)));
+  return line(about, ...names.map((name) => named(item, name)), ...mending(item, cures));
 }
+// Buttons that mend a doubt by what they say; `of`: the thing, wall or what was left out that one is about.
+const isSaid = (item, set) => Object.keys(set).every((key) => JSON.stringify(item[key]) === JSON.stringify(set[key]));
+const mending = (item, cures) => cures.flatMap(({ text, of, set }) => {
+  const other = of && (byMask(of) ?? state.offers.find(({ mask }) => mask === of));
+  return of && !other ? [] : proposal(other ? `${text} ${other.text ?? nameOf(other)}` : text, isSaid(item, set), () => edit((project) => {
+    if (of && !byMask(of)) project.objects.push(taken(of));
+    Object.assign(item, set);
+    state.chosen = item.id;
+  }));
+});
 function doubts() {
   const all = things().flatMap((item) => doubtsOf(item).map((doubt) => ({ item, doubt })));
   all.sort((one, other) => other.doubt.grave - one.doubt.grave); // what is odd about where and how large it stands comes first
   const lines = all.map(({ item, doubt }) => doubtLine(item, doubt));
   get('in-doubt').hidden = !lines.length;
-  get('in-doubt').querySelector('summary').textContent = `In doubt: ${lines.length}`;
+  get('in-doubt').querySelector('summary').textContent = `In doubt: ${lines.length}; a click leads to what mends it`;
   get('in-doubt').querySelector('ul').replaceChildren(...lines);
 }
 
@@ -91,14 +104,14 @@ function panel() {
     const note = document.createElement('span');
     note.className = 'note';
     note.textContent = state.solved?.notes[item.id] ?? '';
-    return line(button(item, nameOf(item)), note);
+    return line(button(item, nameOf(item)), note, ...(state.solved?.covered.includes(item.id) ? [proposal('to the front', false, () => order(item, 1))] : []));
   }));
   const item = chosen();
   get('object').hidden = !item;
   if (!item) return;
   for (const id of ['label', 'doors', 'drawers']) if (document.activeElement !== get(id)) get(id).value = item[id] ?? (id === 'label' ? '' : 0);
   get('proposals').replaceChildren(...(state.proposals[item.mask] ?? []).map((text) => named(item, text)));
-  get('own-doubts').replaceChildren(...doubtsOf(item).map(({ text }) => { const entry = line(text); entry.className = 'note'; return entry; }));
+  get('own-doubts').replaceChildren(...doubtsOf(item).map(({ text, cures }) => { const note = document.createElement('span'); note.className = 'note'; note.append(text); return line(note, ...mending(item, cures)); }));
   get('articulated').checked = item.articulated || item.doors + item.drawers > 0;
   get('thing').hidden = ROOM.includes(item.label);
   get('found').hidden = !state.known.includes(item.mask) || (!item.around && !item.outline.length);
@@ -151,7 +164,6 @@ function join(part) {
     chosen().joins.push(part.mask, ...part.joins);
     leaveOut(project, part.mask);
   });
-  choose('select');
 }
 const round = (value) => Math.round(10 * value) / 10;
 function setBox(item, corners) {

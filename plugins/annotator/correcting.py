@@ -1,6 +1,8 @@
 """Session of the page that corrects an input folder: requests and answers as plain data, without HTTP."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -10,6 +12,7 @@ from pydantic import Field
 
 from plugins.annotator.bare import is_bare, read_bare, view_room, write_masks
 from plugins.annotator.clicking import Clicked
+from plugins.annotator.cures import Cure, find_beneath, list_cures, match_walls
 from plugins.annotator.fronts import extents, jpeg, rectify_front
 from plugins.annotator.last_run import LastRun, describe_doubt, read_last_run
 from plugins.annotator.session import Answer
@@ -18,10 +21,12 @@ from plugins.eyes.proposal import RoomView
 from plugins.inputs.own_scene import is_clone, to_run
 from stages.contracts import InputError, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
+from stages.contracts.doubt import Doubt
 from stages.contracts.files import Contract
-from stages.contracts.objects import object_ids
+from stages.contracts.objects import Wall, object_ids
 from stages.contracts.parts import says_opening
 from stages.contracts.scene_input import read_scene_input
+from stages.contracts.scenes import Held
 from stages.contracts.things import read_things
 from stages.contracts.types import FLOOR, WALL, Id
 from stages.extraction.corrected_masks import (
@@ -37,6 +42,8 @@ from stages.extraction.corrected_masks import (
     paint_masks,
 )
 from stages.geometry.masks import outline_mask
+
+STILL = (0.0, 0.0)  # metres: not moved by hand
 
 
 class Thing(Correction):
@@ -82,6 +89,7 @@ class Correcting(Clicked):
         self._cut = Cutter(self.given.rgb)
         height, width = self.given.masks.shape
         self._moved: dict[int, tuple[float, float]] = {}  # by hand, before the page was opened
+        self._walls: dict[int, Wall] = {}  # of the last run, by mask value
         self.made: LastRun = read_last_run(self.results, self.scene, self.variant, (width, height))
 
     @property
@@ -137,8 +145,9 @@ class Correcting(Clicked):
         ids = {item.mask: item.id for item in drawing.objects}
         masks = {item.id: mask for mask, item in self.made.items.items()}
         known = {*ids.values(), *map(name_drawn, self.left_out)}
+        cure = self._cure_by(drawing)
         doubts = {  # what the input itself doubts: there before the first run
-            str(item.mask): {"doubts": [describe_doubt(one) for one in item.doubts]}
+            str(item.mask): {"doubts": [describe_doubt(one, cure(one, item.mask)) for one in item.doubts]}
             for item in self.given.annotations.objects
             if item.doubts
         }
@@ -147,7 +156,7 @@ class Correcting(Clicked):
             "project": {"picture": self.scene, "width": width, "height": height, **drawing.model_dump(mode="json")},
             "categories": [*self.categories, FLOOR, WALL],
             "folder": str(self.folder / CORRECTIONS),
-            "made": doubts | self.made.describe_things(),
+            "made": doubts | self.made.describe_things(cure),
             "pictured": self.made.picture is not None,
             "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in known else None),
             "offers": self._offer_things(),
@@ -158,6 +167,22 @@ class Correcting(Clicked):
             "command": self.command(),
             "clicks": self.clicker is not None,
         }
+
+    def _cure_by(self, drawing: Drawing) -> Callable[[Doubt, int], list[Cure]]:
+        """What one click does against a doubt about the thing of a mask."""
+        painted = self._paint_drawing(drawing).masks
+        masks = np.where(painted > 0, painted, self.given.masks)  # with what was left out
+        room = {item.mask: item.label for item in drawing.objects if item.label in ROOM}
+        shown = {mask: masks == mask for mask, label in room.items() if label == WALL}
+        self._walls = match_walls(self.made.objects, self.given.depth, shown) if self.made.objects else {}
+
+        def cure(doubt: Doubt, mask: int) -> list[Cure]:
+            placed = self.made.placed.get(mask)
+            size = self.made.sizes.get(placed.asset) if placed else None
+            moved = self._moved.get(mask, STILL)
+            return list_cures(doubt, partial(find_beneath, masks, mask), self._walls, moved, placed, size, room)
+
+        return cure
 
     def _offer_things(self) -> list[Answer]:
         """What was found and left out of the scene, with what a click makes of it."""
@@ -217,14 +242,18 @@ class Correcting(Clicked):
         losses, regions = list_losses({item.mask: item for item in drawing.objects}, painted), {}
         for item in drawing.objects:
             mask = painted.masks == item.mask
+            box, held = item.around or find_corners(mask), item.mounting
+            wall = self._walls.get(held.walls[0]) if isinstance(held, Held) and held.type == 1 else None
+            moved, at = self._moved.get(item.mask, STILL), (wall, box) if wall and box else None
             regions[item.id] = {
-                "box": item.around or find_corners(mask),
+                "box": box,
                 "outlines": outline_mask(mask),
-                "faces": self.made.faces(item, self._moved.get(item.mask, (0.0, 0.0))),
+                "faces": self.made.faces(item, moved, at),
             }
         return {
             "regions": regions,
             "notes": {item.id: losses[item.mask] for item in drawing.objects if item.mask in losses},
+            "covered": [item.id for item in drawing.objects if item.mask in painted.swallowed],
         }
 
     def models(self, body: Any) -> Answer:

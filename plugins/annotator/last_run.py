@@ -2,7 +2,7 @@
 
 import base64
 import io
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,16 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.annotator.cures import Cure
 from plugins.annotator.fronts import FACES, extents, front_corners
 from plugins.report.doubts import collect_doubts
 from plugins.report.snapshots import Snapshots, views_of
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
-from stages.contracts.doubt import Doubt
+from stages.contracts.doubt import Doubt, DoubtKind
 from stages.contracts.generated import PlacedObject
-from stages.contracts.objects import SceneObject
-from stages.geometry.boxes import UprightBox, corners
+from stages.contracts.objects import SceneObject, Wall
+from stages.contracts.types import Pixel
+from stages.extraction.reflections import NICHE
+from stages.geometry.boxes import UprightBox, corners, is_behind
 from stages.geometry.cameras import project
 from stages.geometry.frames import invert_transform, transform_points
 
@@ -27,10 +30,11 @@ GRAVE = ("affordance", "place", "size")  # causes of doubts that are listed befo
 MAX_MODELS = 24  # models that can be chosen, nearest first
 
 
-def describe_doubt(doubt: Doubt | str) -> dict[str, Any]:
-    """A doubt, or why there is nothing to doubt, as the page shows it."""
-    cause = doubt.cause if isinstance(doubt, Doubt) else ""
-    return {"text": str(doubt), "cause": cause, "grave": cause in GRAVE}
+def describe_doubt(doubt: Doubt | str, cures: Sequence[Cure] = ()) -> dict[str, Any]:
+    """A doubt, or why there is nothing to doubt, as the page shows it, and what one click does against it."""
+    cause, text = (doubt.cause, doubt.what) if isinstance(doubt, Doubt) else ("", doubt)
+    leads = "affordance" if doubt == DoubtKind.NO_FIT.of() else cause  # to the models
+    return {"text": text, "cause": cause, "leads": leads, "grave": cause in GRAVE, "cures": cures}
 
 
 @dataclass(frozen=True)
@@ -50,11 +54,11 @@ class LastRun:
     sizes: dict[str, list[float]] = field(default_factory=dict)
     views: dict[int, dict[str, float]] = field(default_factory=dict)
 
-    def describe_things(self) -> dict[str, Any]:
-        """What the page shows of every thing, by mask value."""
-        return {str(mask): self._describe_object(item) for mask, item in self.items.items()}
+    def describe_things(self, cure: Callable[[Doubt, int], list[Cure]]) -> dict[str, Any]:
+        """What the page shows of every thing, by mask value; `cure`: what helps against a doubt about one."""
+        return {str(mask): self._describe_object(item, cure) for mask, item in self.items.items()}
 
-    def _describe_object(self, item: SceneObject) -> dict[str, Any]:
+    def _describe_object(self, item: SceneObject, cure: Callable[[Doubt, int], list[Cure]]) -> dict[str, Any]:
         entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
         found: Sequence[Doubt | str] = []
         if item.status == "failed":
@@ -63,7 +67,12 @@ class LastRun:
             found = [f"no cousins: {entry.reason}"]
         elif entry is not None and self.objects is not None:
             found = collect_doubts(entry, item, placed, self.objects)
-        about: dict[str, Any] = {"id": item.id, "doubts": [describe_doubt(one) for one in found]}
+        doubts: list[dict[str, Any]] = []
+        for one in found:
+            offered = [each for doubt in doubts for each in doubt["cures"]]  # each click stands once
+            cures = cure(one, item.mask) if isinstance(one, Doubt) else []
+            doubts.append(describe_doubt(one, [each for each in cures if each not in offered]))
+        about: dict[str, Any] = {"id": item.id, "doubts": doubts}
         if placed is None or placed.status == "failed":
             return about
         depth, width, height = placed.size
@@ -74,24 +83,32 @@ class LastRun:
             "model": placed.asset,
         }
 
-    def faces(self, correction: Correction, before: tuple[float, float]) -> list[list[list[float]]]:
+    def faces(
+        self, correction: Correction, before: tuple[float, float], at: tuple[Wall, tuple[Pixel, Pixel]] | None = None
+    ) -> list[list[list[float]]]:
         """The sides of an object of the scene of rank 1 as pixels, its front last; none if a corner is behind the
         camera.
 
         Args:
             correction: the correction so far; the object is shown turned, moved and sized by it.
             before: (x, y) metres by which the last run had moved it already.
+            at: the wall at which a person says that it hangs, and opposite corners of what shows it: what is far behind
+            the wall is put onto it, as extraction does.
         """
         placed = self.placed.get(correction.mask)
         if placed is None or placed.status == "failed" or self.objects is None:
             return []
-        size, center = np.array(placed.size), np.array(placed.position)
+        box, hangs = UprightBox(placed.position, placed.size, placed.yaw), placed.support == "wall"
+        if at is not None and is_behind(box, at[0].normal, at[0].offset - NICHE):
+            hung = hang_on(self.objects, at[0], at[1], box.size)
+            box, hangs = hung or box, hung is not None or hangs
+        size, center = np.array(box.size), np.array(box.center)
         if correction.size is not None:
             width, depth, height = correction.size
-            center[2] += 0 if placed.support == "wall" else (height - size[2]) / 2
+            center[2] += 0 if hangs else (height - size[2]) / 2
             size = np.array([depth, width, height])
         center[:2] += np.subtract(correction.nudge or (0.0, 0.0), before)
-        points = corners(UprightBox(center, size, placed.yaw if correction.front is None else correction.front))
+        points = corners(UprightBox(center, size, box.yaw if correction.front is None else correction.front))
         pixels = project(
             transform_points(invert_transform(np.array(self.objects.floor_from_camera)), points),
             self.objects.intrinsics,
@@ -150,6 +167,25 @@ class LastRun:
         file = io.BytesIO()
         view.save(file, "PNG")
         return "data:image/png;base64," + base64.b64encode(file.getvalue()).decode("ascii")
+
+
+def hang_on(objects: Objects, wall: Wall, around: tuple[Pixel, Pixel], size: NDArray[np.float64]) -> UprightBox | None:
+    """The box on a wall that two opposite corners of its picture show; None: they do not lie on that wall.
+
+    Args:
+        size: depth, width and height, metres, as it was placed: it is as deep in proportion.
+    """
+    camera, normal = np.array(objects.floor_from_camera), np.array(wall.normal)
+    pixels = np.array([(x, y, 1.0) for x, _ in around for _, y in around])
+    rays = pixels @ np.linalg.inv(objects.intrinsics).T @ camera[:3, :3].T
+    reach = (wall.offset - camera[:3, 3] @ normal) / (rays @ normal)
+    if not (reach > 0).all():
+        return None
+    points = camera[:3, 3] + reach[:, None] * rays
+    width, height = (float(np.ptp(points @ axis)) for axis in ([-normal[1], normal[0], 0.0], [0.0, 0.0, 1.0]))
+    depth = float(size[0] * width / size[1])
+    center = (points.min(axis=0) + points.max(axis=0)) / 2 + normal * depth / 2
+    return UprightBox(center, [depth, width, height], float(np.arctan2(normal[1], normal[0])))
 
 
 def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[int, int]) -> LastRun:

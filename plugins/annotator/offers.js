@@ -1,9 +1,9 @@
 // What was found and left out of the scene: dashed outlines with a guess, of which a click takes one.
-import { area, element, name, unit } from './canvas.js';
+import { area, corner, element, name } from './canvas.js';
 import { state } from './state.js';
 
 const get = (id) => document.getElementById(id);
-export const blank = (id, mask) => ({ id, mask, label: null, named: false, around: null, outline: [], pieces: [], joins: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null });
+export const blank = (id, mask) => ({ id, mask, label: null, named: false, around: null, outline: [], pieces: [], layer: 0, joins: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null });
 
 const offers = () => state.offers.filter(({ mask }) => !state.project.objects.some((item) => item.mask === mask || item.joins.includes(mask)));
 
@@ -18,8 +18,7 @@ export function drawOffers() {
     const kind = `offer ${state.chosen === offer.id ? 'chosen' : ''}`.trim();
     const about = element('title', {}, [`${offer.text}: ${offer.why}. Click to take it.`]);
     const outlines = offer.outlines.map((points) => area(points, 'face'));
-    const [x, y] = offer.outlines.flat().reduce((one, other) => (other[1] < one[1] ? other : one));
-    return [element('g', { class: kind, 'data-offer': offer.mask }, [about, ...outlines]), name(`${offer.text}?`, [x, y + 13 * unit()])];
+    return [element('g', { class: kind, 'data-offer': offer.mask }, [about, ...outlines]), name(`${offer.text}?`, corner(offer.outlines))];
   });
 }
 

@@ -105,6 +105,9 @@ function panel() {
   get('object-doubt').textContent = solved.notes[item.id] ?? '';
   get('object-facts').textContent = box ? `${metres(box.distance)} away` : '';
   get('right').hidden = !item.unsure;
+  const beneath = find(solved.beneath[item.id]);
+  get('put-on').hidden = !beneath;
+  if (beneath) get('put-on').textContent = `Put it on ${nameOf(beneath)}`;
   const usual = usualOf(item);
   get('usual').hidden = !usual;
   if (usual) get('usual').textContent = `Use the usual size: ${usual.map((side, k) => `${Math.round(100 * side)} ${SIDES[k]}`).join(' × ')}, cm`;
@@ -145,6 +148,7 @@ function bind() {
   get('take-height').addEventListener('click', () => edit(({ scale }) => { scale.metres = Number((state.solved.camera.above * state.solved.camera.factor).toFixed(2)); }));
   get('keep-height').addEventListener('click', () => edit(({ scale }) => { scale.metres = state.solved.camera.above; }));
   get('right').addEventListener('click', () => edit(() => { chosen().unsure = false; }));
+  get('put-on').addEventListener('click', () => edit(() => carried(chosen(), state.solved.beneath[state.chosen])));
   get('usual').addEventListener('click', () => edit(() => {
     const sides = state.solved.usual[state.chosen] ?? [];
     ['width', 'depth', 'height'].forEach((side, k) => { if (sides[k]) chosen()[side] = sides[k]; });

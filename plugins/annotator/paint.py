@@ -1,6 +1,7 @@
 """Depth and masks of a solved room: per pixel the nearest of floor, walls and boxes."""
 
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,20 +85,23 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
             reach = wall.reach(rays)
             masks[reach < depth] = values[name]
             depth = np.minimum(depth, reach)
-    outlined = [item for item in project.objects if item.id in solved.boxes and item.outlines]
-    for item in (entry for entry in project.objects if entry.id in solved.boxes and entry not in outlined):
-        part = _bounds(view, solved.boxes[item.id], stride)
-        reach = solid_depth(item, solved, rays[part])
-        nearer = reach < depth[part]
-        depth[part][nearer] = reach[nearer]
-        masks[part][nearer] = values[item.id]
-    taken = np.full(depth.shape, np.inf)  # outlines lie over everything else; where two overlap, the nearer is seen
-    for item in outlined:
-        outline = polygons(item.outlines, (view.height, view.width))[::stride, ::stride]
-        reach = extend(solid_depth(item, solved, rays), outline)
-        shown = outline & (reach < taken)
-        taken[shown] = depth[shown] = reach[shown]
-        masks[shown] = values[item.id]
+    placed = [item for item in project.objects if item.id in solved.boxes]
+    room = depth.copy()
+    for _, layer in groupby(sorted(placed, key=lambda item: item.layer), key=lambda item: item.layer):
+        items, nearest = list(layer), room.copy()
+        for item in (entry for entry in items if not entry.outlines):
+            part = _bounds(view, solved.boxes[item.id], stride)
+            reach = solid_depth(item, solved, rays[part])
+            nearer = reach < nearest[part]
+            nearest[part][nearer] = depth[part][nearer] = reach[nearer]
+            masks[part][nearer] = values[item.id]
+        taken = np.full(depth.shape, np.inf)  # outlines lie over everything else; where two overlap, the nearer is seen
+        for item in (entry for entry in items if entry.outlines):
+            outline = polygons(item.outlines, (view.height, view.width))[::stride, ::stride]
+            reach = extend(solid_depth(item, solved, rays), outline)
+            shown = outline & (reach < taken)
+            taken[shown] = depth[shown] = reach[shown]
+            masks[shown] = values[item.id]
     unseen = depth > LARGEST
     return Painted(np.where(unseen, 0, depth).astype(np.float32), np.where(unseen, 0, masks).astype(np.uint16), values)
 

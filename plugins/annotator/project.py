@@ -55,6 +55,7 @@ class DrawnObject(Contract):
     panels: list[Panel] = Field([], max_length=1000, description="where they lie on its real front, if that was drawn")
     outline: Outline = Field([], description="the pixels that show it; empty: all of its box")
     pieces: list[Outline] = Field([], max_length=50, description="further outlines, where what is before it cuts it")
+    layer: int = Field(0, ge=-1000, le=1000, description="what has more is seen before what has less, however near")
     unsure: bool = Field(False, description="found by networks, and no person has changed or confirmed it yet")
 
     @property

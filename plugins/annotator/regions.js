@@ -1,5 +1,5 @@
 // What lies over the picture on the correcting page: regions of things, what is left out, the chosen thing's box.
-import { area, dots, element, frame, name, unit } from './canvas.js';
+import { area, corner, dots, element, frame, name, unit } from './canvas.js';
 import { marks } from './clicks.js';
 import { drawOffers } from './offers.js';
 import { find, nameOf, state } from './state.js';
@@ -10,26 +10,17 @@ export const ROOM = ['floor', 'wall'];
 export const chosen = () => (state.chosen ? find(state.chosen) : null);
 export const boxOf = (item) => item.around ?? state.solved?.regions[item.id]?.box;
 
-// Where the name of a thing stands: at the upper left point of its largest outline, whatever stray pixels it has.
-function corner(outlines) {
-  const points = outlines.reduce((one, other) => (spread(other) > spread(one) ? other : one));
-  const [x, y] = points.reduce((one, other) => (other[0] + other[1] < one[0] + one[1] ? other : one));
-  return [x, y + 13 * unit()];
-}
-const reach = (sides) => Math.max(...sides) - Math.min(...sides);
-const spread = (points) => reach(points.map(([x]) => x)) * reach(points.map(([, y]) => y));
-
 export function draw() {
   const over = get('over');
   svg.classList.toggle('selecting', state.tool === 'select');
   if (!over || !state.solved) return;
-  const parts = [];
+  const parts = [], names = []; // names lie over all else
   for (const item of [...state.project.objects].sort((one, other) => ROOM.includes(other.label) - ROOM.includes(one.label))) {
     const region = state.solved.regions[item.id];
     if (!region) continue;
     const kind = ['region', ROOM.includes(item.label) ? 'room' : '', state.chosen === item.id ? 'chosen' : ''].join(' ').trim();
     parts.push(element('g', { class: kind, 'data-object': item.id }, region.outlines.map((points) => area(points, 'face'))));
-    if (item.label && region.outlines.length) parts.push(name(nameOf(item), corner(region.outlines)));
+    if (item.label && region.outlines.length) names.push(name(nameOf(item), corner(region.outlines)));
   }
   parts.push(...drawOffers());
   const item = chosen();
@@ -44,5 +35,5 @@ export function draw() {
   const points = state.draft?.points ?? [];
   if (state.draft?.kind === 'frame') parts.push(frame(points));
   else if (points.length) parts.push(element('polyline', { points: points.map((p) => p.join()).join(' '), class: 'measure quiet' }));
-  over.replaceChildren(...parts, ...dots(marks()));
+  over.replaceChildren(...parts, ...names, ...dots(marks()));
 }

@@ -1,6 +1,7 @@
 """Session of the page that draws into a picture: its requests and answers as plain data, without HTTP."""
 
-from dataclasses import dataclass, field
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -126,9 +127,10 @@ class Session(Clicked):
     def solve(self, body: Any) -> Answer:
         """Where everything is, in metres and in pixels."""
         project, solved = finish_drawing(self._project(body), self.depth)
-        for name in find_hidden(project, solved):
+        hidden = find_hidden(project, solved)
+        for name in hidden:
             solved.notes[name] = "; ".join(filter(None, [solved.notes.get(name), UNSEEN]))
-        return describe_room(project, solved)
+        return describe_room(project, solved) | {"beneath": find_carriers(project, solved, {*hidden, *solved.usual})}
 
     def save(self, body: Any) -> Answer:
         """Keep the drawing."""
@@ -183,6 +185,19 @@ class Session(Clicked):
         """The page is done with."""
         self.finished = True
         return {}
+
+
+def find_carriers(project: Project, solved: Solved, doubted: Collection[str]) -> dict[str, str]:
+    """The object whose top the foot of a doubted thing is seen on, by its id, where it is on something else."""
+    found = {}
+    for item in project.objects:
+        if item.id in doubted and item.on not in solved.walls:
+            others = replace(solved, boxes={name: box for name, box in solved.boxes.items() if name != item.id})
+            (ax, ay), (bx, by) = item.points[:2]
+            on = support_at(project, others, ((ax + bx) / 2, (ay + by) / 2))
+            if on in solved.boxes and on != item.on:
+                found[item.id] = on
+    return found
 
 
 def _lines(view: View, ends: NDArray[np.float64]) -> list[list[list[float]]]:

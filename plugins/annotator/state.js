@@ -108,13 +108,13 @@ export const undoable = () => [past.length > 0, future.length > 0];
 
 export const find = (id) => state.project.objects.find((item) => item.id === id) ?? state.project.walls?.find((item) => item.id === id);
 const numbered = new Map(); // label -> ids in the order in which they got it
-// Numbered where there are more of a kind; a number stays when others get a name or are deleted.
+// Numbered where there are, or were, more of a kind: a number stays when others get a name or are deleted.
 export function nameOf(item) {
   if (!item.label || item.label === 'object') return item.id.replace('_', ' ');
   const alike = state.project.objects.filter((other) => other.label === item.label).map((other) => other.id);
   const ids = [...new Set([...(numbered.get(item.label) ?? []), ...alike])];
   numbered.set(item.label, ids);
-  return alike.length > 1 ? `${item.label} ${ids.indexOf(item.id) + 1}` : item.label;
+  return ids.length > 1 ? `${item.label} ${ids.indexOf(item.id) + 1}` : item.label;
 }
 export const object = (id, draft) => ({ id, on: draft.on, points: copy(draft.points), free: draft.free, round: draft.round });
 export const wall = (id, draft) => ({ id, a: draft.points[0], b: draft.points[1], free: draft.free });

@@ -40,6 +40,7 @@ class Correction(Contract):
     )
     outline: Outline = Field([], description="the pixels that show it")
     pieces: list[Outline] = Field([], max_length=50, description="further outlines, where what is before it cuts it")
+    layer: int = Field(0, ge=-1000, le=1000, description="what has more covers what has less")
     joins: list[MaskValue] = Field([], max_length=1000, description="masks that show further parts of it")
     articulated: bool | None = None
     doors: Panels | None = None

@@ -1,6 +1,8 @@
 """Doubts about an object of a scene that a person can mend. All else that is odd is a note."""
 
+import re
 from enum import Enum, unique
+from string import Formatter
 from typing import Any, Literal
 
 from pydantic import ConfigDict
@@ -98,6 +100,13 @@ class DoubtKind(Enum):
     def of(self, **values: Any) -> Doubt:
         """A doubt of this kind; `values`: those of its text."""
         return Doubt(cause=self.cause, what=self.text.format(**values))
+
+    def read(self, doubt: Doubt) -> dict[str, str] | None:
+        """The values of a doubt's text, in words; None: it is of another kind."""
+        parts = Formatter().parse(self.text)
+        pattern = "".join(re.escape(words) + (f"(?P<{name}>.+)" if name else "") for words, name, *_ in parts)
+        found = re.fullmatch(pattern, doubt.what) if doubt.cause == self.cause else None
+        return found and found.groupdict()
 
 
 def sort_by_gravity(doubts: list[Doubt]) -> list[Doubt]:

@@ -110,12 +110,12 @@ class Painted(NamedTuple):
 
 
 def paint_masks(things: dict[int, Correction], found: NDArray[np.uint16], cut: Cutter) -> Painted:
-    """Paint the masks: objects cover floor and walls, drawn masks cover found ones, later ones earlier ones."""
+    """Paint the masks: objects over floor and walls, then by layer; else drawn over found ones, later over earlier."""
     masks = np.zeros_like(found)
     height, width = masks.shape
     pixels: dict[int, int] = {}
     swallowed: dict[int, tuple[float, int]] = {}
-    for item in sorted(things.values(), key=lambda item: (item.label not in ROOM, is_drawn(item))):
+    for item in sorted(things.values(), key=lambda item: (item.label not in ROOM, item.layer, is_drawn(item))):
         if item.outlines:
             shown = polygons(item.outlines, masks.shape)
         elif item.around is not None:

@@ -1,5 +1,6 @@
 """From a picture to `objects.json`, step by step, wherever its depth and masks came from (paper 2.1, A.2, A.7)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -11,15 +12,17 @@ from stages.contracts import InputError, Objects
 from stages.contracts.categories import known_categories
 from stages.contracts.category import find_category
 from stages.contracts.files import first_error
-from stages.contracts.objects import object_ids
+from stages.contracts.objects import Wall, object_ids
+from stages.contracts.scenes import Annotation
 from stages.extraction.contact import DepthView
 from stages.extraction.depth_error import estimate_depth_error
 from stages.extraction.floor import find_floor_frame
 from stages.extraction.mounting import mount_objects
 from stages.extraction.objects import measure_object
 from stages.extraction.observation import AnnotatedImage
-from stages.extraction.reflections import remove_reflections
+from stages.extraction.reflections import NICHE, remove_reflections
 from stages.extraction.walls import find_room_walls
+from stages.geometry.boxes import UprightBox, is_behind
 from stages.geometry.cameras import PointMap
 from stages.geometry.masks import central_crop
 
@@ -50,10 +53,11 @@ def reconstruct(
     walls, shown = find_room_walls(image, seen, rng)
     error = estimate_depth_error(image, seen, shown)
 
-    annotations = sorted(image.annotations.objects, key=lambda item: item.mask)
-    things = (
-        (image.masks == item.mask, find_category(item.label, known_categories(), like=True)) for item in annotations
-    )
+    annotations = [
+        leave_box(item, find_hanging(item, walls, shown))
+        for item in sorted(image.annotations.objects, key=lambda item: item.mask)
+    ]
+    things = ((image.masks == item.mask, find_hanging(item, walls, shown)) for item in annotations)
     image = replace(image, depth=remove_reflections(image.depth, seen, things, walls, error))
     view = DepthView(np.where(crop, image.depth, 0), image.intrinsics, seen.frame, error)
     names = object_ids([item.label for item in annotations])
@@ -87,3 +91,24 @@ def reconstruct(
         ) from None
     clouds = {one.object.id: one.cloud.astype(np.float32) for one in placed}
     return ExtractedScene(objects, clean, image.depth, clouds, {one.object.id: one.heights[0] for one in placed})
+
+
+def find_hanging(item: Annotation, walls: list[Wall], shown: Mapping[int, Wall]) -> list[Wall]:
+    """The walls at which an object may hang: those that are stated, else all where its category says that it does.
+
+    Args:
+        shown: walls by the mask values that show them.
+    """
+    if item.mounting is not None:
+        return [shown[value] for value in item.mounting.walls if value in shown] if item.mounting.type == 1 else []
+    category = find_category(item.label, known_categories(), like=True)
+    return walls if category is not None and category.places[0] == "wall" else []
+
+
+def leave_box(item: Annotation, walls: list[Wall]) -> Annotation:
+    """The object without its stated box, if that lies far behind a wall at which it hangs: it is measured there."""
+    if item.box is None or item.mounting is None:
+        return item
+    box = UprightBox(item.box.center, item.box.size, item.box.yaw)
+    behind = any(is_behind(box, wall.normal, wall.offset - NICHE) for wall in walls)
+    return item.model_copy(update={"box": None}) if behind else item

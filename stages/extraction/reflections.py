@@ -5,7 +5,6 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.category import Category
 from stages.contracts.objects import DepthError, Wall
 from stages.extraction.contact import CONTACT_DISTANCE
 from stages.geometry.cameras import PointMap
@@ -18,21 +17,21 @@ NICHE = 0.3  # metres: no niche in a wall is deeper; chosen
 def remove_reflections(
     depth: NDArray[np.float32],
     seen: PointMap,
-    things: Iterable[tuple[NDArray[np.bool_], Category | None]],
+    things: Iterable[tuple[NDArray[np.bool_], Sequence[Wall]]],
     walls: Sequence[Wall],
     error: DepthError,
 ) -> NDArray[np.float32]:
     """Depth (H, W), set to unknown (0) where an object of this room shows points behind a wall.
 
     Of what hangs on that wall, even little behind it: sensors smear depth between a mirror's frame and what it shows.
-    What is seen wholly behind a wall is in another room; but where its category says that it hangs, it is on that wall.
+    What is seen wholly behind a wall is in another room; but if it hangs, it is on that wall.
 
     Args:
         seen: what is used of the picture, floor frame.
-        things: their pixels (H, W), and what their labels mean.
+        things: their pixels (H, W), and the walls at which they may hang.
     """
     clean = depth.copy()
-    for mask, category in things:
+    for mask, hung in things:
         known = mask & seen.known
         if not known.any():
             continue
@@ -46,8 +45,8 @@ def remove_reflections(
             if IN_ROOM <= (~behind).mean() < 1:
                 clean[known] = np.where(behind, 0, clean[known])
             height = float(seen.frame[:3, 3] @ np.array(wall.normal)) - wall.offset  # of the camera, before the wall
-            if (~behind).mean() < IN_ROOM and height > 0:
+            if wall in hung and (~behind).mean() < IN_ROOM and height > 0:
                 nearest = np.minimum(nearest, far * height / (height - np.minimum(before, 0)))
-        if category is not None and category.places[0] == "wall" and np.isfinite(nearest).all():
+        if np.isfinite(nearest).all():
             clean[known] = nearest
     return clean

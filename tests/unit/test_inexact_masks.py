@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Annotations
 from stages.contracts.corrections import Correction
-from stages.contracts.objects import USUAL_ERROR, DepthError, SceneObject, Wall
+from stages.contracts.objects import USUAL_ERROR, Box, DepthError, SceneObject, Wall
 from stages.contracts.scenes import Annotation, Held
 from stages.extraction.contact import DepthView, measure_shelf
 from stages.extraction.corrected_masks import Cutter, correct_masks, paint_masks
@@ -35,9 +35,13 @@ SOFA = UprightBox([3.0, 0, 0.4], [0.9, 1.8, 0.8], 0.1)
 
 
 def extracted(
-    depth: NDArray[np.float32], masks: NDArray[np.uint16], *labels: str, held: Held | None = None
+    depth: NDArray[np.float32],
+    masks: NDArray[np.uint16],
+    *labels: str,
+    held: Held | None = None,
+    box: Box | None = None,
 ) -> ExtractedScene:
-    objects = [Annotation(mask=OBJECT + k, label=label, mounting=held) for k, label in enumerate(labels)]
+    objects = [Annotation(mask=OBJECT + k, label=label, mounting=held, box=box) for k, label in enumerate(labels)]
     told = Annotations(objects=objects, floor=FLOOR, walls=[WALL])
     rgb = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     image = AnnotatedImage(rgb, depth, masks, INTRINSICS, told)
@@ -130,6 +134,9 @@ def test_what_was_drawn_covers_what_was_found_whichever_comes_first() -> None:
     for things in ([drawn, whole], [whole, drawn]):
         painted = paint_masks({item.mask: item for item in things}, found, cut).masks
         assert (painted[20, 20], painted[0, 0]) == (OBJECT, OBJECT + 1)
+    for before, behind in ((1, 0), (0, -1)):  # unless a person says which is in front
+        things = [whole.model_copy(update={"layer": before}), drawn.model_copy(update={"layer": behind})]
+        assert (paint_masks({item.mask: item for item in things}, found, cut).masks == OBJECT + 1).all()
 
 
 def test_what_was_drawn_anew_has_no_box_or_front_of_what_was_found() -> None:
@@ -177,7 +184,7 @@ def test_noise_of_depth_behind_a_wall_is_no_reflection(error: DepthError, remove
     depth[right] *= 1 + 0.5 / BACK_WALL  # 46 cm behind the wall
     wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-BACK_WALL, points=100)
     seen = PointMap(depth, INTRINSICS, WORLD_FROM_CAMERA)
-    clean = remove_reflections(depth, seen, [(masks == OBJECT, None)], [wall], error)
+    clean = remove_reflections(depth, seen, [(masks == OBJECT, [])], [wall], error)
     assert np.array_equal((clean == 0) & (depth > 0), right & removed)
 
 
@@ -194,14 +201,33 @@ def test_a_mirror_is_not_as_deep_as_what_it_shows() -> None:
     assert behind.depth[masks == OBJECT].all(), "all of it: seen through a door"
 
 
-@pytest.mark.parametrize(("label", "on_wall"), [("wall mirror", True), ("chair", False), ("thing", False)])
-def test_a_mirror_that_is_seen_wholly_behind_its_wall_hangs_on_it(label: str, on_wall: bool) -> None:
+HUNG, STANDS = Held(type=1, walls=[WALL]), Held(type=2)
+
+
+@pytest.mark.parametrize(
+    ("label", "held", "on_wall"),
+    [("wall mirror", None, True), ("chair", None, False), ("thing", None, False), ("thing", HUNG, True),
+     ("wall mirror", STANDS, False)],
+)  # fmt: skip
+def test_a_mirror_that_is_seen_wholly_behind_its_wall_hangs_on_it(label: str, held: Held | None, on_wall: bool) -> None:
     depth, masks = trace([UprightBox([BACK_WALL - 0.02, 0, 1.5], [0.04, 0.8, 0.9], 0.0)])
     shown = np.where(masks == OBJECT, np.float32(6.5), depth)  # what it shows is as far away as that
-    (item,) = extracted(shown, masks, label).objects.objects
+    (item,) = extracted(shown, masks, label, held=held).objects.objects
     assert item.box is not None and item.mounting is not None
     assert (abs(item.box.center[0] - BACK_WALL) < 0.1) == on_wall == item.mounting.hangs
     assert not on_wall or list(item.box.size[1:]) == pytest.approx([0.8, 0.9], abs=0.08)
+
+
+@pytest.mark.parametrize(("held", "front", "left"), [(None, 6.5, False), (HUNG, 6.5, True), (HUNG, 4.1, False)])
+def test_a_box_far_behind_the_wall_where_its_thing_hangs_is_left(held: Held | None, front: float, left: bool) -> None:
+    """As it was drawn into a photograph, before somebody said that it hangs there."""
+    depth, masks = trace([UprightBox([BACK_WALL - 0.02, 0, 1.5], [0.04, 0.8, 0.9], 0.0)])
+    shown = np.where(masks == OBJECT, np.float32(front), depth)
+    box = Box(center=(round(front + 0.1, 3), 0, 1.4), size=(0.1, 1.3, 1.5), yaw=0.0)
+    (item,) = extracted(shown, masks, "thing", held=held, box=box).objects.objects
+    assert item.box is not None and item.mounting is not None
+    assert item.mounting.hangs == (held is not None) and (item.box == box) == (not left)
+    assert not left or item.box.center[0] == pytest.approx(BACK_WALL, abs=0.1)
 
 
 @pytest.mark.parametrize(("share", "removed"), [(0.3, True), (0.9, False)])  # of a cupboard in a niche little is before
@@ -212,5 +238,5 @@ def test_what_a_sensor_smears_between_a_mirror_and_what_it_shows_is_no_part_of_i
     depth[smeared] *= 1 + 0.2 / BACK_WALL  # 18 cm behind the wall
     wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-BACK_WALL, points=100)
     seen = PointMap(depth, INTRINSICS, WORLD_FROM_CAMERA)
-    clean = remove_reflections(depth, seen, [(masks == OBJECT, None)], [wall], DepthError(0.01, 0.0))
+    clean = remove_reflections(depth, seen, [(masks == OBJECT, [])], [wall], DepthError(0.01, 0.0))
     assert np.array_equal((clean == 0) & (depth > 0), smeared & removed)

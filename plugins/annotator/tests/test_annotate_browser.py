@@ -163,6 +163,11 @@ def test_what_a_click_stands_on_is_said_before_it_and_a_changed_support_keeps_th
     page.locator("#on").select_option("wall_1")
     hung = _saved(page, session).objects[1]
     assert hung.on == "wall_1" and hung.points[0] == pytest.approx(before[0], abs=0.2)
+    hand.wall([0.3, -0.6, 0], [0.3, 0.6, 0])
+    hand.key("3")
+    far = float(page.locator("#object-facts").text_content().split()[0])
+    page.locator("#on").select_option("wall_2")  # 30 cm nearer: its box is shown there
+    page.wait_for_function(f"() => parseFloat(document.getElementById('object-facts').textContent) < {far - 0.2}")
     page.locator("#on").select_option("object_1")
     again = _saved(page, session).objects[1]
     assert again.points[0] == pytest.approx(before[0], abs=3) and len(again.points) == len(before)
@@ -245,6 +250,20 @@ def test_an_absurd_size_and_a_camera_that_nobody_measured_are_mended_by_a_click(
     page.wait_for_function("() => document.getElementById('camera-facts').textContent.includes('1.50 m above')")
 
 
+def test_what_fell_behind_is_put_on_what_it_is_seen_on_by_a_click(opened: Opened) -> None:
+    page, session, room, hand = opened
+    table, bowl = room.truth.objects[3], room.truth.objects[4]
+    hand.known_height(table)
+    hand.object(table, "floor")
+    hand.object(bowl, "floor")
+    page.wait_for_selector("#put-on:not([hidden])")
+    assert "nothing of it would be seen" in page.locator("#object-doubt").text_content()
+    page.get_by_role("button", name="Put it on dining table").click()
+    assert _saved(page, session).objects[1].on == "object_1"
+    page.wait_for_selector("#put-on", state="hidden")
+    assert "would be seen" not in page.locator("#object-doubt").text_content()
+
+
 def test_what_was_marked_as_standing_but_taken_for_hanging_is_put_right_by_its_support(
     opened: Opened,
 ) -> None:
@@ -319,7 +338,11 @@ def test_outlines_walls_camera_and_what_is_wrong(opened: Opened) -> None:
     hand.key("o")
     for corner in (points[left], points[right], points[right + 4], points[left + 4]):
         hand.click(corner)
-    hand.key("Enter", "2")
+    hand.key("Enter")
+    for name, layer in (("To the front", 1), ("To the back", -1)):
+        page.get_by_role("button", name=name).click()
+        assert _saved(page, session).objects[0].layer == layer
+    hand.key("Escape", "2")
     page.get_by_role("button", name="Wall behind the chosen object").click()
     hand.key("1")
     page.get_by_label("Field of view across, degrees").fill("70")

@@ -222,6 +222,16 @@ def test_an_outline_beside_its_box_shows_the_thing_all_the_same() -> None:
     assert (extend(reach, outline) == reach).all(), "nor where its box lies in a corner of the picture"
 
 
+@pytest.mark.parametrize(("cabinet", "mug"), [(0, 1), (-1, 0)])
+def test_a_person_says_which_lies_in_front(cabinet: int, mug: int) -> None:
+    drawing = _drawing()
+    plain = paint(drawing, solve(drawing)).masks == 2
+    drawing.objects[0].outline = _pixels([[-0.9, 2.9, 0], [-0.1, 2.9, 0], [-0.1, 2.9, 1.3], [-0.9, 2.9, 1.3]])
+    assert 2 not in paint(drawing, solve(drawing)).masks, "an outline lies over every box"
+    drawing.objects[0].layer, drawing.objects[1].layer = cabinet, mug
+    assert ((paint(drawing, solve(drawing)).masks == 2) == plain).all()
+
+
 def test_round_things_are_round(tmp_path: Path) -> None:
     drawing = _drawing()
     mug = drawing.objects[1]

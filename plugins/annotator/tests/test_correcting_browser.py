@@ -11,81 +11,33 @@ from PIL import Image
 
 from plugins.annotator.correcting import Correcting
 from plugins.annotator.tests.annotate_page import watched
+from plugins.annotator.tests.corrected_scene import read_told, write_run
 from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from plugins.annotator.tests.test_correcting import BOXES
 from plugins.report.tests.test_report_browser import CONTRAST
-from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json, write_json
+from stages.contracts import Objects, read_json
 from stages.contracts.corrections import CORRECTIONS, Correction, corrections_of
-from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.doubt import DoubtKind
-from stages.contracts.generated import PlacedObject
-from stages.contracts.library import LibraryEntry
+from stages.extraction.corrected_masks import find_corners
 from stages.extraction.extract import run as extract
-from tests.unit.synthetic_room import OBJECT, write_room
-from tests.unit.tables_results import snapshots
+from tests.unit.synthetic_room import OBJECT, WALL, write_room
 
 CABINET, BOX = OBJECT, OBJECT + 1
-MODELS = [f"cabinet_{number}" for number in range(12)]
 DOUBT = DoubtKind.UNUSUAL_SIZE.of(
     what="is 60 by 220 cm, 80 cm high; usual are 30 to 60 by 40 to 120 cm, 60 to 90 cm high"
 )
 
 
-def _matched(name: str) -> ObjectCousins:
-    """Ten cousins, and two models more that were compared."""
-    view = Orientation(yaw=0.4, distance=0.5)
-    compared = [Candidate(asset=asset, category="cabinet", distance=1 + n / 4) for n, asset in enumerate(MODELS)]
-    cousins = [
-        Cousin(rank=n, asset=one.asset, category="cabinet", distance=one.distance, votes=None, orientation=view,
-               orientations=[view])
-        for n, one in enumerate(compared[:10], 1)
-    ]  # fmt: skip
-    return ObjectCousins(id=name, label=name[:-2], by_distance=compared, cousins=cousins)
-
-
 @pytest.fixture
 def session(tmp_path: Path) -> Correcting:
     folder = write_room(tmp_path / "kitchen", BOXES, ["cabinet", "cabinet"])
-    results = tmp_path / "results"
-    place = results / "extraction/kitchen/objects.json"
-    extract(input=folder, scene="kitchen", out=place)
-    objects = read_json(Objects, place)
-    names = [item.id for item in objects.objects]
-    cousins = Cousins(scene="kitchen", encoder="hog", objects=[_matched(name) for name in names])
-    write_json(results / "matching/b/kitchen/cousins.json", cousins)
-    placed = [
-        PlacedObject(
-            id=item.id, label=item.label, asset=MODELS[0], category="cabinet", position=item.box.center,
-            yaw=np.pi, size=item.box.size, mounting=item.mounting, cousin=1, doubts=[DOUBT] if number else [],
-        )
-        for number, item in enumerate(objects.objects) if item.box is not None
-    ]  # fmt: skip
-    shared = objects.model_dump(include={"scene", "width", "height", "intrinsics", "floor_from_camera", "walls"})
-    scene = GeneratedScene(variant="b", rank=1, objects=placed, **shared)
-    write_json(results / "generation/b/kitchen/scene_1.json", scene)
-    snapshots(results / "assets/snapshots", MODELS)
-    Image.new("RGB", (48, 36), (200, 60, 40)).save(results / "generation/b/kitchen/scene_1.png")
-    entries = [
-        LibraryEntry(id=name, category="cabinet", archive="a.zip", doors=0, drawers=0, checksum="c",
-                     size=(0.4, 0.5 + number / 100, 0.8))
-        for number, name in enumerate(MODELS)
-    ]  # fmt: skip
-    write_json(results / "assets/library/library.json", Library(assets=sorted(entries, key=lambda one: one.id)))
-    return Correcting(folder, ["mug"], results, "kitchen", None, "cabinet_1")
+    return write_run(folder, tmp_path / "results", {1: [DOUBT]})
 
 
 @pytest.fixture
 def opened(browser: Any, session: Correcting) -> Iterator[Any]:  # noqa: F811
     with watched(browser, session, "#over polygon") as page:
         yield page
-
-
-def _told(page: Any, session: Correcting) -> dict[int, dict[str, Any]]:
-    """What is kept, by mask value."""
-    page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
-    path = session.folder / CORRECTIONS
-    said = json.loads(path.read_text())["objects"] if path.is_file() else []
-    return {item.pop("mask"): item for item in said}
 
 
 def _front(page: Any) -> str:
@@ -112,15 +64,15 @@ def test_from_a_doubt_to_another_model_in_two_clicks(opened: Any, session: Corre
     assert models.count() == 12 and page.locator("#view .solid").count() == 6
     assert models.first.text_content().startswith("cabinet 0 · 1.00 · cousin 1 · stands there")
     models.nth(10).locator("[data-asset]").click()  # one that is no cousin
-    assert _told(page, session) == {BOX: {"model": "cabinet_10"}}
+    assert read_told(page, session) == {BOX: {"model": "cabinet_10"}}
     page.get_by_label("the chosen one in every scene").check()
     page.get_by_label("cabinet 3: not this one").click()
-    assert _told(page, session) == {BOX: {"model": "cabinet_10", "pinned": True, "banned": ["cabinet_3"]}}
+    assert read_told(page, session) == {BOX: {"model": "cabinet_10", "pinned": True, "banned": ["cabinet_3"]}}
     page.get_by_label("cabinet 10: not this one").click()  # what is banned is not chosen, and so not in every scene
-    assert _told(page, session) == {BOX: {"banned": ["cabinet_3", "cabinet_10"]}}
+    assert read_told(page, session) == {BOX: {"banned": ["cabinet_3", "cabinet_10"]}}
     assert page.locator("#pinned").is_disabled()
     page.get_by_label("Same model as").select_option(label="cabinet 1")
-    assert _told(page, session)[BOX]["like"] == CABINET
+    assert read_told(page, session)[BOX]["like"] == CABINET
     low = page.evaluate(CONTRAST)
     assert [line for line in low if not line.startswith("text ")] == []
 
@@ -136,9 +88,9 @@ def test_a_proposed_name_is_taken_by_a_click(browser: Any, tmp_path: Path) -> No
         assert names.all_text_contents() == ["cabinet", "fridge", "oven"]
         assert page.locator("#proposals button[aria-pressed=true]").count() == 0
         names.nth(0).click()
-        assert _told(page, session) == {CABINET: {"named": True}}
+        assert read_told(page, session) == {CABINET: {"named": True}}
         names.nth(1).click()
-        assert _told(page, session) == {CABINET: {"label": "fridge", "named": True}}
+        assert read_told(page, session) == {CABINET: {"label": "fridge", "named": True}}
         assert page.locator("#proposals button[aria-pressed=true]").text_content() == "fridge"
         assert page.locator("#label").input_value() == "fridge"
         page.locator("#objects button").nth(1).click()
@@ -156,15 +108,15 @@ def test_doubted_names_come_first_and_a_click_settles_each(browser: Any, tmp_pat
     session = Correcting(folder, ["mug"], tmp_path / "results", "kitchen")
     with watched(browser, session, "#over polygon") as page:
         lines = page.locator("#in-doubt li")
-        assert page.locator("#in-doubt summary").text_content() == "In doubt: 2"
+        assert page.locator("#in-doubt summary").text_content() == "In doubt: 2; a click leads to what mends it"
         assert lines.nth(0).locator("button").all_text_contents() == ["cabinet?", "cabinet", "fridge", "oven"]
         lines.nth(0).get_by_role("button", name="fridge").click()
-        assert _told(page, session) == {CABINET: {"label": "fridge", "named": True}}
+        assert read_told(page, session) == {CABINET: {"label": "fridge", "named": True}}
         assert lines.locator("button").all_text_contents() == ["sofa?", "sofa", "bed", "box"]
         lines.locator("button").first.click()
         page.keyboard.type("mug")
         page.keyboard.press("Enter")
-        assert _told(page, session)[BOX] == {"label": "mug"}
+        assert read_told(page, session)[BOX] == {"label": "mug"}
         assert page.locator("#in-doubt").is_hidden()
         page.keyboard.press("Control+z")
         page.wait_for_function("() => document.querySelectorAll('#in-doubt li').length === 1")
@@ -219,7 +171,7 @@ def test_a_room_is_put_right_from_its_doubt_on_and_made_again(opened: Any, sessi
     page.mouse.down()
     page.mouse.move(x + 40, y + 30, steps=4)
     page.mouse.up()
-    told = _told(page, session)[BOX]
+    told = read_told(page, session)[BOX]
     assert told.keys() == {"articulated", "drawers", "panels", "mounting", "on", "size", "model"}
     assert "changed" in page.locator("#in-doubt button").first.get_attribute("class")
     page.keyboard.press("Control+s")
@@ -242,7 +194,7 @@ def test_drawers_are_drawn_on_the_front(opened: Any, session: Correcting) -> Non
     assert page.locator("#front-view").is_hidden()
     page.get_by_label("Drawers").fill("3")
     page.keyboard.press("Enter")
-    assert _told(page, session)[BOX] == {"articulated": True, "drawers": 3}  # counts alone
+    assert read_told(page, session)[BOX] == {"articulated": True, "drawers": 3}  # counts alone
     page.locator("#front-view summary").click()
     page.wait_for_selector("#front-picture:not([hidden])")
     page.get_by_role("button", name="Lay out evenly").click()
@@ -260,7 +212,7 @@ def test_drawers_are_drawn_on_the_front(opened: Any, session: Correcting) -> Non
         page.mouse.up()
 
     def panels() -> list[dict[str, Any]]:
-        return list(_told(page, session)[BOX]["panels"])
+        return list(read_told(page, session)[BOX]["panels"])
 
     drag((0.5, 0.5), (0.5, 0.5))  # a click chooses the middle one
     drag((0.5, 1 / 3), (0.5, 0.2))  # its lower edge
@@ -274,7 +226,7 @@ def test_drawers_are_drawn_on_the_front(opened: Any, session: Correcting) -> Non
     assert panels()[2]["top"] == 1 and panels()[2]["bottom"] == pytest.approx(1 - lowest["top"], abs=1e-3)
     page.keyboard.press("Control+z")
     page.keyboard.press("Delete")  # the box, not the thing
-    assert len(panels()) == 2 and _told(page, session)[BOX]["drawers"] == 2
+    assert len(panels()) == 2 and read_told(page, session)[BOX]["drawers"] == 2
     page.get_by_role("button", name="Door", exact=True).click()
     drag((0.02, 0.02), (0.6, 0.18))
     assert panels()[2]["kind"] == "door" and panels()[2]["left"] == pytest.approx(0.02, abs=0.01)
@@ -283,7 +235,7 @@ def test_drawers_are_drawn_on_the_front(opened: Any, session: Correcting) -> Non
     assert {item.kind for item in told[BOX].panels or []} == {"door", "drawer"}
     page.get_by_label("Drawers").fill("4")  # boxes that are not right any more go
     page.keyboard.press("Enter")
-    assert _told(page, session)[BOX] == {"articulated": True, "doors": 1, "drawers": 4}
+    assert read_told(page, session)[BOX] == {"articulated": True, "doors": 1, "drawers": 4}
 
 
 def test_size_support_front_and_place_are_said(opened: Any, session: Correcting) -> None:
@@ -294,7 +246,7 @@ def test_size_support_front_and_place_are_said(opened: Any, session: Correcting)
     page.locator("#height").fill("0.5")
     page.keyboard.press("Enter")
     depth, width, _ = session.made.placed[BOX].size
-    assert _told(page, session)[BOX]["size"] == pytest.approx([width, depth, 0.5], abs=1e-3)
+    assert read_told(page, session)[BOX]["size"] == pytest.approx([width, depth, 0.5], abs=1e-3)
     page.locator("#on").select_option(label="cabinet 1")
     page.get_by_role("button", name="↺ 90°").click()
     page.get_by_role("button", name="←", exact=True).click()
@@ -304,7 +256,7 @@ def test_size_support_front_and_place_are_said(opened: Any, session: Correcting)
     page.wait_for_function(f"() => document.querySelector('#view .solid.front').getAttribute('points') !== '{drawn}'")
     page.get_by_role("button", name="←", exact=True).click()  # it is shown where it will stand
     page.wait_for_function(f"() => document.querySelector('#view .solid.front').getAttribute('points') === '{drawn}'")
-    told = _told(page, session)[BOX]
+    told = read_told(page, session)[BOX]
     assert told["on"] == CABINET and told["front"] == pytest.approx(-np.pi / 2, abs=1e-3)
     assert told["nudge"] == [-0.1, 0.02]
     assert page.locator("#nudge").text_content() == "10 cm nearer, 2 cm to the left"
@@ -314,20 +266,50 @@ def test_size_support_front_and_place_are_said(opened: Any, session: Correcting)
     assert page.locator("#on").is_disabled()
     page.locator("#view").focus()
     page.keyboard.press("Delete")  # what stood on it stands where it is found again
-    assert "on" not in _told(page, session)[BOX] and _told(page, session)[CABINET] == {"gone": True}
+    assert "on" not in read_told(page, session)[BOX] and read_told(page, session)[CABINET] == {"gone": True}
     for _ in range(10):
         page.keyboard.press("Control+z")
-    assert _told(page, session) == {} and not (session.folder / CORRECTIONS).exists()
+    assert read_told(page, session) == {} and not (session.folder / CORRECTIONS).exists()
     assert page.locator("#command").text_content().endswith("results/report/scenes/kitchen.html")
 
 
-def test_two_clicks_join_a_part_to_what_it_is_of(opened: Any, session: Correcting) -> None:
+def test_parts_are_joined_click_by_click_and_names_keep_their_numbers(opened: Any, session: Correcting) -> None:
     page = opened
     page.keyboard.press("j")
     assert "part of the chosen thing" in page.locator("#hint").text_content()
-    page.locator("[data-object=cabinet_2] polygon").first.click(force=True)
-    page.wait_for_function("() => document.querySelectorAll('#objects button').length === 3")
-    assert _told(page, session) == {CABINET: {"joins": [BOX]}}
-    page.click("#undo")
+    for count, part in ((3, "cabinet_2"), (2, "wall_1")):
+        page.locator(f"[data-object={part}] polygon").first.click(force=True)
+        page.wait_for_function(f"() => document.querySelectorAll('#objects button').length === {count}")
+    assert read_told(page, session) == {CABINET: {"joins": [BOX, WALL]}}
+    page.keyboard.press("j")
+    assert page.locator("[data-tool=join]").get_attribute("aria-pressed") == "false"
+    for _ in range(2):
+        page.click("#undo")
     page.wait_for_function("() => document.querySelectorAll('#objects button').length === 4")
-    assert _told(page, session) == {}
+    assert read_told(page, session) == {}
+    page.locator("#objects button", has_text="cabinet 1").click()
+    page.get_by_role("button", name="Delete", exact=True).last.click()
+    assert page.locator("#objects button").all_text_contents() == ["cabinet 2", "floor", "wall"]
+
+
+def test_what_an_outline_covers_is_brought_to_the_front(opened: Any, session: Correcting) -> None:
+    page = opened
+    shown = session.given.masks == BOX
+    page.locator("#objects button", has_text="cabinet 1").click()
+    page.keyboard.press("o")
+    (x0, y0), (x1, y1) = find_corners(shown)
+    a, d, e, f = page.locator("#view").evaluate("e => { const m = e.getScreenCTM(); return [m.a, m.d, m.e, m.f]; }")
+    for x, y in ((x0 - 5, y0 - 5), (x1 + 5, y0 - 5), (x1 + 5, y1 + 5), (x0 - 5, y1 + 5)):
+        page.mouse.click(x * a + e, y * d + f)
+    page.keyboard.press("Enter")
+    covered = page.locator("#objects li", has_text="cabinet 2").locator(".note")
+    page.wait_for_function("() => document.querySelector('#objects').textContent.includes('no pixel shows it')")
+    page.get_by_role("button", name="to the front", exact=True).click()  # beside what is said of it
+    page.wait_for_function("() => !document.querySelector('#objects').textContent.includes('no pixel shows it')")
+    assert read_told(page, session)[BOX] == {"layer": 1} and covered.text_content() == ""
+    assert (session._paint_drawing(session.open_drawing()).masks == BOX).sum() == shown.sum()
+    page.locator("#objects button", has_text="cabinet 2").click()
+    for name, layer in (("To the front", 2), ("To the back", -1)):
+        page.get_by_role("button", name=name, exact=True).click()
+        assert read_told(page, session)[BOX] == {"layer": layer}
+    page.wait_for_function("() => document.querySelector('#objects').textContent.includes('no pixel shows it')")

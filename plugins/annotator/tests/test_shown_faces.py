@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.annotator.last_run import LastRun
+from plugins.annotator.last_run import LastRun, hang_on
 from plugins.report.snapshots import Snapshots
 from stages.contracts import Objects
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject
+from stages.contracts.objects import Wall
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
 MASK, TURN = 3, Orientation(yaw=3.0, distance=1.0)
@@ -55,6 +56,24 @@ def test_a_box_is_shown_as_large_as_its_thing_will_be(made: LastRun) -> None:
     stands, lower = _faces(made), _faces(made, size=(0.6, 0.4, 0.4))
     assert lower[..., 1].max() == stands[..., 1].max()  # it stands on the same floor
     assert lower[..., 1].min() > stands[..., 1].min() + 10
+
+
+def test_a_box_is_shown_on_the_wall_at_which_a_person_says_that_its_thing_hangs(made: LastRun) -> None:
+    """Seen 3 m away, as in a mirror at 2 m: it is as much smaller, and covers the same pixels."""
+    assert made.objects is not None
+    wall, (right, upper) = Wall(id="wall_1", normal=(-1, 0, 0), offset=-2.0, points=9), _faces(made)[-1].max(axis=0)
+    left, lower = right - 40, upper - 60
+    hung = hang_on(made.objects, wall, ((left, lower), (right, upper)), np.array(CHEST.size))
+    assert hung is not None and hung.center[0] + hung.size[0] / 2 == pytest.approx(2.0)
+    assert hung.size[0] / hung.size[1] == pytest.approx(CHEST.size[0] / CHEST.size[1])
+    said = Correction.model_validate({"mask": MASK, "mounting": {"type": 1, "walls": [2]}})
+    shown = np.array(made.faces(said, (0.0, 0.0), (wall, ((left, lower), (right, upper)))))
+    low, high = shown.min(axis=(0, 1)), shown.max(axis=(0, 1))  # it comes before the wall, and so is seen as more
+    assert (low < [left + 5, lower + 5]).all() and (high > [right - 5, upper - 5]).all()
+    behind = Wall(id="wall_1", normal=(1, 0, 0), offset=-2.0, points=9)  # behind the camera
+    assert hang_on(made.objects, behind, ((left, lower), (right, upper)), np.array(CHEST.size)) is None
+    farther = wall.model_copy(update={"offset": -4.0})
+    assert made.faces(said, (0.0, 0.0), (farther, ((left, lower), (right, upper)))) == _faces(made).tolist()
 
 
 def test_models_are_shown_as_they_stand_others_as_the_first(made: LastRun) -> None:

@@ -196,10 +196,12 @@ def test_ranks_and_slider_by_keyboard(opened: tuple[Any, list[str]]) -> None:
 def test_colors_films_and_large_pictures_by_keyboard(opened: tuple[Any, list[str]]) -> None:
     page, complaints = opened
     paper = "() => getComputedStyle(document.body).backgroundColor"
+    chart = "() => getComputedStyle(document.querySelector('img.chart')).filter"
     light = page.evaluate(paper)
+    assert page.evaluate(chart) == "none"
     page.locator("#theme").focus()
     page.keyboard.press("Space")
-    assert page.evaluate(paper) != light
+    assert page.evaluate(paper) != light and page.evaluate(chart).startswith("invert")  # no white sheet in the dark
     shown = ".film img"
     moving = page.locator(shown).first.evaluate("(e) => e.currentSrc")
     page.locator("#motion").focus()

@@ -1,0 +1,106 @@
+"""What one click does against a doubt: the words of a button, and the corrections that it says."""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.contracts.doubt import Doubt, DoubtKind
+from stages.contracts.generated import PlacedObject
+from stages.contracts.objects import Objects, Wall
+from stages.contracts.types import FLOOR, WALL
+from stages.geometry.cameras import PointMap
+
+NEAR = 0.02  # share of the picture's height within which something lies just below a thing; chosen
+SHARE = 0.5  # of a thing's columns below which the same thing lies that may carry it; chosen
+APART = 0.3  # metres: a mask whose points lie farther from every wall of the run shows another one; chosen
+Cure = dict[str, Any]  # text: of a button; of: the mask value whose name follows; set: what it corrects
+
+
+def find_beneath(masks: NDArray[np.uint16], value: int) -> int | None:
+    """What the picture (H, W) shows just below most of a thing; None: not one thing."""
+    own, height = masks == value, len(masks)
+    columns = np.flatnonzero(own.any(axis=0))
+    rows = height - 1 - own[::-1, columns].argmax(axis=0)
+    below = np.zeros(len(columns), dtype=masks.dtype)
+    for step in range(1, 2 + round(NEAR * height)):
+        at = np.minimum(rows + step, height - 1)
+        below = np.where(below == 0, np.where(masks[at, columns] == value, 0, masks[at, columns]), below)
+    counts = np.bincount(below)
+    counts[:1] = 0
+    return int(counts.argmax()) if len(columns) and counts.max() >= SHARE * len(columns) else None
+
+
+def match_walls(
+    objects: Objects, depth: NDArray[np.float32], shown: Mapping[int, NDArray[np.bool_]]
+) -> dict[int, Wall]:
+    """The wall of a run that each mask of a wall shows, by mask value.
+
+    Args:
+        depth: (H, W) metres.
+        shown: the pixels (H, W) of each.
+    """
+    seen = PointMap(depth, np.array(objects.intrinsics), np.array(objects.floor_from_camera))
+
+    def distance(points: NDArray[np.float64], wall: Wall) -> float:
+        return float(np.median(np.abs(points @ np.array(wall.normal) - wall.offset)))
+
+    found = {}
+    for value, mask in shown.items():
+        points = seen.of(mask)
+        near = [wall for wall in objects.walls if len(points) and distance(points, wall) < APART]
+        if near:
+            found[value] = min(near, key=partial(distance, points))
+    return found
+
+
+def list_cures(
+    doubt: Doubt,
+    beneath: Callable[[], int | None],
+    walls: Mapping[int, Wall],
+    nudged: Sequence[float],
+    placed: PlacedObject | None,
+    size: Sequence[float] | None,
+    room: Mapping[int, str],
+) -> list[Cure]:
+    """What helps against a doubt, where one click does.
+
+    Args:
+        beneath: the mask value of what the picture shows just below the thing.
+        walls: by mask value.
+        nudged: metres (x, y) by which a person moved the thing before that run.
+        placed: the thing in the scene of rank 1.
+        size: width, depth and height of the model that stands there, metres.
+        room: labels of floor and walls by mask value.
+    """
+    if DoubtKind.UNNAMED.read(doubt) is not None and (value := beneath()) is not None and room.get(value) != WALL:
+        floor = room.get(value) == FLOOR
+        return [{"text": "put it on", "of": value, "set": {"on": FLOOR if floor else value}}]
+    if (said := DoubtKind.BEHIND_WALL.read(doubt)) is not None:
+        by = float(said["depth"]) / 100 + 0.01  # what is said is rounded
+        normals = [wall.normal for wall in walls.values() if wall.id == said["wall"]]
+        moves = [[round(old + by * new, 3) for old, new in zip(nudged, normal[:2], strict=True)] for normal in normals]
+        return [{"text": f"move it {100 * by:.0f} cm, before the wall", "set": {"nudge": move}} for move in moves[:1]]
+    if (said := DoubtKind.BEYOND_WALL.read(doubt)) is not None:
+        values = [value for value, wall in walls.items() if wall.id == said["wall"]]
+        held = [{"mounting": {"type": 1, "walls": [value]}, "on": None} for value in values[:1]]
+        return [{"text": "it hangs on", "of": values[0], "set": each} for each in held]
+    if DoubtKind.MOUNTING_DIFFERS.read(doubt) is not None:
+        return [{"text": "take what geometry finds", "set": {"mounting": None}}]
+    if DoubtKind.SURFACE.read(doubt) is not None:
+        return [{"text": f"it is {name}", "set": {"label": name}} for name in (FLOOR, WALL)]
+    if placed is None or placed.status != "ok":
+        return []
+    if DoubtKind.NO_FIT.read(doubt) is not None:
+        return [{"text": "keep its model", "set": {"model": placed.asset}}]
+    if doubt.cause == "size":
+        depth, width, height = placed.size
+        return [*(_size_it("as its model:", size) if size else []), *_size_it("keep", (width, depth, height))]
+    return []
+
+
+def _size_it(words: str, size: Sequence[float]) -> list[Cure]:
+    sides = " × ".join(f"{100 * side:.0f}" for side in size)
+    return [{"text": f"{words} {sides} cm", "set": {"size": [round(side, 3) for side in size]}}]
