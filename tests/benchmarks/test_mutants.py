@@ -77,6 +77,8 @@ def test_a_mutant_is_noticed_survives_or_has_no_end(repository: Path, monkeypatc
     assert judge(seen, [], repository) == "SURVIVED"
     (repository / "test_thing.py").write_text("def test_else():\n    assert False\n")
     assert judge(seen, ["test_thing.py"], repository) == "SURVIVED", "it fails without the mutant, too"
+    (repository / "test_thing.py").write_text("def test_else():\n    assert False\n" + TESTS)
+    assert judge(seen, ["test_thing.py"], repository) == "noticed", "by another test"
     monkeypatch.setattr(mutants, "LIMIT", 0.01)
     assert judge(seen, ["test_thing.py"], repository) == "NO END"
     assert (repository / "stages/thing.py").read_text(encoding="utf-8") == CODE

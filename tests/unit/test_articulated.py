@@ -54,6 +54,17 @@ def read(tmp_path: Path, text: str) -> RobotModel:
     return read_urdf(tmp_path / "a.urdf", tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("inertial", "weighed"),
+    [("", False), ("<inertial/>", False), ('<mass value="0.001"/>', False), ('<mass value="2"/>', True)],
+)
+def test_a_mass_is_stated_or_estimated(tmp_path: Path, inertial: str, weighed: bool) -> None:
+    said = f"<inertial>{inertial}</inertial>" if "mass" in inertial else inertial
+    shape = '<collision><geometry><box size="0.1 0.2 0.3"/></geometry></collision>'
+    link = read(tmp_path, f'<robot name="r"><link name="a">{said}{shape}</link></robot>').links["a"]
+    assert link.weighed == weighed and (link.mass == 2) == weighed
+
+
 def test_inertia_of_a_turned_tensor_reaches_the_written_file(tmp_path: Path) -> None:
     rpy = np.array([0.3, -0.5, 0.7])
     own = np.diag([0.5, 0.4, 0.2])
@@ -131,6 +142,9 @@ def test_fronts_are_measured_with_what_is_fixed_to_them(tmp_path: Path) -> None:
     assert door_link.visuals
     joints = contract_joints(replace(robot, links=bare))
     assert [joint.panel is None for joint in joints] == [True, False] and joints[0].handle is None
+    askew = [replace(joint, axis=np.array([1.0, 2.0, 2.0]) / 3) for joint in robot.joints]
+    (axis, *_) = {joint.axis for joint in contract_joints(replace(robot, joints=askew))}
+    assert axis == (0.333333333, 0.666666667, 0.666666667)
 
 
 @pytest.mark.parametrize("style", ["bar", "square_bar", "arch", "knob", "edge", "none"])

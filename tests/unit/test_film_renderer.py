@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stages.contracts.task_options import TaskConfig
-from stages.simulation.film_renderer import HAND_SHARE, FilmRenderer, Shot, directions, pick_evenly
+from stages.simulation.film_renderer import HAND_SHARE, LIT, FilmRenderer, Shot, directions, pick_evenly
 from stages.simulation.framing import FIELD_OF_VIEW, MARGIN, frame_all
 from stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
@@ -37,6 +37,8 @@ def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path, monkeypatch:
     task = EnvWrapper("door", tmp_path / "cabinet", "door_0_joint", None, TaskConfig())
     task.place(3)
     closed, renderer = task.env.moment(), FilmRenderer()
+    key = renderer.key
+    assert (key.shadow_half_size, key.shadow_near, key.shadow_far) == pytest.approx((LIT, -2 * LIT, 2 * LIT))
     opened = replace(closed, asset_joints={**closed.asset_joints, "door_0_joint": 1.0})
     recording = task.env.recording([closed, opened])
     shot = Shot(renderer, recording, recording.moments)

@@ -164,6 +164,12 @@ def test_nothing_reaches_behind_a_wall() -> None:
     assert corners(fit.box)[:, 0].max() < 4.03
 
 
+def test_what_stands_on_a_table_ends_there() -> None:
+    start, box = (UprightBox([3.2, 0.2, z], [0.5, 0.9, height], TRUE.yaw) for z, height in ((1.2, 0.4), (1.05, 0.7)))
+    fit = fit_box(Block(), start, see(draw(box)), known(bottom=0.7))
+    assert fit.box.bottom == pytest.approx(0.7, abs=0.005) and fit.box.size == pytest.approx(box.size, abs=0.03)
+
+
 def test_sizes_of_a_category_have_a_mean_and_a_spread() -> None:
     assert Category(name="mug", sizes=[(0.1, 0.1, 0.1)]).describe_spread() is None
     known = Category(name="mug", sizes=[(0.1, 0.1, 0.1), (0.2, 0.2, 0.2)], real=[(0.4, 0.4, 0.4)])
@@ -171,6 +177,13 @@ def test_sizes_of_a_category_have_a_mean_and_a_spread() -> None:
     assert np.exp(mean) == pytest.approx([0.2] * 3)
     assert covariance[0, 1] == pytest.approx(np.log(2) ** 2)  # larger mugs are higher, too
     assert covariance[0, 0] > covariance[0, 1]
+
+
+def test_a_solid_is_where_the_model_is(tmp_path: Path) -> None:
+    cabinet(tmp_path / "cabinet")
+    sides = np.array([[0.0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
+    away = Solid(tmp_path / "cabinet").scene.cast_rays(np.concatenate([2 * sides, -sides], axis=1).astype(np.float32))
+    assert away["t_hit"].numpy() == pytest.approx([1.5] * 4, abs=1e-4), "its box is the unit box"
 
 
 def test_a_model_that_is_not_whole_is_no_solid(tmp_path: Path) -> None:

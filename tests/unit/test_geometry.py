@@ -11,6 +11,7 @@ from stages.geometry.boxes import (
     distances_along,
     footprint,
     oriented_iou,
+    surface_points,
 )
 from stages.geometry.cameras import PointMap, back_project, intrinsics_from_fov, look_at, make_intrinsics, project
 from stages.geometry.clouds import dbscan, farthest_points, statistical_inliers
@@ -26,6 +27,7 @@ from stages.geometry.frames import (
     yaw_quaternion,
 )
 from stages.geometry.minimum_box import minimum_box
+from stages.geometry.ray_depth import ray_lengths
 from stages.geometry.room_planes import fit_plane
 
 
@@ -210,3 +212,14 @@ def test_points_are_in_its_frame_where_depth_is_known() -> None:
     np.testing.assert_allclose(seen.points[1, 1], [4, -2, -0.5])
     assert np.isnan(seen.points[0, 1]).all()
     np.testing.assert_allclose(seen.of(np.array([[True, True], [False, True]])), [[2, 0, 1.5], [4, -2, -0.5]])
+
+
+def test_rays_are_longer_the_farther_they_are_from_the_middle() -> None:
+    lengths = ray_lengths((6, 6), make_intrinsics(2, 4, 3, 1))
+    ends = {(1, 3): 1.0, (1, 5): 2**0.5, (1, 1): 2**0.5, (5, 3): 2**0.5, (5, 5): 3**0.5}
+    assert {place: lengths[place] for place in ends} == pytest.approx(ends)
+
+
+def test_a_plate_has_points_on_its_two_faces_and_on_no_other_level() -> None:
+    points = surface_points(UprightBox([0.0, 0.0, 0.5], [1.0, 2.0, 0.001], 0.0), 200)
+    assert set(points[:, 2].round(6)) == {0.4995, 0.5005} and len(points) == pytest.approx(200, rel=0.1)

@@ -90,3 +90,11 @@ def test_only_what_stands_near_is_in_the_way(tmp_path: Path, distance: float, wh
     bar = box("0.02 0.015 0.2", "0.04 0.2 0")
     robot = front(tmp_path, bar, ahead=box("0.02 1 1", f"{distance + 0.01} 0 0"))
     assert told(robot) == (None if why else "bar", why)
+
+
+@pytest.mark.parametrize(("count", "known"), [(9, False), (10, True)])
+def test_a_front_that_few_rays_hit_has_no_handle(count: int, known: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    hits = np.zeros((count, 3))
+    hits[-2:] = [[0.05, 0.0, -0.1], [0.05, 0.0, 0.1]]
+    monkeypatch.setattr("stages.articulated.handle.front_hits", lambda mesh: hits)
+    assert (find_handle(trimesh.Trimesh()) is not None) == known

@@ -235,6 +235,7 @@ def test_a_field(bench: Bench, case: tuple) -> None:
         ("rollouts", "steps,opened", "steps", "lacks the column 'opened'"),
         ("rollouts", "steps,opened", "steps,opened,more", "unknown column 'more'"),
         ("rollouts", "steps,opened", "opened,opened", "column"),
+        ("rollouts", "steps,opened", "steps,opened,opened", "has a column twice"),
         ("rollouts", "60,0.9", "60,nan", "rollouts.csv:2"),
         ("rollouts", "60,0.9", "60,inf", "opened"),
         ("rollouts", "60,0.9", "sixty,0.9", "steps"),

@@ -8,7 +8,7 @@ from stages.config.matching import MatchingConfig
 from stages.geometry.masks import pixel_bounds
 from stages.matching.crop import cut, foreground
 from stages.matching.encoders import make_encoder, settings_digest
-from stages.matching.encoders.hog import GRADIENT_COLUMNS
+from stages.matching.encoders.hog import CELL_STEPS, GRADIENT_BINS, GRADIENT_COLUMNS, descriptors
 from stages.matching.normals import object_frame, patch_normals
 from stages.matching.ranking import make_query
 from tests.unit.matching_data import view_of_box
@@ -113,3 +113,14 @@ def test_settings_name_the_store() -> None:
     assert len(digests) == 2
     heavier = MatchingConfig(hog={"normals": 0.5})  # type: ignore[arg-type]
     assert settings_digest(heavier, make_encoder(heavier)) in digests  # weights are applied when comparing
+
+
+def test_a_patch_is_described_by_the_cells_around_it_at_every_scale() -> None:
+    cells = np.zeros((17, 17, GRADIENT_BINS), np.float32)
+    cells[8, 8] = 1.0
+    found = descriptors(cells).reshape(17, 17, len(CELL_STEPS), 3, 3, GRADIENT_BINS)
+    away = np.arange(17) - 8
+    for number, scale in enumerate(CELL_STEPS):
+        reached = np.abs(away[:, None] + scale * np.arange(-1, 2)) < scale  # (17, 3): a block that holds the lit cell
+        expected = reached[:, None, :, None] & reached[None, :, None, :]
+        assert ((found[:, :, number] > 0).all(axis=-1) == expected).all(), scale

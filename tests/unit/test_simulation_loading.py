@@ -1,4 +1,4 @@
-"""Assets in SAPIEN without a renderer: poses, joints, friction, exact sizes."""
+"""Assets in SAPIEN, their physics: poses, joints, friction, exact sizes."""
 
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from stages.articulated.urdf_writer import FRICTION
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.simulation.loading import load_asset, move, physics_scene, remove, root_pose
+from stages.simulation.rendering import make_scene
 from tests.refusals import refused
 from tests.unit.physics import add_ground, position_of
 
@@ -32,6 +33,10 @@ def collision_box(body: sapien.physx.PhysxArticulation | sapien.Entity) -> np.nd
     else:
         parts = [body.find_component_by_type(sapien.physx.PhysxRigidDynamicComponent).get_global_aabb_fast()]
     return np.array([np.min([low for low, _ in parts], axis=0), np.max([high for _, high in parts], axis=0)])
+
+
+def test_a_scene_steps_alike_with_and_without_a_renderer() -> None:
+    assert make_scene().timestep == physics_scene().timestep == pytest.approx(0.01)
 
 
 def test_root_pose_centers_the_box(models: Path) -> None:

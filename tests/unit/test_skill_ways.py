@@ -74,6 +74,23 @@ def test_of_ways_that_can_be_followed_the_first_with_joints_to_spare_is_taken(
     assert counts == [1] * (1 + 2 + 3), "no more are rolled out than are looked at"
 
 
+def test_the_joint_moves_evenly_along_a_stretch(door: EnvWrapper) -> None:
+    door.place(0)
+    seen: list[np.ndarray] = []
+
+    class Recorder(Surroundings):
+        def clear(self, centers: np.ndarray, radii: np.ndarray, values: np.ndarray) -> bool:
+            seen.append(values)
+            return True
+
+    hand = door.chain.pose(REST[None])[0]
+    line = make_line(hand, hand + np.pad([[-0.08], [0.0], [0.0]], ((0, 1), (3, 0))))
+    way = [Stretch(line, 0.04, (0.2, 0.8))]
+    assert find_feasible(door.chain, REST, [way], door.env.base_from_asset(), Recorder(door.env.target)) == 0
+    (values,) = seen
+    assert len(values) > 2 and values == pytest.approx(np.linspace(0.2, 0.8, len(values) + 1)[1:])
+
+
 def joints_at_end(chain: Chain, path: np.ndarray) -> np.ndarray:
     """(7,) joints of an arm that followed a path of the hand from rest."""
     joints = REST
@@ -88,7 +105,7 @@ def test_an_arm_that_is_elsewhere_may_go_through_rest(door: EnvWrapper) -> None:
     before = rest.copy()
     before[:3, 3] += [0.1, 0.0, -0.1]
     elsewhere = REST + np.array([0.8, 0.4, -0.3, 0.5, 0.4, -0.6, 0.5])
-    assert len(list_approaches(chain, REST, before, 0.1)) == 2  # straight, and from above
+    assert [slack for _, slack in list_approaches(chain, REST, before, 0.1)] == [1.0, 1.0]  # straight, and from above
     way, slack = list_approaches(chain, elsewhere, before, 0.1)[-1]
     assert slack > 1.0
     assert way[0] == pytest.approx(chain.pose(elsewhere[None])[0]) and way[-1] == pytest.approx(before)

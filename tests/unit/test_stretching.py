@@ -19,6 +19,8 @@ from stages.contracts.task_options import TaskConfig
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene
 from stages.simulation.stretching import stretch_builder
 from stages.tasks.api import EnvWrapper
+from stages.tasks.environment import OpenTaskEnv
+from stages.tasks.filmed import FilmedEnv
 from tests.unit.articulated_models import write_cabinet
 from tests.unit.demo_assets import cabinet
 
@@ -134,6 +136,15 @@ def test_every_episode_has_the_scale_of_its_seed_and_the_scene_stays(tmp_path: P
         made.close()
 
 
+@pytest.fixture(scope="module")
+def door(tmp_path_factory: pytest.TempPathFactory) -> OpenTaskEnv:
+    folder = tmp_path_factory.mktemp("door")
+    cabinet(folder)
+    task = EnvWrapper("door", folder, "door_0_joint", None, TaskConfig(), render=False)
+    task.place(0)
+    return task.env
+
+
 def test_a_scene_is_built_again_before_its_ids_run_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cabinet(tmp_path / "door")
     task = EnvWrapper("door", tmp_path / "door", "door_0_joint", None, TaskConfig(), render=False)
@@ -143,6 +154,20 @@ def test_a_scene_is_built_again_before_its_ids_run_out(tmp_path: Path, monkeypat
     task.place(1)
     assert task.env.scene is not scene and task.env.measure_opening().item() == 0.0
     task.close()
+
+
+@pytest.mark.parametrize(("on_gpu", "other", "largest", "again"), [
+    (False, False, 9999, False), (False, True, 9999, False), (False, False, 1, True),
+    (True, False, 9999, False), (True, True, 9999, True), (True, False, 1, True),
+])  # fmt: skip
+def test_what_a_scene_is_built_again_for(
+    on_gpu: bool, other: bool, largest: int, again: bool, door: OpenTaskEnv, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(OpenTaskEnv, "gpu_sim_enabled", on_gpu)
+    monkeypatch.setattr("stages.tasks.environment.LARGEST_ID", largest)
+    monkeypatch.setattr(FilmedEnv, "reset", lambda _, seed, options: options)
+    monkeypatch.setattr(door, "asset_folder", Path("other") if other else door.asset_folder)
+    assert door.reset(0, {"mine": 1}) == ({"mine": 1, "reconfigure": True} if again else {"mine": 1})
 
 
 def test_another_asset_comes_into_the_same_scene(tmp_path: Path) -> None:

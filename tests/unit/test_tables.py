@@ -14,6 +14,7 @@ from stages.tables.drawing import draw_rates
 from stages.tables.markup import Table, html, latex, markdown
 from stages.tables.methods import join_published
 from stages.tables.order import set_key, sort_key
+from stages.tables.policy_figures import figure9
 from stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
 from stages.tables.statistics import t_interval, wilson
 from stages.tables.text import cell as text_cell
@@ -207,6 +208,14 @@ def test_table3_pools_what_the_twin_is_not_as_unseen() -> None:
     unseen = cell(table, test_asset="unseen")
     assert (unseen["assets"], unseen["places"], unseen["difference"]) == (2, 8, 1.0)
     assert cell(table, test_asset="twin")["difference"] == -1
+
+
+def test_figure9_names_the_training_sets_above_its_first_row_alone() -> None:
+    rows = [rollout(n, n < 8, policy=policy) for policy in ("lite", "other") for n in range(10)]
+    ours = table3.cells(frame(rows), OPTIONS)
+    axes = np.reshape(figure9(ours, papers(frame(rows))).axes, (-1, ours["training_set"].nunique()))
+    assert len(axes) > 1 and all(panel.get_title() for panel in axes[0])
+    assert not any(panel.get_title() for panel in axes[1:].ravel())
 
 
 # Files ---------------------------------------------------------------------------------------------------------------

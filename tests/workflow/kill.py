@@ -69,7 +69,7 @@ def kill(workflow: subprocess.Popen[bytes], kind: str, chance: random.Random) ->
 
 
 def killed_run(folder: Path, arguments: tuple[str, ...], moments: list[float], seed: int = 0) -> list[str]:
-    """Start the workflow and kill it after each of `moments` (seconds), then let it finish.
+    """Start the workflow and kill it after each of `moments` (seconds from its first job on), then let it finish.
 
     Returns:
         what was killed, one word for each kill that met a running workflow.
@@ -80,6 +80,8 @@ def killed_run(folder: Path, arguments: tuple[str, ...], moments: list[float], s
     chance, killed = random.Random(seed), []
     for number, moment in enumerate(moments):
         workflow = start(folder, *arguments)
+        while workflow.poll() is None and not descendants(workflow.pid):
+            time.sleep(0.05)
         try:
             workflow.wait(moment)
         except subprocess.TimeoutExpired:
@@ -99,7 +101,7 @@ def main() -> int:
     """Exit code 0 if the disturbed run ends as the undisturbed one."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=20)
-    parser.add_argument("--longest", type=float, default=40.0, help="seconds until a kill, at most")
+    parser.add_argument("--longest", type=float, default=40.0, help="seconds of jobs until a kill, at most")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--folder", type=Path, default=None, help="kept if given")
     options = parser.parse_args()

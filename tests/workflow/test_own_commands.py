@@ -11,54 +11,53 @@ from tests.workflow.workspace import copy, dry_run, overlay, planned, snakemake
 
 STRANGERS = Path(__file__).parent / "strangers"
 PYTHON = f"{sys.executable} -I -S"  # no site-packages, no repository
-SCORES = "results/evaluation/scenes/b/room_1/scores.csv"
 ASSETS = "results/experiment/b/door/assets.json"
-SCENES = {"generate", "draw_scenes", "score"}
-REPORT = {"trainings", "table2", "table2_robustness", "table3", "report_page"}
+MATCHED = {"match", "distances", "draw_cousins", "select", "generate", "draw_scenes"}
 NO_POLICIES = "\nexperiment: {training_sets: []}"  # they read nothing that a stranger writes
 
 
-def stages(stage: str, command: str, line: str, *code: str) -> str:
-    """Overlay that replaces one command."""
-    return f"stages: {{{stage}: {{{command}: {{command: '{line}', code: [{', '.join(code)}]}}}}}}"
+def stages(*parts: str) -> str:
+    """Overlay that replaces commands."""
+    return f"stages: {{{', '.join(parts)}}}"
 
 
-@pytest.mark.parametrize(
-    ("stage", "command", "script", "targets", "runs"),
-    [
-        (
-            "extraction", "extract", "extract.py", ("extraction", "matching", "generation", SCORES, ASSETS),
-            {"extract", "draw_objects", "match", "distances", "draw_cousins", "select", *SCENES},
-        ),
-        (
-            "matching", "match", "match.py", ("matching", "generation", SCORES, ASSETS),
-            {"match", "distances", "draw_cousins", "select", *SCENES},
-        ),
-        (
-            "generation", "generate", "generate.py", ("all",),
-            {"all", "select", "demonstrate_in_scene", *SCENES, *REPORT},
-        ),
-    ],
-    ids=["extraction", "matching", "generation"],
-)  # fmt: skip
-def test_a_command_by_a_stranger(
-    run: Path, tmp_path: Path, stage: str, command: str, script: str, targets: tuple[str, ...], runs: set[str]
-) -> None:
+def stranger(stage: str, command: str, line: str, *code: str) -> str:
+    """One of them."""
+    return f"{stage}: {{{command}: {{command: '{line}', code: [{', '.join(code)}]}}}}"
+
+
+def test_what_strangers_write_is_used_by_what_follows_and_by_nothing_before(run: Path, tmp_path: Path) -> None:
+    """First all after another extraction, with another generation, then all between another matching and scenes."""
     folder = copy(run, tmp_path / "run")
-    own = folder / script
-    shutil.copy(STRANGERS / script, own)
-    config = overlay(folder, stages(stage, command, f"{PYTHON} {script}", script) + NO_POLICIES)
-    done = snakemake(folder, *targets, *config)
-    assert done.returncode == 0, done.stdout[-5000:]
-    assert set(planned(done.stdout)) - set(targets) == runs - set(targets)  # nothing before it, everything after it
-    again = dry_run(folder, *targets, *config)
-    assert "Nothing to be done" in again.stdout, again.stdout[-3000:]
-    own.write_text(own.read_text() + "\n")  # an edit counts, although the command is the same
-    assert command in planned(dry_run(folder, *targets, *config).stdout)
-    shutil.copy(STRANGERS / script, own)
-    scene = json.loads((folder / "results/generation/b/room_1/scene_1.json").read_text())
-    assert sum(item.get("status", "ok") == "ok" for item in scene["objects"]) >= 4
-    assert (folder / "results/generation/b/room_1/comparison.png").stat().st_size > 10_000
+    chains: list[tuple[dict[str, str], tuple[str, ...], set[str]]] = [
+        (
+            {"extraction": "extract", "generation": "generate"}, ("all",),
+            {"all", "extract", "draw_objects", *MATCHED, "score", "demonstrate_in_scene", "trainings", "table2",
+             "table2_robustness", "table3", "report_page"},
+        ),
+        (
+            {"extraction": "extract", "matching": "match"}, ("matching", "generation", ASSETS),
+            {"matching", "generation", *MATCHED},
+        ),
+    ]  # fmt: skip
+    for commands, targets, runs in chains:
+        scripts = {command: f"{command}.py" for command in commands.values()}
+        for script in scripts.values():
+            shutil.copy(STRANGERS / script, folder / script)
+        parts = [stranger(stage, name, f"{PYTHON} {name}.py", f"{name}.py") for stage, name in commands.items()]
+        config = overlay(folder, stages(*parts) + NO_POLICIES)
+        done = snakemake(folder, *targets, *config)
+        assert done.returncode == 0, done.stdout[-5000:]
+        assert set(planned(done.stdout)) - {ASSETS} == runs
+        again = dry_run(folder, *targets, *config)
+        assert "Nothing to be done" in again.stdout, again.stdout[-3000:]
+        scene = json.loads((folder / "results/generation/b/room_1/scene_1.json").read_text())
+        assert sum(item.get("status", "ok") == "ok" for item in scene["objects"]) >= 4
+        assert (folder / "results/generation/b/room_1/comparison.png").stat().st_size > 10_000
+    for script in scripts.values():
+        with (folder / script).open("a") as own:
+            own.write("\n")  # an edit counts, although the command is the same
+    assert {*scripts} <= set(planned(dry_run(folder, *targets, *config).stdout))
 
 
 BREAK = """\
@@ -85,7 +84,7 @@ def test_wrong_output_is_refused_in_one_line_and_kept(
     folder = copy(run, tmp_path / "run")
     shutil.copy(STRANGERS / f"{command}.py", folder / "stranger.py")
     (folder / "mine.py").write_text(BREAK.replace("EDIT", edit))
-    done = snakemake(folder, stage, *overlay(folder, stages(stage, command, f"{PYTHON} mine.py", "mine.py")))
+    done = snakemake(folder, stage, *overlay(folder, stages(stranger(stage, command, f"{PYTHON} mine.py", "mine.py"))))
     assert done.returncode == 1
     errors = [line for line in dict.fromkeys(done.stdout.splitlines()) if line.startswith("error: ")]
     assert len(errors) == 1, done.stdout[-3000:]

@@ -4,6 +4,8 @@ import json
 import shutil
 from pathlib import Path
 
+from PIL import Image
+
 from stages.contracts import Annotations, Camera, Library, Objects, read_json
 from stages.contracts.library_parts import SceneShards, holds
 from tests.unit.tiny_networks import save_all
@@ -14,7 +16,8 @@ def test_a_picture_goes_all_the_way_to_its_page(run: Path, tmp_path: Path) -> No
     folder = copy(run, tmp_path / "run")
     for drawn in ("assets/snapshots", "matching/features"):
         shutil.rmtree(folder / "results" / drawn)
-    shutil.copy(ROOT / "tests/data/photographed_room/rgb.jpg", folder / "my kitchen.jpg")
+    with Image.open(ROOT / "tests/data/photographed_room/rgb.jpg") as picture:
+        picture.reduce(2).save(folder / "my kitchen.jpg")
     options = save_all(folder / "weights") | {"labels": ["cabinet", "mug", "coffee table"]}
     (folder / "mine.yaml").write_text(json.dumps({"photo": options}))
     photo = ("photo", "--configfile", MICRO[1], "mine.yaml", "--config", "image=my kitchen.jpg")

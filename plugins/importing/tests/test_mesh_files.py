@@ -98,8 +98,8 @@ def test_colors_of_an_objs_corners_are_its_looks_unless_a_picture_is(tmp_path: P
 
 
 MATERIALS = [
-    ("Kd 0.2 0.4 0.6\nd 0.5", [51, 102, 153, 128], ""),
-    ("Kd 0.2 0.4 0.6\nTr 0.5", [51, 102, 153, 128], ""),
+    ("Kd 0.2 0.4 0.6\nd 0.25", [51, 102, 153, 64], ""),
+    ("Kd 0.2 0.4 0.6\nTr 0.25", [51, 102, 153, 191], ""),
     ("Kd 0.2 0.4 0.6\nd -halo 1", [51, 102, 153, 255], ""),
     ("Kd 0.2 0.4 0.6\nTr 1", [51, 102, 153, 255], ""),
     ("Kd 0 0 0\nmap_Kd a.png", [255] * 4, "a.mtl: 'wood' would paint its picture black: its color is not used"),

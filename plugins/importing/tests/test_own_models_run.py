@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import trimesh
 
+from plugins.importing.own import run as own
 from plugins.importing.shards import own_shards
 from stages.config.assets import COUNTS, AssetsConfig
 from stages.config.model import load, with_defaults
@@ -49,14 +50,6 @@ def runs(folder: Path, *folders: str) -> None:
     assert done.returncode == 0, done.stdout[-3000:]
 
 
-def results(folder: Path) -> dict[str, bytes]:
-    return {
-        str(file.relative_to(folder)): file.read_bytes()
-        for file in sorted((folder / "results").rglob("*"))
-        if file.is_file()
-    }
-
-
 def one_shard(**more: int) -> dict[str, int]:
     return {"own": 1, "snapshots": 1, "features": 1, "library": 1} | more
 
@@ -64,12 +57,10 @@ def one_shard(**more: int) -> dict[str, int]:
 def test_what_is_new_is_made_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = make(tmp_path / "run")
     monkeypatch.chdir(folder)
-    write_models(folder / "mine", "a")
-    write_models(folder / "theirs", "c")
-    runs(folder, "mine")
-    assert would_run(folder, "mine") == {}
-    assert would_run(folder, "mine", "theirs") == one_shard()
+    for name, model in (("mine", "a"), ("theirs", "c"), ("hers", "e")):
+        write_models(folder / name, model)
     runs(folder, "mine", "theirs")
+    assert would_run(folder, "mine", "theirs", "hers") == one_shard()
     for path in folder.glob("*/crate/*/*"):
         os.utime(path)
     assert would_run(folder, "mine", "theirs") == {}, "touched, not changed"
@@ -87,13 +78,13 @@ def test_what_is_new_is_made_and_nothing_else(tmp_path: Path, monkeypatch: pytes
     entries = json.loads((folder / LIBRARY / "library.json").read_text())["assets"]
     assert [entry["id"] for entry in entries] == ["crate_c", "crate_d"], "nothing of the other is left"
 
-    again = make(tmp_path / "again")
-    monkeypatch.chdir(again)
-    (again / "theirs").symlink_to(folder / "theirs")
-    runs(again, "theirs")
-    made, grown = results(again), results(folder)
-    assert len(made) == 2 * 8, "files and their checksums"
-    assert made == {name: grown[name] for name in made}, "as if all had been there from the first"
+    config = AssetsConfig.model_validate({"counts": dict.fromkeys(COUNTS, 0), "folders": ["theirs"]})
+    ((name, shard),) = own_shards(config).items()
+    again = tmp_path / f"again/shard_{name}.json"
+    own(folder=Path("theirs"), models=tuple(shard.list_files("theirs")), out=again)
+    for path in (again, again.with_suffix(".zip")):
+        grown = folder / LIBRARY / path.name
+        assert path.read_bytes() == grown.read_bytes(), "as if all had been there from the first"
 
 
 def test_a_folder_leaves_procedural_models_and_rooms_as_they_are(run: Path, tmp_path: Path) -> None:

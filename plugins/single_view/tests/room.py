@@ -1,5 +1,7 @@
 """A room of boxes, drawn without depth: its lines, and the outlines of its things as boxes show them."""
 
+from collections.abc import Mapping
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -7,6 +9,7 @@ from numpy.typing import NDArray
 from plugins.inputs.photo.metrology import View, rotation_of
 from plugins.inputs.photo.perspective import Guide, Perspective, fit_view
 from plugins.single_view.fit import CameraPrior
+from plugins.single_view.room import Room, build_room
 from stages.geometry.boxes import UprightBox, corners
 
 WIDTH, HEIGHT = 640, 480
@@ -29,6 +32,18 @@ LINES = {
         ((1.3, 3.5, 0), (1.3, 3.5, 0.84)),
     ],
 }
+
+_built: dict[tuple[bytes, str, bytes, tuple[tuple[int, str], ...]], Room] = {}
+
+
+def build_once(
+    rgb: NDArray[np.uint8], camera: CameraPrior, masks: NDArray[np.integer], labels: Mapping[int, str]
+) -> Room:
+    """`build_room`, which takes seconds, once for all tests that build the same room."""
+    asked = rgb.tobytes(), repr(camera), masks.tobytes(), tuple(labels.items())
+    if asked not in _built:
+        _built[asked] = build_room(rgb, camera, masks, labels)
+    return _built[asked]
 
 
 def see_lines(likely_focal: float = 512.0, spread: float = 0.3, view: View = TRUE) -> CameraPrior:

@@ -13,7 +13,7 @@ from plugins.annotator.session import Session
 from plugins.inputs.photo.picture import read_photo
 from plugins.single_view import draw
 from plugins.single_view.package import find_mistakes
-from plugins.single_view.tests.room import LABELS, WIDTH, outline_room, see_lines, show_room
+from plugins.single_view.tests.room import LABELS, WIDTH, build_once, outline_room, see_lines, show_room
 from plugins.single_view.tests.test_naming import known
 from stages.config.model import load, with_defaults
 from stages.contracts import Camera, InputError, read_json, write_json
@@ -28,6 +28,7 @@ def image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     masks = outline_room((1, 2, 3))
     monkeypatch.setattr(draw, "see_outlines", lambda _: [known(masks == k, (LABELS[k], 0.9)) for k in (1, 2, 3)])
     monkeypatch.setattr(draw, "see_camera", lambda *_: see_lines())
+    monkeypatch.setattr(draw, "build_room", build_once)
     picture = show_room()
     picture[::2] += 60  # it shows something
     Image.fromarray(picture).save(tmp_path / "room.png")

@@ -12,8 +12,18 @@ from plugins.inputs.photo.metrology import WallPlane
 from plugins.names.propose import Names, Proposal
 from plugins.single_view.naming import name_by_extents, name_others, name_standing, weigh_looks
 from plugins.single_view.outline_kinds import FLOOR, HANGS, KINDS, NOTHING, RESTS, STANDS, WALL
-from plugins.single_view.room import Room, build_room
-from plugins.single_view.tests.room import BOXES, HEIGHT, LABELS, WIDTH, outline_box, outline_room, see_lines, show_room
+from plugins.single_view.room import Room
+from plugins.single_view.tests.room import (
+    BOXES,
+    HEIGHT,
+    LABELS,
+    WIDTH,
+    build_once,
+    outline_box,
+    outline_room,
+    see_lines,
+    show_room,
+)
 from plugins.single_view.things import Seen, join_stacked, number_labelled
 from stages.contracts.categories import known_categories
 from stages.geometry.boxes import UprightBox
@@ -45,7 +55,7 @@ def see(*further: Seen, beside: Sequence[int] = (1, 2)) -> tuple[list[Seen], Roo
 
 
 def build_again(seen: Sequence[Seen], labels: dict[int, str]) -> Room:
-    return build_room(show_room(), see_lines(), number_labelled(show_room(), seen, labels), labels)
+    return build_once(show_room(), see_lines(), number_labelled(show_room(), seen, labels), labels)
 
 
 def stand(seen: Sequence[Seen], room: Room, labels: dict[int, str]) -> dict[int, str]:
@@ -187,5 +197,5 @@ def test_size_chooses_among_the_likely_names_of_a_known_thing() -> None:
     masks = outline_room((1, 2))
     both = ("armchair", 0.5), ("sofa", 0.45)
     seen = [known(masks == 1, ("fridge", 0.9)), known(masks == 2, *both)]
-    room = build_room(show_room(), see_lines(), masks, {1: "fridge", 2: "sofa"})
+    room = build_once(show_room(), see_lines(), masks, {1: "fridge", 2: "sofa"})
     assert stand(seen, room, {1: "fridge", 2: "armchair"})[2] == "sofa"

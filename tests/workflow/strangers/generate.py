@@ -14,7 +14,7 @@ for rank in range(1, json.loads(given.options)["ranks"] + 1):
     placed = []
     for item in seen["objects"]:
         found, place = cousins.get(item["id"], [])[:rank], {"id": item["id"], "label": item["label"]}
-        if item["status"] != "ok" or not found:
+        if item.get("status", "ok") != "ok" or not found:
             placed.append({**place, "status": "failed", "reason": item.get("reason") or "no cousin"})
             continue
         (x, y, z), size = item["box"]["center"], item["box"]["size"]

@@ -23,7 +23,7 @@ def far(item, asset):
 
 entries = []
 for item in scene["objects"]:
-    if item["status"] != "ok":
+    if item.get("status", "ok") != "ok":
         entries.append({"id": item["id"], "label": item["label"], "status": "failed", "reason": item["reason"]})
         continue
     pool = [asset for asset in library["assets"] if (not item["doors"] or asset["doors"]) and asset["id"] not in gone]
