@@ -1,6 +1,6 @@
 """Plans to open or close a joint by its handle (paper A.4): Approach, Converge, Articulate."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,18 +55,20 @@ def plan_articulation(
     assert target.handle is not None
     for offered in (list_grasps(target, target.handle), list_last_resorts(target, target.handle)):
         choice = [grasp for grasp in offered if grasp not in without]
-        plans = list(_plans(chain, joints, base_from_asset, target, choice, start, goal, options))
-        candidates = [
-            (
-                Stretch(plan.approach, GRIPPER_OPEN, (start, start), slack=slack),
-                Stretch(plan.converge, GRIPPER_OPEN, (start, start)),
-                Stretch(plan.articulate, None, (start, goal)),
-            )
-            for plan, slack in plans
-        ]
-        index = find_feasible(chain, joints, candidates, base_from_asset, surroundings, spare)
+        tried: list[Plan] = []
+
+        def candidates(choice: Sequence[Grasp] = choice, tried: list[Plan] = tried) -> Iterator[Sequence[Stretch]]:
+            for plan, slack in _plans(chain, joints, base_from_asset, target, choice, start, goal, options):
+                tried.append(plan)
+                yield (
+                    Stretch(plan.approach, GRIPPER_OPEN, (start, start), slack=slack),
+                    Stretch(plan.converge, GRIPPER_OPEN, (start, start)),
+                    Stretch(plan.articulate, None, (start, goal)),
+                )
+
+        index = find_feasible(chain, joints, candidates(), base_from_asset, surroundings, spare)
         if index is not None:
-            return plans[index][0]
+            return tried[index]
     return None
 
 

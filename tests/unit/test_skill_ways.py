@@ -68,7 +68,7 @@ def test_of_ways_that_can_be_followed_the_first_with_joints_to_spare_is_taken(
         counts.append(len(paths))
         return roll_out(chain, joints, paths, slack)
 
-    monkeypatch.setattr(rollout, "BATCH", 1)
+    monkeypatch.setattr(rollout, "BATCH", (1, 1))
     monkeypatch.setattr(rollout, "roll_out", counted)
     assert [taken([1, 2, 0], spare) for spare in (0.0, 0.2, 1.0)] == rolled_out
     assert counts == [1] * (1 + 2 + 3), "no more are rolled out than are looked at"
