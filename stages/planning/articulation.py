@@ -108,16 +108,15 @@ def _plans(
             yield Plan(grasp, approach, make_line(before, motion[0]), motion), slack
 
 
-def list_approaches(chain: Chain, joints: Array, before: Array, pregrasp: float) -> list[tuple[Array, float]]:
+def list_approaches(chain: Chain, joints: Array, before: Array, pregrasp: float) -> Iterator[tuple[Array, float]]:
     """Ways (K, 4, 4) from where the arm is to a pose of the hand, with their slack: straight; where the hand is higher
     also from above; where it is farther than `pregrasp` from its rest pose (path length) also through that."""
     hand, rest = chain.pose(np.stack([joints, REST]))
-    ways = [(make_line(hand, before), 1.0)]
+    yield make_line(hand, before), 1.0
     if hand[2, 3] > before[2, 3]:
         over = before.copy()
         over[2, 3] = hand[2, 3]
-        ways.append((join_lines([hand, over, before]), 1.0))
+        yield join_lines([hand, over, before]), 1.0
     if measure_distance(hand[None], rest[None])[0] > pregrasp:
         to_rest = plan_homing(chain, joints, hand)
-        ways.append((np.concatenate([to_rest, make_line(to_rest[-1], before)[1:]]), ON_THE_WAY))
-    return ways
+        yield np.concatenate([to_rest, make_line(to_rest[-1], before)[1:]]), ON_THE_WAY

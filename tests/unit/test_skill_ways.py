@@ -88,8 +88,8 @@ def test_an_arm_that_is_elsewhere_may_go_through_rest(door: EnvWrapper) -> None:
     before = rest.copy()
     before[:3, 3] += [0.1, 0.0, -0.1]
     elsewhere = REST + np.array([0.8, 0.4, -0.3, 0.5, 0.4, -0.6, 0.5])
-    assert len(list_approaches(chain, REST, before, 0.1)) == 2  # straight, and from above
-    way, slack = list_approaches(chain, elsewhere, before, 0.1)[-1]
+    assert len(list(list_approaches(chain, REST, before, 0.1))) == 2  # straight, and from above
+    way, slack = list(list_approaches(chain, elsewhere, before, 0.1))[-1]
     assert slack > 1.0
     assert way[0] == pytest.approx(chain.pose(elsewhere[None])[0]) and way[-1] == pytest.approx(before)
     gaps = measure_distance(way, np.broadcast_to(rest, way.shape))
