@@ -9,8 +9,8 @@ from typing import Any
 # Of Mesa's software renderer, read when it starts: a second thread costs more than it brings, and every core has a job.
 os.environ.setdefault("LP_NUM_THREADS", "1")
 
-# What ManiSkill imports, and with it Matplotlib, MuJoCo and IPython, for a controller that few use and for notebooks.
-KINEMATICS, NOTEBOOKS = "pytorch_kinematics", "mani_skill.utils.visualization.jupyter_utils"
+# ManiSkill imports it, and with it MuJoCo, for a controller that few use.
+KINEMATICS = "pytorch_kinematics"
 
 
 def _import_late(attribute: str) -> Any:
@@ -21,6 +21,5 @@ def _import_late(attribute: str) -> Any:
 
 
 if "mani_skill" not in sys.modules:
-    for name, attribute, value in ((KINEMATICS, "__getattr__", _import_late), (NOTEBOOKS, "display_images", None)):
-        sys.modules[name] = ModuleType(name)
-        setattr(sys.modules[name], attribute, value)
+    sys.modules[KINEMATICS] = ModuleType(KINEMATICS)
+    sys.modules[KINEMATICS].__getattr__ = _import_late  # type: ignore[method-assign]

@@ -14,6 +14,7 @@ def touching() -> trimesh.Trimesh:
     boxes[2].update_faces(np.arange(10))
     triangle = trimesh.Trimesh(np.eye(3) + 9, [[0, 1, 2]])
     mesh = trimesh.util.concatenate([*boxes, triangle])
+    assert isinstance(mesh, trimesh.Trimesh)
     return trimesh.Trimesh(mesh.vertices, mesh.faces)
 
 
