@@ -2,7 +2,6 @@
 
 import importlib
 
-import stages.simulation  # noqa: F401  (before ManiSkill)
 from stages.plugins import list_available
 
 for module in list_available("tasks").values():
