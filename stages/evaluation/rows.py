@@ -1,9 +1,8 @@
 """Rows of `evaluation` on disk."""
 
+import csv
 from collections.abc import Sequence
 from pathlib import Path
-
-import pandas as pd
 
 from stages.contracts.files import write_atomically
 from stages.contracts.policies import Rollout
@@ -11,5 +10,7 @@ from stages.contracts.policies import Rollout
 
 def write_rows(path: Path, rows: Sequence[Rollout]) -> None:
     """Write rows as a CSV table."""
-    with write_atomically(path) as temporary:
-        pd.DataFrame([row.model_dump() for row in rows]).to_csv(temporary, index=False)
+    with write_atomically(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        table = csv.DictWriter(file, Rollout.model_fields, lineterminator="\n")
+        table.writeheader()
+        table.writerows(row.model_dump() for row in rows)

@@ -24,11 +24,13 @@ def patch_normals(view: View, grid: int) -> NDArray[np.float32]:
     valid = view.mask & (view.depth > 0)
     if valid.sum() < MINIMUM_POINTS:
         return empty
-    points = back_project(view.depth, view.intrinsics)
-    center = np.median(points[valid], axis=0)
-    scale = float(np.abs(points[valid] - center).max()) or 1.0
-    x, y, z = np.moveaxis(np.where(valid[..., None], (points - center) / scale, 0.0), -1, 0)
-    moments = np.stack([valid.astype(float), x, y, z, x * x, x * y, x * z, y * y, y * z, z * z], axis=-1)
+    seen = back_project(view.depth, view.intrinsics)[valid]
+    center = np.median(seen, axis=0)
+    seen -= center
+    scale = float(np.abs(seen).max()) or 1.0
+    x, y, z = np.ascontiguousarray((seen / scale).T)
+    moments = np.zeros((*valid.shape, 10))
+    moments[valid] = np.stack([np.ones(len(x)), x, y, z, x * x, x * y, x * z, y * y, y * z, z * z], axis=-1)
     sums = cv2.blur(_cell_sums(moments, grid), (3, 3), borderType=cv2.BORDER_CONSTANT)
 
     filled = sums[..., 0] * 9 >= MINIMUM_POINTS

@@ -1,6 +1,6 @@
 """Plans to open or close a joint by its handle (paper A.4): Approach, Converge, Articulate."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,18 +55,20 @@ def plan_articulation(
     assert target.handle is not None
     for offered in (list_grasps(target, target.handle), list_last_resorts(target, target.handle)):
         choice = [grasp for grasp in offered if grasp not in without]
-        plans = list(_plans(chain, joints, base_from_asset, target, choice, start, goal, options))
-        candidates = [
-            (
-                Stretch(plan.approach, GRIPPER_OPEN, (start, start), slack=slack),
-                Stretch(plan.converge, GRIPPER_OPEN, (start, start)),
-                Stretch(plan.articulate, None, (start, goal)),
-            )
-            for plan, slack in plans
-        ]
-        index = find_feasible(chain, joints, candidates, base_from_asset, surroundings, spare)
+        tried: list[Plan] = []
+
+        def candidates(choice: Sequence[Grasp] = choice, tried: list[Plan] = tried) -> Iterator[Sequence[Stretch]]:
+            for plan, slack in _plans(chain, joints, base_from_asset, target, choice, start, goal, options):
+                tried.append(plan)
+                yield (
+                    Stretch(plan.approach, GRIPPER_OPEN, (start, start), slack=slack),
+                    Stretch(plan.converge, GRIPPER_OPEN, (start, start)),
+                    Stretch(plan.articulate, None, (start, goal)),
+                )
+
+        index = find_feasible(chain, joints, candidates(), base_from_asset, surroundings, spare)
         if index is not None:
-            return plans[index][0]
+            return tried[index]
     return None
 
 
@@ -106,16 +108,15 @@ def _plans(
             yield Plan(grasp, approach, make_line(before, motion[0]), motion), slack
 
 
-def list_approaches(chain: Chain, joints: Array, before: Array, pregrasp: float) -> list[tuple[Array, float]]:
+def list_approaches(chain: Chain, joints: Array, before: Array, pregrasp: float) -> Iterator[tuple[Array, float]]:
     """Ways (K, 4, 4) from where the arm is to a pose of the hand, with their slack: straight; where the hand is higher
     also from above; where it is farther than `pregrasp` from its rest pose (path length) also through that."""
     hand, rest = chain.pose(np.stack([joints, REST]))
-    ways = [(make_line(hand, before), 1.0)]
+    yield make_line(hand, before), 1.0
     if hand[2, 3] > before[2, 3]:
         over = before.copy()
         over[2, 3] = hand[2, 3]
-        ways.append((join_lines([hand, over, before]), 1.0))
+        yield join_lines([hand, over, before]), 1.0
     if measure_distance(hand[None], rest[None])[0] > pregrasp:
         to_rest = plan_homing(chain, joints, hand)
-        ways.append((np.concatenate([to_rest, make_line(to_rest[-1], before)[1:]]), ON_THE_WAY))
-    return ways
+        yield np.concatenate([to_rest, make_line(to_rest[-1], before)[1:]]), ON_THE_WAY

@@ -1,7 +1,8 @@
 """Candidate motions, simulated with the same IK that executes actions, to find those without a collision."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from stages.simulation.robot import REST
 
 ROLLOUT_STEP = 0.03  # path length between rolled-out poses, radians between those on the way to rest; chosen for time
 TOLERANCE = np.array([0.008, 0.1])  # metres and radians off a pose at which the hand has reached it; chosen
-BATCH = 32  # candidates that are rolled out at once; chosen for time
+BATCH = (2, 32)  # candidates rolled out at once: at first, as mostly one of these will do, and at most; chosen for time
 ON_THE_WAY = 4.0  # times the tolerance, at poses that are only passed; chosen
 
 
@@ -36,7 +37,7 @@ class Stretch:
 def find_feasible(
     chain: Chain,
     joints: Array,
-    candidates: Sequence[Sequence[Stretch]],
+    candidates: Iterable[Sequence[Stretch]],
     base_from_asset: Array,
     surroundings: Surroundings,
     spare: float = 0.0,
@@ -47,8 +48,8 @@ def find_feasible(
         spare: radians that every joint should keep from its limits; if no candidate does, the one that keeps most.
     """
     best, widest = None, -np.inf
-    for start in range(0, len(candidates), BATCH):
-        batch = candidates[start : start + BATCH]
+    untried, start, (size, largest) = iter(candidates), 0, BATCH
+    while batch := list(islice(untried, size)):
         sketches = [[thin_path(stretch.path) for stretch in candidate] for candidate in batch]
         slack = [
             np.concatenate([np.full(len(path), stretch.slack) for path, stretch in zip(sketch, candidate, strict=True)])
@@ -67,6 +68,7 @@ def find_feasible(
                 best, widest = start + index, margin
                 if margin >= spare:
                     return best
+        start, size = start + len(batch), min(2 * size, largest)
     return best
 
 

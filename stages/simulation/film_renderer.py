@@ -1,7 +1,7 @@
 """Pictures of the robot at work, for people: a lit room with a floor, and all of the scene in the picture.
 
-A renderer is a scene of its own; policies never see it. It has the stock Panda: 135,000 triangles, too many for the
-policy's camera, which sees the low-poly one.
+A renderer is a scene of its own; policies never see it. It has the Panda of `film_robot`: the policy's camera sees one
+of still fewer triangles.
 """
 
 from collections.abc import Sequence
@@ -17,11 +17,11 @@ from sapien.render import RenderDirectionalLightComponent as DirectionalLight
 from trimesh.bounds import corners
 
 from stages.geometry.frames import invert_transform, transform_points
+from stages.simulation.film_robot import film_urdf
 from stages.simulation.framing import frame_all, intrinsics_of
 from stages.simulation.loading import load_asset, move, remove
 from stages.simulation.recording import Moment, Recording
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
-from stages.simulation.robot import PANDA
 from stages.simulation.room import Body, Room
 
 Array = NDArray[np.float64]
@@ -54,7 +54,7 @@ class FilmRenderer:
         self.key.shadow_half_size, self.key.shadow_near, self.key.shadow_far = LIT, -2 * LIT, 2 * LIT
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = True
-        self.robot: PhysxArticulation = loader.load(str(PANDA))
+        self.robot: PhysxArticulation = loader.load(str(film_urdf()))
         self.size = width, height or round(width * FILM_ASPECT)
         self.aspect = self.size[1] / self.size[0]
         size = round(self.size[0] * FINER), round(self.size[1] * FINER)

@@ -63,7 +63,11 @@ def jacobian(frames: Array) -> Array:
     """(N, J + 1, 4, 4) frames -> (N, 6, J) geometric Jacobian: velocity, then angular velocity, base axes."""
     axes = frames[:, :-1, :3, 2]
     arms = frames[:, -1:, :3, 3] - frames[:, :-1, :3, 3]
-    return np.concatenate([np.cross(axes, arms), axes], axis=2).transpose(0, 2, 1)
+    (a, b, c), (x, y, z) = axes.transpose(2, 0, 1), arms.transpose(2, 0, 1)
+    result = np.empty((*axes.shape[:2], 6))  # np.cross takes twice as long
+    result[..., 0], result[..., 1], result[..., 2] = b * z - c * y, c * x - a * z, a * y - b * x
+    result[..., 3:] = axes
+    return result.transpose(0, 2, 1)
 
 
 def pose_error(target: Array, pose: Array) -> Array:

@@ -32,7 +32,7 @@ def object_points(
         base_from_camera: (4, 4) camera pose, x forward.
         low, high: (3,) corners of the workspace.
     """
-    points = image[np.isin(image[..., 3], shown)][:, :3].astype(np.float32) * 1e-3
+    points = image[np.isin(image[..., 3], shown, kind="table")][:, :3].astype(np.float32) * 1e-3
     base_from_image = base_from_camera[:3, :3] @ CAMERA_FROM_IMAGE
     points = points @ base_from_image.T.astype(np.float32) + base_from_camera[:3, 3].astype(np.float32)
     return points[((points > low) & (points < high)).all(axis=1)]
@@ -91,10 +91,10 @@ def unify_cloud(scene: Float, fingers: Float, points: int) -> Float:
 def proprioception(tcp: Array, fingers: Array, rest: Array) -> Float:
     """(9,) end-effector position, quaternion wxyz, finger joints, in the base frame.
 
-    Of the two quaternions of an orientation the one nearer to that of `rest` (4, 4) is taken, so that the value
-    has no jumps within the workspace.
+    Of the two quaternions of an orientation the one nearer to `rest` (4,) is taken, so that the value has no jumps
+    within the workspace.
     """
     quaternion = quaternion_from_matrix(tcp[:3, :3])
-    if quaternion @ quaternion_from_matrix(rest[:3, :3]) < 0:
+    if quaternion @ rest < 0:
         quaternion = -quaternion
     return np.concatenate([tcp[:3, 3], quaternion, fingers]).astype(np.float32)

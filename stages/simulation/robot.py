@@ -15,8 +15,9 @@ from mani_skill.agents.controllers import PDEEPoseControllerConfig, PDJointPosMi
 from mani_skill.agents.registration import register_agent
 from mani_skill.agents.robots import Panda
 
+from stages.geometry.frames import quaternion_from_matrix
 from stages.simulation.controller import PDEEPoseDLSConfig
-from stages.simulation.kinematics import Chain, read_chain
+from stages.simulation.kinematics import Array, Chain, read_chain
 from stages.simulation.shaders import cache_folder, keep
 
 PANDA = Path(PACKAGE_ASSET_DIR) / "robots" / "panda" / "panda_v2.urdf"
@@ -64,6 +65,12 @@ def low_poly_urdf() -> Path:
 def panda_chain() -> Chain:
     """Kinematics of the arm from its root link to the tool center point between the finger pads."""
     return read_chain(PANDA, TCP)
+
+
+@cache
+def rest_quaternion() -> Array:
+    """(4,) orientation wxyz of the tool center point at rest, in the base frame."""
+    return quaternion_from_matrix(panda_chain().pose(REST[None])[0, :3, :3])
 
 
 @register_agent()

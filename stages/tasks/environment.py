@@ -250,11 +250,12 @@ class OpenTaskEnv(FilmedEnv):
 
     def evaluate(self) -> dict[str, torch.Tensor]:
         """Success; beside it the official code's: any joint of the object was 10 % open at any time."""
-        self._official |= (self._fractions() >= OFFICIAL_SUCCESS_FRACTION).any(dim=1)
+        fractions = self._fractions()
+        self._official |= (fractions >= OFFICIAL_SUCCESS_FRACTION).any(dim=1)
         return {
             "success": self.check_success(),
             "official_success": self._official.clone(),
-            "opened": self.measure_opening(),
+            "opened": fractions[:, self.target.index],
         }
 
     def observe(self, render: bool = True) -> list[Observation]:

@@ -13,7 +13,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.simulation.depth_shaders import PICTURE
 from stages.simulation.kinematics import Array
 from stages.simulation.observation import finger_points, object_points, proprioception, unify_cloud
-from stages.simulation.robot import REST, AcdcPanda, panda_chain
+from stages.simulation.robot import AcdcPanda, panda_chain, rest_quaternion
 from stages.tasks.cameras import Camera, displace_pose, jitter
 
 Float = NDArray[np.float32]
@@ -121,5 +121,4 @@ class CameraRig:
                 clouds.append(object_points(seen, shown, pose, low, high))
             finger = finger_points(tcp, fingers, options.finger_points)
             cloud = unify_cloud(np.concatenate(clouds), finger, options.points)
-        rest = chain.pose(REST[None])[0]
-        return {"point_cloud": cloud, "proprio": proprioception(tcp, fingers, rest)}
+        return {"point_cloud": cloud, "proprio": proprioception(tcp, fingers, rest_quaternion())}

@@ -68,7 +68,7 @@ def test_of_ways_that_can_be_followed_the_first_with_joints_to_spare_is_taken(
         counts.append(len(paths))
         return roll_out(chain, joints, paths, slack)
 
-    monkeypatch.setattr(rollout, "BATCH", 1)
+    monkeypatch.setattr(rollout, "BATCH", (1, 1))
     monkeypatch.setattr(rollout, "roll_out", counted)
     assert [taken([1, 2, 0], spare) for spare in (0.0, 0.2, 1.0)] == rolled_out
     assert counts == [1] * (1 + 2 + 3), "no more are rolled out than are looked at"
@@ -106,7 +106,7 @@ def test_an_arm_that_is_elsewhere_may_go_through_rest(door: EnvWrapper) -> None:
     before[:3, 3] += [0.1, 0.0, -0.1]
     elsewhere = REST + np.array([0.8, 0.4, -0.3, 0.5, 0.4, -0.6, 0.5])
     assert [slack for _, slack in list_approaches(chain, REST, before, 0.1)] == [1.0, 1.0]  # straight, and from above
-    way, slack = list_approaches(chain, elsewhere, before, 0.1)[-1]
+    way, slack = [*list_approaches(chain, elsewhere, before, 0.1)][-1]
     assert slack > 1.0
     assert way[0] == pytest.approx(chain.pose(elsewhere[None])[0]) and way[-1] == pytest.approx(before)
     gaps = measure_distance(way, np.broadcast_to(rest, way.shape))

@@ -13,7 +13,7 @@ from stages.geometry.frames import make_transform, yaw_matrix
 from stages.simulation import observation
 from stages.simulation.controller import apply_delta, scale_action
 from stages.simulation.kinematics import jacobian, pose_error, track
-from stages.simulation.robot import REST, panda_chain
+from stages.simulation.robot import REST, panda_chain, rest_quaternion
 from stages.simulation.target import Target
 from stages.tasks import api
 from stages.tasks.cameras import WRIST, jitter, other_shoulder, shoulder
@@ -189,10 +189,8 @@ def test_the_scene_has_fewer_points_where_the_fingers_are() -> None:
 
 def test_orientation_does_not_jump_at_the_rest_pose() -> None:
     rest = panda_chain().pose(REST[None])[0]
-    quaternions = [
-        observation.proprioception(make_transform(yaw_matrix(yaw) @ rest[:3, :3], [0, 0, 0]), np.zeros(2), rest)[3:7]
-        for yaw in (-0.02, 0.02)
-    ]
+    hands = [make_transform(yaw_matrix(yaw) @ rest[:3, :3], [0, 0, 0]) for yaw in (-0.02, 0.02)]
+    quaternions = [observation.proprioception(hand, np.zeros(2), rest_quaternion())[3:7] for hand in hands]
     assert np.abs(quaternions[0] - quaternions[1]).max() < 0.05
 
 

@@ -77,9 +77,12 @@ def cell_histograms(picture: NDArray[np.uint8], grid: int) -> NDArray[np.float32
     size = picture.shape[0]
     image = cv2.GaussianBlur(picture.astype(np.float32) / 255, (3, 3), 0)
     dx, dy = cv2.Sobel(image, cv2.CV_32F, 1, 0, ksize=1), cv2.Sobel(image, cv2.CV_32F, 0, 1, ksize=1)
-    strength = dx * dx + dy * dy
-    strongest = strength.argmax(axis=2)[..., None]
-    dx, dy = np.take_along_axis(dx, strongest, 2)[..., 0], np.take_along_axis(dy, strongest, 2)[..., 0]
+    red, green, blue = cv2.split(dx * dx + dy * dy)
+    is_green, is_blue = green > red, blue > np.maximum(red, green)
+    for slope in (dx, dy):
+        np.copyto(slope[..., 0], slope[..., 1], where=is_green)
+        np.copyto(slope[..., 0], slope[..., 2], where=is_blue)
+    dx, dy = np.ascontiguousarray(dx[..., 0]), np.ascontiguousarray(dy[..., 0])
     magnitude, angle = cv2.cartToPolar(dx, dy)
     position = (angle * (GRADIENT_BINS / np.pi)).ravel()
     lower = np.floor(position)
