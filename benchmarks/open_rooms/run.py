@@ -188,10 +188,10 @@ def _count_panels(entry: Path, truth: pictures.Picture) -> None:
     """What is left to people: how many doors and drawers things have."""
     path = entry / "annotations.json"
     document = read_json(Annotations, path)
-    known = {thing.number: thing for thing in truth.things}
+    known = {thing.number: thing for thing in truth.things}  # not a piece that from_rgbd took for a thing of its own
     counted = [
         item.model_copy(update={"doors": thing.doors, "drawers": thing.drawers, "articulated": True})
-        if (thing := known[item.mask]).doors + thing.drawers
+        if (thing := known.get(item.mask)) and thing.doors + thing.drawers
         else item
         for item in document.objects
     ]

@@ -17,7 +17,7 @@ from stages.geometry.room_planes import STRAY, fit_plane, scale_threshold
 
 # Chosen.
 LARGE_SHARE, LARGE_PIXELS = 0.1, 40  # of the largest piece, and pixels: what is smaller belongs to the nearest piece
-GAP = 0.25  # times the larger piece: nearer pieces are one thing
+GAP = 0.25  # times the smaller piece: nearer pieces are one thing
 NEARER = 0.02  # share of the distance by which something is before a thing
 BESIDE = 0.15  # likewise, by which another thing between two pieces is as far as they are
 END = 3  # pixels around a piece's end in which its depth is looked at
@@ -76,7 +76,7 @@ def _find_things(
     one, apart = np.eye(len(pieces), dtype=bool), 0.0
     for k, other in combinations(range(len(pieces)), 2):
         between = _look_between(pieces[k], pieces[other], things & (values != value), seen)
-        near = between.gap <= GAP * max(extents[k], extents[other])
+        near = between.gap <= GAP * min(extents[k], extents[other])
         one[k, other] = near or between.hides or is_one
         if one[k, other] and not near and between.gap > max(extents[k], extents[other]):
             apart = max(apart, between.gap)

@@ -108,13 +108,6 @@ def test_masks_that_tell_things_of_a_name_apart_are_not_split_but_doubted() -> N
     assert list(split.doubts) == [OBJECT] and "one thing or two" in split.doubts[OBJECT][0].what
 
 
-def test_a_small_piece_near_a_large_one_is_a_part_of_it() -> None:
-    crown, twig = UprightBox([2.4, 0.2, 1.0], [0.6, 0.6, 0.6], 0.0), UprightBox([2.4, 0.2, 0.5], [0.1, 0.1, 0.1], 0.0)
-    frame = make_frame([crown, twig], {FLOOR: "floor", WALL: "wall", OBJECT: "plant"}, {OBJECT + 1: OBJECT})
-    split = split_values(frame).masks
-    assert split is not None and list(split.labels.values()).count("plant") == 1
-
-
 def test_a_thing_that_another_hides_in_the_middle_stays_one() -> None:
     board = UprightBox([3.0, 0.1, 0.5], [0.3, 2.0, 1.0], 0.0)
     pole = UprightBox([1.8, 0.1, 0.7], [0.2, 0.2, 1.4], 0.0)
