@@ -27,7 +27,7 @@ rule selection_rollout:
     container:
         CONFIG.containers.simulation
     resources:
-        **needs(4000, lambda wildcards: 15 + selection_episodes(wildcards) / 10, gpu=True),
+        **needs(3000, lambda wildcards: 15 + selection_episodes(wildcards) / 10, gpu=True),
     params:
         **command("evaluation", "selection-rollout", uses=rollout_modules, rollouts="rollouts"),
         seed=CONFIG.seed,

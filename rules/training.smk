@@ -22,7 +22,7 @@ rule train:
     benchmark:
         "benchmarks/training/{target}_{policy}_{training_set}_{run}_{seed}.tsv"
     resources:
-        **needs(4000, training_minutes, gpu=True),
+        **needs(3000, training_minutes, gpu=True),
     params:
         **command("training", "train", uses=policy_modules, policy="config", metrics="metrics"),
         task=task,
