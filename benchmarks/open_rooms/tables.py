@@ -20,7 +20,7 @@ EFFORT = ["clicks", "words", "clicks_by_hand", "words_by_hand"]
 OPTIONS = TablesConfig()
 HALVES = {
     "work": "to work on",
-    "held_out": "looked at four times",
+    "held_out": "looked at five times",
     "third": "looked at twice",
     "fourth": "looked at once",
 }
