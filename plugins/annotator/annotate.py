@@ -6,7 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from plugins.annotator.bare import is_bare
-from plugins.annotator.correcting import Correcting, name_drawn
+from plugins.annotator.correcting import Correcting
+from plugins.annotator.drawing import name_drawn
 from plugins.annotator.project import PROJECT
 from plugins.annotator.server import PageServer
 from plugins.annotator.session import Session

@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from plugins.annotator.bare import is_bare, read_bare, view_room, write_masks
 from plugins.annotator.clicking import Clicked
 from plugins.annotator.cures import Cure, find_beneath, list_cures, match_walls
+from plugins.annotator.drawing import Drawing, Thing, name_drawn
 from plugins.annotator.fronts import extents, jpeg, rectify_front
 from plugins.annotator.last_run import LastRun, describe_doubt, read_last_run
 from plugins.annotator.session import Answer
@@ -22,13 +22,12 @@ from plugins.inputs.own_scene import is_clone, to_run
 from stages.contracts import InputError, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
 from stages.contracts.doubt import Doubt
-from stages.contracts.files import Contract
 from stages.contracts.objects import Wall, object_ids
 from stages.contracts.parts import says_opening
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.scenes import Held
 from stages.contracts.things import read_things
-from stages.contracts.types import FLOOR, WALL, Id
+from stages.contracts.types import FLOOR, WALL
 from stages.extraction.corrected_masks import (
     ROOM,
     Cutter,
@@ -44,18 +43,6 @@ from stages.extraction.corrected_masks import (
 from stages.geometry.masks import outline_mask
 
 STILL = (0.0, 0.0)  # metres: not moved by hand
-
-
-class Thing(Correction):
-    """An object, the floor or a wall as the page shows it, with every value and not only the corrected ones."""
-
-    id: Id
-
-
-class Drawing(Contract):
-    """All that is in a picture, as a person sees it."""
-
-    objects: list[Thing] = Field([], max_length=1000)
 
 
 @dataclass
@@ -306,8 +293,3 @@ class Correcting(Clicked):
         """The page is done with."""
         self.finished = True
         return {}
-
-
-def name_drawn(mask: int) -> str:
-    """The id of a thing that the folder's annotations do not name."""
-    return f"drawn_{mask}"

@@ -12,7 +12,8 @@ from PIL import Image
 from pydantic import ValidationError
 
 from plugins.annotator import annotate
-from plugins.annotator.correcting import Correcting, Drawing, Thing
+from plugins.annotator.correcting import Correcting
+from plugins.annotator.drawing import Drawing, Thing
 from plugins.annotator.tests.annotate_page import watched
 from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from stages.contracts import InputError, Objects, read_json, write_json, write_text
