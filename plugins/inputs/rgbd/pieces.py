@@ -52,18 +52,22 @@ def split_values(frame: Frame) -> Frame:
         if apart:
             doubts[value] = [*doubts.get(value, []), DoubtKind.APART.of(distance=100 * apart)]
         if len(found) > 1:
-            print(f"{label!r} (value {value}) lies in {len(found)} places: taken for as many things")
-        for mask in found[1:]:
+            what = "one thing, for masks tell things of one name apart" if told_apart else "as many things"
+            print(f"{label!r} (value {value}) lies in {len(found)} places: taken for {what}")
+        for mask in [] if told_apart else found[1:]:
             number = max(labels) + 1
             values[mask], labels[number] = number, label
     return replace(frame, masks=replace(frame.masks, values=values, labels=labels, doubts=doubts))
 
 
 def _find_things(
-    values: NDArray[np.uint16], value: int, things: Mask, seen: PointMap, is_one: bool
+    values: NDArray[np.uint16], value: int, things: Mask, seen: PointMap, told_apart: bool
 ) -> tuple[list[Mask], float]:
-    """The pixels (H, W) of each thing of a value, and the metres between pieces that may be one, or 0; `is_one`: all
-    pieces are."""
+    """The pixels (H, W) of each thing of a value, and the metres between pieces that may be one, or 0.
+
+    Args:
+        told_apart: any pieces may be one.
+    """
     _, parts, stats, _ = cv2.connectedComponentsWithStats((values == value).astype(np.uint8), connectivity=8)
     sizes = stats[1:, cv2.CC_STAT_AREA]
     large = 1 + np.flatnonzero(sizes >= max(LARGE_PIXELS, LARGE_SHARE * sizes.max(initial=0)))
@@ -77,8 +81,8 @@ def _find_things(
     for k, other in combinations(range(len(pieces)), 2):
         between = _look_between(pieces[k], pieces[other], things & (values != value), seen)
         near = between.gap <= GAP * min(extents[k], extents[other])
-        one[k, other] = near or between.hides or is_one
-        if one[k, other] and not near and between.gap > max(extents[k], extents[other]):
+        one[k, other] = near or between.hides
+        if (between.hides or told_apart) and not near and between.gap > max(extents[k], extents[other]):
             apart = max(apart, between.gap)
     number, group = connected_components(one, directed=False)
     nearest = distance_transform_edt(~np.any(pieces, axis=0), return_distances=False, return_indices=True)

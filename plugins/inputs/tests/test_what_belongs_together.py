@@ -99,13 +99,14 @@ def test_two_things_of_one_value_become_two(capsys: pytest.CaptureFixture[str]) 
     assert "2 places" in capsys.readouterr().out
 
 
-def test_masks_that_tell_things_of_a_name_apart_are_not_split_but_doubted() -> None:
+def test_masks_that_tell_things_of_a_name_apart_are_not_split_but_doubted(capsys: pytest.CaptureFixture[str]) -> None:
     names = {FLOOR: "floor", WALL: "wall", OBJECT: "box", OBJECT + 2: "box"}
     boxes = [UprightBox([2.4, side, 0.1], [0.2, 0.2, 0.2], 0.0) for side in (0.7, -0.4, 0.1)]
     frame = make_frame(boxes, names, {OBJECT + 1: OBJECT})
     split = split_values(frame).masks
     assert split is not None and split.labels == names
     assert list(split.doubts) == [OBJECT] and "one thing or two" in split.doubts[OBJECT][0].what
+    assert "2 places: taken for one thing" in capsys.readouterr().out
 
 
 def test_a_thing_that_another_hides_in_the_middle_stays_one() -> None:
