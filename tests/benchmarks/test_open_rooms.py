@@ -12,11 +12,26 @@ from numpy.typing import NDArray
 from PIL import Image
 from shapely import Point
 
-from benchmarks.open_rooms import blend, fetch, packs, pictures, plots, rooms, score, sensor, shapes, tables, views
+from benchmarks.open_rooms import (
+    blend,
+    fetch,
+    packs,
+    pictures,
+    plots,
+    rooms,
+    run,
+    score,
+    sensor,
+    shapes,
+    tables,
+    views,
+)
 from plugins.furniture.catalogue import CATEGORIES
+from stages.config.reads import stores
 from stages.contracts import InputError
 from stages.contracts.library import FrontPanel, Joint
 from stages.geometry.boxes import UprightBox, footprint
+from tests.refusals import refused
 from tests.unit.generation_scenes import asset
 
 
@@ -501,3 +516,32 @@ def test_another_package_is_refused(tmp_path: Path) -> None:
     (tmp_path / "pack-1.whl").write_bytes(b"models")
     with pytest.raises(InputError, match="is not the package"):
         fetch._check_digest(tmp_path, "pack-*.whl", "0" * 64)
+
+
+def test_a_library_with_features_of_some_of_its_models_is_refused(tmp_path: Path) -> None:
+    config = run.make_config()
+    store = next(iter(stores(config)))
+    names = [f"assets/library/shard_{k}.zip" for k in (0, 1)] + [f"assets/snapshots/shard_{k}.h5" for k in (0, 1)]
+    for name in [*names, f"matching/features/{store}/shard_0.npy"]:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    with refused("E-FEATURES-MISSING", f"{store}/shard_1.npy"):
+        run.shelves(tmp_path, config)
+    (tmp_path / f"matching/features/{store}/shard_1.npy").touch()
+    assert len(run.shelves(tmp_path, config).features) == 2
+
+
+def test_a_picture_that_stops_is_told_and_the_others_go_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def reconstruct(root: Path, folder: Path, *_: object) -> None:
+        with run.log_stage(tmp_path / f"{folder.name}.log"):
+            if folder.name == "work_office_1":
+                raise ValueError("no floor")
+
+    monkeypatch.setattr(run, "shelves", lambda *_: None)
+    monkeypatch.setattr(run, "_reconstruct", reconstruct)
+    monkeypatch.setattr(pictures, "folders", lambda *_: [tmp_path / f"work_office_{k}" for k in (1, 2)])
+    run.run(tmp_path, tmp_path, "work", "", ("drawn",), ("geometry",))
+    assert capsys.readouterr().err == f"work_office_1, drawn: no floor (see {tmp_path / 'work_office_1.log'})\n"
+    assert (tmp_path / "work_office_2.log").is_file()
