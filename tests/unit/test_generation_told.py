@@ -8,6 +8,7 @@ from stages.config.generation import GenerationConfig
 from stages.config.provenance import record_provenance
 from stages.contracts import GeneratedScene, InputError, Objects, read_json, write_json
 from stages.contracts.corrections import Correction, Corrections
+from stages.contracts.doubt import DoubtKind
 from stages.generation.generate import run
 from stages.generation.inputs import read_inputs
 from stages.generation.placed import Placed
@@ -76,6 +77,20 @@ def test_a_nudge_moves_what_stands_on_it_too(scene: dict[str, Path], tmp_path: P
     for name in ("cabinet_1", "mug_1"):
         assert after[name].center - before[name].center == pytest.approx([-0.1, 0.05, 0], abs=1e-6)
         assert after[name].steps[-1].startswith("moved by a person: moved 11.2 cm")
+
+
+def test_a_place_that_a_person_said_is_not_doubted(
+    scene: dict[str, Path],  # noqa: F811
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("stages.generation.doubts.measure_place_sureness", lambda spread: 0.1 if spread else 1.0)
+    unsure = DoubtKind.PLACE_UNSURE.of(share=10)
+    before, after = (
+        {item.id for item in _built(scene, tmp_path, 1, *told).items if unsure in item.doubts}
+        for told in ((), (Correction(mask=CABINET, nudge=(-0.1, 0.05)),))
+    )
+    assert before - after == {"cabinet_1"} and "mug_1" in after
 
 
 def test_what_a_person_says_carries_it_does(scene: dict[str, Path], tmp_path: Path) -> None:  # noqa: F811
