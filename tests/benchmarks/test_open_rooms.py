@@ -4,6 +4,8 @@ import csv
 import struct
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pandas as pd
@@ -28,8 +30,9 @@ from benchmarks.open_rooms import (
 )
 from plugins.furniture.catalogue import CATEGORIES
 from stages.config.reads import stores
-from stages.contracts import InputError
+from stages.contracts import Annotations, InputError, read_json, write_json
 from stages.contracts.library import FrontPanel, Joint
+from stages.contracts.scenes import Annotation
 from stages.geometry.boxes import UprightBox, footprint
 from tests.refusals import refused
 from tests.unit.generation_scenes import asset
@@ -545,3 +548,12 @@ def test_a_picture_that_stops_is_told_and_the_others_go_on(
     run.run(tmp_path, tmp_path, "work", "", ("drawn",), ("geometry",))
     assert capsys.readouterr().err == f"work_office_1, drawn: no floor (see {tmp_path / 'work_office_1.log'})\n"
     assert (tmp_path / "work_office_2.log").is_file()
+
+
+def test_doors_are_told_of_true_things_and_not_of_pieces_that_were_split_off(tmp_path: Path) -> None:
+    things = [Annotation(mask=1, label="fridge"), Annotation(mask=9, label="fridge")]
+    write_json(tmp_path / "annotations.json", Annotations(objects=things))
+    known = [SimpleNamespace(number=1, doors=2, drawers=0)]
+    run._count_panels(tmp_path, cast(pictures.Picture, SimpleNamespace(things=known)))
+    told = read_json(Annotations, tmp_path / "annotations.json").objects
+    assert [item.doors for item in told] == [2, 0]

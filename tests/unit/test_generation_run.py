@@ -452,6 +452,11 @@ def test_the_place_of_what_has_hardly_any_depth_is_doubted(known: float | None, 
     assert found == (["depth is known on 3 % of its pixels: its place is not certain"] if doubted else [])
 
 
+def test_scenes_say_how_far_fitted_places_may_be_off(made: Path) -> None:
+    placed = [item for item in read_json(GeneratedScene, made / "scene_1.json").objects if item.status == "ok"]
+    assert {bool(item.place_spread) for item in placed if item.size_spread is not None} == {True}
+
+
 def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path], tmp_path: Path) -> None:
     options = GenerationConfig().model_copy(update={"fallen_distance": 9.0})  # only the tilt can tell
     built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)

@@ -13,7 +13,7 @@ from stages.extraction.contact import DepthView, measure_shelf
 from stages.extraction.corrected_masks import Cutter, correct_masks, paint_masks
 from stages.extraction.corrections import correct_image
 from stages.extraction.observation import AnnotatedImage
-from stages.extraction.reconstruct import ExtractedScene, reconstruct
+from stages.extraction.reconstruct import ExtractedScene, find_hanging, reconstruct
 from stages.extraction.reflections import remove_reflections
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import PointMap
@@ -216,6 +216,14 @@ def test_a_mirror_that_is_seen_wholly_behind_its_wall_hangs_on_it(label: str, he
     assert item.box is not None and item.mounting is not None
     assert (abs(item.box.center[0] - BACK_WALL) < 0.1) == on_wall == item.mounting.hangs
     assert not on_wall or list(item.box.size[1:]) == pytest.approx([0.8, 0.9], abs=0.08)
+
+
+def test_what_is_said_to_stand_before_a_wall_hangs_on_none() -> None:
+    walls = {WALL: Wall(id="wall_1", normal=(-1, 0, 0), offset=-BACK_WALL, points=100)}
+    mirror = Annotation(mask=OBJECT, label="wall mirror")
+    assert find_hanging(mirror, [*walls.values()], walls) == [*walls.values()]
+    before = mirror.model_copy(update={"mounting": Held(type=3, walls=[WALL])})
+    assert find_hanging(before, [*walls.values()], walls) == []
 
 
 @pytest.mark.parametrize(("held", "front", "left"), [(None, 6.5, False), (HUNG, 6.5, True), (HUNG, 4.1, False)])

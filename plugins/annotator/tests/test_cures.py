@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from plugins.annotator.correcting import Correcting
-from plugins.annotator.cures import find_beneath, match_walls
+from plugins.annotator.cures import find_beneath, list_cures, match_walls
 from plugins.annotator.tests.annotate_page import watched
 from plugins.annotator.tests.corrected_scene import read_told, write_run
 from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
@@ -60,6 +60,12 @@ def test_a_kind_of_doubt_knows_its_own_words() -> None:
     assert DoubtKind.BEHIND_WALL.read(OF_CABINET[0]) == {"depth": "7", "wall": "wall_1"}
     assert DoubtKind.UNNAMED.read(OF_BOX[0]) == {} and DoubtKind.UNNAMED.read(OF_BOX[1]) is None
     assert DoubtKind.UNNAMED.read(Doubt(cause="name", what=OF_BOX[0].what)) is None
+
+
+def test_no_wall_carries_what_is_seen_before_it() -> None:
+    for room, offered in (({WALL: "wall"}, []), ({WALL: "floor"}, ["floor"]), ({}, [WALL])):
+        cures = list_cures(DoubtKind.UNNAMED.of(), lambda: WALL, {}, (0, 0), None, None, room)
+        assert [cure["set"]["on"] for cure in cures] == offered
 
 
 def test_one_click_beside_a_doubt_mends_it(browser: Any, session: Correcting) -> None:  # noqa: F811

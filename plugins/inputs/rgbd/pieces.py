@@ -82,7 +82,7 @@ def _find_things(
         between = _look_between(pieces[k], pieces[other], things & (values != value), seen)
         near = between.gap <= GAP * min(extents[k], extents[other])
         one[k, other] = near or between.hides
-        if (between.hides or told_apart) and not near and between.gap > max(extents[k], extents[other]):
+        if (between.hides or told_apart) and between.gap > max(extents[k], extents[other]):
             apart = max(apart, between.gap)
     number, group = connected_components(one, directed=False)
     nearest = distance_transform_edt(~np.any(pieces, axis=0), return_distances=False, return_indices=True)

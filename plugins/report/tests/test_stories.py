@@ -89,8 +89,9 @@ class Views:
 
 
 def test_it_tells_what_was_seen_compared_chosen_and_placed() -> None:
-    made = told(matched(), thing(), placed={"desk_1": placed(yaw=np.pi / 2, support="rug_1")})
+    made = told(matched(), thing(), placed={"desk_1": placed(yaw=np.pi / 2, support="rug_1", place_spread=0.042)})
     said = facts(made)
+    assert said["place"] == "50 % sure to be right to 5 cm"
     assert said["mounting"] == "stands free, by geometry" and "900 points" in said["seen"]
     assert said["categories, by distance of the label"] == "desk 0.00, table 0.40"
     assert said["model chosen by"] == "distance"
