@@ -452,9 +452,11 @@ def test_the_place_of_what_has_hardly_any_depth_is_doubted(known: float | None, 
     assert found == (["depth is known on 3 % of its pixels: its place is not certain"] if doubted else [])
 
 
-def test_scenes_say_how_far_fitted_places_may_be_off(made: Path) -> None:
-    placed = [item for item in read_json(GeneratedScene, made / "scene_1.json").objects if item.status == "ok"]
-    assert {bool(item.place_spread) for item in placed if item.size_spread is not None} == {True}
+def test_scenes_say_how_far_fitted_places_may_be_off(scene: dict[str, Path], made: Path, tmp_path: Path) -> None:
+    run(**scene, variant="v", out=tmp_path / "out", options='{"ranks": 1, "sizes": "fitted"}')
+    for folder, fitted in ((tmp_path / "out", True), (made, False)):
+        placed = [item for item in read_json(GeneratedScene, folder / "scene_1.json").objects if item.status == "ok"]
+        assert placed and all(bool(item.place_spread) == fitted for item in placed)
 
 
 def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path], tmp_path: Path) -> None:

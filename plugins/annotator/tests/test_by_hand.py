@@ -18,7 +18,7 @@ from plugins.annotator import annotate
 from plugins.annotator.paint import extend, paint
 from plugins.annotator.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
 from plugins.annotator.server import PageServer
-from plugins.annotator.session import Session, describe_room
+from plugins.annotator.session import Session, describe_room, find_carriers
 from plugins.annotator.solve import UNSURE, solve
 from plugins.annotator.support import support_at
 from plugins.annotator.tests.annotate_page import serve
@@ -230,6 +230,15 @@ def test_a_person_says_which_lies_in_front(cabinet: int, mug: int) -> None:
     assert 2 not in paint(drawing, solve(drawing)).masks, "an outline lies over every box"
     drawing.objects[0].layer, drawing.objects[1].layer = cabinet, mug
     assert ((paint(drawing, solve(drawing)).masks == 2) == plain).all()
+
+
+def test_a_doubted_thing_may_be_put_on_what_its_foot_is_seen_on_unless_it_is() -> None:
+    drawing = _drawing()
+    cabinet, mug = drawing.objects[:2]
+    assert mug.on == cabinet.id and find_carriers(drawing, solve(drawing), [mug.id]) == {}
+    mug.on = "floor"
+    assert find_carriers(drawing, solve(drawing), [mug.id]) == {mug.id: cabinet.id}
+    assert find_carriers(drawing, solve(drawing), []) == {}
 
 
 def test_round_things_are_round(tmp_path: Path) -> None:
