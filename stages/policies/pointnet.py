@@ -80,21 +80,32 @@ class PointNet(nn.Module):
                 x = layer(functional.gelu(x))
         return x.float()
 
-    def _onednn_mlp(self, points: Tensor, weight: Tensor, bias: Tensor) -> Tensor:
-        """`_mlp` by oneDNN, each GELU fused with its layer."""
-        fused = torch.ops.mkldnn._linear_pointwise
+    def _plain_winners(self, clouds: Tensor, weight: Tensor, bias: Tensor) -> tuple[Tensor, Tensor]:
+        """Max of `_mlp` over points and its index, both (N, width)."""
+        values, index = self._mlp(clouds, weight, bias).max(dim=1)
+        return values, index
+
+    def _onednn_winners(self, clouds: Tensor, weight: Tensor, bias: Tensor) -> tuple[Tensor, Tensor]:
+        """`_plain_winners` by oneDNN, each GELU fused with the layer before it.
+
+        The last layer's product is laid out by channel, so that numpy finds the winners in rows (four times as fast as
+        torch, which looks at one number at a time); its bias is the same for all points of a channel.
+        """
+        fused, points = torch.ops.mkldnn._linear_pointwise, clouds
         for layer in self.rest:
             assert isinstance(layer, nn.Linear)
             points = fused(points, weight, bias, "gelu", [], "none")
             weight, bias = layer.weight, layer.bias
-        result: Tensor = fused(points, weight, bias, "none", [], "")
-        return result
+        by_channel: Tensor = fused(weight, points.flatten(0, 1), None, "none", [], "").unflatten(1, clouds.shape[:2])
+        index = torch.from_numpy(by_channel.numpy().argmax(2))
+        return by_channel.gather(2, index[..., None]).squeeze(2).T + bias, index.T
 
     @torch.no_grad()
     def _winners(self, clouds: Tensor) -> tuple[Tensor, Tensor]:
         """Max over points and its index, both (N, width), chunk by chunk; without gradient."""
         weight, bias = self.fold_first_layer()
         size = max(1, CHUNK_ELEMENTS[clouds.device.type] // (clouds.shape[1] * len(bias)))
-        mlp = self._onednn_mlp if ONEDNN and clouds.device.type == "cpu" and not self.bf16 else self._mlp
-        pooled = [mlp(chunk, weight, bias).max(dim=1) for chunk in clouds.split(size)]
-        return torch.cat([chunk.values for chunk in pooled]), torch.cat([chunk.indices for chunk in pooled])
+        onednn = ONEDNN and clouds.device.type == "cpu" and not self.bf16
+        find = self._onednn_winners if onednn else self._plain_winners
+        values, indices = zip(*(find(chunk, weight, bias) for chunk in clouds.split(size)), strict=True)
+        return torch.cat(values), torch.cat(indices)
