@@ -3,14 +3,16 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-for candidate in ${PYTHON:+"$PYTHON"} python3 python3.12 python3.11; do  # mplib has no wheels for 3.13
+candidates=(python3 python3.12 python3.11)  # mplib has no wheels for 3.13
+[ -z "${PYTHON:-}" ] || candidates=("$PYTHON")
+for candidate in "${candidates[@]}"; do
     if command -v "$candidate" >/dev/null && "$candidate" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 12))'; then
         python=$candidate
         break
     fi
 done
 if [ -z "${python:-}" ]; then
-    echo "error: no Python 3.11 or 3.12 found. Fix: install one, or name it: make all PYTHON=/path/to/python3.11" >&2
+    echo "error: ${candidates[*]}: no Python 3.11 or 3.12. Fix: install one, or name it: make all PYTHON=/path/to/python3.11" >&2
     exit 1
 fi
 

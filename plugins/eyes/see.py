@@ -13,7 +13,9 @@ from plugins.eyes.proposal import Proposal, RoomView
 from plugins.eyes.surfaces import Surfaces, find_surfaces
 from plugins.eyes.weights import ALL, is_there
 from plugins.inputs.numbered import draw_numbers
+from plugins.inputs.rgbd.belonging import doubt_depth
 from plugins.inputs.rgbd.frame import TILT, Frame, Labelled
+from plugins.inputs.rgbd.surfaces import surface_of
 from plugins.inputs.rgbd.write import write_frame
 from plugins.names.observed import WITHOUT as WITHOUT_CLASSES
 from plugins.names.observed import classifier
@@ -52,7 +54,11 @@ def run(*, picture: Path, out: Path, options: str = "{}") -> None:
     frame = Frame(read_rgb(picture / "rgb.png"), depth, np.array(camera.intrinsics, dtype=float))
     seen = see(frame, settings)
     masks, things = label(seen)
-    written = write_frame(out, replace(frame, masks=masks, doubt=camera.note))
+    doubt = doubt_depth(depth, masks.values, [value for value, name in masks.labels.items() if not surface_of(name)])
+    if doubt:
+        print(f"{picture / 'depth.npz'}: {doubt}")
+    doubts = "; ".join(filter(None, [camera.note, doubt]))
+    written = write_frame(out, replace(frame, masks=masks, doubt=doubts))
     assert written is not None
     write_json(out / THINGS, things)
     with write_atomically(out / "numbers.png") as path:

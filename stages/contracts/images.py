@@ -3,12 +3,13 @@
 import colorsys
 import warnings
 from contextlib import suppress
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import ExifTags, Image, ImageOps
+from PIL import ExifTags, Image, ImageCms, ImageOps
 
 from stages.contracts.errors import InputError
 
@@ -28,7 +29,7 @@ def read_upright(path: Path) -> Image.Image:
     """The picture, decoded and turned as its EXIF data say.
 
     Raises:
-        InputError: no picture, or one of absurd size.
+        InputError: no picture, several in one file, or one of absurd size.
     """
     if not path.is_file():
         raise InputError(path, "no such file.", FOLDER, code="E-FILE-MISSING")
@@ -42,6 +43,9 @@ def read_upright(path: Path) -> Image.Image:
                     raise InputError(path, f"{size} large.", f"at most {MAX_PIXELS:,} pixels", code="E-IMAGE-SIZE")
                 if min(width, height) < MIN_SIDE:
                     raise InputError(path, f"{size} small.", f"at least {MIN_SIDE} each way", code="E-IMAGE-SIZE")
+                if (count := getattr(image, "n_frames", 1)) > 1 and image.format != "MPO":  # a phone's: the first is it
+                    what = f"holds {count} pictures: which of them is meant?"
+                    raise InputError(path, what, "save the one alone, as PNG", code="E-IMAGE-MANY")
                 image.load()
                 turned = ImageOps.exif_transpose(image)
                 turned.format = image.format
@@ -57,12 +61,12 @@ def read_upright(path: Path) -> Image.Image:
 
 
 def read_rgb(path: Path) -> NDArray[np.uint8]:
-    """A picture (H, W, 3): turned by its EXIF data, alpha laid on white, everything else converted to 8-bit RGB.
+    """A picture (H, W, 3) in sRGB: turned by its EXIF data, alpha laid on white, all else converted to 8 bits.
 
     Raises:
         InputError: no picture, of absurd size, or with float pixels.
     """
-    image = read_upright(path)
+    image = to_srgb(read_upright(path))
     if image.mode in DEEP:
         grey = np.asarray(image).astype(np.int64)
         if grey.min() < 0 or grey.max() > 65535:
@@ -75,6 +79,22 @@ def read_rgb(path: Path) -> NDArray[np.uint8]:
         alpha = rgba[..., 3:] / 255.0
         return np.rint(rgba[..., :3] * alpha + 255.0 * (1 - alpha)).astype(np.uint8)
     return np.array(image.convert("RGB"))
+
+
+def to_srgb(image: Image.Image) -> Image.Image:
+    """The picture in the colors of its color profile; without one that is read, as it is, as a viewer shows it."""
+    profile = image.info.get("icc_profile")
+    if not profile or image.mode not in ("RGB", "RGBA", "CMYK"):
+        return image
+    try:
+        given = ImageCms.ImageCmsProfile(BytesIO(profile))
+        if "srgb" in ImageCms.getProfileDescription(given).lower():  # all but rounding
+            return image
+        mode = "RGB" if image.mode == "CMYK" else image.mode
+        found = ImageCms.profileToProfile(image, given, ImageCms.createProfile("sRGB"), outputMode=mode)
+    except (ImageCms.PyCMSError, OSError):
+        return image
+    return found or image
 
 
 def read_narrow(path: Path, width: int) -> Image.Image:

@@ -109,6 +109,20 @@ def test_an_input_folder_comes_out_and_things_left_out_keep_their_pixels(
     assert "1 things, 1 more left out as unsure, 1 wall" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(("moved", "said"), [(0, False), (20, True)])
+def test_depth_that_does_not_lie_on_what_the_picture_shows_is_doubted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moved: int, said: bool
+) -> None:
+    view, masks = see_room(TABLE, ON_TABLE)
+    write_view(tmp_path / "view", Frame(view.rgb, view.depth.astype(np.float32), view.intrinsics))
+    monkeypatch.setattr(see, "propose", lambda *_: [])
+    monkeypatch.setattr(see, "choose", lambda *_: [outlined(np.roll(mask, (moved, moved), (0, 1))) for mask in masks])
+    monkeypatch.setattr(naming, "observe", lambda *_: None)
+    monkeypatch.setattr(naming, "propose_names", lambda *_: SURE)
+    see.run(picture=tmp_path / "view", out=tmp_path / "seen")
+    assert ("depth in doubt" in read_json(Camera, tmp_path / "seen/camera.json").note) == said
+
+
 def test_where_no_thing_is_sure_the_surest_is_placed(monkeypatch: pytest.MonkeyPatch) -> None:
     view, (table, mug) = see_room(TABLE, ON_TABLE)
     given = iter([UNSURE, Names([Proposal("mug", 0.45)], 0.1)])

@@ -13,7 +13,7 @@ from PIL.ExifTags import IFD, Base
 from plugins.inputs.rgbd.frame import LONGEST_SIDE
 from plugins.inputs.rgbd.lens import CALIBRATION, read_lens, straighten_picture
 from stages.contracts.errors import InputError
-from stages.contracts.images import check_shown, read_rgb
+from stages.contracts.images import check_shown, read_rgb, to_srgb
 from stages.geometry.cameras import scale_intrinsics
 
 WIDEST = 2.4  # of a picture's sides: a panorama has no single perspective
@@ -51,7 +51,7 @@ def _from_heif(path: Path) -> tuple[NDArray[np.uint8], Image.Exif]:
         ) from None
     try:
         image = pillow_heif.open_heif(path).to_pillow()  # upright already
-        return np.array(image.convert("RGB")), image.getexif()
+        return np.array(to_srgb(image).convert("RGB")), image.getexif()
     except Exception as error:  # a decoder raises its own kinds for broken data
         raise InputError(
             path, f"is not a readable image ({error.__class__.__name__}).", "save it as JPEG", code="E-PICTURE-BROKEN"

@@ -24,6 +24,7 @@ MODELS = {"plumb_bob", "rational_polynomial", "brown_conrady", "radtan", "opencv
 COUNTS = (5, 8, 12, 14)  # of OpenCV's coefficients
 INVERSE = "inverse_brown_conrady"  # RealSense: from bent to straight
 FISHEYE = ("fisheye", "equidistant", "kannala", "kb4")  # k1 to k4 of Kannala and Brandt, as in cv2.fisheye
+LEAST_LEFT = 1 / 3  # of the pixels of a picture made straight: an action camera leaves nine tenths; chosen
 MAX_VIEW = np.deg2rad(110)  # of a straightened fisheye picture: beyond, little is left of its middle; chosen
 CALIBRATION = (
     "K and k1, k2, p1, p2, k3 (of a lens that is called fisheye k1 to k4) as OpenCV, ROS and Kalibr write them"
@@ -190,11 +191,13 @@ def _choose_pinhole(lens: Lens, width: int, height: int, where: object) -> Matri
             lens.intrinsics, lens.distortion, (width, height), 0, (width, height), centerPrincipalPoint=True
         )
         focal = float(max(whole[0, 0], whole[1, 1]))
-    if not 0.2 * width < focal < 20 * width:
-        raise InputError(
-            where, "bends the picture so much that nothing of it is left.", CALIBRATION, code="E-LENS-WIDE"
-        )
-    return make_intrinsics(focal, focal, (width - 1) / 2, (height - 1) / 2)
+    target = make_intrinsics(focal, focal, (width - 1) / 2, (height - 1) / 2)
+    pixels = np.arange(width * height, dtype=np.float32).reshape(height, width)
+    share = len(np.unique(_remap(target, pixels, lens, cv2.INTER_NEAREST))) / pixels.size
+    if not 0.2 * width < focal < 20 * width or (not lens.fisheye and share < LEAST_LEFT):
+        what = f"bends the picture so much that {100 * share:.0f} % of its pixels are left."
+        raise InputError(where, what, CALIBRATION, code="E-LENS-WIDE")
+    return target
 
 
 def _find_fisheye_focal(lens: Lens, width: int, height: int) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from plugins.annotator import annotate
 from plugins.inputs.photo.picture import read_photo
-from plugins.inputs.rgbd.lens import read_lens, straighten_picture
+from plugins.inputs.rgbd.lens import Lens, read_lens, straighten_picture
 from plugins.inputs.tests.test_rgbd_edges import frame_of
 from stages.contracts.scene_input import read_scene_input
 from stages.geometry.boxes import UprightBox
@@ -161,3 +161,11 @@ def test_rgbd_frames_are_straightened(tmp_path: Path, kind: str, said: dict[str,
         known = written.depth > 0
         assert np.abs(written.depth - depth)[known].max() < 0.001 and known.sum() > 0.9 * (depth > 0).sum()
         assert agree < 0.9
+
+
+@pytest.mark.parametrize("first", [5.0, 50.0, -5.0])
+def test_a_lens_that_leaves_a_smear_is_refused(first: float) -> None:
+    picture = np.zeros((ROOM_HEIGHT, ROOM_WIDTH, 3), np.uint8)
+    straighten_picture(picture, Lens(INTRINSICS, np.array([first / 20, 0, 0, 0, 0])), "camera.json")
+    with refused("E-LENS-WIDE", "camera.json", "bends the picture"):
+        straighten_picture(picture, Lens(INTRINSICS, np.array([first, 0, 0, 0, 0])), "camera.json")
