@@ -27,13 +27,13 @@ FORMATS: dict[Pack, tuple[str, str]] = {
 def cache_folder() -> Path:
     """Where generated files are kept between runs; a temporary folder if the home is not writable."""
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    folder = home / "acdc-workflow"
+    folder = home / "roomkin"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         writable = os.access(folder, os.W_OK)
     except OSError:
         writable = False
-    return folder if writable else Path(tempfile.gettempdir()) / "acdc-workflow"
+    return folder if writable else Path(tempfile.gettempdir()) / "roomkin"
 
 
 def keep(folder: Path, files: dict[str, str]) -> Path:

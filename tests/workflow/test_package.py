@@ -62,8 +62,8 @@ def test_the_wheel_has_every_file_of_stages_and_plugins(built: Path) -> None:
 def test_one_version(built: Path) -> None:
     version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
     assert {path.name for path in built.glob("acdc*")} == {
-        f"acdc_workflow-{version}-py3-none-any.whl",
-        f"acdc_workflow-{version}.tar.gz",
+        f"roomkin-{version}-py3-none-any.whl",
+        f"roomkin-{version}.tar.gz",
     }
     cited = yaml.safe_load((ROOT / "CITATION.cff").read_text())
     released = re.findall(r"^## (\d\S+) - (\S+)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)

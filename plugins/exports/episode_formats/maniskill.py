@@ -91,7 +91,7 @@ def record(out: Path, folder: Path, subject: Subject, store: EpisodeStore, episo
     made.unwrapped.spec.kwargs.pop("task")  # type: ignore[union-attr]  # known by its registration, and no JSON
     env = RecordEpisode(
         made, str(out), save_video=False, trajectory_name=subject.asset, save_on_reset=False,
-        source_type="motionplanning", source_desc="scripted skills of the ACDC workflow",
+        source_type="motionplanning", source_desc="scripted skills of Roomkin",
     )  # fmt: skip
     kept = 0
     for seed, executed in episodes:
