@@ -44,6 +44,11 @@ class VlmConfig(Section):
         description="Cousins that it chooses, and turns, one call for each; those after them follow by distance "
         "(Table 2 uses the first; official: all).",
     )
+    stand_in: str = Field(
+        "",
+        description="A judge that answers in the model's place where `key_env` names no key, e.g. geometry: it is "
+        "asked the same questions of the same candidates, and the ledger and the tables say so. Empty: nobody.",
+    )
     timeout: float = Field(120.0, gt=0, description="Seconds without a word of the server until a request is given up.")
     price_input: NotNegative = Field(2.5, description="Price of a million tokens sent ...")
     price_output: NotNegative = Field(10.0, description="... and received, in any currency.")
@@ -52,9 +57,13 @@ class VlmConfig(Section):
     )
     max_cost: float | None = Field(10.0, ge=0, description="Likewise their cost. null: any.")
 
+    def list_judges(self) -> set[str]:
+        """The stand-in, which answers where there is no key."""
+        return {self.stand_in} - {""}
+
     def keep_deciding(self) -> "VlmConfig":
         """The keys that decide on the answers; where and how they are got is left at its default."""
-        return VlmConfig(**self.model_dump(include={"model", "options", "image_size", "choices"}))
+        return VlmConfig(**self.model_dump(include={"model", "options", "image_size", "choices", "stand_in"}))
 
     @field_validator("url")
     @classmethod

@@ -199,6 +199,8 @@ class MatchingConfig(MatchingSection):
     def list_unread(self) -> set[str]:
         """The options of encoders and judges that are not used; judges of yours may read all."""
         judges = {self.model_selection, self.orientation_selection}
+        for section in [getattr(self, name) for name in self.list_package_sections() & judges]:
+            judges |= section.list_judges()
         silent = (
             self.list_package_sections() - judges if all(judge == shorten_name(judge) for judge in judges) else set()
         )

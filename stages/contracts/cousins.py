@@ -11,6 +11,8 @@ from stages.contracts.objects import check_status
 from stages.contracts.provenance import Provenance
 from stages.contracts.types import Angle, Count, Finite, Id, NonNegative, Rank, Text, check_unique
 
+NO_MODEL = "no language model"  # in the name of a judge that stands in for one
+
 
 class CategoryMatch(Contract):
     """A library category near to the object's label; smaller distance is nearer."""

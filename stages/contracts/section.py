@@ -14,6 +14,10 @@ class Section(BaseModel):
         """Keys that nothing reads as the others stand: a change of them runs nothing again."""
         return set()
 
+    def list_judges(self) -> set[str]:
+        """Judges that the judge with this section asks in turn."""
+        return set()
+
     def keep_deciding(self) -> Self:
         """The keys that decide on results; where and how they are got is left at its default."""
         return self

@@ -5,6 +5,7 @@ from typing import Any
 import pandas as pd
 
 from stages.config.tables import TablesConfig
+from stages.contracts.cousins import NO_MODEL
 from stages.tables.markup import Table, read_notes
 from stages.tables.order import NO_IMAGE, VARIANTS, title
 from stages.tables.rows import records
@@ -27,7 +28,8 @@ def format_confidence(options: TablesConfig) -> str:
 
 def add_given(table: pd.DataFrame) -> list[str]:
     """What every row knows before any picture is compared, and the row that judges are read against."""
-    return read_notes("given", baseline=NO_IMAGE if NO_IMAGE in set(table["variant"]) else "")
+    stand_in = table["judge"].astype(str).str.contains(NO_MODEL).any()
+    return read_notes("given", baseline=NO_IMAGE if NO_IMAGE in set(table["variant"]) else "", stand_in=stand_in)
 
 
 def _scores(row: dict[str, Any]) -> list[str]:

@@ -148,6 +148,12 @@ def test_table2_says_what_is_given_and_what_a_judge_is_read_against() -> None:
         assert any("sees no picture" in note for note in shown.notes) == baseline
 
 
+@pytest.mark.parametrize("judge", ["geometry", "geometry, no language model"])
+def test_table2_says_what_a_stand_in_can_tell(judge: str) -> None:
+    shown = scene_tables.scenes_table(scene_cells([score(model_judge=judge)]), OPTIONS)
+    assert any("cannot tell what a language model" in note for note in shown.notes) == (judge != "geometry")
+
+
 def test_table2_names_the_judge_of_every_row() -> None:
     rows = [score(number=n, variant="d", model_judge="vlm toy", orientation_judge="distance") for n in (1, 2)]
     lost = score(number=4, variant="d", status="failed")  # nobody judged it

@@ -1,6 +1,7 @@
 """Judge `vlm`: a language model that sees chooses among the nearest by distance (paper B.1, GPT selection)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -11,10 +12,13 @@ from plugins.vlm.ask import Asker, NoAnswerError
 from plugins.vlm.config import VlmConfig
 from plugins.vlm.prompt import Prompt, draw_box
 from stages.config.matching import MatchingConfig
-from stages.contracts.cousins import Candidate, Orientation
+from stages.contracts.cousins import NO_MODEL, Candidate, Orientation
+from stages.geometry.frames import wrap_angle
 from stages.geometry.masks import pixel_bounds
 from stages.matching.crop import darken_rest
 from stages.matching.question import AbstainedError, Question
+from stages.matching.question import Judge as JudgeOf
+from stages.plugins import load
 
 NONE = "none"
 FRAME_GAP = 4  # pixels between the object and its box
@@ -49,7 +53,9 @@ class Judge:
         self.options: MatchingConfig = options
         self.model: VlmConfig = options.vlm
         self.asker = Asker(self.model)
-        self.name = f"vlm {self.model.model}"
+        stands_in = self.model.stand_in and self.model.key_env and not self.asker.endpoint.key
+        self.stand_in: JudgeOf | None = load("judges", self.model.stand_in)(options) if stands_in else None
+        self.name = f"{self.model.stand_in}, {NO_MODEL}" if stands_in else f"vlm {self.model.model}"
 
     def models(self, question: Question, by_votes: list[Candidate], by_distance: list[Candidate]) -> list[Candidate]:
         """The best of the k_model nearest, by their representative snapshots, then the best of those left ..."""
@@ -58,7 +64,10 @@ class Judge:
         while len(chosen) < count:
             names = [candidate.asset for candidate in left]
             pictures = [question.snapshots.views(name)[-1].rgb for name in names]
-            chosen.append(left.pop(self._choice(question, WHICH_MODEL, pictures, names, "model", chosen)))
+            found = self._choice(
+                question, WHICH_MODEL, pictures, names, "model", chosen, partial(self._find_model, question, [*left])
+            )
+            chosen.append(left.pop(found))
         return chosen + [candidate for candidate in by_distance if candidate not in chosen]
 
     def orientations(
@@ -70,7 +79,8 @@ class Judge:
         left = by_distance[: self.options.k_ori]
         pictures = [question.snapshots.picture(asset, orientation.yaw) for orientation in left]
         names = [f"{np.degrees(orientation.yaw):.0f} degrees" for orientation in left]
-        best = left[self._choice(question, WHICH_ORIENTATION, pictures, names, f"orientation of {asset}", [])]
+        find = partial(self._find_orientation, question, asset, left)
+        best = left[self._choice(question, WHICH_ORIENTATION, pictures, names, f"orientation of {asset}", [], find)]
         return [best] + [orientation for orientation in by_distance if orientation != best]
 
     def summary(self) -> str:
@@ -85,8 +95,9 @@ class Judge:
         names: Sequence[str],
         what: str,
         chosen: Sequence[Any],
+        find: Callable[[], int],
     ) -> int:
-        """Place of the candidate that the model chooses; one alone needs no asking.
+        """Place of the candidate that the model, or by `find` its stand-in, chooses; one alone needs no asking.
 
         Raises:
             AbstainedError: it chooses none, or gives no answer.
@@ -102,13 +113,26 @@ class Judge:
             parts += [f"Candidate {number}:", picture]
         parts += [task, ANSWER.format(numbers=", ".join(numbers))]
         named = dict(zip(numbers, names, strict=True))
+        choice, about = make_choice(numbers), f"{question.name}: {what}"
+        stand_in = (self.name, lambda: choice(reason=self.name, choice=numbers[find()])) if self.stand_in else None
         try:
-            answer: Any = self.asker.ask(Prompt(SYSTEM, parts), make_choice(numbers), f"{question.name}: {what}", named)
+            answer: Any = self.asker.ask(Prompt(SYSTEM, parts), choice, about, named, stand_in)
         except NoAnswerError as error:
             raise AbstainedError(f"{self.name}: {error}", chosen) from None
         if answer.choice == NONE:
             raise AbstainedError(f"{self.name} chooses none", chosen)
         return numbers.index(answer.choice)
+
+    def _find_model(self, question: Question, left: list[Candidate]) -> int:
+        """Place of the stand-in's first."""
+        assert self.stand_in is not None
+        return [one.asset for one in left].index(self.stand_in.models(question, left, left)[0].asset)
+
+    def _find_orientation(self, question: Question, asset: str, left: list[Orientation]) -> int:
+        """Place of what is nearest to how the stand-in turns it."""
+        assert self.stand_in is not None
+        yaw = self.stand_in.orientations(question, asset, left, left)[0].yaw
+        return min(range(len(left)), key=lambda number: abs(wrap_angle(left[number].yaw - yaw)))
 
 
 def make_choice(numbers: Sequence[str]) -> type[BaseModel]:

@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
+from plugins.vlm.judges import vlm
 from plugins.vlm.tests.chat_server import Handler, chooses, pictures, says, serving
 from stages.config.model import complete, read_files
 from stages.config.reads import options_of
@@ -166,3 +167,42 @@ def test_the_language_model_is_read_where_it_is_asked(captions: str, read: bool)
     other = {"variants": {"b": {"vlm": {"model": "other"}}}}
     judged = Config.model_validate({"matching": {"model_selection": "vlm"}, "experiment": other})
     assert options_of(judged, "matching", "match", {"variant": "b"})["vlm"]["model"] == "other"
+
+
+def test_without_a_key_the_stand_in_answers_and_everything_says_so(
+    world: World, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The stand-in here: distance reversed, so that the last of the nearest is chosen; the ledger replays it."""
+
+    class Last:
+        def __init__(self, options: Any) -> None: ...
+
+        def models(self, question: Any, by_votes: Any, by_distance: Any) -> Any:
+            return by_distance[::-1]
+
+        def orientations(self, question: Any, asset: str, by_votes: Any, by_distance: Any) -> Any:
+            return by_distance[::-1]
+
+    monkeypatch.setattr(vlm, "load", lambda *_: Last)
+    monkeypatch.delenv("NO_KEY", raising=False)
+    asked = {"key_env": "NO_KEY", "stand_in": "last"}
+    plain = several(world.match(tmp_path / "plain.json").objects)
+    found = judged(world, tmp_path, "http://127.0.0.1:9", asked, **BOTH)
+    for before, after in zip(plain, found, strict=True):
+        assert {after.decided_by, after.orientation_decided_by} == {"last, no language model"}
+        assert after.cousins[0].asset == before.by_distance[: len(before.by_distance)][-1].asset
+    entries = [json.loads(path.read_text()) for path in (tmp_path / "ledger").glob("*.json")]
+    assert entries and {entry["model"] for entry in entries} == {"last, no language model"}
+    assert not any(entry["exchanges"] or entry["cost"] for entry in entries)
+    again = judged(world, tmp_path, "http://127.0.0.1:9", asked | {"mode": "replay"}, **BOTH)
+    assert again == found
+    monkeypatch.setenv("NO_KEY", "sk-test")
+    with serving(chooses("1")) as server:
+        with_key = judged(world, tmp_path, server.url, asked, **BOTH)
+    assert {entry.decided_by for entry in with_key} == {"vlm toy"}
+
+
+def test_the_stand_in_reads_its_options() -> None:
+    study = read_files([ROOT / "config/study/table2.yaml"])
+    assert {"geometry", "vlm"} <= set(options_of(study, "matching", "match", {"variant": "a"}))
+    assert "geometry" not in options_of(study, "matching", "match", {"variant": "b"})
