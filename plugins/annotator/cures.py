@@ -95,6 +95,8 @@ def list_cures(
         return []
     if DoubtKind.NO_FIT.read(doubt) is not None:
         return [{"text": "keep its model", "set": {"model": placed.asset}}]
+    if DoubtKind.PLACE_UNSURE.read(doubt) is not None:
+        return [{"text": "it stands right", "set": {"nudge": list(nudged)}}]  # what a person says is not doubted
     if doubt.cause == "size":
         depth, width, height = placed.size
         return [*(_size_it("as its model:", size) if size else []), *_size_it("keep", (width, depth, height))]

@@ -23,7 +23,7 @@ CABINET, BOX = OBJECT, OBJECT + 1
 BOXES = [UprightBox((3.7, -0.8, 0.4), (0.6, 0.8, 0.8), 0.0), UprightBox((3.6, -0.8, 0.95), (0.3, 0.4, 0.3), 0.0)]
 OF_CABINET = [
     DoubtKind.BEHIND_WALL.of(depth=7, wall="wall_1"), DoubtKind.STRETCHED.of(times=1.7), DoubtKind.CUT_OFF.of(),
-    DoubtKind.NO_FIT.of(),
+    DoubtKind.NO_FIT.of(), DoubtKind.PLACE_UNSURE.of(share=40),
 ]  # fmt: skip
 OF_BOX = [DoubtKind.UNNAMED.of(), DoubtKind.BEYOND_WALL.of(wall="wall_1"), DoubtKind.SURFACE.of()]
 
@@ -99,6 +99,8 @@ def test_one_click_beside_a_doubt_mends_it(browser: Any, session: Correcting) ->
         assert line(OF_CABINET[2]).locator("button").count() == 1  # a size is offered once
         line(OF_CABINET[3]).get_by_role("button", name="keep its model").click()
         assert read_told(page, session)[CABINET]["model"] == "cabinet_0"
+        line(OF_CABINET[4]).get_by_role("button", name="it stands right").click()
+        assert read_told(page, session)[CABINET]["nudge"] == [0, 0]
         low = page.evaluate(CONTRAST)
         assert [text for text in low if not text.startswith("text ")] == []
 
