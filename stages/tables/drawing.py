@@ -18,11 +18,11 @@ from stages.contracts.training_sets import is_randomised, strip_randomised
 from stages.tables.order import title
 from stages.tables.text import NOT_RUN
 
-# Okabe and Ito's palette, and a brown darker than its orange: color-blind readers can distinguish them
+# Okabe and Ito's palette, its sky blue darker, and a brown: color-blind readers can distinguish them
 COLORS = {
     "twin": "#D55E00",
     "twin_randomised": "#E69F00",
-    "cousins_2": "#56B4E9",
+    "cousins_2": "#3498DB",
     "cousins_4": "#0072B2",
     "cousins_8": "#009E73",
     "cover_8": "#8C510A",
