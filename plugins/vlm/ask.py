@@ -93,11 +93,11 @@ class Asker:
             raise InputError(options.url, what, "try again later, what is known stays", code="E-VLM-SILENT")
         return answer_of(entry, answer)
 
-    def summary(self) -> str:
-        """Counts of this process's questions and the cost of the whole ledger, in one line."""
+    def summary(self, who: str = "") -> str:
+        """Counts of this process's questions and the cost of the whole ledger, in one line; `who`: not the model."""
         spent = self.ledger.sum_costs()
         return (
-            f"{self.options.model}: {self.known} answers from the ledger, {self.asked} asked for; "
+            f"{who or self.options.model}: {self.known} answers from the ledger, {self.asked} asked for; "
             f"the ledger has {spent.requests} requests for {spent.cost:.4f}"
         )
 

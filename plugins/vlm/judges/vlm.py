@@ -85,7 +85,7 @@ class Judge:
 
     def summary(self) -> str:
         """The question, for the log."""
-        return self.asker.summary()
+        return self.asker.summary(self.name if self.stand_in else "")
 
     def _choice(
         self,

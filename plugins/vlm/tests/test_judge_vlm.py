@@ -170,7 +170,7 @@ def test_the_language_model_is_read_where_it_is_asked(captions: str, read: bool)
 
 
 def test_without_a_key_the_stand_in_answers_and_everything_says_so(
-    world: World, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    world: World, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The stand-in here: distance reversed, so that the last of the nearest is chosen; the ledger replays it."""
 
@@ -188,6 +188,7 @@ def test_without_a_key_the_stand_in_answers_and_everything_says_so(
     asked = {"key_env": "NO_KEY", "stand_in": "last"}
     plain = several(world.match(tmp_path / "plain.json").objects)
     found = judged(world, tmp_path, "http://127.0.0.1:9", asked, **BOTH)
+    assert "last, no language model: 0 answers from the ledger" in capsys.readouterr().out
     for before, after in zip(plain, found, strict=True):
         assert {after.decided_by, after.orientation_decided_by} == {"last, no language model"}
         assert after.cousins[0].asset == before.by_distance[: len(before.by_distance)][-1].asset
