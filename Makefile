@@ -34,7 +34,6 @@ $(STAMP): envs/requirements.txt envs/setup.sh pyproject.toml
 
 demo: setup ## a picture, its cousins and a scene to turn, in two minutes
 	$(BIN)/snakemake --cores $(CORES) --directory results/demo --configfile config/demo.yaml -- pages
-	@echo "Open results/demo/results/report/scenes/room_1.html"
 
 all: setup ## run the default workflow: library, scenes, policies, tables, report
 	$(BIN)/snakemake --cores $(CORES) all

@@ -13,6 +13,8 @@ from stages.config.inputs import HOLDS, INPUT_FILES, NAME, Input, describe_missi
 from stages.config.mistakes import Mistake
 from stages.contracts.errors import suggest_nearest
 
+COLOR = ("color", "rgb", "image", "colour")  # what pictures, and folders of them, are called besides depth
+
 
 class Picture(Input):
     """A picture of the user's: an input folder, a frame with depth, or a picture alone; a row of a table."""
@@ -239,7 +241,8 @@ def of_picture(config: Any) -> Any:
     if not config.image:
         return config
     path = Path(config.image)
-    name = scene_of(path.with_suffix(""))
+    own = path.stem.lower() not in COLOR or path.is_dir() or path.parent == Path()
+    name = scene_of(path.with_suffix("") if own else path.parent)  # color.png of every recording is no name
     name = f"{name}-photo" if name in config.rooms() else name
     given = {"camera": config.camera} if config.camera else {}
     if path.is_dir():

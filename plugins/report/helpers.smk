@@ -1,8 +1,14 @@
 # Helpers of the pages. No rules.
 import subprocess
+import sys
+import time
 
 from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
+
+from plugins.report.made import name_pages
+
+STARTED = time.time()
 
 # What stands before `results/` and `benchmarks/` in a module with a prefix, and in a storage.
 ROOT = str(rules.library.output.library).removesuffix("results/assets/library/library.json")
@@ -23,6 +29,12 @@ def own_pages(scenes):
     """The scenes' own pages that are there, or are asked for: other pages link to them."""
     asked, pages = "pages" in workflow.dag_settings.targets, expand("results/report/scenes/{scene}.html", scene=scenes)
     return [page for page in pages if asked or Path(ROOT + page).is_file()]
+
+
+def tell_of_pages():
+    """After a run: where to look."""
+    if workflow.exec_mode == ExecMode.DEFAULT and (line := name_pages(Path.cwd() / ROOT, STARTED)):
+        print(line, file=sys.stderr)
 
 
 def tell_of_failures():

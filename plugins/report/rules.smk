@@ -146,6 +146,10 @@ rule photo:
 include: "overview.smk"
 
 
+onsuccess:
+    tell_of_pages()
+
+
 onerror:
     tell_of_failures()
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from plugins.inputs.pictures import COLOR
 from plugins.inputs.rgbd.depth_files import DEPTH_FILES
 from plugins.inputs.rgbd.lens import Lens, read_lens
 from plugins.inputs.rgbd.views import CameraReader, View
@@ -18,7 +19,6 @@ from stages.contracts.arrays import explain_unreadable
 from stages.geometry.cameras import make_intrinsics, scale_intrinsics
 
 PICTURES = (".png", ".jpg", ".jpeg", ".ppm")
-COLOR = ("color", "rgb", "image", "colour")  # what folders of pictures are called
 CAMERA_FILES = ("camera.json", "config.json", "metadata.json", "metadata")  # besides those with `intrinsic` in the name
 
 
