@@ -189,7 +189,7 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Stud
     done = found.runs[found.runs["status"] == "run"].drop_duplicates(table3.CELL)
     print(f"{len(done)} of {len(asked)} cells of the study, {len(episodes)} episodes")
     return StudyResults(
-        title="Table 3: success over unseen assets, and by role",
+        title=f"Table 3: success {'over unseen assets, and ' if len(of_splits(episodes)) else ''}by role",
         facts=_about_rollouts(config, episodes),
         tables=[progress_table(config, results), *tables, *_tabulate_trials(config, results)],
         frames={"table3": found.runs, "assets": beside.assets, "assets_by_handle": beside.by_handle},
