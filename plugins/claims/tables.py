@@ -7,13 +7,14 @@ import pandas as pd
 
 from plugins.claims.claims import COLLAPSED, MIN_RUNS, MIN_SPREAD_RUNS, NOT_WORSE
 from stages.config.tables import TablesConfig
+from stages.contracts.words import count
 from stages.tables.markup import Table, read_notes
 from stages.tables.methods import Kinds
 from stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title
 from stages.tables.rows import records
 from stages.tables.scene_tables import format_confidence
 from stages.tables.table3 import BASELINE, RANDOMISED
-from stages.tables.text import NOT_RUN, NOTHING, cell, count, interval, number, percent, points
+from stages.tables.text import NOT_RUN, NOTHING, cell, interval, number, percent, points
 
 PACKAGE = "plugins.claims"  # has their notes
 SENTENCES = {

@@ -28,6 +28,7 @@ from stages.config.tables import PolicyTables
 from stages.contracts.files import read_json, read_options, read_text, write_text
 from stages.contracts.generated import measure_place_sureness, measure_sureness
 from stages.contracts.library import Library
+from stages.contracts.words import count
 from stages.tables import policy_tables, scene_tables, table2
 from stages.tables.cells import CELL, RATE
 from stages.tables.markup import Table, environment
@@ -36,7 +37,7 @@ from stages.tables.order import title as title_of
 from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_policies, read_table, records
 from stages.tables.scenes import parse_comparisons
-from stages.tables.text import count, number, percent
+from stages.tables.text import number, percent
 
 TIMES_PAGE, CONFIG_PAGE = "times.html", "config.yaml"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
