@@ -57,7 +57,8 @@ def _gain(versus: str) -> Callable[[dict[str, Any]], str]:
 def _group(table: pd.DataFrame, sets: list[str], kinds: Kinds) -> list[list[str]]:
     """The rows of one group and set of assets: rates, minus those of `MINUS`, the skill."""
     first = records(table)[0]
-    about = f"{first['assets']} assets of {first['families']} families, {first['places']} initial states"
+    about = f"{count(first['assets'], 'asset')} of {count(first['families'], 'family', 'families')}, "
+    about += count(first["places"], "initial state")
     about += f", {CLOUDS['object']}" * (first["cloud"] == "object")
     group = cell(f"{target_title(first['target'], first['task'])}, {title(first['test_asset'])}", about)
     policies = [
@@ -82,7 +83,7 @@ def assets_table(
     groups = [group for _, group in table.groupby(["target", "test_asset"], sort=False)]
     return Table(
         name="assets",
-        caption="Success over unseen assets, by kind of policy (rows) and training set (columns).",
+        caption="Success over unseen assets, by kind of policy (rows) and training set (columns); [intervals].",
         columns=["Assets", "Policies", *(title(name) for name in sets)],
         rows=[row for group in groups for row in _group(group, sets, kinds or {})],
         headers=2,
