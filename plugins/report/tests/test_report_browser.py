@@ -65,14 +65,15 @@ CONTRAST = """
 
 
 def cabinet_to_turn(folder: Path, out: Path) -> None:
-    """The scene of room_1: a red cabinet with a door, on a floor and at a wall."""
+    """The scenes of room_1: a red cabinet with a door, on a floor and at a wall."""
     asset = cabinet(folder / "cabinet")
-    made = read_json(GeneratedScene, out.with_name("scene_1.json"))
+    made = read_json(GeneratedScene, out / "scene_1.json")
     made.walls = [Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.0, points=99)]
     made.floor_from_camera = look_at([0, 0, 1.2], [3, 0, 0.4]).tolist()
     box = UprightBox((2.7, 0, asset.size[2] / 2), asset.size, np.pi)
     item = Placed("cabinet_1", "cabinet", asset, folder / "cabinet", box, Mounting(type=3))
-    glb.write(room_of(made, [item], None), out, 128)
+    for rank in (1, 2):
+        glb.write(room_of(made, [item], None), out / f"view_{rank}.glb", 128)
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +81,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     """The page of a small run."""
     root = write_run(tmp_path_factory.mktemp("browser"))
     results = root / "results"
-    cabinet_to_turn(root, results / "generation/b/room_1/view.glb")
+    cabinet_to_turn(root, results / "generation/b/room_1")
     scores = tuple(sorted(results.glob("evaluation/scenes/b/*/scores.csv")))
     scenes.run(out=results / "tables", figures=results / "figures", scores=scores, published=PUBLISHED)
     rollouts = tuple(sorted(results.glob("evaluation/policies/*/rollouts.csv")))
@@ -176,10 +177,12 @@ def test_ranks_and_slider_by_keyboard(opened: tuple[Any, list[str]]) -> None:
         assert compare.locator(f"[data-rank='{rank}']").is_visible()
         assert not compare.locator(f"[data-rank='{other}']").is_visible()
         assert compare.locator(".rank").text_content() == rank
+        assert compare.locator(".turn").text_content() == f"Turn the scene of rank {rank}"
+        assert page.locator(f"#{compare.locator('.turn').get_attribute('data-scene')}").count() == 1
         compare.locator("input[type=radio]:checked").focus()
         if key:
             page.keyboard.press(key)
-    compare.locator(".mode").focus()
+    compare.locator(".mode:not(.turn)").focus()
     page.keyboard.press("Enter")
     assert compare.get_attribute("data-mode") == "over"
     compare.locator("input[type=range]").focus()
