@@ -83,7 +83,7 @@ def assets_table(
     groups = [group for _, group in table.groupby(["target", "test_asset"], sort=False)]
     return Table(
         name="assets",
-        caption="Success over unseen assets, by kind of policy (rows) and training set (columns); [intervals].",
+        caption="Success over unseen assets by kind of policy (rows) and training set (columns), [intervals].",
         columns=["Assets", "Policies", *(title(name) for name in sets)],
         rows=[row for group in groups for row in _group(group, sets, kinds or {})],
         headers=2,

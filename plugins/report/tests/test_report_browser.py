@@ -147,6 +147,10 @@ def test_on_a_phone_no_result_column_lies_beyond_the_edge(opened: tuple[Any, lis
     cells = "() => [...document.querySelectorAll('.stacking td')].filter((c) => c.textContent.trim())"
     assert page.evaluate(f"{cells}.length") > 50
     assert page.evaluate(f"{cells}.filter((c) => c.getBoundingClientRect().right > innerWidth).length") == 0
+    cut = (
+        "() => [...document.querySelectorAll('.stacking .group th, pre')].filter((c) => c.scrollWidth > c.clientWidth)"
+    )
+    assert page.evaluate(f"{cut}.length") == 0
     label = "(c) => getComputedStyle(c, '::before').content.length > 2"
     assert page.evaluate(f"{cells}.every({label})")  # each says what it is
     first = page.locator("#compare-first")
@@ -160,6 +164,8 @@ def test_the_first_screen_holds_pictures_and_the_result(opened: tuple[Any, list[
     for part in shown:
         box = page.locator(part).first.bounding_box()
         assert box["y"] + box["height"] < 900, part
+    again = page.locator("article", has=page.locator("a[href='#compare-first']"))
+    assert again.count() == 1 and again.locator(".compare").count() == 0  # nothing of it stands twice
 
 
 def test_claims_stand_with_their_verdicts_where_policies_begin(opened: tuple[Any, list[str]]) -> None:
