@@ -69,6 +69,13 @@ def facts(made: Match) -> dict[str, str]:
     return dict(re.findall(r"<dt>(.*?)</dt>\s*<dd>\s*(.*?)\s*</dd>", text))
 
 
+def test_a_size_says_whether_it_is_measured_or_placed() -> None:
+    page: Any = environment("plugins.report").get_template("page/matches.html.jinja").make_module(WORDS)
+    said = page.about(thing(), placed())
+    assert re.search(r"\d+ cm high as measured in the picture, 120 wide × 60 deep × 80 cm high as placed$", said), said
+    assert "placed" not in page.about(thing(), None)
+
+
 def placed(**changes: Any) -> PlacedObject:
     fields = {"id": "desk_1", "label": "desk", "asset": "desk_00", "category": "desk", "size": (0.6, 1.2, 0.8)}
     return PlacedObject(**(fields | changes))
