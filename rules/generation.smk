@@ -1,7 +1,7 @@
 # Scenes made of cousins: placement, support, walls, collisions, settling (paper A.3, A.7).
 # Reads:  objects, cousins, library, corrections.json beside the picture where there is one; with `finish: picture` that.
 # Writes: results/generation/<variant>/<scene>/scene_<rank>.json, and for people scene_<rank>.{png,glb}, comparison.png,
-#         look.json, view.glb (the first scene, small, for the report) and thumbnail.webp (for the overview).
+#         look.json, view_<rank>.glb (small, for pages) and thumbnail.webp (for the overview).
 
 
 container: CONFIG.containers.simulation

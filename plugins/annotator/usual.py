@@ -27,7 +27,7 @@ def is_edge_marked(box: UprightBox) -> str:
 
 def describe_odd(item: DrawnObject, box: UprightBox, factor: float) -> str:
     """What is wrong with the size of a box, by the usual sizes of its label, if it were `factor` times as large."""
-    size = box.size
+    size = box.size[[0, 1, 2] if item.faces in ("left", "right") else [1, 0, 2]]
     if size.min() < DRAWING_ERROR:
         return f"would be {1000 * size.min():.1f} mm thin: draw it anew"
     known = find_category(item.label, known_categories())

@@ -12,12 +12,13 @@ from typing import Any
 from plugins.api.loaded import load_policy
 from plugins.films.writing import write_film
 from stages.assets import join, snapshots
-from stages.config.inputs import scene_of_folder
+from stages.config.inputs import HOLDS, describe_missing, scene_of_folder
 from stages.config.model import Config, load, with_defaults
 from stages.config.packages import list_drawers, load_command, shards_of
 from stages.config.reads import options_of
 from stages.config.sizes import fill_counts
 from stages.contracts.corrections import CORRECTIONS, corrections_of
+from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.library_folder import AssetFolders
 from stages.extraction import extract
 from stages.generation import generate
@@ -91,9 +92,16 @@ def make_scenes(
 
     Returns:
         scene_1.json, scene_2.json, ...
+
+    Raises:
+        InputError: the picture's folder is not there or lacks a file.
     """
     source, index, folder = Path(picture), Path(library), Path(out)
     settings = fill_counts(_settings(config), len(AssetFolders(index)))
+    if lacking := describe_missing(source):
+        others = [path.parent.name for path in source.parent.glob("*/camera.json")]
+        mend = suggest_nearest(source.name, others) if others and not source.is_dir() else HOLDS
+        raise InputError("picture", f"{lacking[0]}.", mend, code="E-FILE-MISSING")
     scene, variant = scene_of_folder(source), settings.experiment.policy_variant
     image, objects, cousins = source / "rgb.png", folder / "objects.json", folder / "cousins.json"
     files = tuple(path for path in [source / CORRECTIONS] if path.is_file())

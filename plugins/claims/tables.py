@@ -7,13 +7,14 @@ import pandas as pd
 
 from plugins.claims.claims import COLLAPSED, MIN_RUNS, MIN_SPREAD_RUNS, NOT_WORSE
 from stages.config.tables import TablesConfig
+from stages.contracts.words import count
 from stages.tables.markup import Table, read_notes
 from stages.tables.methods import Kinds
 from stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title
 from stages.tables.rows import records
 from stages.tables.scene_tables import format_confidence
 from stages.tables.table3 import BASELINE, RANDOMISED
-from stages.tables.text import NOT_RUN, NOTHING, cell, count, interval, number, percent, points
+from stages.tables.text import NOT_RUN, NOTHING, cell, interval, number, percent, points
 
 PACKAGE = "plugins.claims"  # has their notes
 SENTENCES = {
@@ -56,7 +57,8 @@ def _gain(versus: str) -> Callable[[dict[str, Any]], str]:
 def _group(table: pd.DataFrame, sets: list[str], kinds: Kinds) -> list[list[str]]:
     """The rows of one group and set of assets: rates, minus those of `MINUS`, the skill."""
     first = records(table)[0]
-    about = f"{first['assets']} assets of {first['families']} families, {first['places']} initial states"
+    about = f"{count(first['assets'], 'asset')} of {count(first['families'], 'family', 'families')}, "
+    about += count(first["places"], "initial state")
     about += f", {CLOUDS['object']}" * (first["cloud"] == "object")
     group = cell(f"{target_title(first['target'], first['task'])}, {title(first['test_asset'])}", about)
     policies = [
@@ -81,7 +83,7 @@ def assets_table(
     groups = [group for _, group in table.groupby(["target", "test_asset"], sort=False)]
     return Table(
         name="assets",
-        caption="Success over unseen assets, by kind of policy (rows) and training set (columns).",
+        caption="Success over unseen assets by kind of policy (rows) and training set (columns), [intervals].",
         columns=["Assets", "Policies", *(title(name) for name in sets)],
         rows=[row for group in groups for row in _group(group, sets, kinds or {})],
         headers=2,

@@ -10,12 +10,13 @@ import pandas as pd
 from plugins.claims.claims import MIN_SPREAD_RUNS
 from stages.contracts import read_json, trained
 from stages.contracts.trained import TrainedPolicy
+from stages.contracts.words import count
 from stages.plugins import shorten_name
 from stages.tables.cells import in_order
 from stages.tables.markup import Table, read_notes
 from stages.tables.order import row_title, title
 from stages.tables.rows import read_table, records
-from stages.tables.text import NOTHING, cell, count, number
+from stages.tables.text import NOTHING, cell, number
 from stages.tables.writing import write
 
 ALIKE = ["target", "policy", "run"]  # trainings whose losses can be compared: one target's assets, one method

@@ -24,7 +24,7 @@ AT_WALL = 0.15  # metres from a thing to a wall that holds it; chosen
 RESTS, BELOW = 0.08, 4  # metres between what carries and what is carried; pixels below the latter; chosen
 CARRIERS, SELDOM = {"appliance", "storage", "table"}, 0.1  # kinds that carry things, and how seldom others do; chosen
 TRIM = 0.03  # share of points left out at either end of an extent; chosen
-NO_KIND, NO_NAME = "looks like nothing that the library has", "no name is sure enough"
+NO_KIND, NO_NAME = "more likely nothing that the library has", "no name is sure enough"
 UNSURE = (NO_KIND, NO_NAME)
 
 

@@ -24,6 +24,7 @@ from stages.contracts.depth import read_depth
 from stages.contracts.images import read_rgb
 from stages.contracts.things import THINGS, Ground, Name, Thing, Things
 from stages.contracts.types import FLOOR, WALL
+from stages.contracts.words import count
 from stages.geometry.levels import BELOW
 from stages.plugins import load
 
@@ -144,7 +145,8 @@ def tell(seen: Seen, things: list[Named]) -> Things:
         other, score = round(one.names.other, 4), round(min(one.outlined.score, 1.0), 4)
         source = one.outlined.source
         told.append(Thing(mask=value, names=names, other=other, score=score, source=source, left_out=one.left_out))
-    what = f"a level surface below which {100 * surfaces.below:.1f} % of the points lie"
+    lower = round(100 * surfaces.below, 1)
+    what = f"a level surface ({lower:g} % of the points lie lower)" if lower else "the lowest level surface"
     what = "a table top near the camera" if surfaces.below > BELOW else what
     height, share = round(float(surfaces.frame[2, 3]), 3), round(float(surfaces.ground.mean()), 4)
     ground = Ground(camera_height=height, taken_from=what, share=share)
@@ -155,6 +157,6 @@ def describe(things: Things) -> str:
     """The findings, in a line for people."""
     assert things.ground is not None
     left, all_ = len(things.left_out), len(things.things)
-    walls = f"{things.walls or 'no'} wall{'s' * (things.walls != 1)}"
+    walls = count(things.walls, "wall")
     height = f"the camera is {things.ground.camera_height:.2f} m above {things.ground.taken_from}"
-    return f"{all_ - left} things, {left} more left out as unsure, {walls}; {height}"
+    return f"{count(all_ - left, 'thing')}, {left} more left out as unsure, {walls}; {height}"

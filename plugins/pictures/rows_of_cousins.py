@@ -12,10 +12,10 @@ from stages.contracts import Cousins, InputError, write_atomically
 from stages.contracts.cousins import Cousin
 from stages.contracts.images import LETTERS, TILE
 from stages.contracts.objects import SceneObject
+from stages.contracts.words import count
 from stages.matching.crop import View, darken_rest
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
-from stages.tables.text import count
 
 LINE = 20  # pixels of a line of a caption
 Picture = NDArray[np.uint8]

@@ -2,7 +2,7 @@
 # Reads:  snapshots, the files of extraction, matching and generation, the assets of targets.
 # Writes: results/assets/snapshots/shard_<i>.png, results/extraction/<scene>/overview.png,
 #         results/matching/<variant>/<scene>/cousins.png,
-#         results/generation/<variant>/<scene>/{scene_<rank>.{png,glb},look.json,thumbnail.webp,view.glb,comparison.png}.
+#         results/generation/<variant>/<scene>/{scene_<rank>.{png,glb},view_<rank>.glb,look.json,thumbnail.webp,comparison.png}.
 
 
 container: CONFIG.containers.simulation
@@ -96,7 +96,7 @@ rule draw_scenes:
         exports=expand("results/generation/{variant}/{scene}/scene_{rank}.glb", rank=RANKS, allow_missing=True),
         look="results/generation/{variant}/{scene}/look.json",
         thumbnail="results/generation/{variant}/{scene}/thumbnail.webp",
-        view="results/generation/{variant}/{scene}/view.glb",
+        views=expand("results/generation/{variant}/{scene}/view_{rank}.glb", rank=RANKS, allow_missing=True),
         comparison="results/generation/{variant}/{scene}/comparison.png",
     log:
         "logs/generation/draw_{variant}_{scene}.log",

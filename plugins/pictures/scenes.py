@@ -19,7 +19,7 @@ from stages.contracts.library_folder import AssetFolders
 from stages.generation.scene_file import read_items
 from stages.generation.scene_models import room_of
 
-VIEW_TEXTURE = 128  # pixels: textures of the scene that the report lets turn; chosen
+VIEW_TEXTURE = 128  # pixels: textures of the scenes that pages let turn; chosen
 
 
 def run(
@@ -39,7 +39,7 @@ def run(
         objects: objects.json of the picture, with masks.png beside it; depth.npz is used if it is there.
         image: the input picture.
         library: library.json.
-        out: folder; gets a .png and a .glb for each scene, view.glb (the first with small textures, for the report),
+        out: folder; gets a .png and a .glb for each scene, a view_<rank>.glb with small textures, for pages,
             comparison.png, thumbnail.webp (input and first scene), look.json. The text chunks of every .png hold what
             its scenes were made of (seed and digests), and the digest of the code that drew them.
         width: of the pictures, pixels.
@@ -62,8 +62,7 @@ def run(
                 Image.fromarray(picture).save(temporary, pnginfo=_text({path.name: origins[path.name]}, look))
             room = room_of(generated, items, found)
             glb.write(room, out / f"{path.stem}.glb")
-            if path == scenes[0]:
-                glb.write(room, out / "view.glb", VIEW_TEXTURE)
+            glb.write(room, out / f"view_{generated.rank}.glb", VIEW_TEXTURE)
             pictures.append((f"rank {generated.rank}", picture))
     with write_atomically(out / "comparison.png") as temporary:
         draw_side_by_side(pictures).save(temporary, pnginfo=_text(origins, look))

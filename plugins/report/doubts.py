@@ -10,16 +10,10 @@ from typing import NamedTuple
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.doubt import MEND, Cause, Doubt, DoubtKind, sort_by_gravity
 from stages.contracts.generated import PlacedObject
-from stages.contracts.objects import Mounting, Objects, SceneObject
+from stages.contracts.objects import Objects, SceneObject
 
-MOUNTING = {1: "hangs on a wall", 2: "stands free", 3: "stands and touches a wall"}
 AS_NEAR = 0.05  # share by which a second model is farther than the first
 ANOTHER_SIZE = 0.3  # share by which an extent differs from the cloud's
-
-
-def describe_mounting(mounting: Mounting) -> str:
-    """In words, e.g. `hangs on a wall (wall_1)`."""
-    return MOUNTING[mounting.type] + (f" ({', '.join(mounting.walls)})" if mounting.walls else "")
 
 
 def mountings_agree(item: SceneObject) -> bool:
@@ -61,7 +55,7 @@ def collect_doubts(
     if item.note:
         found.append(DoubtKind.MOUNTING_UNCLEAR.of(note=item.note))
     if item.measured_mounting is not None and "mounting" not in item.told and not mountings_agree(item):
-        found.append(DoubtKind.MOUNTING_DIFFERS.of(found=describe_mounting(item.measured_mounting)))
+        found.append(DoubtKind.MOUNTING_DIFFERS.of(found=item.measured_mounting.words))
     if "size" not in item.told and (placed is None or placed.size_spread is None):  # else the fit says how sure it is
         if item.points < DoubtKind.FEW_POINTS.threshold:
             found.append(DoubtKind.FEW_POINTS.of(points=item.points))

@@ -14,12 +14,20 @@ STARTED = time.time()
 ROOT = str(rules.library.output.library).removesuffix("results/assets/library/library.json")
 
 
+NO_PICTURE = InputError(
+    "image", "there is no picture.", "snakemake --cores 2 photo --config image=kitchen.jpg", code="E-CONFIG-FILE"
+)
+if "photo" in sys.argv and not CONFIG.image:
+    print(f"error: {NO_PICTURE} [{NO_PICTURE.code}]", file=sys.stderr)  # an input function would print its traceback
+    sys.exit(1)
+
+
 def of_picture(pattern):
     """The files of `pattern` for the picture of this run."""
 
     def found(wildcards):
         if not CONFIG.image:
-            raise WorkflowError("image: there is no picture. Fix: snakemake --cores 2 photo --config image=kitchen.jpg")
+            raise WorkflowError(NO_PICTURE)
         return expand(pattern, variant=VARIANTS, scene=ROOMS)
 
     return found

@@ -15,7 +15,7 @@ from plugins.claims import assets, claims
 from plugins.claims import tables as claim_tables
 from plugins.claims.trainings import failed, failed_note, read_trainings, trainings_table
 from plugins.report.album import Album
-from plugins.report.doubts import describe_mounting, mountings_agree
+from plugins.report.doubts import mountings_agree
 from plugins.report.page import policies, result, rooms
 from plugins.report.page.benchmarks import by_stage, longest_table, read_jobs, times_table
 from plugins.report.page.charts import embed_svg
@@ -28,6 +28,7 @@ from stages.config.tables import PolicyTables
 from stages.contracts.files import read_json, read_options, read_text, write_text
 from stages.contracts.generated import measure_place_sureness, measure_sureness
 from stages.contracts.library import Library
+from stages.contracts.words import count, describe_size
 from stages.tables import policy_tables, scene_tables, table2
 from stages.tables.cells import CELL, RATE
 from stages.tables.markup import Table, environment
@@ -36,7 +37,7 @@ from stages.tables.order import title as title_of
 from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_policies, read_table, records
 from stages.tables.scenes import parse_comparisons
-from stages.tables.text import count, number, percent
+from stages.tables.text import number, percent
 
 TIMES_PAGE, CONFIG_PAGE = "times.html", "config.yaml"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
@@ -51,10 +52,13 @@ COLUMNS = {
     "assets_by_handle": assets.BY_HANDLE,
 }
 # What templates call to write things out.
-WORDS = {"number": number, "count": count, "percent": percent, "role_title": role_title, "title_of": title_of}
-WORDS |= {"describe_mounting": describe_mounting, "mountings_agree": mountings_agree}
-WORDS |= {"measure_extents": measure_extents, "embed_svg": embed_svg}
-WORDS |= {one.__name__: one for one in (measure_sureness, measure_place_sureness)}
+WORDS: dict[str, Any] = {"title_of": title_of} | {
+    one.__name__: one
+    for one in (
+        number, count, percent, describe_size, role_title, mountings_agree, measure_extents, embed_svg,
+        measure_sureness, measure_place_sureness,
+    )
+}  # fmt: skip
 
 
 def render(template: str, scripts: tuple[str, ...] = (), **values: Any) -> str:

@@ -45,7 +45,9 @@ rule report_page:
         previews=expand(
             "results/generation/{variant}/{scene}/scene_{rank}.png", rank=RANKS, variant=VARIANTS, scene=REPORT_ROOMS
         ),
-        views=expand("results/generation/{variant}/{scene}/view.glb", variant=VARIANTS, scene=REPORT_ROOMS),
+        views=expand(
+            "results/generation/{variant}/{scene}/view_{rank}.glb", rank=RANKS, variant=VARIANTS, scene=REPORT_ROOMS
+        ),
         assets=expand("results/experiment/{variant}/{target}/assets.json", variant=POLICY_VARIANT, target=TARGETS),
         films=DEMO_FILMS,
         scene_films=SCENE_FILMS,
@@ -109,7 +111,9 @@ rule scene_page:
         exports=expand(
             "results/generation/{variant}/{scene}/scene_{rank}.glb", rank=RANKS, variant=VARIANTS, allow_missing=True
         ),
-        views=expand("results/generation/{variant}/{scene}/view.glb", variant=VARIANTS, allow_missing=True),
+        views=expand(
+            "results/generation/{variant}/{scene}/view_{rank}.glb", rank=RANKS, variant=VARIANTS, allow_missing=True
+        ),
     output:
         page="results/report/scenes/{scene}.html",
     log:

@@ -18,6 +18,7 @@ from plugins.single_view.naming import name_others, name_standing
 from plugins.single_view.room import Room, build_room, scale_room, see_camera
 from plugins.single_view.things import number_labelled, see_outlines
 from stages.contracts import InputError, read_json, read_options, write_json
+from stages.contracts.words import count
 
 
 class Drawn(NamedTuple):
@@ -110,8 +111,7 @@ def draw_picture(
 
 def count_things(project: Project) -> str:
     """What was found, in a line for people."""
-    walls = len(project.walls)
-    return f"{len(project.objects)} things, {walls or 'no'} wall{'s' * (walls != 1)}"
+    return f"{count(len(project.objects), 'thing')}, {count(len(project.walls), 'wall')}"
 
 
 def describe_camera(room: Room) -> str:

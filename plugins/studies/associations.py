@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from plugins.claims.assets import of_splits
 from stages.config.tables import TablesConfig
 from stages.contracts.policies import TaskAsset
+from stages.contracts.words import count
 from stages.tables.cells import ROW, in_order
 from stages.tables.intervals import PLACE, place_weights, quantiles
 from stages.tables.markup import Table
 from stages.tables.order import SKILL, row_title, set_key, title
 from stages.tables.rows import records
-from stages.tables.text import cell, count
+from stages.tables.text import cell
 
 TRAITS = {
     "feature_distance": "distance to the twin",

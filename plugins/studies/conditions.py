@@ -10,12 +10,13 @@ from stages.config.evaluation import USUAL
 from stages.config.tables import MethodTables, TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
+from stages.contracts.words import count
 from stages.tables.cells import CELL, in_order, rates, tabulate_gains
 from stages.tables.markup import Table
 from stages.tables.methods import read_pooled
 from stages.tables.order import SKILL, row_title, title
 from stages.tables.rows import records
-from stages.tables.text import cell, count, percent, points, span
+from stages.tables.text import cell, percent, points, span
 from stages.tables.writing import write
 
 ENDS = {"difference": "difference", "low": "difference_low", "high": "difference_high"}

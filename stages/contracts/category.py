@@ -10,6 +10,7 @@ from pydantic import Field
 
 from stages.contracts.files import Contract
 from stages.contracts.types import Id, Panels, Size, Text
+from stages.contracts.words import describe_size
 
 Array = NDArray[np.float64]
 Place = Literal["floor", "top", "wall"]
@@ -41,10 +42,12 @@ class UsualSize(NamedTuple):
         """The factor that would make it as large as usual, two digits."""
         return float(f"{np.exp(np.mean((self.low + self.high) / 2 - log_extents(size))):.2g}")
 
-    def __str__(self) -> str:
-        low, high = np.exp(self.low) * 100, np.exp(self.high) * 100
-        (a, b, c), (d, e, f) = low.round().astype(int), high.round().astype(int)
-        return f"{a} to {d} by {b} to {e} cm, {c} to {f} cm high"
+    def describe(self, deeper: bool) -> str:
+        """In words: '60 to 80 wide × 4 deep × 90 to 120 cm high'; `deeper`: of a thing that is deeper than wide."""
+        ends = np.exp([self.low, self.high]).T * 100
+        short, long, high = (" to ".join(dict.fromkeys(f"{end:.0f}" for end in each)) for each in ends)
+        wide, deep = (short, long) if deeper else (long, short)
+        return f"{wide} wide × {deep} deep × {high} cm high"
 
 
 def log_extents(size: ArrayLike) -> Array:
@@ -95,8 +98,8 @@ def describe_unusual(category: Category | None, size: ArrayLike, spread: float =
     usual = category.measure_usual_size(further=True) if category else None
     if usual is None or usual.misfit(size, spread) == 0:
         return ""
-    depth, width, height = 100 * np.asarray(size, dtype=float)
-    return f"is {min(depth, width):.0f} by {max(depth, width):.0f} cm, {height:.0f} cm high; usual are {usual}"
+    depth, width, _ = size = np.asarray(size, dtype=float)
+    return f"is {describe_size(size)}; usual are {usual.describe(deeper=depth > width)}"
 
 
 def split_words(name: str) -> list[str]:

@@ -63,8 +63,8 @@ class DoubtKind(Enum):
     # The chance that every extent is within 10 % or 3 cm: of 86 surer ones 52 were right, of 100 others 23 (open.md).
     SIZE_UNSURE = (
         "size",
-        "its size is right with a chance of {share:.0f} % (depth ±{depth:.0f} %, width ±{width:.0f} %, "
-        "height ±{height:.0f} %)",
+        "its size is right within 10 % or 3 cm with a chance of {share:.0f} % (width ±{width:.0f} %, "
+        "depth ±{depth:.0f} %, height ±{height:.0f} %)",
         0.5,
     )
     # m by which the model is deeper than its box, chosen: more than boxes of clouds are off.

@@ -28,6 +28,7 @@ from stages.contracts.types import (
     check_unique,
     check_view,
 )
+from stages.contracts.words import count
 
 RIGHT_SHARE, RIGHT_MIN = 0.10, 0.03  # a size is right if every extent is: within a share of it, or metres
 # A place is right within 5 cm: metres of its spread at which that is as likely as not, and how steep the chance falls;
@@ -85,7 +86,7 @@ class Plausibility(Contract):
     def wrong(self) -> str:
         """Why the scene does not stand, in words; empty: it stands as it was put."""
         moved = [f"{name} {self.how.get(name, 'has fallen')}" for name in self.fallen]
-        return ", ".join(moved + ([f"{self.collisions} collisions are left"] if self.collisions else []))
+        return ", ".join(moved + ([f"left with {count(self.collisions, 'collision')}"] if self.collisions else []))
 
     @property
     def kept(self) -> str:

@@ -80,11 +80,19 @@ class Box(Contract):
         return self
 
 
+HOLDS = {1: "hangs on a wall", 2: "stands free", 3: "stands and touches a wall"}
+
+
 class Mounting(Contract):
     """Paper A.2: 1 wall mounted, 2 on the floor or on another object, 3 mixture (stands, and touches a wall)."""
 
     type: Literal[1, 2, 3]
     walls: list[Id] = Field([], description="ids of the walls touched, the dominant one first")
+
+    @property
+    def words(self) -> str:
+        """In words, e.g. `hangs on a wall (wall_1)`."""
+        return HOLDS[self.type] + (f" ({', '.join(self.walls)})" if self.walls else "")
 
     @property
     def hangs(self) -> bool:

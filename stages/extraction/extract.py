@@ -63,7 +63,7 @@ def run(
     origin = record_provenance("stages.extraction.extract", config, [*inputs, *own, *corrections], seed)
     write_json(out, result.objects.model_copy(update={"made": origin}))
     for item in result.objects.objects:
-        kind = f"mounting {item.mounting.type}" if item.mounting else f"failed: {item.reason}"
+        kind = item.mounting.words if item.mounting else f"failed: {item.reason}"
         print(f"{scene} {item.id}: {kind}, {item.points} points")
 
 

@@ -10,6 +10,7 @@ from stages.contracts.doubt import sort_by_gravity
 from stages.contracts.errors import ObjectError
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Mounting
+from stages.contracts.words import count
 from stages.generation.placed import Placed
 from stages.generation.settling import Settled
 from stages.geometry.boxes import UprightBox
@@ -67,7 +68,8 @@ def summarise(scene: GeneratedScene, left: list[tuple[str, str]]) -> list[str]:
     """Lines for the log: the scene's, and one for each thing that does not stand as it should."""
     name, check = f"{scene.scene} rank {scene.rank}", scene.plausibility
     placed = [item for item in scene.objects if item.status == "ok"]
-    parts = [f"{name}: {len(placed)} placed", f"{sum(len(item.doubts) for item in placed)} doubts (on its page)"]
+    doubts = sum(len(item.doubts) for item in placed)
+    parts = [f"{name}: {len(placed)} placed", f"{count(doubts, 'doubt')} about sizes and places (its page has all)"]
     if len(placed) < len(scene.objects):
         parts.append(f"{len(scene.objects) - len(placed)} failed")
     if check is None:

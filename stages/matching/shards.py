@@ -8,6 +8,7 @@ from stages.config.matching import CandidateOptions
 from stages.contracts import Library, Objects, read_json, read_options, write_json
 from stages.contracts.library import LibraryEntry
 from stages.contracts.library_parts import SceneShards, holds, name_part
+from stages.contracts.words import count
 from stages.matching.candidates import find_candidates
 from stages.matching.text_encoders import make_text_encoder
 
@@ -34,7 +35,8 @@ def run(*, objects: Path, library: Path, snapshots: Path, out: Path, options: st
     shards = choose_shards(wanted, drawn)
     write_json(out, SceneShards(shards=shards))
     lacking = sum(not any(holds(shard, entry) for shard in drawn) for entry in wanted)
-    print(f"{len(found)} objects are compared with {len(wanted)} models of {len(whole.assets)}; {lacking} lack")
+    compared = f"{count(len(found), 'object')} to compare with {len(wanted)} of {count(len(whole.assets), 'model')}"
+    print(f"{compared}; {lacking or 'none'} of those must be drawn first")
 
 
 def choose_shards(wanted: Sequence[LibraryEntry], drawn: Iterable[str]) -> list[str]:
@@ -46,5 +48,5 @@ def choose_shards(wanted: Sequence[LibraryEntry], drawn: Iterable[str]) -> list[
             chosen.append(shard)
         left = rest
     categories = sorted({entry.category for entry in left})
-    count = math.ceil(max(len(left) / MODELS, len(categories) / CATEGORIES))
-    return chosen + [name_part(categories[number::count]) for number in range(count)]
+    parts = math.ceil(max(len(left) / MODELS, len(categories) / CATEGORIES))
+    return chosen + [name_part(categories[number::parts]) for number in range(parts)]

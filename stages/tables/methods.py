@@ -54,8 +54,8 @@ def check_methods(rollouts: pd.DataFrame, options: MethodTables) -> None:
 def kinds_of(options: PolicyTables) -> dict[str, str]:
     """Policy -> what it is, in words: its kind and its name, or the configs that were chosen from."""
     found = options.policies.items()
-    sets = {name: f"best {about.best} of {', '.join(about.configs)}" if about.best else name for name, about in found}
-    return {name: name if kind == name else f"{kind} ({sets[name]})" for name, kind in options.kinds.items()}
+    best = {name: f"best {about.best} of settings {', '.join(about.configs)}" for name, about in found if about.best}
+    return {name: name if kind == name else f"{kind} ({best.get(name, name)})" for name, kind in options.kinds.items()}
 
 
 def join_published(published: pd.DataFrame, ours: pd.DataFrame, options: PolicyTables) -> pd.DataFrame:

@@ -6,13 +6,14 @@ from typing import Any
 import pandas as pd
 
 from stages.config.tables import TablesConfig
+from stages.contracts.words import count
 from stages.tables.cells import CELL
 from stages.tables.markup import Table, read_notes
 from stages.tables.methods import Kinds
 from stages.tables.order import CLOUDS, set_key, target_title, title
 from stages.tables.rows import records
 from stages.tables.scene_tables import format_confidence
-from stages.tables.text import NOT_RUN, cell, count, interval, number, percent
+from stages.tables.text import NOT_RUN, cell, interval, number, percent
 
 
 def _format_rate(row: dict[str, Any]) -> tuple[str, str]:

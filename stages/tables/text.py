@@ -47,11 +47,6 @@ def points(difference: float) -> str:
     return f"{100 * difference:+.0f} points".replace("-", "−").replace("+0 ", "0 ").replace("−0 ", "0 ")
 
 
-def count(number: int, noun: str) -> str:
-    """'1 run', '2 runs'."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
-
-
 def distance_from_twin(encoder: str) -> str:
     """'distance from the twin (hog features)'; without an encoder, as it is known."""
     return "distance from the twin" + f" ({encoder} features)" * bool(encoder)

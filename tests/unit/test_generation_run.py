@@ -337,7 +337,9 @@ def test_what_stands_on_something_unnamed_is_held_and_said(scene: dict[str, Path
     assert made.plausibility is not None and not made.plausibility.stable and held.settled_shift == 0
     first, *others = summarise(made, [])
     assert re.fullmatch(
-        r"\S+ rank 1: 2 placed; \d doubts \(on its page\); 2 failed; stands; penetration \d\.\d mm", first
+        r"\S+ rank 1: 2 placed; \d doubts? about sizes and places \(its page has all\); 2 failed; stands; "
+        r"penetration \d\.\d mm",
+        first,
     )
     assert others == [f"{made.scene} rank 1: mug_1 is held where it was seen: nothing that was named carries it"]
     assert made.plausibility.wrong == "" and made.plausibility.verdict.startswith("stands; held, for nothing")
@@ -394,14 +396,14 @@ def test_what_is_too_large_or_behind_a_wall_is_doubted() -> None:
     seen = SceneObject(id="mirror_1", label="mirror", mask=1)
     assert whats(mirror, [back], seen) == [
         "reaches 50 cm behind wall_1",
-        "is 60 by 220 cm, 265 cm high; usual are 3 to 4 by 35 to 63 cm, 77 to 128 cm high",
+        "is 220 wide × 60 deep × 265 cm high; usual are 35 to 63 wide × 3 to 4 deep × 77 to 128 cm high",
     ]
     assert whats(thing("mirror", (3.9, 0, 1.5), (0.04, 0.6, 0.9)), [back], seen) == []
     sized = seen.model_copy(update={"told": ["size"]})
     assert whats(mirror, [back], sized) == ["reaches 50 cm behind wall_1"]  # a person says how large it is
     assert len(whats(thing("gizmo", (0, 0, 1.5), (9, 9, 9), support="unnamed"), [], seen)) == 1
     fridge = SceneObject(id="fridge_1", label="fridge", mask=1)  # of a photograph whose camera is taken too high
-    assert "243 cm high" in whats(thing("fridge", (2, 0, 1.2), (0.8, 0.9, 2.43)), [], fridge)[0]
+    assert "× 243 cm high" in whats(thing("fridge", (2, 0, 1.2), (0.8, 0.9, 2.43)), [], fridge)[0]
     assert whats(thing("fridge", (2, 0, 0.9), (0.7, 0.9, 1.9)), [], fridge) == []
 
 
@@ -409,7 +411,9 @@ def test_a_size_that_the_fit_is_not_sure_of_is_doubted() -> None:
     fridge, seen = thing("fridge", (2, 0, 0.9), (0.7, 0.9, 1.8)), SceneObject(id="fridge_1", label="fridge", mask=1)
     assert whats(replace(fridge, spread=(0.04, 0.03, 0.01)), [], seen) == []
     unsure = replace(fridge, spread=(0.3, 0.03, 0.01))
-    assert whats(unsure, [], seen) == ["its size is right with a chance of 25 % (depth ±35 %, width ±3 %, height ±1 %)"]
+    assert whats(unsure, [], seen) == [
+        "its size is right within 10 % or 3 cm with a chance of 25 % (width ±3 %, depth ±35 %, height ±1 %)"
+    ]
     assert whats(unsure, [], seen.model_copy(update={"told": ["size"]})) == [], "a person says so"
 
 

@@ -184,7 +184,7 @@ def test_runs_that_trials_chose_are_pooled_and_said_to_be(tmp_path: Path) -> Non
         check_methods(frame(rows), PolicyTables())
     path = write_rows(tmp_path / "rollouts.csv", rows)
     policies.run(out=tmp_path, rollouts=(path,), more=MORE, published=PUBLISHED, options=options.model_dump_json())
-    told = "my network (best 2 of lite, mine, third)"
+    told = "my network (best 2 of settings lite, mine, third)"
     for name in ("assets.html", "table3.html", "table3.tex"):
         assert told in (tmp_path / name).read_text(), name
     assert pd.read_csv(tmp_path / "assets.csv")["mean"].tolist() == [15 / 32, 15 / 32]
@@ -227,7 +227,7 @@ def test_what_policies_are_is_told_by_the_config_and_by_no_name() -> None:
     paper = "64-wide network of the paper's kind"
     assert kinds_of(policy_tables(config)) == {
         "lite": f"{paper} (lite)", "door_handle": f"{paper} (door_handle)", "blind": "no cloud (blind)",
-        "diffusion": "diffusion", "best": f"{paper} (best 2 of a, b, lite)",
+        "diffusion": "diffusion", "best": f"{paper} (best 2 of settings a, b, lite)",
     }  # fmt: skip
     assert policy_tables(config).papers == ["lite", "door_handle", "best"]
     assert target_title("fridge_handle", "door") == "Door opening, fridge handle"

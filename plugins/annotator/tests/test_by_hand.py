@@ -302,7 +302,10 @@ def test_sizes_that_cannot_be_are_doubted() -> None:
     assert solve(drawing).notes == {}
     cabinet, mug, shelf = drawing.objects
     cabinet.depth, mug.label, shelf.label = 2.5, "gizmo", "gizmo"
-    assert "is 80 by 250 cm, 90 cm high; usual are 30 to 65 by 40 to 143 cm" in solve(drawing).notes["cabinet"]
+    assert (
+        "is 80 wide × 250 deep × 90 cm high; usual are 30 to 65 wide × 40 to 143 deep"
+        in solve(drawing).notes["cabinet"]
+    )
     shelf.points[1] = (shelf.points[1][0], shelf.points[0][1])
     assert "mm thin: draw it anew" in solve(drawing).notes["shelf"]
     assert "mug" not in solve(drawing).notes, "of no category of ours"

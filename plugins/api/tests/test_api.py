@@ -40,3 +40,15 @@ def test_mistakes_are_refused_before_anything_is_made(tmp_path: Path) -> None:
     with refused("E-FILE-MISSING", "config.json"):
         load_policy(tmp_path / "policy")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_picture_that_is_not_there_is_named_with_the_nearest_that_is(tmp_path: Path) -> None:
+    library = make_library(tmp_path / "library", config(1))
+    with refused("E-FILE-MISSING", "no folder ", "kitchn. Fix: docs/scenes.md"):
+        make_scenes(tmp_path / "kitchn", library, tmp_path / "scenes")
+    (tmp_path / "kitchen").mkdir()
+    (tmp_path / "kitchen/camera.json").touch()
+    with refused("E-FILE-MISSING", "did you mean 'kitchen'"):
+        make_scenes(tmp_path / "kitchn", library, tmp_path / "scenes")
+    with refused("E-FILE-MISSING", "kitchen has no rgb.png. Fix: docs/scenes.md"):
+        make_scenes(tmp_path / "kitchen", library, tmp_path / "scenes")

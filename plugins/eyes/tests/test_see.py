@@ -106,7 +106,8 @@ def test_an_input_folder_comes_out_and_things_left_out_keep_their_pixels(
     assert things is not None and [thing.left_out for thing in things.things] == ["", NO_KIND]
     assert ((found.masks == things.things[1].mask) == table).mean() > 0.999
     assert things.ground is not None and abs(things.ground.camera_height - 1.4) < 0.02
-    assert "1 things, 1 more left out as unsure, 1 wall" in capsys.readouterr().out
+    assert things.ground.taken_from == "the lowest level surface"
+    assert "1 thing, 1 more left out as unsure, 1 wall" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("moved", "said"), [(0, False), (20, True)])

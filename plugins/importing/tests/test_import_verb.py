@@ -78,7 +78,9 @@ def test_unusual_sizes_are_doubted() -> None:
     assert describe_unusual(known.get("gearbox"), np.array([5.0, 4.5, 9.0])) == "", (
         "nobody knows how large such things are"
     )
-    assert "25 cm, 45 cm high; usual are " in describe_unusual(known["chair"], np.array([0.25, 0.22, 0.45]))
+    assert "is 22 wide × 25 deep × 45 cm high; usual are " in describe_unusual(
+        known["chair"], np.array([0.25, 0.22, 0.45])
+    )
 
 
 def test_a_model_tells_the_unit_in_which_it_is_as_large_as_its_category() -> None:

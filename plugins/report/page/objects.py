@@ -85,15 +85,15 @@ def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Al
 def explain_order(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str]]:
     """How cousins were ranked, in words, and the number of each."""
     if cousins and not cousins[0].fits:
-        return "no model fits what is seen: ordered by name, doors and drawers, size and place", [""] * len(cousins)
+        return "no model fits, so no numbers: by name, doors and drawers, size and place", [""] * len(cousins)
     if cousins and all(cousin.score is not None for cousin in cousins):
         scores = [cousin.score or 0.0 for cousin in cousins]
         alike = "" if scores == sorted(scores, reverse=True) else "; alike objects are ordered by its mean"
-        return f"score of {decided_by}, more is better{alike}", [f"{score:.2f}" for score in scores]
+        return f"fit by {decided_by}: more is better{alike}", [f"{score:.2f}" for score in scores]
     if decided_by == "votes":
-        return "votes, more is better", [NOTHING if cousin.votes is None else str(cousin.votes) for cousin in cousins]
+        return "votes: more is better", [NOTHING if cousin.votes is None else str(cousin.votes) for cousin in cousins]
     if decided_by == "distance":
-        return "distance of features, less is better", [f"{cousin.distance:.2f}" for cousin in cousins]
+        return "distance of features: less is better", [f"{cousin.distance:.2f}" for cousin in cousins]
     return "", [""] * len(cousins)
 
 

@@ -50,6 +50,10 @@ for (const compare of document.querySelectorAll(".compare")) {
     rank.addEventListener("change", () => {
       for (const image of compare.querySelectorAll("[data-rank]")) image.hidden = image.dataset.rank !== rank.value;
       compare.querySelector(".rank").textContent = rank.value;
+      const turn = compare.querySelector(".turn");
+      if (!turn) return;
+      turn.dataset.scene = `${compare.id}-${rank.value}`;
+      turn.querySelector("span").textContent = rank.value;
     });
   }
   const drag = (event) => {

@@ -39,7 +39,8 @@ def describe_rooms(table: pd.DataFrame | None) -> str:
     if not totals:
         return ""
     row = totals[0]
-    ends = f" [{number(row['l2_cm_low'], 1)}, {number(row['l2_cm_high'], 1)}]" if pd.notna(row["l2_cm_low"]) else ""
+    low, high = (number(row[f"l2_cm_{end}"], 1) for end in ("low", "high"))
+    ends = f" (interval {low} to {high})" if low else ""
     return (
         f"{row['category_correct']} of {row['n_objects']} objects have the right category, and they stand "
         f"{number(row['l2_cm_mean'], 1)} cm{ends} from their true places"

@@ -27,20 +27,21 @@ from stages.tables.table2 import judge
 
 
 class RebuiltScene(NamedTuple):
-    """The scene of one cousin rank, its picture, doubts beyond those of rank 1, and how many of its objects have a
-    model that no earlier rank has there."""
+    """The scene of one cousin rank, its picture, doubts beyond those of rank 1, how many of its objects have a model
+    that no earlier rank has there, and the scene to turn, binary glTF, gzip in base64; empty: none."""
 
     scene: GeneratedScene
     picture: Picture | None
     doubts: list[tuple[str, Doubt]]
     new: int
+    view: str = ""
 
 
 @dataclass(frozen=True)
 class Reconstruction:
     """A room under one variant.
 
-    view: the scene of the first rank to turn, binary glTF, gzip in base64; empty: none. correct: the command, up to an
+    correct: the command, up to an
     object's id, that opens the page to correct it; empty: none. furnished: the room was furnished from the library, so
     that models of rank 1 may be those of the picture.
     """
@@ -49,7 +50,6 @@ class Reconstruction:
     found: Findings
     scenes: list[RebuiltScene]
     matches: list[Match]
-    view: str
     correct: str
     furnished: bool
 
@@ -117,11 +117,15 @@ def _judge(found: Cousins) -> str:
     return judge(pd.DataFrame(deciders, columns=["model_judge", "orientation_judge"]))
 
 
+def _pack(view: Path | None) -> str:
+    return base64.b64encode(gzip.compress(view.read_bytes(), 9, mtime=0)).decode("ascii") if view else ""
+
+
 def _rebuild(
     files: RunFiles, name: str, variant: str, found: Findings, album: Album, snapshots: Snapshots
 ) -> Reconstruction:
     folder, image = f"generation/{variant}/{name}", files.images.get(name)
-    alt, view = f"Reconstruction of {title(name)} from cousins of rank", files.find_first(f"{folder}/view.glb")
+    alt = f"Reconstruction of {title(name)} from cousins of rank"
     pictures = [
         album.add(files.find_first(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}") for scene in found.scenes
     ]
@@ -130,11 +134,16 @@ def _rebuild(
         variant=variant,
         found=found,
         scenes=[
-            RebuiltScene(scene, picture, found.list_further_doubts(scene), found.count_new_models(scene))
+            RebuiltScene(
+                scene,
+                picture,
+                found.list_further_doubts(scene),
+                found.count_new_models(scene),
+                _pack(files.find_first(f"{folder}/view_{scene.rank}.glb")),
+            )
             for scene, picture in zip(found.scenes, pictures, strict=True)
         ],
         matches=_match_objects(files, name, found, image, album, snapshots),
-        view=base64.b64encode(gzip.compress(view.read_bytes(), 9, mtime=0)).decode("ascii") if view else "",
         correct=f"python -m plugins.annotator {correct} " if image else "",
         furnished=image is not None and image.match(f"scenes/{name}/input/*"),
     )

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from plugins.report.album import Album, Picture
-from plugins.report.doubts import group_doubts
 from plugins.report.page.files import RunFiles
 from plugins.report.page.rooms import RebuiltScene, Reconstruction, RoomPart
-from stages.contracts.doubt import Doubt, DoubtKind
+from stages.contracts.doubt import MEND, Doubt, DoubtKind
 from stages.contracts.extracted import read_metres
 from stages.contracts.objects import Objects
 
@@ -107,10 +106,10 @@ def _list_by_cause(found: list[tuple[str, Doubt]], rebuilt: Reconstruction | Non
     correct = {match.entry.id: rebuilt.correct for match in rebuilt.matches} if rebuilt and rebuilt.correct else {}
     return [
         Listed(
-            group.cause.capitalize(), group.mend, about.replace("_", " "), what,
+            doubt.cause.capitalize(), MEND[doubt.cause], about.replace("_", " "), doubt.what,
             correct[about] + about if about in correct else "",
         )
-        for group in group_doubts(found) for about, what in group.items
+        for about, doubt in sorted(found, key=lambda one: [*MEND].index(one[1].cause))
     ]  # fmt: skip
 
 

@@ -108,7 +108,7 @@ if (table) {
     const bytes = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
     URL.revokeObjectURL(download.href);
     download.href = URL.createObjectURL(new Blob([bytes], { type: "model/gltf-binary" }));
-    download.download = `${button.dataset.scene}.glb`;
+    download.download = `${button.dataset.scene.replace("compare", "scene")}.glb`;
     table.showModal();
     try {
       const THREE = await three();

@@ -65,14 +65,15 @@ CONTRAST = """
 
 
 def cabinet_to_turn(folder: Path, out: Path) -> None:
-    """The scene of room_1: a red cabinet with a door, on a floor and at a wall."""
+    """The scenes of room_1: a red cabinet with a door, on a floor and at a wall."""
     asset = cabinet(folder / "cabinet")
-    made = read_json(GeneratedScene, out.with_name("scene_1.json"))
+    made = read_json(GeneratedScene, out / "scene_1.json")
     made.walls = [Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.0, points=99)]
     made.floor_from_camera = look_at([0, 0, 1.2], [3, 0, 0.4]).tolist()
     box = UprightBox((2.7, 0, asset.size[2] / 2), asset.size, np.pi)
     item = Placed("cabinet_1", "cabinet", asset, folder / "cabinet", box, Mounting(type=3))
-    glb.write(room_of(made, [item], None), out, 128)
+    for rank in (1, 2):
+        glb.write(room_of(made, [item], None), out / f"view_{rank}.glb", 128)
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +81,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     """The page of a small run."""
     root = write_run(tmp_path_factory.mktemp("browser"))
     results = root / "results"
-    cabinet_to_turn(root, results / "generation/b/room_1/view.glb")
+    cabinet_to_turn(root, results / "generation/b/room_1")
     scores = tuple(sorted(results.glob("evaluation/scenes/b/*/scores.csv")))
     scenes.run(out=results / "tables", figures=results / "figures", scores=scores, published=PUBLISHED)
     rollouts = tuple(sorted(results.glob("evaluation/policies/*/rollouts.csv")))
@@ -146,6 +147,10 @@ def test_on_a_phone_no_result_column_lies_beyond_the_edge(opened: tuple[Any, lis
     cells = "() => [...document.querySelectorAll('.stacking td')].filter((c) => c.textContent.trim())"
     assert page.evaluate(f"{cells}.length") > 50
     assert page.evaluate(f"{cells}.filter((c) => c.getBoundingClientRect().right > innerWidth).length") == 0
+    cut = (
+        "() => [...document.querySelectorAll('.stacking .group th, pre')].filter((c) => c.scrollWidth > c.clientWidth)"
+    )
+    assert page.evaluate(f"{cut}.length") == 0
     label = "(c) => getComputedStyle(c, '::before').content.length > 2"
     assert page.evaluate(f"{cells}.every({label})")  # each says what it is
     first = page.locator("#compare-first")
@@ -159,6 +164,8 @@ def test_the_first_screen_holds_pictures_and_the_result(opened: tuple[Any, list[
     for part in shown:
         box = page.locator(part).first.bounding_box()
         assert box["y"] + box["height"] < 900, part
+    again = page.locator("article", has=page.locator("a[href='#compare-first']"))
+    assert again.count() == 1 and again.locator(".compare").count() == 0  # nothing of it stands twice
 
 
 def test_claims_stand_with_their_verdicts_where_policies_begin(opened: tuple[Any, list[str]]) -> None:
@@ -176,10 +183,12 @@ def test_ranks_and_slider_by_keyboard(opened: tuple[Any, list[str]]) -> None:
         assert compare.locator(f"[data-rank='{rank}']").is_visible()
         assert not compare.locator(f"[data-rank='{other}']").is_visible()
         assert compare.locator(".rank").text_content() == rank
+        assert compare.locator(".turn").text_content() == f"Turn the scene of rank {rank}"
+        assert page.locator(f"#{compare.locator('.turn').get_attribute('data-scene')}").count() == 1
         compare.locator("input[type=radio]:checked").focus()
         if key:
             page.keyboard.press(key)
-    compare.locator(".mode").focus()
+    compare.locator(".mode:not(.turn)").focus()
     page.keyboard.press("Enter")
     assert compare.get_attribute("data-mode") == "over"
     compare.locator("input[type=range]").focus()

@@ -23,7 +23,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page about room_1."""
     root = write_run(tmp_path_factory.mktemp("run"))
     results = root / "results"
-    cabinet_to_turn(root, results / "generation/b/room_1/view.glb")
+    cabinet_to_turn(root, results / "generation/b/room_1")
     (results / "generation/b/room_1/scene_1.glb").write_bytes(b"glTF" * 100)
     depth = np.full((160, 240), 2.0, np.float32)
     depth[80:] = 4

@@ -61,6 +61,16 @@ def test_it_says_the_root_before_the_doubts(root: Path) -> None:
     assert said.index("above the ground") < said.index('class="doubt"')
 
 
+def test_where_a_fit_moved_the_floor_both_heights_are_said(root: Path) -> None:
+    path = root / "results/scenes/room_1/input" / THINGS
+    things = read_json(Things, path)
+    assert things.ground is not None
+    lower = things.ground.model_copy(update={"camera_height": things.ground.camera_height - 0.015})
+    write_json(path, things.model_copy(update={"ground": lower}))
+    page(root, "room_1", root / "page.html")
+    assert f"({lower.camera_height:.2f} m before the floor was fitted), which was taken" in _section(root / "page.html")
+
+
 def test_without_what_networks_found_it_says_what_is_known(root: Path) -> None:
     (root / "results/scenes/room_1/input" / THINGS).unlink()
     page(root, "room_1", root / "page.html")
@@ -83,7 +93,13 @@ def test_five_doubts_are_shown_the_others_folded_by_cause(root: Path) -> None:
     items = [item.model_copy(update=odd if item.status == "ok" else {}) for item in objects.objects]
     write_json(path, objects.model_copy(update={"objects": items}))
     page(root, "room_1", root / "page.html")
-    shown, folded, *_ = re.split(r'<details class="story"><summary>\d+ more', _section(root / "page.html"))
+    said = _section(root / "page.html")
+    shown, folded, *_ = re.split(r'<details class="story"><summary>\d+ more', said)
+    (all_,), more = (
+        re.findall(r"(\d+) doubts about \d+ things", said),
+        re.findall(r"<summary>(\d+) more doubts?<", said),
+    )
+    assert int(all_) == 5 + int(more[0]) == 5 + folded.partition("</details>\n<details")[0].count('class="doubt"')
     assert shown.count('class="doubt"') == 5
     assert folded.count("<b>Mounting</b>: ") == 1 and folded.count("finds another mounting") > 1
 

@@ -69,6 +69,13 @@ def facts(made: Match) -> dict[str, str]:
     return dict(re.findall(r"<dt>(.*?)</dt>\s*<dd>\s*(.*?)\s*</dd>", text))
 
 
+def test_a_size_says_whether_it_is_measured_or_placed() -> None:
+    page: Any = environment("plugins.report").get_template("page/matches.html.jinja").make_module(WORDS)
+    said = page.about(thing(), placed())
+    assert re.search(r"\d+ cm high as measured in the picture, 120 wide × 60 deep × 80 cm high as placed$", said), said
+    assert "placed" not in page.about(thing(), None)
+
+
 def placed(**changes: Any) -> PlacedObject:
     fields = {"id": "desk_1", "label": "desk", "asset": "desk_00", "category": "desk", "size": (0.6, 1.2, 0.8)}
     return PlacedObject(**(fields | changes))
@@ -96,7 +103,7 @@ def test_it_tells_what_was_seen_compared_chosen_and_placed() -> None:
     assert said["categories, by distance of the label"] == "desk 0.00, table 0.40"
     assert said["model chosen by"] == "distance"
     assert said["orientation chosen by"] == "geometry, turned by 29° in the camera's view"
-    assert said["placed"] == "desk 00 on rug_1, 1.20 wide × 0.60 deep × 0.80 m high, turned by 90°"
+    assert said["as placed"] == "desk 00 on rug_1, 120 wide × 60 deep × 80 cm high, turned by 90°"
     assert [rival.asset for rival, _ in made.rivals] == ["desk_00", "desk_01", "desk_02"]
     assert "stands" not in said and made.doubts == [] and made.pictures == []
     assert facts(told(matched(), thing(support="floor")))["stands"] == "on the floor, set by a person"
@@ -118,12 +125,12 @@ def test_cousins_are_shown_as_they_stand_else_as_matching_turned_them() -> None:
 @pytest.mark.parametrize(
     ("decided_by", "scores", "measure", "numbers"),
     [
-        ("distance", (None, None), "distance of features, less is better", ["1.00", "2.00"]),
-        ("votes", (None, None), "votes, more is better", ["7", "7"]),
-        ("geometry", (1.5, 1.25), "score of geometry, more is better", ["1.50", "1.25"]),
-        ("geometry", (1.25, 1.5), "score of geometry, more is better; alike objects are ordered by its mean",
+        ("distance", (None, None), "distance of features: less is better", ["1.00", "2.00"]),
+        ("votes", (None, None), "votes: more is better", ["7", "7"]),
+        ("geometry", (1.5, 1.25), "fit by geometry: more is better", ["1.50", "1.25"]),
+        ("geometry", (1.25, 1.5), "fit by geometry: more is better; alike objects are ordered by its mean",
          ["1.25", "1.50"]),
-        ("geometry", (-0.25, -0.5), "no model fits what is seen: ordered by name, doors and drawers, size and place",
+        ("geometry", (-0.25, -0.5), "no model fits, so no numbers: by name, doors and drawers, size and place",
          ["", ""]),
         ("vlm", (None, None), "", ["", ""]),
     ],
