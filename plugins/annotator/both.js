@@ -8,6 +8,7 @@ function whole() { fit(); changed(); }
 async function write() {
   await save();
   try {
+    if (state.solved.camera?.factor) throw new Error('Say first how high the camera is: a button answers the question here.');
     const answer = await ask('write', state.project);
     get('ids').textContent = Object.values(answer.ids).join(', ');
     get('command').textContent = answer.command;

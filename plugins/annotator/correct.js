@@ -23,7 +23,7 @@ const byMask = (mask) => state.project.objects.find((item) => item.mask === mask
 
 function choose(tool) {
   if (tool === 'join' && state.tool === 'join') tool = 'select';
-  if (tool === 'click' && !clicks.offered()) return;
+  if (tool === 'click' && !clicks.offered()) { changed(); return; }
   clicks.end();
   state.draft = null; state.tool = tool; changed(); svg.focus({ preventScroll: true }); }
 
