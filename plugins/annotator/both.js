@@ -15,6 +15,7 @@ async function write() {
     get('doubts').replaceChildren(...answer.notes.map((text) => { const entry = document.createElement('li'); entry.className = 'note'; entry.textContent = text; return entry; }));
     get('preview').src = `preview.jpg?${Date.now()}`;
     get('written').hidden = false;
+    get('written').scrollIntoView({ block: 'start' });
     state.trouble = '';
   } catch (error) {
     state.trouble = error.message;

@@ -67,7 +67,10 @@ def summarise(scene: GeneratedScene, left: list[tuple[str, str]]) -> list[str]:
     """Lines for the log: the scene's, and one for each thing that does not stand as it should."""
     name, check = f"{scene.scene} rank {scene.rank}", scene.plausibility
     placed = [item for item in scene.objects if item.status == "ok"]
-    parts = [f"{name}: {len(placed)} placed", f"{sum(len(item.doubts) for item in placed)} doubts (on its page)"]
+    parts = [
+        f"{name}: {len(placed)} placed",
+        f"{sum(len(item.doubts) for item in placed)} doubts about placing (its page has all)",
+    ]
     if len(placed) < len(scene.objects):
         parts.append(f"{len(scene.objects) - len(placed)} failed")
     if check is None:
