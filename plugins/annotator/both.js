@@ -8,12 +8,14 @@ function whole() { fit(); changed(); }
 async function write() {
   await save();
   try {
+    if (state.solved.camera?.factor) throw new Error('Say first how high the camera is: a button answers the question here.');
     const answer = await ask('write', state.project);
     get('ids').textContent = Object.values(answer.ids).join(', ');
     get('command').textContent = answer.command;
     get('doubts').replaceChildren(...answer.notes.map((text) => { const entry = document.createElement('li'); entry.className = 'note'; entry.textContent = text; return entry; }));
     get('preview').src = `preview.jpg?${Date.now()}`;
     get('written').hidden = false;
+    get('written').scrollIntoView({ block: 'start' });
     state.trouble = '';
   } catch (error) {
     state.trouble = error.message;

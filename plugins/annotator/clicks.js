@@ -48,17 +48,25 @@ export function hint() {
   return `Click what more belongs to it, Shift+click what does not${now.guesses.length > 1 ? ', G for another outline' : ''}; Enter: the next thing, Esc: done.`;
 }
 
+let refusal = 'The picture is being looked at: press C again once that is done.';
 // The tool is there where weights are, and works once the picture is looked at.
 export async function offer(there) {
   get('label').addEventListener('blur', end); // after its change: who leaves the name has named the thing
   for (const id of ['clicking', 'by-clicks']) get(id).hidden = !there;
   get('clicking').disabled = get('by-clicks').disabled = true;
-  if (!there) return;
+  if (!there) { refusal = 'Clicks outline things once the networks\' weights are there: make weights. B draws a box.'; return; }
   get('clicking').textContent = 'Click: looking…';
   try {
     await ask('ready');
     get('clicking').disabled = get('by-clicks').disabled = false;
     get('clicking').textContent = 'Click (C)';
-  } catch (error) { get('clicking').textContent = `Click: ${error.message}`; }
+    if (state.trouble === refusal) state.trouble = '';
+    refusal = '';
+  } catch (error) { refusal = get('clicking').textContent = `Click: ${error.message}`; }
+  changed();
 }
-export const offered = () => !get('clicking').hidden && !get('clicking').disabled;
+// Whether the tool can be taken; else the page says why not.
+export function offered() {
+  if (refusal) state.trouble = refusal;
+  return !refusal;
+}

@@ -3,7 +3,7 @@ import { bindFrame, frameKey, keyOf, order, proposal } from './both.js';
 import * as clicks from './clicks.js';
 import { begin, move, pixel, zoom } from './canvas.js';
 import { bindFront, closed, front, typed } from './fronts.js';
-import { bindPlacement, made, placement } from './models.js';
+import { as, bindPlacement, made, placement, renamed, standing } from './models.js';
 import { blank, listOffers, taken } from './offers.js';
 import { freeMask, page } from './refining.js';
 import { ROOM, boxOf, chosen, draw } from './regions.js';
@@ -19,11 +19,12 @@ const HINTS = {
   join: 'Click what is a part of the chosen thing, one after the other; J or Esc: done.',
 };
 const things = () => state.project.objects.filter((item) => !ROOM.includes(item.label));
+const seek = () => get('object').scrollIntoView({ block: 'start' });
 const byMask = (mask) => state.project.objects.find((item) => item.mask === mask);
 
 function choose(tool) {
   if (tool === 'join' && state.tool === 'join') tool = 'select';
-  if (tool === 'click' && !clicks.offered()) return;
+  if (tool === 'click' && !clicks.offered()) { changed(); return; }
   clicks.end();
   state.draft = null; state.tool = tool; changed(); svg.focus({ preventScroll: true }); }
 
@@ -39,7 +40,7 @@ function button(item, text) {
   result.setAttribute('aria-pressed', String(state.chosen === item.id));
   result.classList.toggle('changed', altered(item));
   if (altered(item)) result.title = 'changed: the next run makes it anew';
-  result.addEventListener('click', () => { state.chosen = item.id; changed(); });
+  result.addEventListener('click', () => { state.chosen = item.id; changed(); seek(); });
   return result;
 }
 const named = (item, text) => proposal(text, item.named && item.label === text, () => { clicks.end(); edit(() => Object.assign(item, { label: text, named: true })); });
@@ -52,13 +53,12 @@ function line(...parts) {
 }
 
 // A name is doubted no more once a person has said it.
-const renamed = (item) => item.named || item.label !== JSON.parse(state.before.get(item.mask) ?? '{}').label;
-const doubtsOf = (item) => (made(item).doubts ?? []).filter(({ cause }) => cause !== 'name' || !renamed(item));
+const doubtsOf = (item) => (made(item).doubts ?? []).filter(({ cause }) => cause !== 'name' || !(item.named || renamed(item)));
 // What a click on a doubt leads to; what mends it at once has a button of its own.
 const LEADS = { name: ['label', 'call it otherwise'], size: ['width', 'type its own length'], place: ['on', 'say what it stands on, or move it'], mounting: ['mounting', 'say how it is held'], affordance: ['models', 'choose another model'] };
 function doubtLine(item, { text, leads, cures }) {
   const names = leads === 'name' ? state.proposals[item.mask] ?? [] : [];
-  const about = button(item, names.length ? `${nameOf(item)}?` : `${nameOf(item)}: ${text}`);
+  const about = button(item, names.length ? `${nameOf(item)}?` : `${nameOf(item)}${as(item)}: ${text}`);
   const [field, what] = LEADS[leads] ?? [];
   about.title = [names.length && text, what].filter(Boolean).join(': ');
   about.addEventListener('click', () => {
@@ -67,9 +67,11 @@ function doubtLine(item, { text, leads, cures }) {
   });
   return line(about, ...names.map((name) => named(item, name)), ...mending(item, cures));
 }
-// Buttons that mend a doubt by what they say; `of`: the thing, wall or what was left out that one is about.
+// Buttons that mend a doubt by what they say; `of`: the thing, wall or what was left out that one is about; `model`: the
+// one in the last run that one rests on, gone where another will stand.
 const isSaid = (item, set) => Object.keys(set).every((key) => JSON.stringify(item[key]) === JSON.stringify(set[key]));
-const mending = (item, cures) => cures.flatMap(({ text, of, set }) => {
+const mending = (item, cures) => cures.flatMap(({ text, of, set, model }) => {
+  if (model && model !== standing(item)) return [];
   const other = of && (byMask(of) ?? state.offers.find(({ mask }) => mask === of));
   return of && !other ? [] : proposal(other ? `${text} ${other.text ?? nameOf(other)}` : text, isSaid(item, set), () => edit((project) => {
     if (of && !byMask(of)) project.objects.push(taken(of));
@@ -82,7 +84,8 @@ function doubts() {
   all.sort((one, other) => other.doubt.grave - one.doubt.grave); // what is odd about where and how large it stands comes first
   const lines = all.map(({ item, doubt }) => doubtLine(item, doubt));
   get('in-doubt').hidden = !lines.length;
-  get('in-doubt').querySelector('summary').textContent = `In doubt: ${lines.length}; a click leads to what mends it`;
+  const [many, about] = [[lines.length, 'doubt'], [new Set(all.map(({ item }) => item)).size, 'thing']].map(([count, what]) => `${count} ${what}${count === 1 ? '' : 's'}`);
+  get('in-doubt').querySelector('summary').textContent = `${many} about ${about}; a click leads to what mends it`;
   get('in-doubt').querySelector('ul').replaceChildren(...lines);
 }
 
@@ -111,7 +114,7 @@ function panel() {
   if (!item) return;
   for (const id of ['label', 'doors', 'drawers']) if (document.activeElement !== get(id)) get(id).value = item[id] ?? (id === 'label' ? '' : 0);
   get('proposals').replaceChildren(...(state.proposals[item.mask] ?? []).map((text) => named(item, text)));
-  get('own-doubts').replaceChildren(...doubtsOf(item).map(({ text, cures }) => { const note = document.createElement('span'); note.className = 'note'; note.append(text); return line(note, ...mending(item, cures)); }));
+  get('own-doubts').replaceChildren(...doubtsOf(item).map(({ text, cures }) => { const note = document.createElement('span'); note.className = 'note'; note.append(as(item) && `${as(item).trim()}: `, text); return line(note, ...mending(item, cures)); }));
   get('articulated').checked = item.articulated || item.doors + item.drawers > 0;
   get('thing').hidden = ROOM.includes(item.label);
   get('found').hidden = !state.known.includes(item.mask) || (!item.around && !item.outline.length);
@@ -197,6 +200,7 @@ svg.addEventListener('pointerdown', (event) => {
     else if (id) { Object.assign(press, { kind: state.chosen === id && !ROOM.includes(find(id).label) ? 'body' : 'choose', from: boxOf(find(id)) }); state.chosen = id; }
   }
   changed();
+  if (press.kind === 'choose') seek();
 });
 svg.addEventListener('pointermove', (event) => {
   const at = pixel(event);
@@ -242,6 +246,7 @@ function next(by) {
   const at = objects.findIndex((item) => item.id === state.chosen);
   state.chosen = objects[(at + by + objects.length) % objects.length].id;
   changed();
+  seek();
 }
 document.addEventListener('keydown', (event) => {
   if (frameKey(event)) return;

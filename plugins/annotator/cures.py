@@ -16,7 +16,9 @@ from stages.geometry.cameras import PointMap
 NEAR = 0.02  # share of the picture's height within which something lies just below a thing; chosen
 SHARE = 0.5  # of a thing's columns below which the same thing lies that may carry it; chosen
 APART = 0.3  # metres: a mask whose points lie farther from every wall of the run shows another one; chosen
-Cure = dict[str, Any]  # text: of a button; of: the mask value whose name follows; set: what it corrects
+Cure = dict[
+    str, Any
+]  # text: of a button; of: the mask value whose name follows; set: what it corrects; model: that it rests on
 
 
 def find_beneath(masks: NDArray[np.uint16], value: int) -> int | None:
@@ -94,15 +96,17 @@ def list_cures(
     if placed is None or placed.status != "ok":
         return []
     if DoubtKind.NO_FIT.read(doubt) is not None:
-        return [{"text": "keep its model", "set": {"model": placed.asset}}]
+        return [{"text": "keep its model", "set": {"model": placed.asset}, "model": placed.asset}]
     if DoubtKind.PLACE_UNSURE.read(doubt) is not None:
         return [{"text": "it stands right", "set": {"nudge": list(nudged)}}]  # what a person says is not doubted
     if doubt.cause == "size":
         depth, width, height = placed.size
-        return [*(_size_it("as its model:", size) if size else []), *_size_it("keep", (width, depth, height))]
+        sizes = [("as its model", size), ("keep as placed", (width, depth, height))]
+        return [_size_it(words, sides) | {"model": placed.asset} for words, sides in sizes if sides]
     return []
 
 
-def _size_it(words: str, size: Sequence[float]) -> list[Cure]:
-    sides = " × ".join(f"{100 * side:.0f}" for side in size)
-    return [{"text": f"{words} {sides} cm", "set": {"size": [round(side, 3) for side in size]}}]
+def _size_it(words: str, size: Sequence[float]) -> Cure:
+    width, depth, height = (f"{100 * side:.0f}" for side in size)
+    text = f"{words}: {width} wide × {depth} deep × {height} high, cm"
+    return {"text": text, "set": {"size": [round(side, 3) for side in size]}}

@@ -72,7 +72,7 @@ class LastRun:
             offered = [each for doubt in doubts for each in doubt["cures"]]  # each click stands once
             cures = cure(one, item.mask) if isinstance(one, Doubt) else []
             doubts.append(describe_doubt(one, [each for each in cures if each not in offered]))
-        about: dict[str, Any] = {"id": item.id, "doubts": doubts}
+        about: dict[str, Any] = {"id": item.id, "label": item.label, "doubts": doubts}
         if placed is None or placed.status == "failed":
             return about
         depth, width, height = placed.size

@@ -5,11 +5,23 @@ const get = (id) => document.getElementById(id);
 const STEP = 0.02; // metres
 const shown = new Map(); // models of a thing, by mask value, once they were asked for
 export const made = (item) => state.made[item.mask] ?? {};
+// What a thing was called when its doubts were found: in the last run, else as the page was opened.
+export const calledThen = (item) => made(item).label ?? JSON.parse(state.before.get(item.mask) ?? '{}').label ?? 'object';
+export const renamed = (item) => (item.label ?? 'object') !== calledThen(item);
+// Behind what is said of the last run, where that knew the thing by another name.
+export const as = (item) => (renamed(item) ? ` as ${calledThen(item)}` : '');
+// The model that the next run puts there, as far as the last one tells: nothing of what has another name by now.
+export function standing(item) {
+  const like = state.project.objects.find(({ mask }) => mask === item.like), { model } = made(item);
+  if (item.model || like) return item.model ?? standing(like);
+  return renamed(item) || item.banned.includes(model) ? null : model;
+}
 const round = (value) => Math.round(1000 * value) / 1000;
 const centimetres = (value) => `${Math.round(100 * Math.abs(value))} cm`;
 
 function sizes(item) {
   const now = item.size ?? made(item).size;
+  get('metres').textContent = item.size || !now ? 'Metres' : `Metres, as placed${as(item)}`;
   ['width', 'depth', 'height'].forEach((name, k) => {
     if (document.activeElement !== get(name)) get(name).value = now ? round(now[k]) : '';
   });
@@ -77,8 +89,8 @@ async function ensure(item) {
 }
 
 let drawn = ''; // what the list shows, so that it is made anew only when that changes
-// As large as the model itself that stands there, or will.
-const native = (item) => (shown.get(item.mask) ?? []).find((one) => one.asset === (item.model ?? made(item).model))?.size;
+// As large as the model itself that will stand there.
+const native = (item) => (shown.get(item.mask) ?? []).find((one) => one.asset === standing(item))?.size;
 function ownSize(item) {
   const size = native(item);
   get('own-size').hidden = !size;
@@ -93,6 +105,7 @@ export function placement(item, others, nameOf) {
   const models = shown.get(item.mask) ?? [];
   ownSize(item);
   get('models').hidden = !models.length;
+  get('models').querySelector('h2').textContent = `Another cousin${as(item)}`;
   get('like').replaceChildren(new Option('its own', ''), ...others.map((other) => new Option(nameOf(other), other.mask)));
   get('like').value = item.like ?? '';
   get('pinned').checked = item.pinned;

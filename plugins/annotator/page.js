@@ -65,7 +65,7 @@ function panel() {
   get('camera-doubt').hidden = !factor;
   if (factor) {
     const height = (camera.above * factor).toFixed(2), times = Math.max(factor, 1 / factor).toFixed(2);
-    get('camera-doubt').querySelector('span').textContent = `Most things come out ${times} times too ${factor < 1 ? 'high' : 'low'}: is the camera ${height} m above the floor, and not ${camera.above} m?`;
+    get('camera-doubt').querySelector('span').textContent = `What is drawn comes out ${times} times too ${factor < 1 ? 'high' : 'low'}: is the camera ${height} m above the floor, and not ${camera.above} m?`;
     get('take-height').textContent = `Take ${height} m`;
     get('keep-height').textContent = `It is ${camera.above} m`;
   }

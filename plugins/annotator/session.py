@@ -29,6 +29,7 @@ from stages.contracts.types import Pixel
 from stages.geometry.boxes import UprightBox, corners
 
 UNSEEN = "nothing of it would be seen in the picture: it lies behind something, or outside; it is left out"
+UNCOUNTED = "opens: how many doors and drawers has it?"
 NEW = "new"  # id of what is not drawn yet
 GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
 Answer = dict[str, Any]
@@ -128,8 +129,9 @@ class Session(Clicked):
         """Where everything is, in metres and in pixels."""
         project, solved = finish_drawing(self._project(body), self.depth)
         hidden = find_hidden(project, solved)
-        for name in hidden:
-            solved.notes[name] = "; ".join(filter(None, [solved.notes.get(name), UNSEEN]))
+        asked = [(name, UNSEEN) for name in hidden] + [(name, UNCOUNTED) for name in find_uncounted(project)]
+        for name, what in asked:
+            solved.notes[name] = "; ".join(filter(None, [solved.notes.get(name), what]))
         return describe_room(project, solved) | {"beneath": find_carriers(project, solved, {*hidden, *solved.usual})}
 
     def save(self, body: Any) -> Answer:
@@ -179,12 +181,19 @@ class Session(Clicked):
         written = write_folder(self.folder, self.photo.rgb, project, self.depth)
         config = (self.folder if is_clone() else self.folder.resolve()) / "config.yaml"
         command = to_run(f"--cores 2 --configfile {config} -- pages")
-        return {"ids": written.ids, "notes": written.notes, "command": command, "folder": str(self.folder)}
+        uncounted = [f"{written.ids[name]}: {UNCOUNTED}" for name in find_uncounted(project) if name in written.ids]
+        notes = [*written.notes, *uncounted]
+        return {"ids": written.ids, "notes": notes, "command": command, "folder": str(self.folder)}
 
     def close(self, _: Any) -> Answer:
         """The page is done with."""
         self.finished = True
         return {}
+
+
+def find_uncounted(project: Project) -> list[str]:
+    """Ids of what opens by nobody knows how many doors and drawers."""
+    return [item.id for item in project.objects if item.articulated and item.doors + item.drawers == 0]
 
 
 def find_carriers(project: Project, solved: Solved, doubted: Collection[str]) -> dict[str, str]:

@@ -49,7 +49,7 @@ export function hint() {
 export function choose(tool) {
   state.draft = state.under = null;
   clicks.end();
-  if (tool === 'click' && !clicks.offered()) return;
+  if (tool === 'click' && !clicks.offered()) { state.step = STEPS.click; changed(); return; }
   if (tool === 'outline' && (!state.chosen || isWall(state.chosen))) tool = 'select';
   state.tool = tool;
   if (STEPS[tool]) state.step = STEPS[tool];

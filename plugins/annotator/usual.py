@@ -54,17 +54,17 @@ def camera_factor(project: Project, boxes: Mapping[str, UprightBox]) -> float | 
     """By what the height of a camera that nobody gave should be multiplied; None: nothing speaks against it.
 
     Each thing whose height is read off the picture allows the factors that make it as high as a model of its category.
-    It is doubted where more than half of at least two things are as high as no model, and would be usual with the
-    median of what would make each as high as its category is.
+    It is doubted where more than half of them are as high as no model, and would be usual with the median of what would
+    make each as high as its category is. One thing alone may be drawn a little wrongly: it has to be off by `SURE`.
     What stands on another thing says nothing: it errs with that.
     """
     if project.scale.kind != "camera" or project.scale.metres is not None:
         return None
     ranges = [found for item in project.objects if (found := _bound_factors(item, boxes)) is not None]
-    if len(ranges) < 2:
+    if not ranges:
         return None
-    factor = float(np.median([(low + high) / 2 for low, high in ranges]))
-    unusual = sum(not low <= 0 <= high for low, high in ranges)
+    factor, slack = float(np.median([(low + high) / 2 for low, high in ranges])), SURE if len(ranges) == 1 else 0
+    unusual = sum(not low - slack <= 0 <= high + slack for low, high in ranges)
     fitting = sum(low - USUAL_SPREAD <= factor <= high + USUAL_SPREAD for low, high in ranges)
     wrong = 2 * min(unusual, fitting) > len(ranges) and abs(factor) > SURE
     return float(np.exp(factor)) if wrong else None

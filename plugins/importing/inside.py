@@ -4,7 +4,7 @@ import stat
 from pathlib import Path
 
 from stages.contracts.arrays import MAX_BYTES
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, file_missing
 from stages.contracts.files import MAX_TEXT
 
 
@@ -17,7 +17,7 @@ def check_inside(path: Path, folder: Path) -> None:
     try:
         outside, kind = not path.resolve().is_relative_to(folder.resolve()), path.stat().st_mode
     except FileNotFoundError:
-        raise InputError(path, "no such file.", code="E-FILE-MISSING") from None
+        raise file_missing(path) from None
     except (OSError, RuntimeError, ValueError) as error:  # links in a circle, among others
         raise InputError(path, f"cannot be read ({type(error).__name__}).", code="E-FILE-UNREADABLE") from None
     if outside:

@@ -11,7 +11,7 @@ from plugins.inputs.known_cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from stages.config.experiment import ExperimentConfig
 from stages.config.inputs import HOLDS, INPUT_FILES, NAME, Input, describe_missing, scene_of, scene_of_folder
 from stages.config.mistakes import Mistake
-from stages.contracts.errors import suggest_nearest
+from stages.contracts.errors import suggest_file, suggest_nearest
 
 COLOR = ("color", "rgb", "image", "colour")  # what pictures, and folders of them, are called besides depth
 
@@ -90,7 +90,7 @@ class Picture(Input):
         for name, path in self.files().items():
             if not Path(path).exists():
                 known = f", or one of {', '.join(FIELDS_OF_VIEW)}" if name == "camera" else ""
-                yield name, f"no file {path}", f"correct the path{known}", "E-CONFIG-FILE"
+                yield name, f"no file {path}", suggest_file(path) or f"correct the path{known}", "E-CONFIG-FILE"
         if self.drawing and not self.alone:
             yield "drawing", "is given, but no picture without depth", "leave it out"
         cameras = [bool(self.camera), bool(self.intrinsics), self.fov is not None]

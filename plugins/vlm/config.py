@@ -1,12 +1,14 @@
 """Config section `vlm`: the language model that sees, for every stage that asks one."""
 
+import re
 from typing import Any, Literal
 from urllib.parse import urlsplit
 
 from pydantic import Field, field_validator
 
-from stages.contracts.section import NotNegative, Section
+from stages.contracts.section import NotNegative, Section, unfit
 
+VARIABLE = "[A-Za-z_][A-Za-z0-9_]*"  # name of one of the environment
 OURS = {"model", "messages", "response_format", "stream", "n"}  # of a request
 
 
@@ -21,7 +23,7 @@ class VlmConfig(Section):
     model: str = Field("gpt-4o-2024-08-06", min_length=1, description="Its name there; a dated one can be repeated.")
     key_env: str = Field(
         "OPENAI_API_KEY",
-        pattern=r"^([A-Za-z_][A-Za-z0-9_]*)?$",
+        json_schema_extra={"pattern": f"^({VARIABLE})?$"},
         description="Environment variable that holds the key; empty: the server asks for none. The key itself is "
         "written nowhere.",
     )
@@ -64,6 +66,15 @@ class VlmConfig(Section):
     def keep_deciding(self) -> "VlmConfig":
         """The keys that decide on the answers; where and how they are got is left at its default."""
         return VlmConfig(**self.model_dump(include={"model", "options", "image_size", "choices", "stand_in"}))
+
+    @field_validator("key_env")
+    @classmethod
+    def _check_variable(cls, name: str) -> str:
+        if name and not re.fullmatch(VARIABLE, name):  # it may be the key: it is not shown
+            raise unfit(
+                "is no name of an environment variable", "e.g. OPENAI_API_KEY; the key itself is written nowhere"
+            )
+        return name
 
     @field_validator("url")
     @classmethod

@@ -8,7 +8,6 @@ import sys
 from argparse import ArgumentParser
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -58,10 +57,7 @@ def read_file(path: Path) -> dict[str, Any]:
     Raises:
         InputError: it is not there, is no YAML, gives a key twice, or holds no mapping; file and line are named.
     """
-    beside = [file.name for file in path.parent.glob("*") if file.suffix in ENDINGS]
-    near = get_close_matches(path.name, beside, n=1, cutoff=0.75)
-    fix = f"did you mean '{path.with_name(near[0])}'?" if near else "correct the path"
-    text = read_text(path, "it should be text in UTF-8 that you may read" if path.exists() else fix)
+    text = read_text(path, "it should be text in UTF-8 that you may read" if path.exists() else "")
     try:
         content = json.loads(text)  # which may have tabs
     except ValueError:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, TypeVar, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from stages.contracts.errors import InputError, suggest_nearest
+from stages.contracts.section import UNFIT
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -97,6 +98,8 @@ def mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str = "")
         if detail["type"] == "extra_forbidden":
             what, code = "unknown key", "E-CONFIG-KEY"
             mend = _find_meant_key(str(path[-1]), _model_at(root, path[:-1]), root)
+        elif detail["type"] == UNFIT:
+            mend = detail["ctx"]["mend"]
         elif detail["type"] != "value_error":
             what, mend = f"{text} (got {detail['input']!r})", _how_to_write(detail["type"], detail["input"], path)
         found.append(Mistake(prefix + ".".join(map(str, path)), what, mend, code))

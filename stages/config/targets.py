@@ -1,13 +1,26 @@
 """Entries of the policy experiment: targets, which are opened, and policies, which open them."""
 
+import re
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
-from stages.contracts.section import Section, Seed
-from stages.contracts.training_sets import SET_NAME
+from stages.contracts.errors import suggest_nearest
+from stages.contracts.section import Section, Seed, unfit
+from stages.contracts.training_sets import RANDOMISED, RULES, SET_NAME, is_set
 
-TrainingSet = Annotated[str, Field(pattern=f"^{SET_NAME}$")]
+
+def _check_set(name: str) -> str:
+    """Refuse what is no training set; the nearest that is one is named, with the number that was given."""
+    if not is_set(name):
+        size = re.search(r"[1-9]\d*", name)
+        known = ["twin", "all", *(f"{rule}_{size[0] if size else 4}" for rule in RULES)]
+        mend = suggest_nearest(name, [set_name + tail for tail in ("", RANDOMISED) for set_name in known])
+        raise unfit(f"'{name}' is no training set", mend)
+    return name
+
+
+TrainingSet = Annotated[str, AfterValidator(_check_set), Field(json_schema_extra={"pattern": f"^{SET_NAME}$"})]
 
 
 class Target(Section):

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from functools import cache, lru_cache
 from pathlib import Path, PurePosixPath
 
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, file_missing
 from stages.contracts.files import write_atomically
 
 UNREADABLE = (OSError, zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError)  # what zipfile raises
@@ -49,7 +49,7 @@ def open_archive(path: Path, fix: str) -> Iterator[zipfile.ZipFile]:
     try:
         yield _open_zip(path, path.stat().st_mtime_ns)
     except FileNotFoundError:
-        raise InputError(path, "no such file.", fix, code="E-FILE-MISSING") from None
+        raise file_missing(path, fix) from None
     except UNREADABLE as error:
         raise InputError(
             path, f"is no zip archive that can be read ({error}).", fix, code="E-FILE-UNREADABLE"

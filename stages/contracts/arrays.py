@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, file_missing
 
 if TYPE_CHECKING:
     import h5py
@@ -27,7 +27,7 @@ def explain_unreadable(path: Path, what: str, fix: str = "") -> Iterator[None]:
     except InputError:
         raise
     except FileNotFoundError:
-        raise InputError(path, "no such file.", fix, code="E-FILE-MISSING") from None
+        raise file_missing(path, fix) from None
     except UnicodeDecodeError:
         raise InputError(path, "is no UTF-8 text.", "save it as UTF-8", code="E-FILE-ENCODING") from None
     except json.JSONDecodeError as error:

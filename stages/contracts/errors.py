@@ -1,7 +1,9 @@
 """The one exception that a user is meant to see."""
 
 from collections.abc import Collection
+from contextlib import suppress
 from difflib import get_close_matches
+from pathlib import Path
 
 MAX_LISTED = 40  # names at most that an error lists
 
@@ -37,7 +39,24 @@ def escape_control(text: str) -> str:
 
 def suggest_nearest(name: object, names: Collection[str]) -> str:
     """The mend of a name that does not exist: the nearest that does, else all of them."""
-    near = get_close_matches(str(name), names, n=1, cutoff=0.5)
+    near = get_close_matches(str(name), names, cutoff=0.5)
+    near.sort(key=lambda one: sorted(one) != sorted(str(name)))  # letters that changed places come first
     shown = [*names][:MAX_LISTED]
     more = f" and {len(names) - MAX_LISTED} more" if len(names) > MAX_LISTED else ""
     return f"did you mean '{near[0]}'?" if near else f"there are: {', '.join(shown)}{more}"
+
+
+def suggest_file(path: Path | str) -> str:
+    """The mend of a file that is not there: the nearest by its name that lies there; empty: there is none."""
+    path, beside = Path(path), []
+    with suppress(OSError, ValueError):
+        beside = [each.name for each in path.parent.iterdir() if each.is_file()]
+    stems = {Path(name).stem: name for name in sorted(beside, key=lambda name: (name.endswith(path.suffix), name))}
+    near = get_close_matches(path.stem, stems, n=1, cutoff=0.75)
+    return f"did you mean '{path.with_name(stems[near[0]])}'?" if near else ""
+
+
+def file_missing(path: Path | str, fix: str = "") -> InputError:
+    """The error of a file that is not there; `fix`: what helps if it is not merely misspelt."""
+    mend = " Else ".join(filter(None, [suggest_file(path), fix])) or "correct the path"
+    return InputError(path, "no such file.", mend, code="E-FILE-MISSING")

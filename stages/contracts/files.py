@@ -12,7 +12,7 @@ from typing import Any, Literal, TypeVar, get_args
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from stages.contracts import checksums
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, file_missing
 from stages.contracts.system import name_file_in_errors, sync, sync_names
 
 VERSION = 1
@@ -134,7 +134,7 @@ def read_text(path: Path, fix: str = "") -> str:
             raise InputError(path, f"is larger than {MAX_TEXT // 10**6} MB.", fix, code="E-FILE-LARGE")
         return Path(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError:
-        raise InputError(path, "no such file.", fix, code="E-FILE-MISSING") from None
+        raise file_missing(path, fix) from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(path, f"cannot be read ({error.__class__.__name__}).", fix, code="E-FILE-UNREADABLE") from None
 

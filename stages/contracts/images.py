@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import ExifTags, Image, ImageCms, ImageOps
 
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, file_missing
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")  # by content: a JPEG may be called rgb.png
 MIN_SIDE, MAX_PIXELS = 16, 60_000_000  # pixels of a side, and in all
@@ -32,7 +32,7 @@ def read_upright(path: Path) -> Image.Image:
         InputError: no picture, several in one file, or one of absurd size.
     """
     if not path.is_file():
-        raise InputError(path, "no such file.", FOLDER, code="E-FILE-MISSING")
+        raise file_missing(path, FOLDER)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a large picture is refused below, with words

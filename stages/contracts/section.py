@@ -3,6 +3,7 @@
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 
 class Section(BaseModel):
@@ -25,6 +26,14 @@ class Section(BaseModel):
 
 KWARGS: Any = Field({}, description="Options of the implementation that is named above, by its class `Options`.")
 KWARGS_BY_NAME: Any = Field({}, description="Options of implementations, by their names and their classes `Options`.")
+
+
+UNFIT = "unfit"  # kind of error of a value that says itself how it is mended
+
+
+def unfit(what: str, mend: str) -> PydanticCustomError:
+    """The error of a value, for people: what is wrong with it, and how to mend it."""
+    return PydanticCustomError(UNFIT, "{what}", {"what": what, "mend": mend})
 
 
 def check_range(span: tuple[float, float]) -> tuple[float, float]:

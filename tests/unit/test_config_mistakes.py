@@ -211,6 +211,19 @@ CASES = [
         "experiment: {training_sets: [cover_17], episodes: 17}",
         "experiment.training_sets: cover_17 needs 17 assets, 16 are drawn. Fix: cover_16 or fewer",
     ),
+    (
+        "experiment: {training_sets: [twin, cousin_4]}",
+        "experiment.training_sets.1: 'cousin_4' is no training set. Fix: did you mean 'cousins_4'?",
+    ),
+    (
+        "experiment: {policies: {lite: {training_sets: [cousin_8_randomized]}}}",
+        "experiment.policies.lite.training_sets.0: 'cousin_8_randomized' is no training set. Fix: did you mean "
+        "'cousins_8_randomised'?",
+    ),
+    (
+        "experiment: {training_sets: [xyz]}",
+        "experiment.training_sets.0: 'xyz' is no training set. Fix: there are: twin, all, cousins_4, random_4, cover_4",
+    ),
     ("experiment: {draws: 0}", "experiment.draws: Input should be greater than or equal to 1"),
     ("experiment: {seeds: [-1]}", "experiment.seeds.0: Input should be greater than or equal to 0"),
     (
@@ -275,6 +288,11 @@ OF_PACKAGES = [
         "assets.own_only: room_1 is furnished with procedural models",
     ),
     (("importing",), "assets: {folders: [nowhere]}", "assets.folders: no folder nowhere"),
+    (
+        ("vlm",),
+        "vlm: {key_env: sk-1234}",
+        "vlm.key_env: is no name of an environment variable. Fix: e.g. OPENAI_API_KEY; the key itself",
+    ),
     (("pretrained",), "matching: {encoder: dinov2}", "matching.dinov2.path: no config.json in ''"),
     (
         ("mujoco", "bowl"),

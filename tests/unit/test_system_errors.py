@@ -18,7 +18,10 @@ from PIL import Image
 
 from stages.contracts import system
 from stages.contracts.__main__ import main as check
+from stages.contracts.arrays import read_npz
+from stages.contracts.errors import file_missing
 from stages.contracts.files import read_text, write_atomically, write_json
+from stages.contracts.images import read_rgb
 from stages.contracts.system import line_of
 from stages.training.logbook import Logbook
 from tests.refusals import refused
@@ -196,3 +199,25 @@ def test_a_pipe_in_the_place_of_a_text_is_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "annotations.json")
     with refused("E-FILE-UNREADABLE", "pipe"):
         read_text(tmp_path / "annotations.json")
+
+
+@pytest.mark.parametrize("read", [read_text, read_rgb, read_npz])
+def test_a_file_that_is_not_there_names_the_nearest_that_is(tmp_path: Path, read: Callable[[Path], object]) -> None:
+    for name in ("depth.png", "depth.npz", "rgb.jpg"):
+        (tmp_path / name).touch()
+    (tmp_path / "notes").mkdir()
+    for asked, meant in (("dept.png", "depth.png"), ("dept.npz", "depth.npz"), ("rgb.png", "rgb.jpg")):
+        with refused("E-FILE-MISSING", f"{asked}: no such file. Fix: did you mean '{tmp_path / meant}'?"):
+            read(tmp_path / asked)
+    for asked in ("note", "other.png", "no folder/depth.png"):
+        with refused("E-FILE-MISSING") as caught:
+            read(tmp_path / asked)
+        assert "did you mean" not in str(caught.value)
+
+
+def test_what_helps_against_a_missing_file_stands_behind_what_was_meant(tmp_path: Path) -> None:
+    assert file_missing(tmp_path / "seed_1.h5").fix == "correct the path"
+    assert file_missing(tmp_path / "seed_1.h5", "collect again").fix == "collect again"
+    (tmp_path / "seed_10.h5").touch()
+    said = file_missing(tmp_path / "seed_1.h5", "collect again").fix
+    assert said == f"did you mean '{tmp_path / 'seed_10.h5'}'? Else collect again"

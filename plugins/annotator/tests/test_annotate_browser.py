@@ -232,6 +232,10 @@ def test_an_absurd_size_and_a_camera_that_nobody_measured_are_mended_by_a_click(
         hand.key("n")
     page.wait_for_selector("#camera-doubt:not([hidden])")
     assert "times too low: is the camera" in page.locator("#camera-doubt").text_content()
+    hand.key("Control+s")  # not before the question is answered
+    page.wait_for_function("() => document.getElementById('trouble').textContent.startsWith('Say first how high')")
+    assert not (session.folder / "annotations.json").exists()
+    hand.key("3")
     page.locator("#take-height").click()
     taken = _saved(page, session).scale
     assert taken.kind == "camera" and taken.metres > 1.65
@@ -282,6 +286,13 @@ def test_what_was_marked_as_standing_but_taken_for_hanging_is_put_right_by_its_s
     mended = _saved(page, session).objects[0]
     assert drawn.on == "wall_1" and mended.on == "floor" and mended.points == drawn.points
     page.wait_for_function(f"() => document.querySelector('#height').placeholder > {0.7 * table.size[2]}")
+
+
+def test_a_click_before_it_can_outline_leads_to_the_objects_and_says_why(opened: Opened) -> None:
+    page, _, _, hand = opened
+    hand.key("c")
+    assert page.get_by_role("tab", name="3 Objects").get_attribute("aria-selected") == "true"
+    assert "make weights" in page.locator("#trouble").text_content()  # this session looks at no picture
 
 
 def test_a_narrow_screen_shows_all_and_needs_no_keyboard(opened: Opened) -> None:

@@ -18,7 +18,7 @@ from plugins.annotator import annotate
 from plugins.annotator.paint import extend, paint
 from plugins.annotator.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
 from plugins.annotator.server import PageServer
-from plugins.annotator.session import Session, describe_room, find_carriers
+from plugins.annotator.session import UNCOUNTED, Session, describe_room, find_carriers
 from plugins.annotator.solve import UNSURE, solve
 from plugins.annotator.support import support_at
 from plugins.annotator.tests.annotate_page import serve
@@ -533,7 +533,10 @@ def test_a_camera_height_that_nobody_gave_is_doubted_if_most_things_are_wrong_by
     assert solve(room(Scale(metres=1.5))).factor is None, "who gave a height is not asked"
     one = room(Scale())
     one.objects = one.objects[:1]
-    assert solve(one).factor is None, "one thing may be drawn wrongly"
+    assert solve(one).factor == (None if times == 1 else pytest.approx(1 / times, rel=0.05))
+    (u, v), low = one.objects[0].points[2], one.objects[0].points[0]
+    one.objects[0].points[2] = (u, v + 0.12 * (v - low[1]))
+    assert times != 1 or solve(one).factor is None, "one thing may be drawn a little wrongly"
 
 
 def test_a_guessed_depth_ends_at_the_wall_behind() -> None:
@@ -561,6 +564,18 @@ def test_what_the_picture_does_not_show_is_told_at_once(tmp_path: Path) -> None:
     points = [_pixels(corners(behind))[k] for k in (0, 1, 4, 6)]
     drawing.objects.append(DrawnObject(id="far", label="box", points=points))
     assert "nothing of it would be seen" in session.solve(drawing.model_dump(mode="json"))["notes"]["far"]
+
+
+def test_how_many_doors_and_drawers_is_asked_of_what_opens(tmp_path: Path) -> None:
+    Image.fromarray(_noise()).save(tmp_path / "a.png")
+    session = Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "a")
+    drawing = _drawing()
+    cabinet = drawing.objects[0]
+    for cabinet.articulated, cabinet.doors in ((True, 0), (True, 2), (False, 0)):
+        asked = cabinet.articulated and not cabinet.doors
+        body = drawing.model_dump(mode="json")
+        assert (UNCOUNTED in session.solve(body)["notes"].get("cabinet", "")) == asked
+        assert (f"cabinet_1: {UNCOUNTED}" in session.write(body)["notes"]) == asked
 
 
 # the server

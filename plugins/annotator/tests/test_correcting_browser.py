@@ -77,6 +77,24 @@ def test_from_a_doubt_to_another_model_in_two_clicks(opened: Any, session: Corre
     assert [line for line in low if not line.startswith("text ")] == []
 
 
+def test_what_comes_next_stays_in_sight(opened: Any) -> None:
+    page = opened
+    for size in ({"width": 1280, "height": 800}, {"width": 390, "height": 844}):
+        page.set_viewport_size(size)
+        for name in ("cabinet 2", "cabinet 1"):
+            page.locator("#objects button", has_text=name).click()
+            for part in ("#hint", "#close", "#command", "#label"):
+                box = page.locator(part).bounding_box()
+                assert box["y"] >= 0 and box["y"] + box["height"] <= size["height"], (size, part)
+            assert page.locator("#label").evaluate(
+                "e => document.elementFromPoint(...(({ x, y }) => [x + 9, y + 9])(e.getBoundingClientRect())) === e"
+            )
+        scrolled = (
+            "() => [...document.querySelectorAll('aside ul')].filter((e) => e.scrollHeight > e.clientHeight + 1).length"
+        )
+        assert page.evaluate(scrolled) == 0
+
+
 def test_a_proposed_name_is_taken_by_a_click(browser: Any, tmp_path: Path) -> None:  # noqa: F811
     folder = write_room(tmp_path / "kitchen", BOXES, ["cabinet", "cabinet"])
     given = json.loads((folder / "annotations.json").read_text())
@@ -108,7 +126,10 @@ def test_doubted_names_come_first_and_a_click_settles_each(browser: Any, tmp_pat
     session = Correcting(folder, ["mug"], tmp_path / "results", "kitchen")
     with watched(browser, session, "#over polygon") as page:
         lines = page.locator("#in-doubt li")
-        assert page.locator("#in-doubt summary").text_content() == "In doubt: 2; a click leads to what mends it"
+        assert (
+            page.locator("#in-doubt summary").text_content()
+            == "2 doubts about 2 things; a click leads to what mends it"
+        )
         assert lines.nth(0).locator("button").all_text_contents() == ["cabinet?", "cabinet", "fridge", "oven"]
         lines.nth(0).get_by_role("button", name="fridge").click()
         assert read_told(page, session) == {CABINET: {"label": "fridge", "named": True}}

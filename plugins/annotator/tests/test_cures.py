@@ -1,6 +1,7 @@
 """Beside each doubt stands the click that cures it, where one click does."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -91,10 +92,11 @@ def test_one_click_beside_a_doubt_mends_it(browser: Any, session: Correcting) ->
             [-0.08, 0], abs=5e-3
         )  # the camera looks a little aside
         own = page.locator("#own-doubts li", has_text=OF_CABINET[1].what)
-        own.get_by_role("button", name="as its model: 50 × 40 × 80 cm").click()
+        own.get_by_role("button", name="as its model: 50 wide × 40 deep × 80 high, cm").click()
         assert read_told(page, session)[CABINET]["size"] == [0.5, 0.4, 0.8]
-        own.get_by_role("button", name="keep ").click()
         depth, width, height = session.made.placed[CABINET].size
+        placed = f"keep as placed: {100 * width:.0f} wide × {100 * depth:.0f} deep × {100 * height:.0f} high, cm"
+        own.get_by_role("button", name=placed).click()
         assert read_told(page, session)[CABINET]["size"] == pytest.approx([width, depth, height], abs=1e-3)
         assert line(OF_CABINET[2]).locator("button").count() == 1  # a size is offered once
         line(OF_CABINET[3]).get_by_role("button", name="keep its model").click()
@@ -103,6 +105,36 @@ def test_one_click_beside_a_doubt_mends_it(browser: Any, session: Correcting) ->
         assert read_told(page, session)[CABINET]["nudge"] == [0, 0]
         low = page.evaluate(CONTRAST)
         assert [text for text in low if not text.startswith("text ")] == []
+
+
+def test_what_rests_on_the_old_name_or_model_is_gone_with_it(browser: Any, session: Correcting) -> None:  # noqa: F811
+    with watched(browser, session, "#over polygon") as page:
+        cures = page.locator("#in-doubt").get_by_role(
+            "button", name=re.compile("^(as its model|keep as placed|keep its)")
+        )
+        for count in (3, 0):  # what is said of the other thing rests on no model
+            assert cures.count() == count
+            page.locator("#label").fill("fridge")
+            page.keyboard.press("Enter")
+            page.wait_for_function(
+                "() => document.querySelector('#in-doubt').textContent.includes('fridge as cabinet: ')"
+            )
+        assert page.locator("#metres").text_content() == "Metres, as placed as cabinet"
+        assert page.locator("#own-size").is_hidden()
+        assert page.locator("#in-doubt").get_by_role("button", name="move it 8 cm, before the wall").count() == 1
+        read_told(page, session)
+    with watched(browser, session, "#over polygon") as page:  # opened again before the next run
+        assert page.locator("#in-doubt").get_by_role("button", name=re.compile("^(as its|keep)")).count() == 0
+        page.keyboard.press("n")
+        page.keyboard.press("p")
+        page.locator("#label").fill("cabinet")
+        page.keyboard.press("Enter")
+        page.wait_for_selector("#cousins img")
+        page.get_by_label("cabinet 0: not this one").click()
+        page.wait_for_function("() => !document.querySelector('#in-doubt').textContent.includes('as its model')")
+        page.locator("[data-asset=cabinet_5]").click()
+        page.get_by_role("button", name="As its model: 55 wide × 40 deep × 80 high, cm", exact=True).click()
+        assert read_told(page, session)[CABINET]["size"] == [0.55, 0.4, 0.8]
 
 
 def test_what_carries_it_and_was_left_out_is_taken_by_the_same_click(browser: Any, tmp_path: Path) -> None:  # noqa: F811

@@ -10,6 +10,7 @@ from plugins.inputs.known_cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from plugins.inputs.rgbd.camera_files import ANGLE, CORNER, FOCAL, KNOWS, MATRICES, find_first, matrix_of
 from plugins.inputs.rgbd.frame import is_stretched
 from stages.contracts import InputError
+from stages.contracts.errors import suggest_nearest
 from stages.contracts.types import check_view
 from stages.geometry.cameras import make_intrinsics, scale_intrinsics
 
@@ -35,12 +36,8 @@ def intrinsics_of_camera(name: str, width: int, height: int) -> Matrix:
     A picture that is higher than wide is one of a camera that was held upright.
     """
     if name not in FIELDS_OF_VIEW:
-        raise InputError(
-            "--camera",
-            f"'{name}' is not known.",
-            f"one of {', '.join(FIELDS_OF_VIEW)}; or {KNOWS}",
-            code="E-CAMERA-NAME",
-        )
+        fix = f"{suggest_nearest(name, FIELDS_OF_VIEW)} (or {KNOWS})"
+        raise InputError("--camera", f"'{name}' is not known.", fix, code="E-CAMERA-NAME")
     across, up = np.tan(np.deg2rad(FIELDS_OF_VIEW[name]) / 2)[:: -1 if height > width else 1]
     focal = max(width / 2 / across, height / 2 / up)
     return make_intrinsics(focal, focal, (width - 1) / 2, (height - 1) / 2)

@@ -246,8 +246,12 @@ def test_camera_by_name() -> None:
     assert intrinsics_of_camera("realsense_d435", 640, 480)[0, 0] == pytest.approx(613, rel=0.02)
     assert intrinsics_of_camera("realsense_d435", 1280, 720)[0, 0] == pytest.approx(920, rel=0.02)
     assert intrinsics_of_camera("realsense_d435", 480, 640)[0, 0] == pytest.approx(613, rel=0.02), "held upright"
-    with refused("E-CAMERA-NAME"):
-        intrinsics_of_camera("polaroid", 640, 480)
+    for name, says in (
+        ("polaroid", "there are: azure_kinect, "),
+        ("realsense_d345", "did you mean 'realsense_d435'? (or "),
+    ):
+        with refused("E-CAMERA-NAME", says):
+            intrinsics_of_camera(name, 640, 480)
 
 
 def test_aliases_of_yaml_are_refused(tmp_path: Path) -> None:
