@@ -184,6 +184,7 @@ FOR_PEOPLE = {  # pages and helpers that no rule calls: there is nothing to repl
     "ops cluster",
     "inputs annotate",
     "inputs from-rgbd",
+    "studies quote",
     "studies results",
 }
 
