@@ -26,7 +26,10 @@ def test_colors_are_those_of_the_profile(tmp_path: Path, mode: str) -> None:
     assert np.abs(read_rgb(tmp_path / "rgb.png").astype(int) - RED[..., ::-1]).max() <= 3
 
 
-@pytest.mark.parametrize("given", [profile("sRGB"), b"no profile"])
+@pytest.mark.parametrize(
+    "given",
+    [profile("sRGB"), profile("test").replace("test".encode("utf-16-be"), "sRGB".encode("utf-16-be")), b"no profile"],
+)
 def test_a_profile_that_changes_nothing_or_is_none_leaves_the_bytes(tmp_path: Path, given: bytes) -> None:
     Image.fromarray(RED).save(tmp_path / "rgb.png", icc_profile=given)
     np.testing.assert_array_equal(read_rgb(tmp_path / "rgb.png"), RED)

@@ -324,6 +324,9 @@ def test_a_frame_with_depth_and_a_recording_need_no_hand(tmp_path: Path) -> None
     assert jobs["shards"] == 1 and not {"snapshots", "features"} & set(jobs)  # which, is known when objects are found
     assert "--camera k.json" in done.stdout and "--out results/scenes/0/view " in done.stdout
     assert "--picture results/scenes/0/view " in done.stdout and "--out results/scenes/0/frame " in done.stdout
+    (folder / "color.png").touch()
+    done = dry_run(folder, "photo", "-p", "--config", "image=color.png", one[1], "camera=k.json")
+    assert "--out results/scenes/color/view " in done.stdout  # there is no folder's name
     (folder / "living").mkdir()
     (folder / "living/color.png").touch()
     done = dry_run(folder, "photo", "-p", "--config", "image=living/color.png", one[1], "camera=k.json")

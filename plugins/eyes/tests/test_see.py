@@ -18,7 +18,7 @@ from plugins.eyes.tests.room import ON_TABLE, TABLE, see_room
 from plugins.inputs import from_rgbd
 from plugins.inputs.rgbd.frame import Frame
 from plugins.names.propose import Names, Proposal
-from stages.contracts import Camera, read_json
+from stages.contracts import Camera, read_json, write_json
 from stages.contracts.scene_input import read_scene_input, write_scene_input
 from stages.contracts.things import Things, read_things
 
@@ -117,11 +117,14 @@ def test_depth_that_does_not_lie_on_what_the_picture_shows_is_doubted(
     view, masks = see_room(TABLE, ON_TABLE)
     write_view(tmp_path / "view", Frame(view.rgb, view.depth.astype(np.float32), view.intrinsics))
     monkeypatch.setattr(see, "propose", lambda *_: [])
+    camera = read_json(Camera, tmp_path / "view/camera.json")
+    write_json(tmp_path / "view/camera.json", camera.model_copy(update={"note": "said before"}))
     monkeypatch.setattr(see, "choose", lambda *_: [outlined(np.roll(mask, (moved, moved), (0, 1))) for mask in masks])
     monkeypatch.setattr(naming, "observe", lambda *_: None)
     monkeypatch.setattr(naming, "propose_names", lambda *_: SURE)
     see.run(picture=tmp_path / "view", out=tmp_path / "seen")
-    assert ("depth in doubt" in read_json(Camera, tmp_path / "seen/camera.json").note) == said
+    note = read_json(Camera, tmp_path / "seen/camera.json").note
+    assert note.startswith("said before") and ("depth in doubt" in note) == said
 
 
 def test_where_no_thing_is_sure_the_surest_is_placed(monkeypatch: pytest.MonkeyPatch) -> None:
