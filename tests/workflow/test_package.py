@@ -61,7 +61,7 @@ def test_the_wheel_has_every_file_of_stages_and_plugins(built: Path) -> None:
 
 def test_one_version(built: Path) -> None:
     version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
-    assert {path.name for path in built.glob("acdc*")} == {
+    assert {path.name for path in built.glob("roomkin-*")} == {
         f"roomkin-{version}-py3-none-any.whl",
         f"roomkin-{version}.tar.gz",
     }
