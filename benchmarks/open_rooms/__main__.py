@@ -4,6 +4,7 @@
     python -m benchmarks.open_rooms render DIR         71 pictures; needs Mitsuba 3: pip install mitsuba==3.9.1
     python -m benchmarks.open_rooms run DIR            through the stages; --masks unaided: without a hand
     python -m benchmarks.open_rooms score DIR          docs/results/open.md and open.csv.xz
+    python -m benchmarks.open_rooms gallery DIR        docs/results/gallery.md and its pictures, of what was scored
 
 Each goes on where it was stopped.
 """
@@ -21,7 +22,7 @@ from stages.contracts import InputError
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("command", choices=["fetch", "render", "run", "score"])
+    parser.add_argument("command", choices=["fetch", "render", "run", "score", "gallery"])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--half", choices=[*packs.HALVES, ""], default="", help="only this half")
     parser.add_argument("--only", default="", help="only pictures with this in their name")
@@ -33,7 +34,7 @@ def main() -> None:
     parser.add_argument("--masks", nargs="+", choices=MASKS, default=["drawn", "exact"])
     parser.add_argument("--rows", nargs="+", default=["geometry", "no-image", "hog"], help="who chooses models")
     parser.add_argument("--out", type=Path, default=Path("docs/results"), help="of `score`")
-    parser.add_argument("--version", default="this", help="of the code that ran: `score` keeps others")
+    parser.add_argument("--version", default="this", help="of the code that ran, which `score` names")
     asked = parser.parse_args()
     halves = [asked.half] if asked.half else list(packs.HALVES)
     try:
@@ -48,6 +49,10 @@ def main() -> None:
             from benchmarks.open_rooms.run import run
 
             run(asked.folder, asked.library, asked.half, asked.only, tuple(asked.masks), tuple(asked.rows))
+        elif asked.command == "gallery":
+            from benchmarks.open_rooms.gallery import gallery
+
+            gallery(asked.folder, asked.library, asked.out)
         else:
             from benchmarks.open_rooms.score import score
 

@@ -258,39 +258,34 @@ def _measure_thing(
 def score(root: Path, results: Path, out: Path, version: str) -> None:
     """Write open.csv.xz (a row per object and rank), clicks.csv, open_sizes.svg, open.md.
 
-    Of other versions rank 1 stays in open.csv.xz, and all of sets that `run` did not run.
-
     Args:
         root: folder of `render` and `run`.
         results: folder with the library.
         out: folder of the files.
-        version: name of the code that `run` ran; the page is about that which was scored last.
+        version: commit of the code that `run` ran.
     """
-    from benchmarks.open_rooms.plots import draw_sureness
+    from benchmarks.open_rooms.sureness import draw_sureness
     from benchmarks.open_rooms.tables import page
 
     ROOT[:] = [root]
     folders = AssetFolders(results / "assets/library/library.json")
     rows, steps = list[Row](), list[dict[str, Any]]()
     for masks in pictures.MASKS:
-        tried = [one for one in pictures.folders(root) if (root / "results" / masks / one.name).is_dir()]
-        logs = {path.stem for path in (root / "results" / masks).glob("*/*.log")}
-        for folder, judge in itertools.product(tried, sorted(logs & set(JUDGES))):
-            rows += score_scene(root, folder, masks, judge, folders)
+        made = root / "results" / masks
+        for half in packs.HALVES:
+            tried = [one for one in pictures.folders(root, half) if (made / one.name).is_dir()]
+            judges = {log.stem for folder in tried for log in (made / folder.name).glob("*.log")} & set(JUDGES)
+            for folder, judge in itertools.product(tried, sorted(judges)):
+                rows += score_scene(root, folder, masks, judge, folders)
         if masks == "unaided":
+            tried = [one for one in pictures.folders(root) if (made / one.name).is_dir()]
             steps = [row for folder in tried for row in list_steps(root, folder)]
     table = pd.DataFrame(rows).assign(version=version)
     out.mkdir(parents=True, exist_ok=True)
-    if (out / "open.csv.xz").is_file():
-        known = pd.read_csv(out / "open.csv.xz")
-        known = known[(known["version"] != version) & ((known["rank"] == 1) | ~known["half"].isin(table["half"]))]
-        table = pd.concat([known, table]).reset_index(drop=True)
     table.to_csv(out / "open.csv.xz", index=False)
     if steps:
         pd.DataFrame(steps).to_csv(out / "clicks.csv", index=False)
-    clicks = pd.read_csv(out / "clicks.csv") if (out / "clicks.csv").is_file() else pd.DataFrame()
-    last = table["version"] == table.groupby("half")["version"].transform("last")
-    main = table[last & (table["rank"] == 1) & (table["judge"] == "geometry")]
+    main = table[(table["rank"] == 1) & (table["judge"] == "geometry")]
     draw_sureness(main[main["masks"] == "drawn"], out / "open_sizes.svg")
-    (out / "open.md").write_text(page(table, clicks), encoding="utf-8")
+    (out / "open.md").write_text(page(table, pd.DataFrame(steps)), encoding="utf-8")
     print(f"{out / 'open.md'}: {len(table)} rows")

@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from benchmarks.open_rooms.pictures import MASKS
-from benchmarks.open_rooms.plots import bin_sureness
+from benchmarks.open_rooms.sureness import JUDGED, judge_sureness
 from stages.config.tables import TablesConfig
 from stages.tables.intervals import pair_sides, quantiles, rate_interval, rate_of, resample_rates, side_of
 
@@ -18,11 +18,19 @@ OVERLAP = ["iou", "oriented_iou"]
 FAULTS = ["held", "floats", "behind", "too_large", "carrier_wrong", "collides"]
 EFFORT = ["clicks", "words", "clicks_by_hand", "words_by_hand"]
 OPTIONS = TablesConfig()
+SUMMARY = ["sensible", "size", "place", "facing", "carrier", "stable"]
 HALVES = {
     "work": "to work on",
-    "held_out": "looked at five times",
-    "third": "looked at twice",
+    "held_out": "looked at six times",
+    "third": "looked at three times",
     "fourth": "looked at once",
+}
+GIVEN = {
+    "exact": "depth, exact masks, names",
+    "drawn": "depth, drawn masks, names",
+    "corrected": "depth, clicks",
+    "unaided": "depth",
+    "alone": "nothing",
 }
 
 
@@ -99,26 +107,6 @@ def compare_with_no_image(rows: pd.DataFrame, judge: str) -> str:
     return f"{1000 * (rate_of(ours) - rate_of(theirs)):+.1f} [{1000 * low:+.1f}, {1000 * high:+.1f}] of {ours.shape[1]}"
 
 
-def _versions(rows: pd.DataFrame) -> Iterator[str]:
-    first = rows[(rows["rank"] == 1) & (rows["masks"] == "drawn") & (rows["judge"] != "hog")]
-    yield "Versions of the code (rank 1, drawn masks); right scenes and nearer in shape than `no-image` as below:\n"
-    yield table(
-        ["version", "chosen by", "objects", *MEASURES, "right scenes", "nearer"],
-        (
-            [
-                str(version),
-                judge,
-                str(len(group)),
-                *_measures(group),
-                _faults(group)[0],
-                compare_with_no_image(mine, judge) if judge == "geometry" else "",
-            ]
-            for version, mine in first.groupby("version", sort=False)
-            for judge, group in mine.groupby("judge")
-        ),
-    )
-
-
 def group_by_view(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """All things, those that the border cuts, those of which others hide more than half, and the whole ones."""
     hidden = ~rows["cut"] & (rows["seen"] < WHOLE)
@@ -128,6 +116,24 @@ def group_by_view(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         "hidden": rows[hidden],
         "whole": rows[~rows["cut"] & ~hidden],
     }
+
+
+def summarise(rows: pd.DataFrame) -> str:
+    """Sets of rooms by what was given, rank 1, chosen by `geometry`: the table that the page begins with."""
+    first = rows[(rows["rank"] == 1) & (rows["judge"] == "geometry")]
+    return table(
+        ["set", "given beside the picture", "things", "placed", *SUMMARY, "size, whole things", "place, whole things",
+         "L2 of what is placed, mean and median (cm)", "right scenes"],
+        (
+            [half.replace("_", " "), given, str(len(group)), str(int((group["status"] == "ok").sum())),
+             *(share(group, measure) for measure in SUMMARY),
+             *(share(group_by_view(group)["whole"], measure) for measure in ("size", "place")),
+             f"{group['off_place_cm'].mean():.1f}, {group['off_place_cm'].median():.1f}", _faults(group)[0]]
+            for masks, given in GIVEN.items()
+            for half in HALVES
+            if len(group := first[(first["half"] == half) & (first["masks"] == masks)])
+        ),
+    )  # fmt: skip
 
 
 def _describe_errors(rows: pd.DataFrame) -> list[str]:
@@ -173,9 +179,9 @@ def _describe_half(rows: pd.DataFrame) -> Iterator[str]:
             for rank, group in main.groupby("rank")
         ),
     )
-    yield "A scene (`geometry`) is right if everything is on what carries it, nothing is in anything (5 mm; not kept of"
-    yield "versions before this measure), held in the air, floating (3 cm), behind a wall (10 cm), or beyond twice the"
-    yield "largest of its category without a doubt of its size; and in how many scenes each is:\n"
+    yield "A scene (`geometry`) is right if everything is on what carries it, nothing is in anything (5 mm), held"
+    yield "in the air, floating (3 cm), behind a wall (10 cm), or beyond twice the largest of its category without a"
+    yield "doubt of its size; and in how many scenes each is:\n"
     yield table(
         ["masks", "chosen by", "rank", "right", *(name.replace("_", " ") for name in FAULTS)],
         (
@@ -183,14 +189,15 @@ def _describe_half(rows: pd.DataFrame) -> Iterator[str]:
             for (m, j, rank), group in rows[rows["judge"] == "geometry"].groupby(["masks", "judge", "rank"])
         ),
     )
-    yield "Nearer in shape than `no image`, Chamfer distance (thousandths of the diagonal, rank 1, placed by both):\n"
-    yield table(
-        ["masks", "geometry", "hog"],
-        (
-            [masks, compare_with_no_image(group, "geometry"), compare_with_no_image(group, "hog")]
-            for masks, group in rows.groupby("masks")
-        ),
-    )
+    if (blind := rows[rows["masks"].isin(rows.loc[rows["judge"] == "no-image", "masks"])]).size:
+        yield "Nearer in shape than `no image`: Chamfer distance, thousandths of the diagonal (rank 1, in both):\n"
+        yield table(
+            ["masks", "geometry", "hog"],
+            (
+                [masks, compare_with_no_image(group, "geometry"), compare_with_no_image(group, "hog")]
+                for masks, group in blind.groupby("masks")
+            ),
+        )
     yield "What is off (rank 1, `geometry`, placed objects): median, and 90 % within, cm; also the mean of place (L2);"
     yield "mean and median of both IoU with the true box:\n"
     yield table(
@@ -199,16 +206,7 @@ def _describe_half(rows: pd.DataFrame) -> Iterator[str]:
             [str(masks), about, str(len(group)), *_describe_errors(group)]
             for masks, mine in first[(first["judge"] == "geometry") & (first["status"] == "ok")].groupby("masks")
             for about, group in group_by_view(mine).items()
-        ),
-    )
-    yield "Sizes that are right, by how sure of them the scene is (rank 1, drawn masks, `geometry`):\n"
-    yield table(
-        ["sure, percent", "right, percent", "things"],
-        (
-            [f"{100 * sure:.0f}", f"{100 * right:.0f}", f"{things:.0f}"]
-            for sure, right, things in bin_sureness(
-                first[(first["judge"] == "geometry") & (first["masks"] == "drawn")]
-            ).itertuples(index=False)
+            if len(group)
         ),
     )
     best = first[(first["masks"] == "drawn") & (first["judge"] == "geometry")]
@@ -259,14 +257,20 @@ def page(rows: pd.DataFrame, steps: pd.DataFrame) -> str:
     numbers = [name for name in rows if name.startswith("off_")] + ["yaw_degrees"]
     rows = rows.assign(**{name: pd.to_numeric(rows[name]) for name in numbers})
     rows = rows.assign(facing=(rows["yaw_degrees"] <= FACING).where(rows["yaw"].notna()))  # wrong of what is missing
-    parts = [(Path(__file__).parent / "intro.md").read_text(encoding="utf-8")]
+    intro = (Path(__file__).parent / "intro.md").read_text(encoding="utf-8")
+    parts = [
+        intro.format(
+            summary=summarise(rows),
+            sureness=table(["set", *JUDGED], judge_sureness(rows)),
+            commit=", ".join(rows["version"].unique()),
+        )
+    ]
     for half, about in HALVES.items():
         mine = rows[rows["half"] == half]
         if len(mine):
             parts += [
                 f"## {half} ({about})\n",
-                *_versions(mine),
-                *_describe_half(mine[mine["version"] == mine["version"].iloc[-1]]),
+                *_describe_half(mine),
             ]
         if len(steps) and (corrected := steps[steps["half"] == half]).size:
             parts += _describe_clicks(corrected)

@@ -1,6 +1,8 @@
-"""Real frames without a hand: what `eyes see` finds and calls them, and what stands for them in scenes.
+"""Real frames: what is found and called rightly, and what stands for it in scenes, by what is given beside the picture.
 
-python -m benchmarks.real_frames DATA OUT --library results
+python -m benchmarks.real_frames DATA OUT --library results [--given depth|outlines|nothing]
+
+depth: no hand (`eyes see`). outlines: depth, the masks below and the first name of each. nothing: not even depth.
 
 DATA: `uois_realsense_tabletop`, the nine pictures in `example_images` of github.com/chrisdxie/uois (MIT). Beside this
 file are masks of 33 things in them (by plane and DBSCAN, where one shows one thing that the library has) and
@@ -9,18 +11,31 @@ file are masks of 33 things in them (by plane and DBSCAN, where one shows one th
 
 import argparse
 import json
+import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 
 from benchmarks.open_rooms.pairs import overlaps, pair_pieces
-from benchmarks.open_rooms.run import ONE_RANK, extract_objects, log_stage, make_config, place_cousins, shelves
+from benchmarks.open_rooms.run import (
+    ONE_RANK,
+    Shelves,
+    StoppedError,
+    extract_objects,
+    log_stage,
+    make_config,
+    place_cousins,
+    shelves,
+)
 from benchmarks.open_rooms.tables import table
 from plugins.eyes import see
 from plugins.inputs import from_rgbd
-from stages.contracts import Cousins, Objects, read_json
+from plugins.single_view import draw
+from stages.config.model import Config
+from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.scene_input import read_annotations
 from stages.contracts.things import THINGS, Things
 
@@ -44,9 +59,14 @@ def score_frame(name: str, out: Path) -> tuple[list[Found], int]:
     """The things of a frame that was reconstructed into a folder, and how many were found."""
     truth: dict[str, list[str]] = json.loads((HERE / "names.json").read_text())[name]
     exact = np.asarray(cv2.imread(str(HERE / f"{name}.png"), cv2.IMREAD_UNCHANGED), np.uint16)
-    _, masks = read_annotations(out / "input" / "annotations.json")
-    items = {item.mask: item for item in read_json(Things, out / "input" / THINGS).things}
-    pieces = np.where(np.isin(masks, list(items)), masks, 0).astype(np.uint16)
+    annotations, masks = read_annotations(out / "input" / "annotations.json")
+    said = {
+        item.mask: ([item.label], True) for item in annotations.objects
+    }  # names, the best first, and whether placed
+    if (out / "input" / THINGS).is_file():
+        things = read_json(Things, out / "input" / THINGS).things
+        said = {item.mask: ([one.name for one in item.names[:3]], not item.left_out) for item in things}
+    pieces = np.where(np.isin(masks, list(said)), masks, 0).astype(np.uint16)
     pairs = pair_pieces(map(int, truth), overlaps(exact, pieces)[0])
     ids = {item.mask: item.id for item in read_json(Objects, out / "objects.json").objects}
     cousins = {one.id: one.cousins for one in read_json(Cousins, out / "geometry" / "cousins.json").objects}
@@ -55,11 +75,12 @@ def score_frame(name: str, out: Path) -> tuple[list[Found], int]:
         if (value := pairs.get(int(number))) is None:
             found.append(Found())
             continue
-        right = [one.name.replace(" ", "_") in sensible for one in items[value].names[:3]]
+        names, placed = said[value]
+        right = [name.replace(" ", "_") in sensible for name in names]
         best = cousins.get(ids.get(value, ""), [])
         is_sensible = bool(best) and best[0].category in sensible
-        found.append(Found(True, right[:1] == [True], any(right), not items[value].left_out, is_sensible))
-    return found, len(items)
+        found.append(Found(True, right[:1] == [True], any(right), placed, is_sensible))
+    return found, len(said)
 
 
 def main() -> None:
@@ -68,27 +89,56 @@ def main() -> None:
     parser.add_argument("data", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--library", type=Path, default=Path("results"))
+    parser.add_argument("--given", choices=["depth", "outlines", "nothing"], default="depth")
     asked = parser.parse_args()
     config = make_config()
     shelf = shelves(asked.library, config)
-    lines, every = [], list[Found]()
+    lines, every, stands = [], list[Found](), list[bool]()
     for rgb in sorted(asked.data.glob("*_color.png")):
         name = rgb.name.removesuffix("_color.png")
-        out = asked.out / name
+        out = asked.out / asked.given / name
         out.mkdir(parents=True, exist_ok=True)
-        entry, objects = out / "input", out / "objects.json"
-        if not objects.is_file():
-            depth = rgb.with_name(f"{name}_depth.png")
-            with log_stage(out / "extraction.log"):
-                from_rgbd.run(out=out / "view", rgb=rgb, depth=depth, unit="mm", camera=CAMERA)
-                see.run(picture=out / "view", out=entry)
-                extract_objects(entry, f"frame_{name}", objects, config)
-        place_cousins(entry, objects, out, "geometry", config, shelf, ONE_RANK)
-        found, pieces = score_frame(name, out)
+        try:
+            reconstruct(asked.given, rgb, out, config, shelf)
+        except StoppedError as stopped:
+            print(f"{name}: {stopped}", file=sys.stderr)
+            found, pieces = [Found()] * len(json.loads((HERE / "names.json").read_text())[name]), 0
+        else:
+            found, pieces = score_frame(name, out)
+            check = read_json(GeneratedScene, out / "geometry" / "scene_1.json").plausibility
+            stands.append(check is not None and not check.fallen)
         every += found
         lines.append([name, str(pieces), *count(found)])
     print(table(["frame", "things", "found", "first name right", "one of three", "placed", "sensible"], iter(lines)))
-    print(" ".join(count(every)))
+    print(" ".join(count(every)), f"; {sum(stands)} of {len(stands)} scenes stand")
+
+
+def reconstruct(given: str, rgb: Path, out: Path, config: Config, shelf: Shelves) -> None:
+    """Write a frame's input folder, objects, cousins and scene, what is not there yet."""
+    name, entry, objects = rgb.name.removesuffix("_color.png"), out / "input", out / "objects.json"
+    if not objects.is_file():
+        with log_stage(out / "extraction.log"):
+            write_input(given, rgb, out, entry)
+            extract_objects(entry, f"frame_{name}", objects, config)
+    place_cousins(entry, objects, out, "geometry", config, shelf, ONE_RANK)
+
+
+def write_input(given: str, rgb: Path, out: Path, entry: Path) -> None:
+    """Write the input folder of a frame."""
+    name = rgb.name.removesuffix("_color.png")
+    if given == "nothing":
+        draw.run(image=rgb, out=entry)
+        return
+    frame: dict[str, Any] = {"rgb": rgb, "depth": rgb.with_name(f"{name}_depth.png"), "unit": "mm", "camera": CAMERA}
+    if given == "outlines":
+        names = json.loads((HERE / "names.json").read_text())[name]
+        said = {number: right[0].replace("_", " ") for number, right in names.items()}
+        labels = out / "labels.json"
+        labels.write_text(json.dumps(said), encoding="utf-8")
+        from_rgbd.run(out=entry, masks=HERE / f"{name}.png", labels=labels, **frame)
+    else:
+        from_rgbd.run(out=out / "view", **frame)
+        see.run(picture=out / "view", out=entry)
 
 
 def count(found: list[Found]) -> list[str]:

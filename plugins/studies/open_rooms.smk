@@ -1,5 +1,5 @@
 # Rooms that are not ours: pictures of rooms of other people's models, reconstructed and scored (docs/results/open.md).
-# `snakemake open_rooms` in a clone of this repository, no part of `all`: 1 GB of models, Mitsuba 3, four hours on two cores.
+# `snakemake open_rooms` in a clone of this repository, no part of `all`: 1 GB of models, Mitsuba 3, three hours of one core.
 # Reads:  the default library and its features.
 # Writes: results/open_rooms/{packs,pictures,results}/, results/open_rooms/open.md, open.csv.xz, clicks.csv.
 from plugins.studies.open_rooms import digest_of, picture_names
@@ -45,11 +45,8 @@ rule open_picture:
 
 
 rule open_room:
-    """Reconstruct one picture; `corrected` corrects what `unaided` made."""
+    """Reconstruct one picture, told its masks and names (`drawn`), nothing (`unaided`), or not even depth (`alone`)."""
     input:
-        made=lambda wildcards: (
-            [f"results/open_rooms/results/unaided/{wildcards.picture}"] if wildcards.masks == "corrected" else []
-        ),
         library="results/assets/library/library.json",
         models=ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
         features=expand("results/matching/features/{store}/shard_{shard}.npy", store=next(iter(STORES)), shard=SHARDS),
@@ -81,7 +78,7 @@ rule open_rooms:
         packs="results/open_rooms/packs",
         scenes=expand(
             "results/open_rooms/results/{masks}/{picture}",
-            masks=["drawn", "exact", "unaided", "corrected"],
+            masks=["drawn", "unaided", "alone"],
             picture=picture_names,
         ),
     output:
@@ -100,7 +97,7 @@ rule open_rooms:
             "score.py",
             "by_clicks.py",
             "pairs.py",
-            "plots.py",
+            "sureness.py",
             "shapes.py",
             "tables.py",
             "intro.md",

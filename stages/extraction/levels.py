@@ -10,7 +10,6 @@ from stages.geometry.estimate import BIN, PROMINENT
 from stages.geometry.frames import Array, yaw_matrix
 from stages.geometry.room_planes import STRAY
 
-# Chosen; what levels they find under clutter is measured in docs/results/extraction.md.
 LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above; chosen
 PLAN_CELLS = 16  # of a ground plan along either side; chosen
 HIGHEST_POINTS = 3  # of a cell, the last of which is its height, as single ones are noise; chosen

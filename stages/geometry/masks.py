@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Mask = NDArray[np.bool_]
 FARTHEST_CORNER = 30_000  # pixels: corners are drawn no farther out (OpenCV counts in 16 bits)
-OUTLINE = 3  # pixels by which the outline of a mask may be off; as in docs/results/extraction.md (clutter)
+OUTLINE = 3  # pixels by which the outline of a mask may be off; chosen
 EROSION = 2  # pixels taken off the border of masks before clouds are made; A.7 gives no number; chosen
 SPECK = 0.01  # parts of a mask with a smaller share of its pixels are specks; chosen
 MIN_PIXELS = 60  # of a mask: fewer show neither a shape nor a surface; chosen

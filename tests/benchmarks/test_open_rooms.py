@@ -17,14 +17,15 @@ from shapely import Point
 from benchmarks.open_rooms import (
     blend,
     fetch,
+    gallery,
     packs,
     pictures,
-    plots,
     rooms,
     run,
     score,
     sensor,
     shapes,
+    sureness,
     tables,
     views,
 )
@@ -259,8 +260,6 @@ def test_a_scene_is_right_only_if_every_carrier_is_and_nothing_is_in_anything() 
     wrong = tables.scenes_of(table)
     assert wrong.sum(axis=1).tolist() == [0, 1, 1]
     assert wrong.loc[("a", 2), "carrier_wrong"] == wrong.loc[("a", 3), "collides"] == 1
-    earlier = table.assign(collides=np.nan)  # of versions that did not keep it
-    assert tables.scenes_of(earlier).sum(axis=1).tolist() == [0, 1, 0]
 
 
 def test_what_is_turned_round_does_not_face_where_it_should() -> None:
@@ -274,7 +273,7 @@ def test_sizes_are_binned_by_how_sure_they_are_and_errors_by_what_is_seen(tmp_pa
     rows = [row(k, sure_of_size=0.9, off_place_cm=1.0, oriented_iou=0.8) for k in range(3)]
     rows += [row(3, sure_of_size=0.1, size=False, cut=True, off_place_cm=9.0), row(4), row(5, seen=0.2)]
     table = pd.DataFrame(rows)
-    found = plots.bin_sureness(table)
+    found = sureness.bin_sureness(table)
     assert found["right"].tolist() == [0.0, 1.0] and found["things"].tolist() == [1, 3]
     assert {name: len(group) for name, group in tables.group_by_view(table).items()} == {
         "all": 6,
@@ -282,7 +281,7 @@ def test_sizes_are_binned_by_how_sure_they_are_and_errors_by_what_is_seen(tmp_pa
         "hidden": 1,
         "whole": 4,
     }
-    plots.draw_sureness(table, tmp_path / "sizes.svg")
+    sureness.draw_sureness(table, tmp_path / "sizes.svg")
     assert (tmp_path / "sizes.svg").read_text().startswith("<?xml")
 
 
@@ -341,12 +340,53 @@ def test_hinges_and_handles_are_compared_with_those_of_the_cousin() -> None:
     assert score.handles_alike("", cousin) is None
 
 
-def test_other_versions_of_the_code_are_kept_beside() -> None:
-    rows = pd.concat([pd.DataFrame([row(k, size=k > 1) for k in (1, 2)]).assign(version="before"),
-                      pd.DataFrame([row(k) for k in (1, 2)]).assign(version="this")])  # fmt: skip
-    page = tables.page(rows, pd.DataFrame())
-    assert "| before | geometry | 2 | 100 " in page and "| this | geometry | 2 | 100 " in page
-    assert page.count("| drawn | geometry | all | 1 | 2 | 2 | 100 ") == 1
+def test_sets_stand_beside_each_other_by_what_was_given() -> None:
+    rows = [row(1), row(2, size=False), row(1, masks="unaided", off_place_cm=3.0), row(1, half="fourth")]
+    page = tables.page(pd.DataFrame(rows).assign(version="abc1234"), pd.DataFrame())
+    assert "| work | depth, drawn masks, names | 2 | 2 | 100 [" in page and "abc1234" in page
+    assert "| work | depth | 1 | 1 | 100 [" in page and "| fourth | depth, drawn masks, names | 1 | 1 |" in page
+
+
+def test_what_no_picture_of_a_set_was_asked_is_not_scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`no-image` ran on `work` alone: one of its pictures stopped there, and none of `third` lacks it."""
+    asked: list[tuple[str, str]] = []
+
+    def note(root: Path, folder: Path, masks: str, judge: str, folders: object) -> list[score.Row]:
+        asked.append((folder.name, judge))
+        return [row(1)]
+
+    for name in ("work_a", "work_b", "third_a"):
+        (tmp_path / "pictures" / name).mkdir(parents=True)
+        (tmp_path / "results/drawn" / name).mkdir(parents=True)
+    for log in ("work_a/geometry.log", "work_a/no-image.log", "work_b/extraction.log", "third_a/geometry.log"):
+        (tmp_path / "results/drawn" / log).touch()
+    monkeypatch.setattr(score, "score_scene", note)
+    monkeypatch.setattr(score, "AssetFolders", Path)
+    monkeypatch.setattr(score.pictures, "folders", lambda root, half="": sorted((root / "pictures").glob(f"{half}*")))
+    score.score(tmp_path, tmp_path, tmp_path / "out", "abc1234")
+    assert set(asked) == {("work_a", "geometry"), ("work_a", "no-image"), ("work_b", "geometry"),
+                          ("work_b", "no-image"), ("third_a", "geometry")}  # fmt: skip
+    assert "abc1234" in (tmp_path / "out/open.md").read_text()
+
+
+def test_a_picture_is_told_by_what_is_right_and_what_is_worst() -> None:
+    off = {"off_depth_cm": 1.0, "off_width_cm": -20.0, "off_height_cm": 2.0, "off_place_cm": 30.0}
+    table = pd.DataFrame([row(1, **off), row(2, place=False, sensible=False, category="tin_can"), row(3)])
+    table.loc[2, "status"] = "missed"
+    assert gallery.count(table[:2]) == "**2 things: placed 2, category 1, size 2, place 1, carrier 2.**"
+    told = gallery.describe_worst(table)
+    assert (
+        told == "Farthest off: desk 30 cm from its place, desk 20 cm in width. Became something else: desk (a tin can)."
+    )
+    assert gallery.describe_worst(table[2:]) == "Nothing is 15 cm off."
+
+
+def test_chances_are_held_against_what_is_right() -> None:
+    said = [(0.9, True), (0.8, True), (0.95, False), (0.2, False)]
+    rows = [row(k, sure_of_place=sure, place=right) for k, (sure, right) in enumerate(said)]
+    assert list(sureness.judge_sureness(pd.DataFrame(rows))) == [
+        ["work", "place", "71, 50", "0.50", "0.248, 0.250", "2 of 3", "0 of 1", "0 of 1"]
+    ]
 
 
 def test_every_model_is_in_one_half_and_may_be_dressed_turned_and_scaled() -> None:

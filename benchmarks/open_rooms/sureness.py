@@ -1,5 +1,6 @@
-"""How often sizes are right against how sure of them scenes are."""
+"""How often sizes and places are right against how sure of them scenes are."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -10,6 +11,8 @@ from stages.tables.drawing import save, style
 
 COLORS = {"work": "#6a6d70", "held_out": "#0072B2", "third": "#D55E00", "fourth": "#009E73"}
 BINS = np.linspace(0, 1, 6)
+JUDGED = ["of the", "said, right (%)", "AUC", "Brier score, by the mean alone",
+          "surer than half: right", "others: right", "surer than 90 %: right"]  # fmt: skip
 
 
 def bin_sureness(rows: pd.DataFrame) -> pd.DataFrame:
@@ -42,3 +45,27 @@ def draw_sureness(rows: pd.DataFrame, path: Path) -> None:
         axes.set_ylim(-4, 104)
         axes.legend(loc="upper left")
         save(figure, path.parent, path.stem, ("svg",))
+
+
+def judge_sureness(rows: pd.DataFrame) -> Iterator[list[str]]:
+    """A line a set and measure: chances that scenes give (drawn masks, `geometry`, rank 1) against what is right."""
+    first = rows[(rows["rank"] == 1) & (rows["judge"] == "geometry") & (rows["masks"] == "drawn")]
+    for half in COLORS:
+        for measure in ("size", "place"):
+            known = first[first["half"] == half].dropna(subset=[f"sure_of_{measure}"])
+            if len(known):
+                chances = _judge_chances(known[f"sure_of_{measure}"], known[measure].astype(float))
+                yield [half.replace("_", " "), measure, *chances]
+
+
+def _judge_chances(said: "pd.Series[float]", right: "pd.Series[float]") -> list[str]:
+    ones = right.sum()
+    zeros = len(right) - ones
+    auc = (said.rank()[right == 1].sum() - ones * (ones + 1) / 2) / (ones * zeros) if ones * zeros else np.nan
+    parts = (right[said > 0.5], right[said <= 0.5], right[said > 0.9])
+    return [
+        f"{100 * said.mean():.0f}, {100 * right.mean():.0f}",
+        f"{auc:.2f}",
+        f"{((said - right) ** 2).mean():.3f}, {right.var(ddof=0):.3f}",
+        *(f"{part.sum():.0f} of {len(part)}" for part in parts),
+    ]
