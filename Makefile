@@ -38,7 +38,7 @@ demo: setup ## a picture, its cousins and a scene to turn, in two minutes
 all: setup ## run the default workflow: library, scenes, policies, tables, report
 	$(BIN)/snakemake --cores $(CORES) all
 
-table3: setup folder ## Table 3, Figures 4 and 9 as the paper has them, in a night on two cores; doors first, the bowl last
+table3: setup folder ## Table 3, Figures 4 and 9 as the paper has them, in four hours on two cores
 	$(STUDY) $(call cells,door/lite,$(SETS))
 	$(STUDY) $(call cells,drawer/lite,$(SETS))
 	$(STUDY) table3
