@@ -15,9 +15,8 @@ from stages.contracts.images import read_rgb
 HALF, WIDTH = "held_out", 427  # the set that is shown, pixels of a picture
 PANELS = {"drawn": "told outlines and names", "unaided": "no hand"}
 COUNTED = {"sensible": "category", "size": "size", "place": "place", "carrier": "carrier"}
-WORST = 3  # things that are named, and from how many cm on: chosen
-OFF = {"off_place_cm": (15, "from its place"), "off_width_cm": (15, "in width"), "off_depth_cm": (15, "in depth"),
-       "off_height_cm": (15, "in height")}  # fmt: skip
+WORST, FAR = 3, 15  # errors that are named, and from how many cm on: chosen
+OFF = {"place": "from its place", "width": "in width", "depth": "in depth", "height": "in height"}
 
 
 def gallery(root: Path, results: Path, out: Path) -> None:
@@ -81,11 +80,11 @@ def describe_worst(rows: pd.DataFrame) -> str:
         (
             (abs(off), f"{row.label} {abs(off):.0f} cm {words}")
             for row in placed.itertuples()
-            for column, (least, words) in OFF.items()
-            if abs(off := getattr(row, column)) >= least
+            for measure, words in OFF.items()
+            if abs(off := getattr(row, f"off_{measure}_cm")) >= FAR
         ),
         reverse=True,
     )
     other = [f"{row.label} (a {row.category.replace('_', ' ')})" for row in placed.itertuples() if not row.sensible]
-    lines = [f"Farthest off: {', '.join(text for _, text in far[:WORST])}."] if far else ["Nothing is 15 cm off."]
+    lines = [f"Farthest off: {', '.join(text for _, text in far[:WORST])}."] if far else [f"Nothing is {FAR} cm off."]
     return " ".join([*lines, *([f"Became something else: {', '.join(other)}."] if other else [])])

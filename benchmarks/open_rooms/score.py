@@ -277,9 +277,8 @@ def score(root: Path, results: Path, out: Path, version: str) -> None:
             judges = {log.stem for folder in tried for log in (made / folder.name).glob("*.log")} & set(JUDGES)
             for folder, judge in itertools.product(tried, sorted(judges)):
                 rows += score_scene(root, folder, masks, judge, folders)
-        if masks == "unaided":
-            tried = [one for one in pictures.folders(root) if (made / one.name).is_dir()]
-            steps = [row for folder in tried for row in list_steps(root, folder)]
+            if masks == "unaided":
+                steps += [row for folder in tried for row in list_steps(root, folder)]
     table = pd.DataFrame(rows).assign(version=version)
     out.mkdir(parents=True, exist_ok=True)
     table.to_csv(out / "open.csv.xz", index=False)

@@ -40,6 +40,7 @@ from stages.contracts.scene_input import read_annotations
 from stages.contracts.things import THINGS, Things
 
 HERE = Path(__file__).parent
+NAMES: dict[str, dict[str, list[str]]] = json.loads((HERE / "names.json").read_text())  # sensible, by frame and mask
 CAMERA = ("612.937", "613.173", "322.549", "248.158")  # fx, fy, cx, cy in pixels
 
 
@@ -57,12 +58,10 @@ class Found:
 
 def score_frame(name: str, out: Path) -> tuple[list[Found], int]:
     """The things of a frame that was reconstructed into a folder, and how many were found."""
-    truth: dict[str, list[str]] = json.loads((HERE / "names.json").read_text())[name]
+    truth = NAMES[name]
     exact = np.asarray(cv2.imread(str(HERE / f"{name}.png"), cv2.IMREAD_UNCHANGED), np.uint16)
     annotations, masks = read_annotations(out / "input" / "annotations.json")
-    said = {
-        item.mask: ([item.label], True) for item in annotations.objects
-    }  # names, the best first, and whether placed
+    said = {item.mask: ([item.label], True) for item in annotations.objects}  # names, best first; whether placed
     if (out / "input" / THINGS).is_file():
         things = read_json(Things, out / "input" / THINGS).things
         said = {item.mask: ([one.name for one in item.names[:3]], not item.left_out) for item in things}
@@ -102,7 +101,7 @@ def main() -> None:
             reconstruct(asked.given, rgb, out, config, shelf)
         except StoppedError as stopped:
             print(f"{name}: {stopped}", file=sys.stderr)
-            found, pieces = [Found()] * len(json.loads((HERE / "names.json").read_text())[name]), 0
+            found, pieces = [Found()] * len(NAMES[name]), 0
         else:
             found, pieces = score_frame(name, out)
             check = read_json(GeneratedScene, out / "geometry" / "scene_1.json").plausibility
@@ -131,8 +130,7 @@ def write_input(given: str, rgb: Path, out: Path, entry: Path) -> None:
         return
     frame: dict[str, Any] = {"rgb": rgb, "depth": rgb.with_name(f"{name}_depth.png"), "unit": "mm", "camera": CAMERA}
     if given == "outlines":
-        names = json.loads((HERE / "names.json").read_text())[name]
-        said = {number: right[0].replace("_", " ") for number, right in names.items()}
+        said = {number: right[0].replace("_", " ") for number, right in NAMES[name].items()}
         labels = out / "labels.json"
         labels.write_text(json.dumps(said), encoding="utf-8")
         from_rgbd.run(out=entry, masks=HERE / f"{name}.png", labels=labels, **frame)

@@ -81,7 +81,7 @@ def figure4(cells: pd.DataFrame, published: pd.DataFrame, more: Panels | None = 
         if columns == first + 2:
             paper = _with_deviation(of_row(published, row))
             panels[-1].set_visible(len(paper) > 0)
-            _distances(panels[-1], paper, f"{row_title(row)}, paper", "DINOv2")
+            _distances(panels[-1], paper, "the same in the paper", "DINOv2")
         panels[0].set_ylabel("success (%)")
     _legend(figure, int(width / 2.2))
     return figure

@@ -1,20 +1,17 @@
 """The nine real frames: masks and names that were said by hand agree, and a frame is scored by them."""
 
-import json
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from benchmarks.real_frames.__main__ import HERE, Found, count, score_frame
+from benchmarks.real_frames.__main__ import HERE, NAMES, Found, count, score_frame
 from stages.contracts import Annotations, Cousins, Objects, write_json
 from stages.contracts.categories import known_categories
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.contracts.scenes import Annotation
 from stages.contracts.things import Name, Thing, Things
-
-NAMES: dict[str, dict[str, list[str]]] = json.loads((HERE / "names.json").read_text())
 
 
 def test_every_mask_has_a_name_that_the_library_knows() -> None:
