@@ -341,10 +341,22 @@ def test_hinges_and_handles_are_compared_with_those_of_the_cousin() -> None:
 
 
 def test_sets_stand_beside_each_other_by_what_was_given() -> None:
-    rows = [row(1), row(2, size=False), row(1, masks="unaided", off_place_cm=3.0), row(1, half="fourth")]
-    page = tables.page(pd.DataFrame(rows).assign(version="abc1234"), pd.DataFrame())
-    assert "| work | depth, drawn masks, names | 2 | 2 | 100 [" in page and "abc1234" in page
+    rows = [row(1), row(2, size=False, cut=True), row(1, masks="unaided", off_place_cm=3.0), row(1, half="fourth")]
+    rows += [row(3, rank=2), row(3, judge="hog")]  # neither counts
+    table = pd.DataFrame(rows).assign(version="abc1234")
+    page = tables.page(table, pd.DataFrame())
+    first = next(
+        line for line in page.splitlines() if line.startswith("| work | depth, drawn masks, names | 2 | 2 | 100 [")
+    )
+    sizes = [cell.split("[")[0].strip() for cell in first.split(" | ")]
+    assert sizes[5] == "50" and sizes[10] == "100"  # of all things, and of the whole one
     assert "| work | depth | 1 | 1 | 100 [" in page and "| fourth | depth, drawn masks, names | 1 | 1 |" in page
+    assert "abc1234" in page and "Nearer in shape" not in page
+    assert "| hidden | 0 |" not in page and "| drawn | cut | 1 |" in page
+    rows += [row(1, judge="no-image"), row(1, masks="alone")]
+    page = tables.page(pd.DataFrame(rows).assign(version="abc1234"), pd.DataFrame())
+    compared = page[page.index("Nearer in shape") : page.index("What is off")]
+    assert "| drawn | " in compared and "| alone | " not in compared
 
 
 def test_what_no_picture_of_a_set_was_asked_is_not_scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -381,12 +393,44 @@ def test_a_picture_is_told_by_what_is_right_and_what_is_worst() -> None:
     assert gallery.describe_worst(table[2:]) == "Nothing is 15 cm off."
 
 
+def test_the_gallery_shows_what_there_is_of_every_room_of_the_set(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A room that no hand's scene exists of has two panels; second cousins, other sets and judges do not count."""
+    picture = Image.new("RGB", (40, 30))
+
+    def draw(*, scenes: tuple[Path, ...], out: Path, **_: object) -> None:
+        assert scenes[0].is_file()
+        out.mkdir()
+        picture.save(out / "scene_1.png")
+
+    folder = tmp_path / "pictures/held-out_living_1"
+    scene = tmp_path / "results/drawn/held-out_living_1/geometry/scene_1.json"
+    for path in (folder, scene.parent, tmp_path / "docs/results", tmp_path / "docs/images"):
+        path.mkdir(parents=True)
+    scene.touch()
+    picture.save(folder / "rgb.png")
+    mine = {"half": "held_out", "picture": folder.name}
+    off = dict.fromkeys(("off_place_cm", "off_width_cm", "off_depth_cm", "off_height_cm"), 1.0)
+    rows = [row(1, **mine, **off), row(2, rank=2, **mine, **off), row(3, judge="hog", **mine, **off), row(4, **off)]
+    pd.DataFrame(rows).assign(version="abc1234").to_csv(tmp_path / "docs/results/open.csv.xz", index=False)
+    monkeypatch.setattr(gallery.pictures, "folders", lambda root, half: [folder] if half == "held_out" else [])
+    monkeypatch.setattr(gallery, "draw_scenes", draw)
+    gallery.gallery(tmp_path, tmp_path, tmp_path / "docs/results")
+    page = (tmp_path / "docs/results/gallery.md").read_text()
+    assert "![Living 1: input, told outlines and names](../images/gallery_living_1.webp)" in page
+    assert "Told outlines and names: **1 things: placed 1" in page and "commit abc1234" in page
+    assert (tmp_path / "docs/images/gallery_living_1.webp").is_file()
+
+
 def test_chances_are_held_against_what_is_right() -> None:
     said = [(0.9, True), (0.8, True), (0.95, False), (0.2, False)]
     rows = [row(k, sure_of_place=sure, place=right) for k, (sure, right) in enumerate(said)]
-    assert list(sureness.judge_sureness(pd.DataFrame(rows))) == [
-        ["work", "place", "71, 50", "0.50", "0.248, 0.250", "2 of 3", "0 of 1", "0 of 1"]
-    ]
+    rows += [row(9, masks="unaided", sure_of_place=0.99)]  # its outlines are not told
+    expected = ["work", "place", "71, 50", "0.50", "0.248, 0.250", "2 of 3", "0 of 1", "0 of 1"]
+    assert list(sureness.judge_sureness(pd.DataFrame(rows))) == [expected]
+    (alike,) = sureness.judge_sureness(pd.DataFrame([row(1, sure_of_place=0.9)]))
+    assert alike[3] == "nan"  # nothing is wrong, so nothing is ordered
 
 
 def test_every_model_is_in_one_half_and_may_be_dressed_turned_and_scaled() -> None:

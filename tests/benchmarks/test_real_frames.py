@@ -4,7 +4,10 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import pytest
 
+from benchmarks.open_rooms.run import StoppedError
+from benchmarks.real_frames import __main__ as frames
 from benchmarks.real_frames.__main__ import HERE, NAMES, Found, count, score_frame
 from stages.contracts import Annotations, Cousins, Objects, write_json
 from stages.contracts.categories import known_categories
@@ -48,5 +51,43 @@ def test_a_frame_is_scored_by_its_pieces_names_and_cousins(tmp_path: Path) -> No
     things, pieces = score_frame("0007", tmp_path)
     assert things == [Found(shown=True, three=True, placed=True), Found()] and pieces == 1
     assert count(things) == ["1 / 2", "0 / 2", "1 / 2", "1 / 2", "0 / 2"]
+    write_json(tmp_path / "input/things.json", Things(walls=0, things=[thing.model_copy(update={"left_out": "unsure"})]))
+    assert score_frame("0007", tmp_path)[0][0] == Found(shown=True, three=True)
     (tmp_path / "input/things.json").unlink()  # as where somebody outlined and named it
     assert score_frame("0007", tmp_path) == ([Found(shown=True, placed=True), Found()], 1)
+
+
+@pytest.mark.parametrize(
+    "given, steps", [("depth", ["rgbd", "see"]), ("outlines", ["rgbd 0000.png"]), ("nothing", ["draw"])]
+)
+def test_a_frame_is_read_by_what_is_given(
+    given: str, steps: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done: list[str] = []
+
+    def read(masks: Path | None = None, **said: object) -> None:
+        assert (said.get("depth"), said["rgb"]) == (tmp_path / "0000_depth.png", tmp_path / "0000_color.png")
+        done.append("rgbd" + (f" {masks.name}" if masks else ""))
+
+    monkeypatch.setattr(frames.from_rgbd, "run", read)
+    monkeypatch.setattr(frames.see, "run", lambda **_: done.append("see"))
+    monkeypatch.setattr(frames.draw, "run", lambda **_: done.append("draw"))
+    frames.write_input(given, tmp_path / "0000_color.png", tmp_path, tmp_path / "input")
+    assert done == steps
+    assert (tmp_path / "labels.json").is_file() == (given == "outlines")
+
+
+def test_a_frame_that_stops_is_told_and_counts_as_not_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stop(*_: object) -> None:
+        raise StoppedError("no object has a place yet")
+
+    (tmp_path / "0000_color.png").touch()
+    monkeypatch.setattr(frames, "reconstruct", stop)
+    monkeypatch.setattr(frames, "shelves", lambda *_: None)
+    monkeypatch.setattr("sys.argv", ["real_frames", str(tmp_path), str(tmp_path / "out")])
+    frames.main()
+    printed = capsys.readouterr()
+    assert "0000: no object has a place yet" in printed.err
+    assert "| 0000 | 0 | 0 / 9 |" in printed.out and "0 of 0 scenes stand" in printed.out
