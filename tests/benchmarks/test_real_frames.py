@@ -51,7 +51,9 @@ def test_a_frame_is_scored_by_its_pieces_names_and_cousins(tmp_path: Path) -> No
     things, pieces = score_frame("0007", tmp_path)
     assert things == [Found(shown=True, three=True, placed=True), Found()] and pieces == 1
     assert count(things) == ["1 / 2", "0 / 2", "1 / 2", "1 / 2", "0 / 2"]
-    write_json(tmp_path / "input/things.json", Things(walls=0, things=[thing.model_copy(update={"left_out": "unsure"})]))
+    write_json(
+        tmp_path / "input/things.json", Things(walls=0, things=[thing.model_copy(update={"left_out": "unsure"})])
+    )
     assert score_frame("0007", tmp_path)[0][0] == Found(shown=True, three=True)
     (tmp_path / "input/things.json").unlink()  # as where somebody outlined and named it
     assert score_frame("0007", tmp_path) == ([Found(shown=True, placed=True), Found()], 1)
