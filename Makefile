@@ -9,17 +9,19 @@ COMMIT ?= $(shell git describe --always --dirty --exclude "*")
 BIN := .venv/bin
 STAMP := .venv/.installed
 
+# One word for the shell, whatever is in it; a variable's value as it was typed, as text for Snakemake's YAML in such a word.
+quoted = '$(subst ','\'',$(1))'
+text = $(call quoted, '$(subst ','',$(value $(1)))' )
+HERE := $(call quoted,$(CURDIR))
+FOLDER := $(call quoted,$(IN))
+
 # A study in a folder that holds results/ (IN), which finds committed assets in config/; its tables, with the commit that they name.
-RUN := $(BIN)/snakemake --cores $(CORES) --keep-going --directory $(IN) --configfile config.yaml
-RESULTS := $(BIN)/python -m plugins.studies results --results $(IN)/results --benchmarks $(IN)/benchmarks --commit "$(COMMIT)" --configs config.yaml
+RUN := $(BIN)/snakemake --cores $(CORES) --keep-going --directory $(FOLDER) --configfile config.yaml
+RESULTS := $(BIN)/python -m plugins.studies results --results $(FOLDER)/results --benchmarks $(FOLDER)/benchmarks --commit "$(COMMIT)" --configs config.yaml
 # Table 3 by config/study/roles.yaml, on and on after what fails.
 STUDY := -$(RUN) config/study/table3.yaml config/study/roles.yaml --
 SETS := twin cousins_8 cousins_2 cousins_4 all
 cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(policy)/$(set)/rollouts.csv))
-
-# A variable's value as it was typed, as text for Snakemake's YAML and in one word for the shell.
-quoted = '$(subst ','\'',$(1))'
-text = $(call quoted, '$(subst ','',$(value $(1)))' )
 
 .PHONY: help setup site wheel demo all table3 unseen registered table2 paper folder weights picture test verify slurm test-cluster lint types config reference lock containers clean
 help: ## list the commands
@@ -33,7 +35,7 @@ $(STAMP): envs/requirements.txt envs/setup.sh pyproject.toml
 	@touch $@
 
 demo: setup ## a picture, its cousins and a scene to turn, in two minutes
-	$(BIN)/snakemake --cores $(CORES) --directory results/demo --configfile config/demo.yaml -- pages
+	$(BIN)/snakemake --cores $(CORES) --directory demo --configfile config/demo.yaml -- pages
 
 all: setup ## run the default workflow: library, scenes, policies, tables, report
 	$(BIN)/snakemake --cores $(CORES) all
@@ -49,20 +51,20 @@ unseen: setup folder ## success over unseen assets, in an hour or two on two cor
 	$(RESULTS) config/study/table3.yaml config/study/over_assets.yaml --out docs/results/unseen
 
 registered: setup ## the registered study of docs/results/design.md: two nights of two cores; it goes on where it stopped
-	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/registered.sh
+	PATH=$(HERE)/$(BIN):$$PATH CORES=$(CORES) bash config/study/registered.sh
 
 table2: setup folder ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
 	$(RUN) config/study/table2.yaml -- table2 table2_robustness
 	$(RESULTS) config/study/table2.yaml --table 2 --variants b ours-geometry --out docs/results
 
 paper: setup ## every figure of docs/results by one commit, but what is pinned in its machines.md: a day of two cores; it goes on where it stopped
-	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) snakemake --cores $(CORES) --keep-going --snakefile plugins/studies/paper.smk --directory results/paper
+	PATH=$(HERE)/$(BIN):$$PATH CORES=$(CORES) snakemake --cores $(CORES) --keep-going --snakefile plugins/studies/paper.smk --directory results/paper
 
 folder:
-	@[ $(IN) = . ] || { mkdir -p $(IN) && ln -sfn $(CURDIR)/config $(IN)/config; }
+	@[ $(FOLDER) = . ] || { mkdir -p $(FOLDER) && ln -sfn $(HERE)/config $(FOLDER)/config; }
 
-weights: $(STAMP) ## fetch the weights of the two networks that look at pictures, 110 MB, once; a line says if that fails
-	@$(BIN)/python -m plugins.eyes fetch
+weights: $(STAMP) ## fetch the weights of the three networks that look at pictures, 200 MB, once; a line says if that fails
+	@$(BIN)/python -m stages.perception fetch
 
 picture: setup weights ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
 	$(BIN)/snakemake --cores $(CORES) photo --config image=$(call text,RGB) $(if $(DEPTH),depth=$(call text,DEPTH)) $(if $(INTRINSICS),camera=$(call text,INTRINSICS))
@@ -85,7 +87,7 @@ test-cluster: setup slurm ## the workflow on a real SLURM of two nodes on this m
 	$(BIN)/python -m pytest -m cluster $(CLUSTER)
 
 verify: $(STAMP) ## are all files of results/ as the run left them? what is broken, and what makes it anew; IN: another folder
-	@$(BIN)/python -m plugins.ops verify --results $(IN)/results
+	@$(BIN)/python -m plugins.ops verify --results $(FOLDER)/results
 
 lint: $(STAMP) ## ruff, snakefmt, snakemake --lint
 	$(BIN)/ruff check .
@@ -108,5 +110,5 @@ lock: $(STAMP) ## pin the newest versions that pyproject.toml allows
 containers: $(STAMP) ## build an image with podman and run a real rule in it
 	bash containers/check.sh
 
-clean: ## delete everything a run wrote (the environment stays)
-	rm -rf results logs benchmarks/*/*.tsv .snakemake
+clean: ## delete everything a run wrote; the environment stays, and what you drew and corrected (hand/)
+	@$(BIN)/python -m plugins.ops clean

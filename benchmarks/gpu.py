@@ -18,7 +18,7 @@ import torch
 from stages.config.matching import EncoderOptions
 from stages.config.model import read_files
 from stages.contracts.policy_config import PolicyConfig
-from stages.matching.crop import View
+from stages.geometry.crop import View
 from stages.matching.encoders import make_encoder
 from stages.policies.base import make_policy
 from stages.training import train

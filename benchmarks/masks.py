@@ -14,11 +14,12 @@ import numpy as np
 
 from benchmarks.open_rooms.pairs import FOUND, overlaps
 from benchmarks.open_rooms.pictures import folders, read
-from plugins.eyes.choosing import choose
-from plugins.eyes.config import EyesSection
-from plugins.eyes.see import look, propose
-from plugins.inputs.rgbd.frame import Frame
+from stages.config.perception import SeeSection
 from stages.contracts import InputError
+from stages.perception.read.frame import Frame
+from stages.perception.see import look
+from stages.perception.segmentation.choosing import choose
+from stages.perception.segmentation.proposal import list_proposals
 
 SMALL, LARGE = 0.005, 0.05  # shares of the picture
 
@@ -52,7 +53,7 @@ def measure(folder: Path, proposers: list[str]) -> tuple[list[Thing], int, int, 
     values = np.zeros_like(exact)
     try:
         view = look(frame_of(folder))
-        for number, thing in enumerate(choose(view, propose(view, EyesSection(proposers=proposers))), 1):
+        for number, thing in enumerate(choose(view, list_proposals(view, SeeSection(), proposers)), 1):
             values[thing.mask] = number
     except InputError:
         pass  # it shows nothing level
@@ -95,7 +96,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--half", default="work")
-    parser.add_argument("--proposers", nargs="+", default=EyesSection().proposers)
+    parser.add_argument("--proposers", nargs="+", default=SeeSection().proposers)
     asked = parser.parse_args()
     results = [measure(folder, asked.proposers) for folder in folders(asked.folder, asked.half)]
     things = [thing for each, *_ in results for thing in each]

@@ -98,7 +98,7 @@ def find_tests(root: Path) -> dict[str, list[Path]]:
     words of its name, then those that reach least else. Tests of whole workflows are left out."""
     ROOTS["tests"] = root / "tests"
     found: dict[str, list[tuple[int, int, Path]]] = {}
-    for path in sorted([*root.glob("tests/unit/test_*.py"), *root.glob("plugins/*/tests/test_*.py")]):
+    for path in sorted([*(root / "tests/unit").rglob("test_*.py"), *root.glob("plugins/*/tests/test_*.py")]):
         name, text = ".".join(path.relative_to(root).with_suffix("").parts), path.read_text(encoding="utf-8")
         words, reached = set(path.stem.split("_")), closure(name)
         for module in reached:

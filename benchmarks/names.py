@@ -1,81 +1,30 @@
-"""How well things are named in pictures of other people's models, and how sure: beside open_rooms/kinds.yaml.
+"""How well outlines are named in pictures of other people's models, and how sure: beside open_rooms/kinds.yaml.
 
-python -m benchmarks.names DIR --half work [--coco FILE] [--fit]
+python -m benchmarks.names DIR --half work [--kept learning] [--fit]
 
-DIR: of benchmarks.open_rooms render. FILE: JSON, by picture and number of a thing what a detector calls it:
-{"couch": 0.9}. Beside every thing's exact mask there is one with faults, or a piece of floor or wall, by
-plugins/names/training/dirt.py.
+DIR: of benchmarks.open_rooms render. Three kinds of outlines: the exact ones; those with faults, of pieces of floor and
+wall too (benchmarks/name_training/dirt.py); and those that the pipeline finds itself.
 """
 
 import argparse
-import json
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
-import cv2
 import numpy as np
+import torch
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from benchmarks.masks import frame_of
-from benchmarks.open_rooms import packs
-from benchmarks.open_rooms.pictures import folders, read
-from plugins.inputs.rgbd.frame import TILT
-from plugins.names.observed import observe
-from plugins.names.propose import Weights, combine, gather, read_network
-from plugins.names.training.dirt import OTHER, SAME, cut_patch, share_owner, soil
-from stages.geometry.cameras import back_project
-from stages.geometry.levels import find_ground
-from stages.geometry.room_planes import make_floor_frame
+from benchmarks.name_training.looks import share_out_of_fold
+from benchmarks.name_training.outlines import EXACT, FAULTY, OWN, join, see_outlines
+from benchmarks.open_rooms.pictures import folders
+from stages.perception.classification.propose import Weights, combine, read_head, read_network
 
 Array = NDArray[np.float64]
-Words = Mapping[str, Mapping[str, Mapping[str, float]]]
 SAMPLES = 2000  # of the bootstrap
 SURE = (0.0, 0.3, 0.5, 0.7, 0.9, 1.01)  # bounds of the rows of the table of certainty
-NONE = "other"
-WITHOUT = {"shape": 0, "ImageNet": 1, "COCO's word": 2}
-
-
-@dataclass(frozen=True)
-class Thing:
-    """A mask of a picture; `right`: the names that are right for it; `said` (3, C): see `gather`."""
-
-    model: str
-    kind: str
-    right: list[str]
-    exact: bool
-    said: Array
-
-
-def things_of(folder: Path, words: Words, names: list[str]) -> Iterator[Thing]:
-    """The named things of a picture for which any category is right, by exact masks and by ones with faults."""
-    rng, frame = np.random.default_rng(0), frame_of(folder)
-    exact, depth = cv2.imread(str(folder / "exact.png"), cv2.IMREAD_UNCHANGED), frame.depth.astype(float)
-    ground = find_ground(back_project(depth, frame.intrinsics), depth > 0, TILT)
-    if ground is None:
-        return
-    level, things = make_floor_frame(ground), {thing.number: thing for thing in read(folder).things}
-    wholes = {number: [exact == number] for number in things if (exact == number).any()}
-    owner = np.searchsorted([-1, 0, *wholes], exact).astype(np.uint8)
-
-    def look(mask: NDArray[np.bool_], number: int, clean: bool) -> Thing:
-        thing = things.get(number)
-        right = packs.kinds()[thing.kind].sensible if thing else [NONE]
-        coco = words.get(folder.name, {}).get(str(number)) if thing else None
-        said = gather(observe(frame.rgb, depth, mask, frame.intrinsics, level), coco, names)
-        return Thing(thing.model if thing else "", thing.kind if thing else NONE, right, clean, said)
-
-    for number, (mask,) in wholes.items():
-        if not (things[number].named and packs.kinds()[things[number].kind].sensible):
-            continue
-        yield look(mask, number, True)
-        faulty = soil(mask, owner, rng) if rng.random() < 0.7 else cut_patch(exact == 0, rng)
-        found, iou = share_owner(faulty, wholes)
-        if faulty.sum() > 60 and not OTHER < iou < SAME:
-            yield look(faulty, found if iou >= SAME else 0, False)
+WITHOUT = ("shape", "ImageNet", "COCO's word", "CLIP")
 
 
 def likelihood(share: Array, right: NDArray[np.bool_]) -> float:
@@ -126,30 +75,39 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--half", default="work")
-    parser.add_argument("--coco", type=Path)
-    parser.add_argument("--fit", action="store_true")
+    parser.add_argument("--kept", default="pictures", help="or learning: those to learn from")
+    parser.add_argument("--fit", action="store_true", help="weights of voices; CLIP's by models that it has not seen")
     asked = parser.parse_args()
-    words = json.loads(asked.coco.read_text()) if asked.coco else {}
+    torch.set_num_threads(1)
     _, names = read_network()
-    things = [one for folder in folders(asked.folder, asked.half) for one in things_of(folder, words, names)]
-    said = np.array([thing.said for thing in things])
-    right = np.array([[name in thing.right for name in names] for thing in things])
-    models, exact = (np.array([getattr(thing, name) for thing in things]) for name in ("model", "exact"))
-    weights = fit(said, right) if asked.fit else Weights()
+    every = [see_outlines(folder, asked.folder / "seen") for folder in folders(asked.folder, asked.half, asked.kept)]
+    seen = join([one for one in every if one is not None])
+    right = seen.right(names)
+    if asked.fit:
+        looks = share_out_of_fold(seen, right)
+    else:
+        with torch.inference_mode():
+            looks = read_head()[0](torch.from_numpy(seen.looks)).double().softmax(dim=1).numpy()
+    said = np.concatenate([seen.said, looks[:, None]], axis=1)
+    own = seen.how == OWN
+    weights = fit(said[own], right[own]) if asked.fit else Weights()
     print(weights)
     share, real = combine(said, weights), ~right[:, -1]
-    print(f"{exact.sum()} things, {(real & ~exact).sum()} of them by faulty masks, {(~real).sum()} masks of none")
     print("first right / one of three right, %, by")
-    hit = report("exact masks", share[exact], right[exact], models[exact])
-    report("masks with faults", share[real & ~exact], right[real & ~exact], models[real & ~exact])
-    for title, row in WITHOUT.items():
+    for title, how in (("exact outlines", EXACT), ("outlines with faults", FAULTY), ("our own outlines", OWN)):
+        some = real & (seen.how == how)
+        report(f"{some.sum()} {title}", share[some], right[some], seen.model[some])
+    some = real & (seen.how == EXACT)
+    for row, title in enumerate(WITHOUT):
         silent = said.copy()
         silent[:, row] = 1 / len(names)
-        report(f"without {title}", combine(silent, weights)[exact], right[exact], models[exact])
-    report_certainty(share, right)
-    surest = share[exact, :-1].argmax(axis=1)
-    kinds = np.array([thing.kind for thing in things])[exact]
-    wrong = Counter((kind, names[one]) for kind, one, good in zip(kinds, surest, hit, strict=True) if not good)
+        report(f"without {title}", combine(silent, weights)[some], right[some], seen.model[some])
+    report_certainty(share[own], right[own])
+    surest = share[some, :-1].argmax(axis=1)
+    hit = np.take_along_axis(right[some], surest[:, None], axis=1)[:, 0]
+    wrong = Counter(
+        (kind, names[one]) for kind, one, good in zip(seen.kind[some], surest, hit, strict=True) if not good
+    )
     print(", ".join(f"{kind} as {name} {count}" for (kind, name), count in wrong.most_common(12)))
 
 

@@ -1,4 +1,4 @@
-"""Learn what outlines of a picture show (plugins/single_view/outline_kinds.safetensors) from open rooms, and judge it.
+"""Learn what outlines of a picture show (outline_kinds.safetensors) from open rooms, and judge it.
 
 python -m benchmarks.open_rooms render DIR --half work --learning 9
 python -m benchmarks.outline_kinds DIR --judge held_out --write
@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from safetensors.numpy import save_file
 
 from benchmarks.open_rooms.pictures import folders, read, read_masks
-from plugins.eyes.choosing import choose
-from plugins.eyes.proposers import mobile_sam, ssd
-from plugins.single_view.outline_kinds import (
+from stages.cli import progress
+from stages.config.perception import SeeSection
+from stages.contracts import write_atomically
+from stages.contracts.images import read_rgb
+from stages.perception.layout.things import (
     FLOOR,
     HANGS,
     KINDS,
@@ -28,12 +30,11 @@ from plugins.single_view.outline_kinds import (
     STANDS,
     WALL,
     WEIGHTS,
+    make_view,
     measure_outline,
 )
-from plugins.single_view.things import make_view
-from stages.cli import progress
-from stages.contracts import write_atomically
-from stages.contracts.images import read_rgb
+from stages.perception.segmentation.choosing import choose
+from stages.perception.segmentation.proposal import list_proposals
 
 Array = NDArray[np.float64]
 OF_ROOM, SAME = 0.7, 0.5  # share of an outline that is wall or floor; IoU from which on it shows a thing
@@ -47,7 +48,7 @@ def see_examples(folder: Path) -> tuple[Array, list[int]]:
     values = {int(value): label for value, label in json.loads((folder / "exact.json").read_text()).items()}
     kinds = {"floor": STANDS, "wall": HANGS}
     shown, examples = list[int](), list[Array]()
-    for one in choose(view, [*ssd.propose(view), *mobile_sam.propose(view)]):
+    for one in choose(view, list_proposals(view, SeeSection(), SeeSection().proposers)):
         inside = np.bincount(owner[one.mask], minlength=int(owner.max()) + 1)
         floor = sum(inside[value] for value, label in values.items() if label == "floor")
         wall = inside[0] + sum(inside[value] for value, label in values.items() if label == "wall")

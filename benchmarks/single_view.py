@@ -19,16 +19,15 @@ from numpy.typing import NDArray
 from benchmarks.open_rooms import packs
 from benchmarks.open_rooms.pairs import overlaps, pair_pieces
 from benchmarks.open_rooms.pictures import folders, read, read_masks
-from plugins.eyes.proposal import find_border
-from plugins.inputs.photo.segments import angles_of
-from plugins.single_view.draw import draw_picture
-from plugins.single_view.ends import measure_all
-from plugins.single_view.room import Room, build_room, see_camera
-from plugins.single_view.spreads import Spread
-from plugins.single_view.supports import FLOOR, find_open
+from stages.config.perception import DrawOptions
 from stages.contracts import InputError
 from stages.contracts.categories import category_in
 from stages.contracts.images import read_rgb
+from stages.perception.camera.perspective import angles_of
+from stages.perception.draw import draw_picture
+from stages.perception.layout.ends import FLOOR, find_open, measure_all
+from stages.perception.layout.room import Room, Spread, arrange, build_room, see_camera
+from stages.perception.segmentation.proposal import find_border
 
 ROOM = {"floor", "wall"}
 HEIGHT, TILT, SIZE = 0.12, 3.0, 0.2  # goals: of the camera's height, degrees, of the cube root of the volume
@@ -80,25 +79,25 @@ def find_given(folder: Path, masks: str, focal: float | None) -> Found:
     values = np.asarray(cv2.imread(str(folder / f"{masks}.png"), cv2.IMREAD_UNCHANGED), np.uint16)
     said = {int(value): label for value, label in json.loads((folder / f"{masks}.json").read_text()).items()}
     labels = {value: label for value, label in said.items() if label not in ROOM and (values == value).any()}
-    room = build_room(rgb, see_camera(rgb, focal), values, labels)
+    room = build_room(rgb, arrange(see_camera(rgb, focal), values, labels, ~find_border(rgb)), values)
     return Found(room, values, labels, {value: value for value in room.boxes})
 
 
-def find_alone(folder: Path, focal: float | None) -> Found:
+def find_alone(folder: Path, focal: float | None, sure: float) -> Found:
     """The room of a picture with nothing given; its things by the numbers of those that they show."""
-    drawn = draw_picture(folder.name, read_rgb(folder / "rgb.png"), focal)
+    drawn = draw_picture(folder.name, read_rgb(folder / "rgb.png"), focal, DrawOptions(sure=sure))
     shown = np.where(np.isin(drawn.masks, list(drawn.room.boxes)), drawn.masks, 0).astype(np.uint16)
     numbers = [thing.number for thing in read(folder).things if thing.named]
     return Found(drawn.room, drawn.masks, drawn.labels, pair_pieces(numbers, overlaps(read_masks(folder), shown)[0]))
 
 
-def measure(folder: Path, masks: str, with_focal: bool) -> tuple[Camera, list[Thing], Counts, float]:
+def measure(folder: Path, masks: str, with_focal: bool, sure: float) -> tuple[Camera, list[Thing], Counts, float]:
     """The camera and the things of a picture, how many were asked for, drawn and rightly named, and CPU seconds."""
     truth, start = read(folder), time.process_time()
     focal = truth.focal if with_focal else None
     asked = sum(thing.named for thing in truth.things)
     try:
-        found = find_alone(folder, focal) if masks == "none" else find_given(folder, masks, focal)
+        found = find_alone(folder, focal, sure) if masks == "none" else find_given(folder, masks, focal)
     except InputError:  # nothing is known there
         far = Spread(np.inf, np.inf, np.inf)
         return Camera(*far, far), [], Counts(asked, 0, 0), time.process_time() - start
@@ -131,8 +130,9 @@ def main() -> None:
     parser.add_argument("--half", default="work")
     parser.add_argument("--masks", choices=["drawn", "exact", "none"], default="drawn")
     parser.add_argument("--focal", action="store_true")
+    parser.add_argument("--sure", type=float, default=DrawOptions().sure)
     asked = parser.parse_args()
-    found = [measure(folder, asked.masks, asked.focal) for folder in folders(asked.folder, asked.half)]
+    found = [measure(folder, asked.masks, asked.focal, asked.sure) for folder in folders(asked.folder, asked.half)]
     cameras, things = [one for one, *_ in found], [thing for _, each, *_ in found for thing in each]
     counts = [each for *_, each, _ in found]
     height, tilt, focal = (np.abs([getattr(one, name) for one in cameras]) for name in ("height", "tilt", "focal"))

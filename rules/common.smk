@@ -13,8 +13,8 @@ from stages.config.code import cover, files_digest, path_of_jobs
 from stages.config.commands import check_line, command_digest, command_line, replacement
 from stages.config.files import read_file
 from stages.config.model import load, with_defaults
-from stages.config.packages import list_drawers, rule_files, shards_of
-from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, options_of, stores
+from stages.config.packages import check_rules, check_targets, list_drawers, rule_files, shards_of
+from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, describe_picture, options_of, stores
 from stages.config.sizes import fill_counts
 from stages.contracts.errors import InputError
 from stages.contracts.system import check_writable
@@ -28,15 +28,23 @@ sys.path.append(os.getcwd())
 
 try:
     check_writable(Path.cwd(), *map(Path, ("results", "logs", "benchmarks", ".snakemake")))
-    for file in workflow.configfiles:
-        read_file(Path(file))
+    list(map(read_file, map(Path, workflow.configfiles)))
     CONFIG = load(with_defaults(config))
+    check_targets(sys.argv, CONFIG.packages)
+    check_rules(sys.argv if workflow.is_main_process else [], workflow.main_snakefile)
+    if "photo" in sys.argv and not CONFIG.image:
+        mend = "snakemake --cores 2 photo --config image=kitchen.jpg"
+        raise InputError("image", "there is no picture.", mend, code="E-CONFIG-FILE")
     cover(CONFIG.plugins)
     if CONFIG.plugins:
         os.environ.update(PYTHONPATH=path_of_jobs(CONFIG.plugins, Path.cwd()))
     OWN_SHARDS = shards_of(CONFIG)
     LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN_SHARDS.values())
     CONFIG = fill_counts(CONFIG, LIBRARY_SIZE)
+    if workflow.is_main_process and len(CONFIG.experiment.rooms) == 1 and "perception" not in CONFIG.stages:
+        from stages.perception.read.early import check_pictures
+
+        check_pictures(CONFIG.experiment)
 except InputError as error:
     print(f"error: {error} [{error.code}]", file=sys.stderr)  # one line: Snakemake would add this file and its line
     sys.exit(1)
@@ -97,7 +105,7 @@ wildcard_constraints:
     room=r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*",
     protocol="|".join(EXPERIMENT.protocols) or "-",
     seed=r"\d+",
-    scene=r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*(\.(" + "|".join(EXPERIMENT.protocols) + r")\.\d+)?",
+    scene=r"[^/._]+(_[^/._]+)*(\.(" + "|".join(EXPERIMENT.protocols) + r")\.\d+)?",
     variant=r"[A-Za-z0-9_-]+",
     shard=r"\d+|own_\w+|part_[0-9a-f]+",
     store=r"[A-Za-z0-9_]+-[0-9a-f]{8}",

@@ -1,5 +1,5 @@
 # From an image to objects in space: masks, depth, floor and walls, clouds, mounting (paper A.2, A.7).
-# Reads:  a scene's input folder, corrections.json in it where there is one.
+# Reads:  a scene's input folder, corrections.json of it where there is one.
 # Writes: results/extraction/<scene>/{objects.json,masks.png,depth.npz,clouds.npz}, and for people overview.png.
 
 
@@ -15,7 +15,7 @@ rule extract:
         masks=input_file("masks.png"),
         annotations=input_file("annotations.json"),
         own=picture_config,
-        corrections=ancient(corrections_file("extraction")),  # `corrected` says whether it counts
+        corrections=corrections_file("extraction", "results/extraction/{scene}/objects.json"),
     output:
         objects="results/extraction/{scene}/objects.json",
         masks="results/extraction/{scene}/masks.png",
@@ -33,7 +33,9 @@ rule extract:
         **command("extraction", "extract", uses=modules(CONFIG.extraction, "source"), objects="objects"),
         name=lambda wildcards: EXPERIMENT.scene(wildcards.scene).room,
         own=lambda wildcards, input: shlex.join(["--own", *input.own]) if input.own else "",
-        corrections=corrections_flags,
+        corrections=lambda wildcards, input: (
+            shlex.join(["--corrections", *input.corrections]) if input.corrections else ""
+        ),
         corrected=corrections("extraction"),
         seed=noise_seed,
         folder=subpath(input.rgb, parent=True),

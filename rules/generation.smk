@@ -1,5 +1,5 @@
 # Scenes made of cousins: placement, support, walls, collisions, settling (paper A.3, A.7).
-# Reads:  objects, cousins, library, corrections.json beside the picture where there is one; with `finish: picture` that.
+# Reads:  objects, cousins, library, corrections.json of the picture if there is one; the user's pictures.
 # Writes: results/generation/<variant>/<scene>/scene_<rank>.json, and for people scene_<rank>.{png,glb}, comparison.png,
 #         look.json, view_<rank>.glb (small, for pages) and thumbnail.webp (for the overview).
 
@@ -16,9 +16,14 @@ rule generate:
         objects="results/extraction/{scene}/objects.json",
         clouds="results/extraction/{scene}/clouds.npz",
         masks="results/extraction/{scene}/masks.png",
-        corrections=ancient(corrections_file("generation")),  # `corrected` says whether it counts
+        corrections=corrections_file("generation", "results/generation/{variant}/{scene}/scene_1.json"),
+        seen=lambda wildcards: [
+            ancient(input_file(name)(wildcards))
+            for name in ("masks.png", "rgb.png", "camera.json")
+            if corrections("generation")(wildcards)
+        ],
         image=lambda wildcards: (
-            input_file("rgb.png")(wildcards) if CONFIG.generation_of(wildcards.variant).finish == "picture" else []
+            input_file("rgb.png")(wildcards) if CONFIG.wears_picture(wildcards.variant, wildcards.scene) else []
         ),
     output:
         scenes=expand("results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, allow_missing=True),
@@ -32,7 +37,11 @@ rule generate:
         **needs(2000, 20),
     params:
         **command("generation", "generate", generated="scenes"),
-        corrections=corrections_flags,
+        corrections=lambda wildcards, input: (
+            shlex.join(["--corrections", *input.corrections, "--input", str(Path(input.seen[0]).parent)])
+            if input.seen
+            else ""
+        ),
         corrected=corrections("generation"),
         image=lambda wildcards, input: shlex.join(["--image", str(input.image)]) if input.image else "",
         out=lambda wildcards, output: str(Path(output.scenes[0]).parent),
@@ -48,4 +57,12 @@ rule generation:
     input:
         expand("results/generation/{variant}/{scene}/scene_{rank}.json", rank=RANKS, variant=VARIANTS, scene=ROOMS),
         added("generation"),
+    localrule: True
+
+
+rule photo:
+    """The picture that `--config image=...` names, as scenes of cousins, and the page about them."""
+    input:
+        rules.generation.input,
+        added("photo"),
     localrule: True

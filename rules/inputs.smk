@@ -1,7 +1,11 @@
 # Helpers: what stands in the paths that a job reads, where the config says it. Functions of a job's wildcards. No rules.
+from snakemake.io import IOFile
+from snakemake.persistence import RECORD_FORMAT_VERSION
+from snakemake.settings.types import RerunTrigger
 from stages.config.targets import Cell
 from stages.config.code import code_digest
-from stages.contracts.corrections import CORRECTIONS, corrections_of
+from stages.config.hand_files import are_taken_back, describe_corrections, drawing_of, hand_file
+from stages.contracts.corrections import CORRECTIONS
 from stages.plugins import find, qualify_module
 
 
@@ -18,24 +22,21 @@ def picture_config(wildcards):
 
 
 def corrections(stage):
-    """A person's corrections of a scene (corrections.json beside its picture), as far as a stage reads them, as text."""
-
-    def text(wildcards):
-        path = Path(input_file(CORRECTIONS)(wildcards))
-        found = corrections_of((path,) if path.is_file() else (), stage)
-        return "".join(item.model_dump_json(exclude_defaults=True) for item in found.values())
-
-    return text
+    """A person's corrections of a scene, as far as a stage reads them, as text."""
+    return lambda wildcards: describe_corrections(EXPERIMENT, wildcards.scene, stage)
 
 
-def corrections_file(stage):
-    """That file, if the stage reads anything there."""
-    return lambda wildcards: input_file(CORRECTIONS)(wildcards) if corrections(stage)(wildcards) else []
+def corrections_file(stage, made):
+    """That file, if the stage reads anything there; its age counts where Snakemake does not compare what it says."""
 
+    def file(wildcards):
+        version = workflow.persistence.record_format_version(IOFile(made.format(**wildcards)))
+        compared = RerunTrigger.PARAMS in workflow.rerun_triggers and version == RECORD_FORMAT_VERSION
+        path = str(hand_file(EXPERIMENT, wildcards.scene, CORRECTIONS))
+        read = corrections(stage)(wildcards) or (not compared and are_taken_back(path))
+        return [ancient(path) if compared else path] if read else []
 
-def corrections_flags(wildcards, input):
-    """The flags that name the file."""
-    return shlex.join(["--corrections", str(input.corrections)]) if input.corrections else ""
+    return file
 
 
 def noise_seed(wildcards):

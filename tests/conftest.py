@@ -2,7 +2,9 @@
 
 import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -30,3 +32,17 @@ def _place(item: pytest.Item) -> int:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Long files at both ends; everything else keeps its order."""
     items.sort(key=_place)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def shared_folder(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """The working directory of fixtures that tests share: what a run left in the clone is neither read nor changed."""
+    os.chdir(tmp_path_factory.mktemp("shared"))
+
+
+@pytest.fixture(autouse=True)
+def own_folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The working directory of a test; not `tmp_path`, which a test may replace as a whole."""
+    with TemporaryDirectory() as folder:
+        monkeypatch.chdir(folder)
+        yield

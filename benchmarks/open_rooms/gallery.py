@@ -8,7 +8,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from benchmarks.open_rooms import pictures
-from plugins.pictures.previews import draw_side_by_side, resize_to
+from plugins.pictures.painting import draw_side_by_side, resize_to
 from plugins.pictures.scenes import run as draw_scenes
 from stages.contracts.images import read_rgb
 
@@ -62,7 +62,6 @@ def _draw(made: Path, title: str, results: Path, out: Path) -> list[tuple[str, N
         library=results / "assets/library/library.json",
         out=out / made.parent.name,
         width=WIDTH,
-        look=("plugins.look.estimate",),
     )
     return [(title, read_rgb(out / made.parent.name / "scene_1.png"))]
 

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from PIL import Image
 from trimesh.visual.material import SimpleMaterial
 
+from benchmarks.name_training.solids import JUNK
 from benchmarks.open_rooms.blend import Piece, read_pieces
+from stages.contracts.categories import known_categories
 
 HERE = Path(__file__).parent
 HALVES = {
@@ -369,8 +371,10 @@ def catalogue(folder: Path, pack: str) -> dict[str, dict[str, str]]:
 
 @cache
 def kinds() -> dict[str, Kind]:
-    """The table of kinds.yaml."""
-    return {name: Kind(**fields) for name, fields in yaml.safe_load((HERE / "kinds.yaml").read_text()).items()}
+    """The table of kinds.yaml; categories of ours that it lacks, and things that are none, of rooms to learn from."""
+    stated = {name: Kind(**fields) for name, fields in yaml.safe_load((HERE / "kinds.yaml").read_text()).items()}
+    own = {name: Kind([name.replace("_", " ")], [name], "none") for name in known_categories()}
+    return {name: Kind([name.replace("_", " ")], [], "none") for name in JUNK} | own | stated
 
 
 def models(folder: Path, half: str) -> list[Model]:

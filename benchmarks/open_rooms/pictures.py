@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.open_rooms import packs, rooms, sensor, views
+from benchmarks.open_rooms import crowd, packs, rooms, sensor, views
 from benchmarks.open_rooms.render import photograph
 from stages.contracts import write_atomically
 
@@ -98,7 +98,10 @@ def _make(root: Path, folder: Path, half: str, models: list[packs.Model], sample
     seed = zlib.crc32(name.encode())
     rng = np.random.default_rng(seed)
     kind = name.split("_")[-2]
-    room = rooms.furnish(kind, models, views.top_of, rng)
+    if kind == rooms.CROWD:
+        room = rooms.furnish(kind, models + crowd.own_models(), views.top_of, rng, crowd.plan_crowd(rng))
+    else:
+        room = rooms.furnish(kind, models, views.top_of, rng)
     device = sensor.DEVICES[int(rng.integers(len(sensor.DEVICES)))]
     roll = rng.normal(0, np.deg2rad(2.5)) if device.handheld else 0.0
     pose = views.look_at(room.eye, room.look, roll)

@@ -1,6 +1,6 @@
 """Furnish the rooms of rooms.yaml: models drawn by chance, each at its place, none in another."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -15,6 +15,7 @@ from stages.geometry.boxes import UprightBox, footprint
 from stages.geometry.frames import wrap_angle
 
 TRIES = 25
+CROWD, CROWDS = "crowd", 10  # a kind that is there to learn from alone; times as many of it
 LEARNING = 100  # number of the first picture of a kind that is there to learn from
 TURNED = {"wall": 0.0, "hang": 0.0, "xy": 12.0, "by": 6.0, "upon": 35.0}  # degrees by which a thing is turned by chance
 NUDGED = 0.06  # metres by which free-standing things are moved by chance
@@ -78,6 +79,7 @@ def plans() -> dict[str, dict[str, Any]]:
 def names(half: str, learning: int = 0) -> list[str]:
     """All rooms of a half; or as many of each kind, to learn from."""
     numbers = {kind: range(LEARNING, LEARNING + learning) for kind in plans()}
+    numbers[CROWD] = range(LEARNING, LEARNING + CROWDS * learning)
     if not learning:
         numbers = {kind: range(1, plan["draws"][half] + 1) for kind, plan in plans().items()}
     return [f"{half.replace('_', '-')}_{kind}_{number}" for kind, own in numbers.items() for number in own]
@@ -108,16 +110,18 @@ def mirror_plan(plan: dict[str, Any]) -> dict[str, Any]:
     return plan | {"camera": camera, "things": [thing(spot) for spot in plan["things"]]}
 
 
-def furnish(kind: str, models: Sequence[Model], top: Top, rng: np.random.Generator) -> Room:
+def furnish(
+    kind: str, models: Sequence[Model], top: Top, rng: np.random.Generator, plan: Mapping[str, Any] | None = None
+) -> Room:
     """One room of a kind.
 
     Args:
-        kind: of rooms.yaml.
+        kind: of rooms.yaml, if no plan is given.
         models: to draw from.
         top: what things can stand on.
         rng: decides on models, places and camera.
     """
-    plan = plans()[kind]
+    plan = dict(plan or plans()[kind])
     if rng.random() < 0.5:
         plan = mirror_plan(plan)
     camera = plan["camera"]

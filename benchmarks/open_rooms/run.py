@@ -12,9 +12,6 @@ from typing import Any
 from benchmarks.open_rooms import pictures
 from benchmarks.open_rooms.by_clicks import plan_corrections
 from benchmarks.open_rooms.pictures import ALONE, BY_HAND
-from plugins.eyes import see
-from plugins.inputs import from_rgbd
-from plugins.single_view import draw
 from stages.config.model import Config
 from stages.config.reads import options_of, stores
 from stages.contracts import Annotations, InputError, read_json, write_json
@@ -22,6 +19,7 @@ from stages.contracts.corrections import CORRECTIONS, Corrections
 from stages.extraction import extract
 from stages.generation import generate
 from stages.matching import match
+from stages.perception import draw, from_rgbd, see
 
 # Who chooses: the default judge, the default encoder alone, and nobody who looks (docs/matching.md).
 ROWS: dict[str, dict[str, Any]] = {

@@ -5,21 +5,20 @@ import webbrowser
 from dataclasses import replace
 from pathlib import Path
 
-from plugins.annotator.bare import is_bare
 from plugins.annotator.correcting import Correcting
-from plugins.annotator.drawing import name_drawn
-from plugins.annotator.project import PROJECT
 from plugins.annotator.server import PageServer
 from plugins.annotator.session import Session
-from plugins.annotator.write import at_size
-from plugins.inputs.photo.picture import Photo, read_photo
+from plugins.annotator.shown import is_bare, name_drawn
 from stages.config.inputs import scene_of_folder
 from stages.contracts import Camera, InputError, Library, read_json
 from stages.contracts.categories import known_categories
 from stages.contracts.corrections import CORRECTIONS
 from stages.contracts.depth import read_depth
 from stages.contracts.errors import suggest_nearest
+from stages.contracts.hand import PROJECT
 from stages.contracts.images import orientation_of
+from stages.perception.drawing.write import at_size
+from stages.perception.read.photo import Photo, read_photo
 
 
 def _categories(library: Path | None) -> list[str]:
@@ -74,7 +73,7 @@ def run(
         _check_named(correcting, results, scene, choose)
         session: Session | Correcting = correcting
     elif lens is not None and depth is not None:
-        what, mend = "bends the picture, not the depth.", "`inputs from-rgbd` straightens both"
+        what, mend = "bends the picture, not the depth.", "`perception from-rgbd` straightens both"
         raise InputError("--lens", what, mend, code="E-OPTION-CONFLICT")
     else:
         session = _open_photograph(read_photo(image, lens), image, out, depth, camera, library)
@@ -85,8 +84,10 @@ def run(
         raise InputError(
             f"--port {port}", f"cannot be used ({error.strerror}).", "leave it out", code="E-PORT-TAKEN"
         ) from None
-    kept = session.folder / (CORRECTIONS if image.is_dir() else PROJECT)
-    print(f"Draw at {server.address}\nEnd it there, or with Ctrl+C: {kept} keeps what is drawn.", flush=True)
+    path = session.kept.path
+    if (other := path.with_name(PROJECT if isinstance(session, Session) else CORRECTIONS)) != path:
+        print(f"{other}: is of another picture: kept, not opened")
+    print(f"Draw at {server.address}\nEnd it there, or with Ctrl+C: {path} keeps what is drawn.", flush=True)
     if browser:
         webbrowser.open(server.address)
     try:

@@ -1,11 +1,17 @@
 // What both pages have: buttons above the picture, writing and closing, and keys that are the same on both.
 import { fit, zoom } from './canvas.js';
-import { ask, changed, edit, find, onChange, redo, save, state, undo } from './state.js';
+import { ask, changed, edit, find, hurry, loses, onChange, redo, save, state, undo } from './state.js';
 
 const get = (id) => document.getElementById(id);
 function whole() { fit(); changed(); }
 
-async function write() {
+let writing = Promise.resolve();
+function write() { // one after the other: what is written last is the newest
+  writing = writing.then(writeOnce);
+  return writing;
+}
+async function writeOnce() { // whether it was written
+  let written = false;
   await save();
   try {
     if (state.solved.camera?.factor) throw new Error('Say first how high the camera is: a button answers the question here.');
@@ -17,10 +23,12 @@ async function write() {
     get('written').hidden = false;
     get('written').scrollIntoView({ block: 'start' });
     state.trouble = '';
+    written = true;
   } catch (error) {
     state.trouble = error.message;
   }
   changed();
+  return written;
 }
 
 // In the picture before all others, or behind them, whatever is nearer.
@@ -43,12 +51,22 @@ export function bindFrame() {
   get('object').addEventListener('submit', (event) => event.preventDefault());
   get('write').addEventListener('click', write);
   get('close').addEventListener('click', async () => {
-    await write();
-    if (state.trouble) return;
-    await ask('close', {});
-    get('hint').textContent = 'Done: this page can be closed.';
+    if (!await write()) return;
+    try {
+      await ask('close', {});
+      get('hint').textContent = 'Done: this page can be closed.';
+    } catch (error) {
+      state.trouble = error.message;
+      changed();
+    }
   });
-  addEventListener('beforeunload', save);
+  addEventListener('beforeunload', (event) => {
+    if (document.activeElement.matches('input')) document.activeElement.blur(); // what is typed there is an edit
+    hurry();
+    if (loses()) event.preventDefault(); // the browser asks
+  });
+  addEventListener('pagehide', hurry);
+  document.addEventListener('visibilitychange', () => { if (document.hidden) hurry(); });
 }
 
 // A name that is proposed, as a button.

@@ -4,24 +4,24 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Annotated, Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter
 
-from plugins.eyes.mobile_sam import Embedded, MobileSam, Outlines
-from plugins.eyes.naming import name_outline
-from plugins.eyes.proposal import RoomView
-from plugins.eyes.proposers.ssd import find_boxes
-from plugins.eyes.ssd import Box
-from plugins.eyes.ssd import overlap as overlap_boxes
-from plugins.eyes.weights import ALL, is_there
-from plugins.names.observed import Observed, classify
-from plugins.names.propose import Names, propose_names
+from stages.config.weights import ALL, is_there
 from stages.contracts import InputError
 from stages.contracts.files import Contract
 from stages.contracts.parts import says_opening
 from stages.contracts.types import Outline, Pixel, PixelCoordinate
-from stages.geometry.masks import Mask, outline_mask, pixel_bounds, polygons
+from stages.geometry.masks import PIECES, Mask, outline_pieces, pixel_bounds, polygons
+from stages.perception.classification.naming import name_outline
+from stages.perception.classification.propose import Names, observe_looks, propose_names
+from stages.perception.segmentation.choosing import ON_WALL, share
+from stages.perception.segmentation.mobile_sam import Embedded, MobileSam, Outlines
+from stages.perception.segmentation.proposal import RoomView
+from stages.perception.segmentation.ssd import Box, find_boxes
+from stages.perception.segmentation.ssd import overlap as overlap_boxes
 
 LACKING = "a click outlines things once the networks' weights are there: make weights"
 LIKE_BEST = 0.1  # by which the score of a larger outline may lie below the best: wholes before parts; on 26 things
@@ -29,11 +29,12 @@ SAME = 0.7  # IoU from which an outline is that of a thing that COCO's network h
 GOOD = 0.75  # least score of an outline by several clicks; chosen
 COVERS = 0.9  # share of what was outlined before that a further click keeps; chosen
 LEFT = 0.1  # share of what was outlined that a click which takes away leaves; chosen
+ALIKE = 0.5  # share of the size of one of two alike things that the other has at least; chosen
+BESIDE = 0.1  # IoU of boxes around two of them at most; chosen
+BOTH = 0.8  # IoU from which two of them are what both were taken for; chosen
 SAME_BOX = 0.5  # IoU from which a box of COCO's network says what an outline is; chosen
 SURE = 0.4  # least probability of a name that is taken, among those of the library; chosen
 NAMES = 5  # that are proposed; chosen
-CORNERS = 1000  # of an outline, as `stages.contracts.types.Outline`
-PIECES = 50  # of an outline, as `DrawnObject.pieces`
 OUTLINES = TypeAdapter(Annotated[list[Outline], Field(max_length=PIECES + 1)])
 Click = tuple[PixelCoordinate, PixelCoordinate, bool]  # x, y, whether it adds; else it takes away
 
@@ -107,7 +108,8 @@ class Clicker:
 
         Unless the others are nearly the same: then a thing lies there on what was found, as a candle on a table.
         """
-        guesses = [mask for mask, _ in self._rank(self.seen.picture.outline_points([point]))]
+        whole, *parts = self._guess(point)
+        guesses = sorted([whole, *parts], key=lambda part: not self._is_of_pair(part, whole))
         x, y = round(point[0]), round(point[1])
         for known in sorted((one for one in self.seen.outlines if one[y, x]), key=lambda one: one.sum()):
             others = [mask for mask in guesses if overlap(mask, known) < SAME]
@@ -115,6 +117,27 @@ class Clicker:
                 agree = len(others) == 2 and overlap(*others) >= SAME
                 return [*guesses, known] if agree else [known, *guesses]
         return guesses
+
+    def _guess(self, point: tuple[float, float]) -> list[Mask]:
+        """Guesses (H, W) at one click, wholes before parts."""
+        return [mask for mask, _ in self._rank(self.seen.picture.outline_points([point]))]
+
+    def _is_of_pair(self, part: Mask, whole: Mask) -> bool:
+        """Whether a guess is one of two things of about one size that hang beside each other, flat on a wall, and
+        another is both. Without depth nobody knows: the doors of a cupboard look so, too."""
+        rest = whole & ~part
+        if self.room is None or not rest.any():
+            return False
+        if share(self.room.surfaces.beyond, whole & (self.room.depth > 0)) <= ON_WALL:
+            return False
+        distance = cv2.distanceTransform(rest.astype(np.uint8), cv2.DIST_L2, 3)
+        y, x = np.unravel_index(distance.argmax(), distance.shape)
+        return bool(part.any()) and any(
+            ALIKE < other.sum() / part.sum() < 1 / ALIKE
+            and overlap_boxes(pixel_bounds(other), pixel_bounds(part)) < BESIDE
+            and overlap(other | part, whole) > BOTH
+            for other in self._guess((float(x), float(y)))
+        )
 
     def _outline_together(self, clicks: list[Click], before: Mask) -> list[Mask]:
         """Good guesses at the one thing of several clicks, which keep what was outlined before."""
@@ -137,7 +160,7 @@ class Clicker:
         words = self._words(mask)
         if self.room is not None:
             return name_outline(self.room, mask, words)
-        return propose_names(Observed(None, classify(self.rgb, mask)), words or None)
+        return propose_names(observe_looks(self.rgb, mask), words or None)
 
     def _words(self, mask: Mask) -> dict[str, float]:
         """COCO's classes, with their scores, of the box that agrees with a mask best."""
@@ -197,12 +220,6 @@ class Clicked:
         if self.clicker is None:
             raise InputError("the picture", "was not looked at.", "make weights", code="E-WEIGHTS-MISSING")
         return self.clicker
-
-
-def outline_pieces(mask: Mask) -> list[list[list[int]]]:
-    """Outlines of a mask's pieces, the largest first."""
-    rings = [points[:: 1 + (len(points) - 1) // CORNERS] for points in outline_mask(mask)]
-    return [points for points in rings if len(points) > 2][: PIECES + 1]
 
 
 def overlap(one: Mask, other: Mask) -> float:

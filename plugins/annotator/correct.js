@@ -81,12 +81,19 @@ const mending = (item, cures) => cures.flatMap(({ text, of, set, model }) => {
 });
 function doubts() {
   const all = things().flatMap((item) => doubtsOf(item).map((doubt) => ({ item, doubt })));
-  all.sort((one, other) => other.doubt.grave - one.doubt.grave); // what is odd about where and how large it stands comes first
+  all.sort((one, other) => other.doubt.harm - one.doubt.harm);
   const lines = all.map(({ item, doubt }) => doubtLine(item, doubt));
   get('in-doubt').hidden = !lines.length;
   const [many, about] = [[lines.length, 'doubt'], [new Set(all.map(({ item }) => item)).size, 'thing']].map(([count, what]) => `${count} ${what}${count === 1 ? '' : 's'}`);
   get('in-doubt').querySelector('summary').textContent = `${many} about ${about}; a click leads to what mends it`;
   get('in-doubt').querySelector('ul').replaceChildren(...lines);
+}
+
+// What was said of things that are not found any more, until it is forgotten.
+function listUnmatched() {
+  const lines = state.project.unmatched.map(({ key, text }) => line(text, ' ', proposal('forget it', false, () => edit((project) => { project.unmatched = project.unmatched.filter((one) => one.key !== key); }))));
+  get('unmatched').hidden = !lines.length;
+  get('unmatched').querySelector('ul').replaceChildren(...lines);
 }
 
 function take(mask) {
@@ -101,6 +108,7 @@ function panel() {
   get('trouble').hidden = !state.trouble;
   [get('undo').disabled, get('redo').disabled] = undoable().map((possible) => !possible);
   for (const tool of document.querySelectorAll('[data-tool]')) tool.setAttribute('aria-pressed', String(tool.dataset.tool === state.tool));
+  listUnmatched();
   doubts();
   listOffers(take);
   get('objects').replaceChildren(...state.project.objects.map((item) => {

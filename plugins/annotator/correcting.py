@@ -9,19 +9,18 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.annotator.bare import is_bare, read_bare, view_room, write_masks
 from plugins.annotator.clicking import Clicked
 from plugins.annotator.cures import Cure, find_beneath, list_cures, match_walls
-from plugins.annotator.drawing import Drawing, Thing, name_drawn
-from plugins.annotator.fronts import extents, jpeg, rectify_front
+from plugins.annotator.fronts import jpeg, rectify_front
+from plugins.annotator.kept import Kept
 from plugins.annotator.last_run import LastRun, describe_doubt, read_last_run
+from plugins.annotator.said import Said, find_changes
 from plugins.annotator.session import Answer
-from plugins.annotator.write import tint_picture
-from plugins.eyes.proposal import RoomView
-from plugins.inputs.own_scene import is_clone, to_run
-from stages.contracts import InputError, read_json, write_json
-from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
+from plugins.annotator.shown import Drawing, Thing, is_bare, name_drawn, read_bare, view_room, write_masks
+from stages.contracts import InputError
+from stages.contracts.corrections import Correction, Corrections
 from stages.contracts.doubt import Doubt
+from stages.contracts.hand import PROJECT, hand_folder
 from stages.contracts.objects import Wall, object_ids
 from stages.contracts.parts import says_opening
 from stages.contracts.scene_input import read_scene_input
@@ -35,12 +34,15 @@ from stages.extraction.corrected_masks import (
     apply_corrections,
     correct_masks,
     find_corners,
-    is_drawn,
     list_found,
     list_losses,
     paint_masks,
 )
+from stages.geometry.boxes import extents
 from stages.geometry.masks import outline_mask
+from stages.perception.drawing.write import tint_picture
+from stages.perception.segmentation.proposal import RoomView
+from stages.perception.write import is_clone, to_run
 
 STILL = (0.0, 0.0)  # metres: not moved by hand
 
@@ -71,8 +73,11 @@ class Correcting(Clicked):
     def __post_init__(self) -> None:
         self.given = read_bare(self.folder) if is_bare(self.folder) else read_scene_input(self.folder)
         self.found = list_found(self.given.annotations)
-        things = read_things(self.folder)
+        drawn = any((place / PROJECT).is_file() for place in (self.folder, hand_folder(self.folder)))
+        things = None if drawn else read_things(self.folder)  # the drawing page takes them
         self.left_out = {item.mask: item for item in things.left_out if item.mask not in self.found} if things else {}
+        self._said = Said(self.folder)
+        self.kept = Kept(self._said.path)
         self._cut = Cutter(self.given.rgb)
         height, width = self.given.masks.shape
         self._moved: dict[int, tuple[float, float]] = {}  # by hand, before the page was opened
@@ -95,15 +100,15 @@ class Correcting(Clicked):
         Raises:
             InputError: what was saved is broken.
         """
-        path = self.folder / CORRECTIONS
-        saved = read_json(Corrections, path, "mend or delete it").objects if path.is_file() else []
-        things = apply_corrections(self.found, {item.mask: item for item in saved})
+        corrections, unmatched = self._said.read(self.given.masks)
+        things = apply_corrections(self.found, corrections)
         # ids stay, whatever a thing is called: as found, or `drawn_<mask>`
         ids = dict(zip(self.found, object_ids(item.label or "" for item in self.found.values()), strict=True))
         found = set(np.unique(self.given.masks).tolist())
-        shown = {mask: item for mask, item in things.items() if mask in found or is_drawn(item)}
+        shown = {mask: item for mask, item in things.items() if mask in found or item.is_drawn}
         return Drawing(
-            objects=[Thing(id=ids.get(mask, name_drawn(mask)), **item.model_dump()) for mask, item in shown.items()]
+            objects=[Thing(id=ids.get(mask, name_drawn(mask)), **item.model_dump()) for mask, item in shown.items()],
+            unmatched=unmatched,
         )
 
     def corrections(self, drawing: Drawing) -> Corrections:
@@ -113,17 +118,12 @@ class Correcting(Clicked):
         shown -= {mask for item in drawing.objects for mask in item.joins}
         corrections = [Correction(mask=mask, gone=True) for mask in self.found if mask in shown and mask not in things]
         for mask, item in things.items():
-            before = self.found.get(mask, Correction(mask=mask))
-            changes = {
-                name: value
-                for name, value in item.model_dump(exclude={"id", "mask", "gone"}, exclude_defaults=True).items()
-                if getattr(item, name) != getattr(before, name)
-            }
-            if before.mounting is not None and item.mounting is None:
-                changes["mounting"] = MEASURED
+            changes = find_changes(self.found.get(mask, Correction(mask=mask)), item)
             if changes or mask not in self.found:
                 corrections.append(Correction.model_validate({"mask": mask, **changes}))
-        return Corrections(objects=corrections)
+        labels = {mask: item.label or "" for mask, item in self.found.items()}
+        labels |= {mask: item.names[0].name for mask, item in self.left_out.items() if item.names}
+        return self._said.state(corrections, drawing.unmatched, self.given.masks, labels)
 
     def start(self) -> Answer:
         """What the page begins with."""
@@ -139,10 +139,11 @@ class Correcting(Clicked):
             if item.doubts
         }
         height, width = self.given.masks.shape
+        about = {"picture": self.given.camera.picture or self.scene, "width": width, "height": height}
         return {
-            "project": {"picture": self.scene, "width": width, "height": height, **drawing.model_dump(mode="json")},
+            "project": about | drawing.model_dump(mode="json"),
             "categories": [*self.categories, FLOOR, WALL],
-            "folder": str(self.folder / CORRECTIONS),
+            "folder": str(self.kept.path),
             "made": doubts | self.made.describe_things(cure),
             "pictured": self.made.picture is not None,
             "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in known else None),
@@ -220,7 +221,7 @@ class Correcting(Clicked):
         return paint_masks({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)
 
     def _drawing(self, body: Any) -> Drawing:
-        return Drawing.model_validate({"objects": body["objects"]})
+        return Drawing.model_validate({key: body[key] for key in Drawing.model_fields})
 
     def solve(self, body: Any) -> Answer:
         """Bounds and outlines of every region, and the sides of what stands there, as it will after the next run."""
@@ -259,17 +260,17 @@ class Correcting(Clicked):
         return rectify_front(self.given.rgb, points, *extents(points))
 
     def save(self, body: Any) -> Answer:
-        """Keep the corrections; where nothing is corrected there is no file."""
-        corrections = self.corrections(self._drawing(body))
-        path = self.folder / CORRECTIONS
-        if corrections.objects:
-            write_json(path, {"version": 1, **corrections.model_dump(mode="json", exclude_defaults=True)})
-        else:
-            path.unlink(missing_ok=True)
+        """Keep the corrections; where nothing ever was corrected there is no file."""
+        self._keep(self._drawing(body))
         return {}
 
+    def _keep(self, drawing: Drawing) -> None:
+        told = self.corrections(drawing)
+        if told.is_any or self.kept.path.is_file():  # one in which all is taken back tells by its age what changed
+            self.kept.write(told.as_document())
+
     def write(self, body: Any) -> Answer:
-        """Keep the corrections, and say what they change.
+        """Say what corrections that were saved change; a folder without masks gets them.
 
         Raises:
             InputError: no object is left.
@@ -281,10 +282,12 @@ class Correcting(Clicked):
                 str(self.folder), "no object is left.", "draw a box around at least one", code="E-SCENE-EMPTY"
             )
         if is_bare(self.folder):
-            write_masks(self.folder, self.given, masks, annotations)
-            self.given = read_scene_input(self.folder)
-            self.found = list_found(self.given.annotations)
-        self.save(body)
+            with self.kept.lock:
+                latest = self.open_drawing()  # more may have been saved by now
+                write_masks(self.folder, self.given, masks, annotations)
+                self.given = read_scene_input(self.folder)
+                self.found = list_found(self.given.annotations)
+                self._keep(latest)
         ordered = sorted(annotations.objects, key=lambda item: item.mask)
         ids = object_ids(item.label for item in ordered)
         return {"ids": ids, "notes": notes, "command": self.command(), "folder": str(self.folder)}

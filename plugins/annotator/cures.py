@@ -12,9 +12,9 @@ from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Objects, Wall
 from stages.contracts.types import FLOOR, WALL
 from stages.geometry.cameras import PointMap
+from stages.geometry.masks import look_below
 
 NEAR = 0.02  # share of the picture's height within which something lies just below a thing; chosen
-SHARE = 0.5  # of a thing's columns below which the same thing lies that may carry it; chosen
 APART = 0.3  # metres: a mask whose points lie farther from every wall of the run shows another one; chosen
 Cure = dict[
     str, Any
@@ -23,16 +23,7 @@ Cure = dict[
 
 def find_beneath(masks: NDArray[np.uint16], value: int) -> int | None:
     """What the picture (H, W) shows just below most of a thing; None: not one thing."""
-    own, height = masks == value, len(masks)
-    columns = np.flatnonzero(own.any(axis=0))
-    rows = height - 1 - own[::-1, columns].argmax(axis=0)
-    below = np.zeros(len(columns), dtype=masks.dtype)
-    for step in range(1, 2 + round(NEAR * height)):
-        at = np.minimum(rows + step, height - 1)
-        below = np.where(below == 0, np.where(masks[at, columns] == value, 0, masks[at, columns]), below)
-    counts = np.bincount(below)
-    counts[:1] = 0
-    return int(counts.argmax()) if len(columns) and counts.max() >= SHARE * len(columns) else None
+    return look_below(masks, value, range(1, 2 + round(NEAR * len(masks)))) or None
 
 
 def match_walls(

@@ -1,6 +1,7 @@
 // What lies over the picture, as SVG.
 import { area, dots, element, frame, line, name, unit } from './canvas.js';
 import { marks } from './clicks.js';
+import { drawOffers } from './offers.js';
 import { find, isWall, nameOf, state } from './state.js';
 
 // A handle is named `kind/which/point`; what it moves is found in tools.js.
@@ -56,7 +57,7 @@ function objects() {
     const kind = state.chosen === one.id ? 'outline quiet' : 'outline quiet other';
     for (const points of [one.outline ?? [], ...one.pieces ?? []]) if (points.length > 2) parts.push(area(points, kind));
   }
-  parts.push(...names);
+  parts.push(...drawOffers(), ...names);
   const item = state.chosen && !isWall(state.chosen) ? find(state.chosen) : null;
   if (item && state.step === 'objects') {
     item.points.forEach((point, k) => parts.push(handle(`object/${item.id}/${k}`, point)));

@@ -7,25 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.boxes import UprightBox, corners
-from stages.geometry.frames import yaw_matrix
-
 LONGEST = 400  # pixels of its longer side
-# Corners of the faces +x, +y, -x, -y of a box (lower left, lower right, upper right, upper left), of its top and foot.
-FACES = ((1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (0, 1, 5, 4), (4, 5, 6, 7), (0, 1, 2, 3))
-
-
-def front_corners(box: UprightBox, facing: float) -> NDArray[np.float64]:
-    """Corners (4, 3) of the side that looks most along a direction about z: lower left, lower right, upper right and
-    upper left as whoever faces it sees them."""
-    ahead = yaw_matrix(box.yaw).T @ yaw_matrix(facing)[:, 0]
-    side = int(np.argmax([ahead[0], ahead[1], -ahead[0], -ahead[1]]))
-    return corners(box)[list(FACES[side])]
-
-
-def extents(points: NDArray[np.float64]) -> tuple[float, float]:
-    """Width and height between corners (4, D)."""
-    return float(np.linalg.norm(points[1] - points[0])), float(np.linalg.norm(points[3] - points[0]))
 
 
 def rectify_front(rgb: NDArray[np.uint8], pixels: NDArray[np.float64], width: float, height: float) -> dict[str, Any]:

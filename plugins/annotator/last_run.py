@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plugins.annotator.cures import Cure
-from plugins.annotator.fronts import FACES, extents, front_corners
-from plugins.report.doubts import collect_doubts
+from plugins.report.doubts import collect_doubts, measure_side
 from plugins.report.snapshots import Snapshots, views_of
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
 from stages.contracts.corrections import Correction
@@ -22,19 +21,19 @@ from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import SceneObject, Wall
 from stages.contracts.types import Pixel
 from stages.extraction.reflections import NICHE
-from stages.geometry.boxes import UprightBox, corners, is_behind
+from stages.geometry.boxes import FACES, UprightBox, corners, extents, front_corners, is_behind
 from stages.geometry.cameras import project
 from stages.geometry.frames import invert_transform, transform_points
 
-GRAVE = ("affordance", "place", "size")  # causes of doubts that are listed before the others
 MAX_MODELS = 24  # models that can be chosen, nearest first
 
 
-def describe_doubt(doubt: Doubt | str, cures: Sequence[Cure] = ()) -> dict[str, Any]:
-    """A doubt, or why there is nothing to doubt, as the page shows it, and what one click does against it."""
-    cause, text = (doubt.cause, doubt.what) if isinstance(doubt, Doubt) else ("", doubt)
+def describe_doubt(doubt: Doubt | str, cures: Sequence[Cure] = (), side: float = 1.0) -> dict[str, Any]:
+    """A doubt, or why there is nothing to doubt, as the page shows it, and what one click does against it; `side`:
+    that of the thing (`measure_side`)."""
+    cause, text, chance = (doubt.cause, doubt.what, doubt.chance) if isinstance(doubt, Doubt) else ("", doubt, 1.0)
     leads = "affordance" if doubt == DoubtKind.NO_FIT.of() else cause  # to the models
-    return {"text": text, "cause": cause, "leads": leads, "grave": cause in GRAVE, "cures": cures}
+    return {"text": text, "cause": cause, "leads": leads, "harm": chance * side, "cures": cures}
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,8 @@ class LastRun:
         for one in found:
             offered = [each for doubt in doubts for each in doubt["cures"]]  # each click stands once
             cures = cure(one, item.mask) if isinstance(one, Doubt) else []
-            doubts.append(describe_doubt(one, [each for each in cures if each not in offered]))
+            new = [each for each in cures if each not in offered]
+            doubts.append(describe_doubt(one, new, measure_side(item, placed)))
         about: dict[str, Any] = {"id": item.id, "label": item.label, "doubts": doubts}
         if placed is None or placed.status == "failed":
             return about

@@ -1,11 +1,15 @@
-// What was found and left out of the scene: dashed outlines with a guess, of which a click takes one.
+// What was found and left out of the scene or drawing: dashed outlines with a guess, of which a click takes one.
 import { area, corner, element, name } from './canvas.js';
 import { state } from './state.js';
 
 const get = (id) => document.getElementById(id);
 export const blank = (id, mask) => ({ id, mask, label: null, named: false, around: null, outline: [], pieces: [], layer: 0, joins: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null });
 
-const offers = () => state.offers.filter(({ mask }) => !state.project.objects.some((item) => item.mask === mask || item.joins.includes(mask)));
+// On the drawing page they are part of the drawing: { id, text, why, outlines }, on the other one with `mask` and more.
+const guessed = ({ id, names, outline, pieces, left_out: why }) => ({
+  id, text: `${names[0].name}, ${Math.round(100 * names[0].probability)} %`, why, outlines: [outline, ...pieces].filter((points) => points.length > 2),
+});
+const offers = () => state.project.left_out?.map(guessed) ?? state.offers.filter(({ mask }) => !state.project.objects.some((item) => item.mask === mask || item.joins.includes(mask)));
 
 // The thing that a click on an offer makes of it: with its first name.
 export function taken(mask) {
@@ -18,7 +22,7 @@ export function drawOffers() {
     const kind = `offer ${state.chosen === offer.id ? 'chosen' : ''}`.trim();
     const about = element('title', {}, [`${offer.text}: ${offer.why}. Click to take it.`]);
     const outlines = offer.outlines.map((points) => area(points, 'face'));
-    return [element('g', { class: kind, 'data-offer': offer.mask }, [about, ...outlines]), name(`${offer.text}?`, corner(offer.outlines))];
+    return [element('g', { class: kind, 'data-offer': offer.mask ?? offer.id }, [about, ...outlines]), name(`${offer.text}?`, corner(offer.outlines))];
   });
 }
 
@@ -28,7 +32,7 @@ export function listOffers(take) {
     button.type = 'button';
     button.textContent = `${offer.text}: ${offer.why}`;
     button.setAttribute('aria-pressed', String(state.chosen === offer.id));
-    button.addEventListener('click', () => take(offer.mask));
+    button.addEventListener('click', () => take(offer.mask ?? offer.id));
     entry.append(button);
     return entry;
   });

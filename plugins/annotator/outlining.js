@@ -1,6 +1,6 @@
 // What the drawing page makes of a click: an object with its outline, its name, and the box that it would be in.
 import { end, clicked, outlined } from './clicks.js';
-import { ask, copy, edit, find, freeId, state } from './state.js';
+import { ask, changed, copy, edit, find, freeId, state } from './state.js';
 
 const others = (id) => ({ ...copy(state.project), objects: state.project.objects.filter((item) => item.id !== id) });
 // A box stays as proposed until a person has drawn it or said what it is on; likewise a name.
@@ -24,6 +24,23 @@ export const page = {
     return id;
   },
 };
+
+// What was left out is drawn by a click, under its first name.
+export async function take(id) {
+  const { left_out: why, ...found } = state.project.left_out.find((one) => one.id === id), label = found.names[0].name;
+  try {
+    const box = await place(null, page.outlines(found), label);
+    if (find(id)) return; // by a click before this one
+    edit((project) => {
+      project.left_out = project.left_out.filter((one) => one.id !== id);
+      project.objects.push({ ...found, free: false, round: false, doors: 0, drawers: 0, label, ...box });
+    });
+    state.chosen = id;
+    state.next = 'auto';
+    state.trouble = '';
+  } catch (error) { state.trouble = error.message; }
+  changed();
+}
 
 // Another name has other usual sizes: its box is proposed anew, as part of the same step.
 export async function named(item) {

@@ -5,7 +5,8 @@ import { ask, carried, changed, copy, edit, find, freeId, isWall, nameOf, onChan
 import { begin } from './canvas.js';
 import { bindFront, closed, front, typed } from './fronts.js';
 import { draw } from './drawing.js';
-import { named } from './outlining.js';
+import { listOffers } from './offers.js';
+import { named, take } from './outlining.js';
 import { choose, hint, step } from './tools.js';
 
 const SIDES = ['wide', 'deep', 'high'];
@@ -82,6 +83,7 @@ function panel() {
     const size = solved.boxes[item.id]?.size;
     return size ? `${nameOf(item)}: ${size.map((side, k) => `${metres(side)} ${SIDES[k]}`).join(' × ')}` : nameOf(item);
   });
+  listOffers(take);
   const carriers = [['floor', 'the floor'], ...project.walls.map((item) => [item.id, item.id.replace('_', ' ')])];
   const others = project.objects.map((item) => [item.id, nameOf(item)]);
   if (state.next !== 'auto' && state.next !== 'floor' && !find(state.next)) state.next = 'auto';
@@ -91,7 +93,7 @@ function panel() {
   get('object').hidden = !item;
   if (!item) return;
   fill('label', item.label);
-  get('proposals').replaceChildren(...(state.proposals[item.id] ?? []).map((text) => proposal(text, item.label === text, () => { edit(() => { item.label = text; }); named(item); })));
+  get('proposals').replaceChildren(...(state.proposals[item.id] ?? item.names?.map((one) => one.name) ?? []).map((text) => proposal(text, item.label === text, () => { edit(() => { item.label = text; }); named(item); })));
   options(get('on'), [...carriers, ...others.filter(([id]) => id !== item.id)], item.on);
   fill('doors', item.doors || 0);
   fill('drawers', item.drawers || 0);

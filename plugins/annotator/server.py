@@ -13,8 +13,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from plugins.annotator.correcting import Correcting
+from plugins.annotator.kept import OutdatedError
 from plugins.annotator.session import Session
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, explain
 from stages.contracts.files import first_error
 from stages.contracts.system import line_of
 
@@ -24,7 +25,8 @@ PAGES = {
     "page.css": ("page.css", "text/css; charset=utf-8"),
     **{name: (name, "text/javascript; charset=utf-8") for name in SCRIPTS},
 }
-WRITES = {"save", "write"}
+NEWEST = {"save", "write", "close"}  # what only the newest page may ask for
+OPENED_AGAIN = "this drawing was opened again in another tab: go on there, or reload this one"
 MAX_REQUEST = 2_000_000  # bytes of a request: no drawing comes near
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; base-uri 'none'"
@@ -89,8 +91,7 @@ class Handler(BaseHTTPRequestHandler):
             elif name == "made.png" and isinstance(session, Correcting):
                 self._reply(200, "image/png", session.read_last_picture())
             elif name == "start":
-                self.server.opened += 1
-                self._json(200, {**session.start(), "page": self.server.opened})
+                self._json(200, self.server.open_page())
             elif name == "ready":
                 self._json(200, session.ready())
             elif name == "preview.jpg":
@@ -109,9 +110,6 @@ class Handler(BaseHTTPRequestHandler):
         session = self.server.session
         if name not in session.posts:
             return self._refuse(404, "no such page")
-        newest = self.headers.get("X-Page", "1") == str(self.server.opened or 1)
-        if name in WRITES and not newest:
-            return self._refuse(409, "this drawing was opened again in another tab: go on there, or reload this one")
         length = self.headers.get("Content-Length", "")
         if not re.fullmatch("[0-9]{1,18}", length):
             return self._refuse(400, "the length of the drawing is no number")
@@ -121,19 +119,38 @@ class Handler(BaseHTTPRequestHandler):
             return self._refuse(415, "not JSON")
         try:
             body = json.loads(self.rfile.read(int(length)))
-            with self.server.lock:
-                answer = getattr(session, name)(body)
+            answer = self._answer(name, body)
+        except OutdatedError as error:
+            return self._refuse(409, str(error))
         except InputError as error:
             return self._refuse(400, str(error))
         except ValidationError as error:
             return self._refuse(400, f"the drawing breaks its contract at {first_error(error)}")
         except (ValueError, KeyError, TypeError, RecursionError) as error:
-            return self._refuse(400, f"not a drawing ({error.__class__.__name__})")
+            return self._refuse(400, f"not a drawing ({explain(error)})")
         except (OSError, MemoryError) as error:
             return self._fail(error)
         self._json(200, answer)
         if session.finished:
             Thread(target=self.server.shutdown).start()  # from this thread it would wait for itself
+
+    def _answer(self, name: str, body: Any) -> Any:
+        """What the session answers; saving does not wait for what is computed."""
+        server, session = self.server, self.server.session
+        if name in NEWEST:
+            with session.kept.lock:
+                if self.headers.get("X-Page", "1") != str(server.opened or 1):
+                    raise OutdatedError(OPENED_AGAIN)
+                if name == "close":
+                    return session.close(body)
+                edits = int(self.headers.get("X-Edits", server.edits))
+                if edits >= server.edits:  # else it was overtaken by a newer one
+                    session.save(body)
+                    server.edits = edits
+            if name == "save":
+                return {}
+        with server.lock:
+            return getattr(session, name)(body)
 
 
 class PageServer(ThreadingHTTPServer):
@@ -147,6 +164,14 @@ class PageServer(ThreadingHTTPServer):
         self.token = secrets.token_urlsafe(24)
         self.lock = Lock()
         self.opened = 0  # pages: only the newest may write
+        self.edits = 0  # of the newest page, that are saved
+
+    def open_page(self) -> dict[str, Any]:
+        """What a page begins with, which is the newest from now on."""
+        with self.session.kept.lock:
+            self.opened, self.edits = self.opened + 1, 0
+            self.session.kept.look()
+            return {**self.session.start(), "page": self.opened}
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A page that was closed or reloaded in the middle of an answer is no error."""

@@ -11,22 +11,22 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from plugins.annotator.clicking import OUTLINES, Clicked
-from plugins.annotator.fronts import FACES, extents, front_corners, jpeg, rectify_front
-from plugins.annotator.outlined import propose_box, weigh_names
-from plugins.annotator.paint import find_hidden, paint
-from plugins.annotator.project import PROJECT, DrawnObject, Project
-from plugins.annotator.solve import Solved
-from plugins.annotator.support import support_at
-from plugins.annotator.write import finish_drawing, side_angle, tint_picture, write_folder
-from plugins.inputs.own_scene import is_clone, to_run
-from plugins.inputs.photo.metrology import View, WallPlane
-from plugins.inputs.photo.perspective import find_weak_lines, horizon, vanishing_point
-from plugins.inputs.photo.picture import Photo
-from plugins.inputs.photo.segments import propose, usual_focal
-from plugins.names.propose import Names
-from stages.contracts import Camera, InputError, read_json, write_json
+from plugins.annotator.fronts import jpeg, rectify_front
+from plugins.annotator.kept import Kept
+from stages.contracts import Camera, InputError, read_json
+from stages.contracts.hand import PROJECT, find_hand_file
 from stages.contracts.types import Pixel
-from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.boxes import FACES, UprightBox, corners, extents, front_corners
+from stages.perception.camera.metrology import View, WallPlane
+from stages.perception.camera.perspective import find_weak_lines, horizon, propose, usual_focal, vanishing_point
+from stages.perception.classification.propose import Names
+from stages.perception.drawing.outlined import propose_box, support_at, weigh_names
+from stages.perception.drawing.paint import find_hidden, paint
+from stages.perception.drawing.project import DrawnObject, Project
+from stages.perception.drawing.solve import Solved
+from stages.perception.drawing.write import finish_drawing, side_angle, tint_picture, write_folder
+from stages.perception.read.photo import Photo
+from stages.perception.write import check_folder, is_clone, to_run
 
 UNSEEN = "nothing of it would be seen in the picture: it lies behind something, or outside; it is left out"
 UNCOUNTED = "opens: how many doors and drawers has it?"
@@ -63,6 +63,8 @@ class Session(Clicked):
         grey = cv2.cvtColor(self.photo.rgb, cv2.COLOR_RGB2GRAY)
         prior = usual_focal(width, height, self.photo.focal)
         self._proposed = propose(np.asarray(grey, dtype=np.uint8), prior)
+        self.kept = Kept(find_hand_file(self.folder, PROJECT, lambda: self.photo.digest))
+        check_folder(self.folder, self.photo.digest)
 
     @property
     def rgb(self) -> NDArray[np.uint8]:
@@ -72,23 +74,28 @@ class Session(Clicked):
     def start_drawing(self) -> Project:
         """A drawing with nothing in it but the proposed perspective."""
         height, width = self.photo.rgb.shape[:2]
-        project = Project(picture=self.name, width=width, height=height, perspective=self._proposed)
+        about = {"picture": self.name, "digest": self.photo.digest, "width": width, "height": height}
+        project = Project.model_validate(about | {"perspective": self._proposed})
         if self.depth is not None:
             project.scale.kind = "depth"
         return project
 
     def open_drawing(self) -> Project:
-        """The drawing that was saved, or a fresh one.
+        """The drawing that was saved, that of the networks, or a fresh one.
 
         Raises:
-            InputError: what was saved is broken, or of a picture of another size.
+            InputError: what was saved is broken, or of another picture.
         """
-        path = self.folder / PROJECT
-        if not path.is_file():
-            return self.start_drawing()
-        project = read_json(Project, path, "move it away to begin anew")
+        mend = "move it away to begin anew"
+        for path in filter(Path.is_file, (self.kept.path, self.folder / PROJECT)):
+            project = read_json(Project, path, mend)
+            if path == self.kept.path or project.digest == self.photo.digest:
+                return self._check(project, path, mend)
+        return self.start_drawing()
+
+    def _check(self, project: Project, where: object, mend: str) -> Project:
         height, width = self.photo.rgb.shape[:2]
-        return project.check_size(width, height, path, "give another --out, or move it away to begin anew")
+        return project.check_picture(self.photo.digest, width, height, where, mend)
 
     def start(self) -> Answer:
         """What the page begins with."""
@@ -122,8 +129,7 @@ class Session(Clicked):
         return jpeg(tint_picture(self.photo.rgb, painted.masks, [painted.values[item.id] for item in project.objects]))
 
     def _project(self, body: Any) -> Project:
-        height, width = self.photo.rgb.shape[:2]
-        return Project.model_validate(body).check_size(width, height, "drawing", "reload the page")
+        return self._check(Project.model_validate(body), "drawing", "reload the page")
 
     def solve(self, body: Any) -> Answer:
         """Where everything is, in metres and in pixels."""
@@ -136,7 +142,8 @@ class Session(Clicked):
 
     def save(self, body: Any) -> Answer:
         """Keep the drawing."""
-        write_json(self.folder / PROJECT, self._project(body).model_copy(update={"untouched": False}))
+        said = {"untouched": False, "digest": self.photo.digest, "picture": self.name}
+        self.kept.write(self._project(body).model_copy(update=said))
         return {}
 
     def support(self, body: Any) -> Answer:
@@ -175,10 +182,9 @@ class Session(Clicked):
         return rectify_front(self.photo.rgb, solved.view.project(points), *extents(points))
 
     def write(self, body: Any) -> Answer:
-        """Keep the drawing and write the input folder."""
-        project = self._project(body)
-        self.save(body)
-        written = write_folder(self.folder, self.photo.rgb, project, self.depth)
+        """Write the input folder of a drawing that was saved."""
+        project, solved = finish_drawing(self._project(body), self.depth)
+        written = write_folder(self.folder, self.photo.rgb, project, solved, self.depth)
         config = (self.folder if is_clone() else self.folder.resolve()) / "config.yaml"
         command = to_run(f"--cores 2 --configfile {config} -- pages")
         uncounted = [f"{written.ids[name]}: {UNCOUNTED}" for name in find_uncounted(project) if name in written.ids]

@@ -7,16 +7,20 @@ export const state = {
 const listeners = [];
 const past = [];
 const future = [];
-let asking = false, again = false, saving = 0, edits = 0;
+let asking = false, again = false, saving = 0, savedAt = 0;
+let edits = 0, kept = 0, failed = false; // changes so far, those that are saved, and whether saving them failed
 
 export const onChange = (listener) => listeners.push(listener);
 export const changed = () => listeners.forEach((listener) => listener());
 export const copy = (value) => JSON.parse(JSON.stringify(value));
 
+const LARGEST = 60000; // bytes: somewhat less than a browser still sends once a page is closed
+const isLarge = (text) => new Blob([text]).size > LARGEST;
 let page = 0; // which of all tabs this is: only the newest may write
-export async function ask(name, body) {
-  const headers = { 'Content-Type': 'application/json', 'X-Page': page };
-  const reply = await fetch(name, body === undefined ? {} : { method: 'POST', headers, body: JSON.stringify(body) });
+export async function ask(name, body, leaving = false) {
+  const headers = { 'Content-Type': 'application/json', 'X-Page': page, 'X-Edits': edits }, text = JSON.stringify(body);
+  const what = text === undefined ? {} : { method: 'POST', headers, body: text, keepalive: leaving && !isLarge(text) };
+  const reply = await fetch(name, what).catch(() => { throw new Error('the command that shows this page does not answer: was it ended?'); });
   const answer = await reply.json();
   if (!reply.ok) throw new Error(answer.error);
   page = answer.page ?? page;
@@ -68,9 +72,8 @@ function settle() {
 export function touch() {
   settle();
   edits += 1;
-  clearTimeout(saving);
-  document.getElementById('saved').textContent = '…';
-  saving = setTimeout(save, 250);
+  if (!failed) tell('…');
+  saving ||= setTimeout(save, Math.max(0, savedAt + 250 - Date.now())); // at once, but not with every step of a movement
   changed();
   solve();
 }
@@ -78,20 +81,34 @@ export function touch() {
 let sending = Promise.resolve();
 export function save() { // one after the other: what is saved last is the newest
   clearTimeout(saving);
+  saving = 0;
+  savedAt = Date.now();
   sending = sending.then(send);
   return sending;
 }
-async function send() {
+async function send(leaving) {
   const sent = edits;
   try {
-    await ask('save', state.project);
-    if (sent === edits) document.getElementById('saved').textContent = 'saved'; // else there is more to save by now
+    await ask('save', state.project, leaving);
+    kept = Math.max(kept, sent);
+    failed = false;
+    tell(kept === edits ? 'saved' : '…');
   } catch (error) {
-    document.getElementById('saved').textContent = 'NOT saved';
-    state.trouble = error.message;
-    changed();
+    failed = kept < edits;
+    if (failed) tell(`NOT saved: ${error.message}`);
   }
 }
+
+function tell(text) {
+  const saved = document.getElementById('saved');
+  saved.textContent = text;
+  saved.classList.toggle('failed', failed);
+}
+
+// What is not saved yet is sent, also if the page is closed.
+export function hurry() { if (kept < edits) send(true); }
+// Whether leaving loses something, as it is too large to be sent then, or cannot be saved.
+export const loses = () => kept < edits && (failed || isLarge(JSON.stringify(state.project)));
 
 function travel(from, to) {
   if (!from.length) return;

@@ -2,7 +2,7 @@
 import { frameKey, keyOf } from './both.js';
 import { ask, changed, copy, edit, find, freeId, isWall, nameOf, object, remember, remove, solve, state, touch, wall } from './state.js';
 import * as clicks from './clicks.js';
-import { page } from './outlining.js';
+import { page, take } from './outlining.js';
 import { move, pixel, zoom } from './canvas.js';
 import { draw } from './drawing.js';
 
@@ -157,9 +157,10 @@ svg.addEventListener('pointerdown', (event) => {
   if (event.button !== 0) return;
   if (state.tool === 'click') { state.draft = { kind: 'frame', points: [at, at] }; return; }
   if (state.tool !== 'select') { clicked(at, event.shiftKey); return; }
-  const item = event.target.closest('[data-object]')?.dataset.object;
+  const item = event.target.closest('[data-object]')?.dataset.object, offered = event.target.closest('[data-offer]')?.dataset.offer;
   state.handle = name ?? null;
-  if (name) press.handle = name;
+  if (offered) take(offered);
+  else if (name) press.handle = name;
   else if (item && item !== 'draft') { state.chosen = item; state.step = 'objects'; }
   else press.pan = true;
   changed();

@@ -6,6 +6,7 @@ differs from config.yaml, e.g. {"assets": {"counts": {"fridge": 12}}}.
 
 import json
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,13 @@ from plugins.films.writing import write_film
 from stages.assets import join, snapshots
 from stages.config.inputs import HOLDS, describe_missing, scene_of_folder
 from stages.config.model import Config, load, with_defaults
-from stages.config.packages import list_drawers, load_command, shards_of
+from stages.config.other_pictures import read_digest
+from stages.config.packages import load_command, shards_of
 from stages.config.reads import options_of
 from stages.config.sizes import fill_counts
-from stages.contracts.corrections import CORRECTIONS, corrections_of
+from stages.contracts.corrections import CORRECTIONS, read_corrections
 from stages.contracts.errors import InputError, suggest_nearest
+from stages.contracts.hand import digest_of_picture, find_hand_file
 from stages.contracts.library_folder import AssetFolders
 from stages.extraction import extract
 from stages.generation import generate
@@ -84,7 +87,8 @@ def make_scenes(
 ) -> list[Path]:
     """Find the objects of a picture, their cousins, and make the scene of every rank, into the folder `out`.
 
-    Beside scene_<rank>.json lie pictures (.png) and models to turn (.glb) of them, objects.json and cousins.json.
+    Beside scene_<rank>.json lie pictures (.png) and models to turn (.glb) of them, objects.json and cousins.json. What
+    stands there wears the picture's colors; of a room of `make_room` the library's.
 
     Args:
         picture: an input folder (docs/scenes.md); the scene is named after it, or after the folder that holds `input`.
@@ -94,7 +98,7 @@ def make_scenes(
         scene_1.json, scene_2.json, ...
 
     Raises:
-        InputError: the picture's folder is not there or lacks a file.
+        InputError: the picture's folder is not there or lacks a file; `out` holds what was made of another picture.
     """
     source, index, folder = Path(picture), Path(library), Path(out)
     settings = fill_counts(_settings(config), len(AssetFolders(index)))
@@ -104,8 +108,13 @@ def make_scenes(
         raise InputError("picture", f"{lacking[0]}.", mend, code="E-FILE-MISSING")
     scene, variant = scene_of_folder(source), settings.experiment.policy_variant
     image, objects, cousins = source / "rgb.png", folder / "objects.json", folder / "cousins.json"
-    files = tuple(path for path in [source / CORRECTIONS] if path.is_file())
-    corrections = {stage: files if corrections_of(files, stage) else () for stage in ("extraction", "generation")}
+    if read_digest(objects) not in ("", digest_of_picture(source)):
+        raise InputError(
+            objects, "is of another picture.", "choose another folder, or delete this one", code="E-PICTURE-OTHER"
+        )
+    kept = find_hand_file(source, CORRECTIONS, partial(digest_of_picture, source))
+    said = read_corrections(files := tuple(path for path in [kept] if path.is_file()))
+    corrections = {stage: files if said.read_by(stage).is_any else () for stage in ("extraction", "generation")}
     extract.run(
         input=source, scene=scene, out=objects, options=_options(settings, "extraction", "extract", scene=""),
         own=tuple(path for path in [source / "config.yaml"] if path.is_file()),
@@ -118,17 +127,17 @@ def make_scenes(
         features=tuple(_features(settings, variant, path) for path in shards),
         options=_options(settings, "matching", "match", variant=variant),
     )  # fmt: skip
+    placed = settings.generation_of(variant)
+    rendered = (source.parent / "truth.json").is_file()  # by `make_room`: it keeps the library's colors
     generate.run(
         cousins=cousins, objects=objects, library=index, variant=variant, out=folder,
         options=_options(settings, "generation", "generate", variant=variant), corrections=corrections["generation"],
-        image=(image,),
+        input=source,
+        image=() if rendered and placed.finish is None else (image,),
     )  # fmt: skip
-    scenes = tuple(folder / f"scene_{rank}.json" for rank in range(1, settings.generation_of(variant).ranks + 1))
+    scenes = tuple(folder / f"scene_{rank}.json" for rank in range(1, placed.ranks + 1))
     if settings.packages.get("pictures"):
-        look = tuple(list_drawers(settings.packages, "generation"))
-        load_command("pictures", "scenes")(
-            scenes=scenes, objects=objects, image=image, library=index, out=folder, look=look
-        )
+        load_command("pictures", "scenes")(scenes=scenes, objects=objects, image=image, library=index, out=folder)
     return list(scenes)
 
 

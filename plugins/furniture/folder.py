@@ -13,7 +13,7 @@ from plugins.furniture.robot import robot_of
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.resizing import SizedModel
 from stages.articulated.urdf_tree import THIN
-from stages.contracts.errors import InputError, ObjectError
+from stages.contracts.errors import InputError, ObjectError, explain
 from stages.contracts.files import first_error
 from stages.contracts.library import Asset, Recipe
 from stages.contracts.types import LARGEST
@@ -67,7 +67,7 @@ def generate(recipe: Recipe, size: Size | None = None) -> Model:
     except ValidationError as error:
         raise InputError(where, f"parameter {first_error(error)}.", code="E-RECIPE-PARAMETER") from None
     except (ValueError, IndexError, ArithmeticError, QhullError) as error:
-        reason = (str(error).splitlines() or [type(error).__name__])[0][:200]
+        reason = (str(error).splitlines() or [explain(error)])[0][:200]
         raise ObjectError(where, f"its parameters make no model: {reason}.", code="E-RECIPE-PARAMETER") from None
 
 

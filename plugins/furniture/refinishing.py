@@ -40,9 +40,14 @@ def refinish(recipe: Recipe, rng: np.random.Generator) -> Recipe:
 
 
 def paint(recipe: Recipe, color: RGB) -> Recipe:
-    """The recipe with what is seen most in another color, and shades of it as its shades; details stay as they are."""
+    """The recipe with what is seen most in another color, and shades of it as its shades; details stay as they are.
+
+    A plant stays as it is: an outline around leaves shows much of what is behind them.
+    """
     seen: dict[Finish, int] = defaultdict(int)
     known = dict.fromkeys(_list_finishes(recipe))
+    if any(each.material == "leaf" for each in known):
+        return recipe
     parts = list(parts_of(generate(recipe)))
     for part, pixels in zip(parts, count_pixels([part.mesh for part in parts]), strict=True):
         shaded = (each for each in known if _shade_of(part.finish, {each: each}))

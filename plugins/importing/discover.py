@@ -12,15 +12,24 @@ from plugins.importing.mjcf_file import root_tag
 from plugins.importing.naming import is_common, name_model, read_category, strip_name
 from plugins.importing.sandbox import run_in_fork
 from stages.contracts.categories import category_in
-from stages.contracts.category import split_words
 from stages.contracts.errors import escape_control
+from stages.contracts.words import count, list_plain_words
 
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")
 PAGE, PACK = "index.html", "pack.yaml"  # of the command `import`, in the folder that it writes
 WHOLE = {".urdf", ".xml"}  # models that name the meshes that they are made of
 UNREAD = {".sdf", ".world", ".xacro", ".usda"}  # likewise, of kinds that are not read: their meshes are parts, too
+FOREIGN = (  # all kinds that are not read
+    ".3ds", ".blend", ".fbx", ".kinbody.xml", ".sdf", ".skp", ".usd", ".usda", ".usdc", ".usdz", ".world", ".wrl",
+    ".xacro",
+)  # fmt: skip
+# What parts are called, and the folders that they lie in, beside a model that is not read.
+PART_WORDS = {"body", "collider", "collision", "door", "drawer", "hull", "link", "ucx"}
+PART_FOLDERS = {"collision", "collisions", "mesh", "meshes", "parts", "visual", "visuals"}
 NAMES = re.compile(rb"""file(?:name)?\s*=\s*["']([^"']+)["']|<uri>\s*([^<]+?)\s*</uri>|@([^@\n]+)@""")
+
+OWN_NAME = re.compile(rb"""<(?:robot|mujoco)\s[^>]*?\b(?:name|model)\s*=\s*["']([^"']*)""")
 
 
 class Found(NamedTuple):
@@ -40,7 +49,8 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
     above. A folder whose name says nothing (`assets`, `urdf`) is skipped over. A model alone in its folder takes the
     folder's name.
 
-    Not models: MJCF that others include; meshes that a URDF, MJCF, SDF or USD file names, and others beside these.
+    Not models: MJCF that others include; meshes that a URDF, MJCF, SDF or USD file names, and others beside these;
+    meshes that lie or are called as parts beside a model that is not read.
 
     Args:
         folder: of the user.
@@ -55,7 +65,7 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
 def describe_single_file(path: Path) -> Found:
     """A model file that is given by itself."""
     if path.name not in NUMBERED:
-        return Found(path, path.parent, category_in(path.stem) or strip_name(path.stem), path.stem)
+        return Found(path, path.parent, _category_of(path, path.parent) or strip_name(path.stem), path.stem)
     folder = path.parent
     return Found(path, folder, read_category(folder, folder) or folder.resolve().parent.name, folder.resolve().name)
 
@@ -78,7 +88,31 @@ def _discover(folder: Path, kinds: Sequence[str]) -> tuple[list[Found], list[str
         ]
     if parts := len(found) - len(models):
         lines.append(f"{folder}: {parts} files are parts that other models include or name: no models")
-    return models, lines
+    unread = [path for path in sorted(folder.rglob("*")) if find_unread_end(path, folder)]
+    beside = {one.path: whole for one in models for whole in unread if _is_beside(one.path, whole, folder)}
+    if beside:
+        names = ", ".join(sorted({whole.relative_to(folder).as_posix() for whole in beside.values()}))
+        lines.append(f"{folder}: {count(len(beside), 'file')} beside {names}, taken for parts of it: no models")
+    return [one for one in models if one.path not in beside], lines
+
+
+def find_unread_end(path: Path, folder: Path) -> str | None:
+    """The end of a model's name of a kind that is not read, `.xacro` of one that is called URDF; None: it is read."""
+    if path.suffix.lower() == ".urdf" and b"<xacro:" in read_text_inside(path, folder):
+        return ".xacro"
+    return next((end for end in FOREIGN if is_utf8(path.name) and path.name.lower().endswith(end)), None)
+
+
+def _is_beside(path: Path, whole: Path, folder: Path) -> bool:
+    """Whether a mesh is a part of a model that is not read, which lies beside or above it: by where it lies, or what it
+    is called."""
+    place = whole.parent
+    while place != folder and is_common(place.name):
+        place = place.parent
+    if path.suffix.lower() in WHOLE or not path.is_relative_to(place):
+        return False
+    inner = {name.lower() for name in path.relative_to(place).parts[:-1]}
+    return bool(PART_FOLDERS & inner or PART_WORDS & {*list_plain_words(path.stem)})
 
 
 def _explain_unusable(path: Path, folder: Path, kinds: Sequence[str]) -> str | None:
@@ -98,7 +132,7 @@ def _find_models(here: Path, folder: Path, kinds: Sequence[str]) -> Iterator[Fou
     """The models of a folder, or of one in it that says nothing; some may be parts of others."""
     for child in _list_usable(here, folder, kinds):
         if is_model(child, folder, kinds):
-            yield Found(child, folder, category_in(child.stem) or strip_name(child.stem), child.stem)
+            yield Found(child, folder, _category_of(child, folder) or strip_name(child.stem), child.stem)
         elif not child.is_dir():
             continue
         elif numbered := _numbered_model(child):
@@ -116,19 +150,30 @@ def _find_in_category(child: Path, folder: Path, kinds: Sequence[str]) -> list[F
     found: list[Found] = []
     for inner in _list_usable(child, folder, kinds):
         if is_model(inner, folder, kinds):
-            found.append(Found(inner, folder, shared or category_in(inner.stem) or own, inner.stem))
+            found.append(Found(inner, folder, shared or _category_of(inner, folder) or own, inner.stem))
         elif inner.is_dir() and (numbered := _numbered_model(inner)):
             found.append(Found(numbered, folder, read_category(inner, folder) or shared or own, inner.name))
         elif inner.is_dir():
             files = _first_kind(inner, folder, kinds)
             for path in files:
-                names = [*path.relative_to(child).parts[:-1], *([path.stem] if len(files) > 1 else [])]
+                names = [*path.relative_to(child).parts[:-1], path.stem, _read_own_name(path, folder)]
                 category = shared or next(filter(None, map(category_in, names)), own)
                 found.append(Found(path, folder, category, name_model(path, inner, len(files) == 1)))
     if all(one.category == own for one in found):
         return found
-    named = {one: strip_name(one.name) for one in found if one.category == own and split_words(one.name)}
+    named = {one: strip_name(one.name) for one in found if one.category == own and list_plain_words(one.name)}
     return [one._replace(category=named.get(one, one.category)) for one in found]
+
+
+def _category_of(path: Path, folder: Path) -> str | None:
+    """The known category that a file's name means, or the name that is written in it; None: neither."""
+    return category_in(path.stem) or category_in(_read_own_name(path, folder))
+
+
+def _read_own_name(path: Path, folder: Path) -> str:
+    """What a URDF or MJCF calls itself; empty: nothing."""
+    found = OWN_NAME.search(read_text_inside(path, folder)) if path.suffix.lower() in WHOLE else None
+    return found[1].decode(errors="replace") if found else ""
 
 
 def _list_usable(here: Path, folder: Path, kinds: Sequence[str]) -> list[Path]:

@@ -10,6 +10,7 @@ from plugins.importing.fronts import align_to_axes, front_direction
 from plugins.importing.hinges import Hinge, Slide, find_hinges, find_slides
 from plugins.importing.importers import Axis, Importer
 from plugins.importing.imports import guess_front, in_file, turn_to_axes
+from plugins.importing.single_body import find_ground
 from plugins.importing.upright import CLEAR, FITS, FOOT, UPS, Up, choose_up, number, weigh_hinges, weigh_slides
 from stages.articulated.forward_kinematics import measure_closed_box
 from stages.articulated.model import Matrix, RobotModel
@@ -36,7 +37,8 @@ class Evidence(Contract):
     """The evidence of a model about its file: up, unit and front.
 
     extents: (3,) in its frame and unit. hinges, slides: of it. foot: the direction in which alone its foot is at the
-    origin's height. fronts: by up, where its doors and drawers open to. remarks: what its reader left out.
+    origin's height. fronts: by up, where its doors and drawers open to. grounds: by up, the node that is a ground under
+    the rest. remarks: what its reader left out.
     """
 
     extents: tuple[float, float, float]
@@ -44,6 +46,7 @@ class Evidence(Contract):
     slides: tuple[Slide, ...] = ()
     foot: Axis | None = None
     fronts: dict[Axis, Axis] = {}
+    grounds: dict[Axis, str] = {}
     remarks: tuple[str, ...] = ()
 
     def find_up(self, category: str, agreed: Axis | None = None, sure: bool = False) -> Up:
@@ -93,6 +96,7 @@ def collect_evidence(robot: RobotModel) -> Evidence:
         slides=tuple(find_slides(robot)),
         foot=grounded[0] if len(grounded) == 1 else None,
         fronts=fronts,
+        grounds={up: name for up in UPS if (name := find_ground(robot, number(up)))},
         remarks=robot.remarks,
     )
 

@@ -1,5 +1,6 @@
 """Import one model of a user's folder: its URDF and notes (asset.json), written where the user can correct them."""
 
+import json
 import shutil
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ from plugins.importing.evidence import UNITS, Evidence, Shared, collect_evidence
 from plugins.importing.importers import Importer
 from plugins.importing.importers.urdf import IMPORTER as URDF
 from plugins.importing.imports import ModelFile, Notes, guess_front, import_file, in_one_line, read_model, with_notes
+from plugins.importing.naming import snake_case
 from plugins.importing.sandbox import run_in_fork
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import RobotModel
@@ -80,7 +82,11 @@ def read(found: Found, importer: Importer, place: Path) -> Evidence:
 
     def examine_all() -> str:
         with in_one_line(found.path):
-            robot = read_model(with_notes(found, importer))
+            file = with_notes(found, importer)
+            theirs = read_json(Notes, place / NOTES) if (place / NOTES).is_file() else None
+            if theirs is not None and theirs.by_hand:
+                file = file._replace(notes=file.notes.model_copy(update={"without": theirs.without}))
+            robot = read_model(file)
             write_model(robot, place)
             return collect_evidence(robot).model_dump_json()
 
@@ -138,6 +144,7 @@ def _examine_model(
                 model.because.append(f"as {NOTES} says")
             else:
                 model.notes, model.because = complete_notes(file, tells, shared)
+                model.doubts += doubt_up(file, tells, shared)
                 write_json(place / NOTES, model.notes.add_checksum())
             as_written = Found(written, place.parent.parent, place.parent.name, place.name)
             asset, doubts = import_file(with_notes(as_written, URDF), work)
@@ -146,11 +153,21 @@ def _examine_model(
         model.doubts.append(explain(error, found.path, written))
         return model
     model.asset = asset
+    if asset.category not in known_categories() and asset.category == snake_case(found.category) != file.notes.category:
+        model.doubts.append(describe_unknown(asset.category))
     if odd := describe_unusual(known_categories().get(asset.category), asset.size):
-        model.doubts.append(odd)
+        ground = tells.grounds.get(model.notes.up or importer.up, "")
+        mend = f". Leave out its ground, '{ground}'? asset.json: \"without\": {json.dumps([ground])}" if ground else ""
+        model.doubts.append(odd + mend)
     elif asset.category not in known_categories() and max(asset.size) < TINY:
         model.doubts.append(f"is at most {100 * max(asset.size):.2g} cm large: is the unit right (scale)?")
     return model
+
+
+def describe_unknown(category: str) -> str:
+    """The doubt about a category that the library does not know."""
+    mend = f"pack.yaml: categories: {{{category}: chair}}, asset.json: category, or another name of the folder"
+    return f"no category of ours is called '{category}': no label may ever mean it. If it is one, say which ({mend})"
 
 
 def explain(error: InputError, *files: Path) -> str:
@@ -169,8 +186,6 @@ def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[No
     up = notes.up or shared.up or evidence.axis
     if notes.up is None and (up != agreed or (shared.up and not file.importer.has_up)):
         lines.append(f"up {up} {f'as {kind}' if shared.up else f'by its {evidence.because}'}")
-    elif notes.up is None and evidence.doubt:
-        lines.append(f"up {up} as such files have it, though {evidence.doubt}")
     scale, sizes = notes.scale, find_usual_size(file.category)
     if "scale" not in notes.model_fields_set:
         if file.path.name in NUMBERED and sizes and sizes.misfit(tells.order_extents(up)):
@@ -202,6 +217,14 @@ def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[No
         "provenance": notes.provenance or f"imported: {file.path.relative_to(file.folder).as_posix()}",
     }
     return notes.model_copy(update=words), lines
+
+
+def doubt_up(file: ModelFile, tells: Evidence, shared: Shared) -> list[str]:
+    """A line if a model seems to lie on its side, though its kind of file says what is up."""
+    evidence = tells.find_up(file.category, file.importer.up, file.importer.has_up)
+    if file.notes.up or shared.up or not evidence.doubt:
+        return []
+    return [f"up {evidence.axis} as such files have it, though {evidence.doubt}: does it lie? (asset.json: up)"]
 
 
 def write_model(robot: RobotModel, place: Path) -> None:

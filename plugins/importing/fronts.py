@@ -23,6 +23,7 @@ from stages.contracts.parts import PARTS
 from stages.geometry.frames import make_transform, yaw_matrix
 
 SHORTEST = PARTS["drawer"].motion[0]  # metres; and extents of the smallest front
+WIDEST = np.deg2rad(200)  # that a door turns: beyond it, nobody has set its limits
 ASKEW = np.deg2rad(10)  # by which a front may face another way than along an axis
 BEHIND_FRONT = (
     0.3  # of its parent's extent along a slide: what is as far behind the front of that when closed is no drawer
@@ -186,6 +187,9 @@ def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
         elif joint.upper < before.upper:
             reach, depth = (f"{100 * (one.upper - one.lower):.3g} cm" for one in (before, joint))
             lines.append(f"drawer '{joint.name}' slides {reach} in its file, cut to {depth}: all of it is no deeper")
+        elif joint.type == "revolute" and joint.upper - joint.lower > WIDEST:
+            angle = np.rad2deg(joint.upper - joint.lower)
+            lines.append(f"door '{joint.name}' turns by {angle:.0f} degrees: no door does. Set its limits in the file")
         joints.append(joint)
     lines += [f"fixed, as no door or drawer: {', '.join(names)} ({reason})" for reason, names in fixed.items()]
     return replace(robot, joints=joints), lines

@@ -12,6 +12,7 @@ from plugins.importing.discover import (
     Found,
     describe_single_file,
     discover,
+    find_unread_end,
     is_model,
     is_part,
 )
@@ -26,10 +27,6 @@ from plugins.importing.reach import list_unreachable
 from stages.assets.snapshots import VisibilityCheck
 from stages.cli import progress
 from stages.contracts.errors import InputError, escape_control
-
-FOREIGN = (
-    ".3ds", ".blend", ".fbx", ".kinbody.xml", ".sdf", ".skp", ".usd", ".usda", ".usdc", ".usdz", ".wrl", ".xacro",
-)  # fmt: skip
 
 
 def run(folder: Path, /, *, out: Path) -> None:
@@ -145,10 +142,10 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
 
 def describe_unread(folder: Path) -> str:
     """How many models there are of kinds that are not read, and what to do; empty: none."""
-    ends = (next((end for end in FOREIGN if path.name.lower().endswith(end)), None) for path in folder.rglob("*"))
-    found = Counter(end for end in ends if end)
+    found = Counter(end for path in sorted(folder.rglob("*")) if (end := find_unread_end(path, folder)))
     counts = ", ".join(f"{count} {kind}" for kind, count in sorted(found.items()))
-    return f"files of kinds that are not read ({counts}): export them as URDF, MJCF or GLB" if found else ""
+    mend = "export them as URDF, MJCF or GLB" + (" (xacro FILE > model.urdf)" if ".xacro" in found else "")
+    return f"files of kinds that are not read ({counts}): {mend}" if found else ""
 
 
 def places(found: Iterable[Found]) -> list[str]:

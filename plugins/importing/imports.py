@@ -12,7 +12,7 @@ from typing import NamedTuple, get_args
 import numpy as np
 from pydantic import Field, ValidationError
 
-from plugins.importing.discover import Found, discover
+from plugins.importing.discover import WHOLE, Found, discover
 from plugins.importing.fronts import align_to_axes, doors_and_drawers, front_direction
 from plugins.importing.importers import IMPORTERS, Axis, Importer
 from plugins.importing.inertia_repair import repair_inertias, with_mass
@@ -21,10 +21,12 @@ from plugins.importing.naming import number_names, snake_case
 from plugins.importing.proposal import Proposal
 from plugins.importing.pushing import find_touching_links, stuck_joints
 from plugins.importing.sandbox import run_in_fork
+from plugins.importing.shut import shut_where_smallest
+from plugins.importing.single_body import leave_out
 from plugins.importing.solid_handle import with_solid_handles
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.attributes import explain_ungraspable
-from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box, shut_where_smallest
+from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
 from stages.articulated.mesh_reader import thicken_piece
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.part_types import assign_part_types
@@ -32,7 +34,7 @@ from stages.articulated.stretching import stretch_model
 from stages.articulated.urdf_tree import THIN
 from stages.assets.snapshots import VisibilityCheck
 from stages.cli import progress
-from stages.contracts.errors import InputError, escape_control
+from stages.contracts.errors import InputError, escape_control, explain
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Placement, Symmetry
 from stages.contracts.types import LARGEST, Mass
@@ -49,6 +51,7 @@ class Notes(Proposal):
         None, description="direction of the front in the file; default where doors open, else +x, or +z where up is +y"
     )
     up: Axis | None = Field(None, description="direction up in the file; default +z, for GLB +y (glTF's rule)")
+    without: tuple[str, ...] = Field((), description="nodes of a mesh file (GLB, DAE, OBJ) to leave out, as its ground")
     scale: float = Field(1.0, ge=1e-6, le=1e6, description="metres per unit of the file")
     mass: Mass | None = Field(None, description="kg; default from the file, or that of boards")
     symmetry: Symmetry = "none"
@@ -137,10 +140,9 @@ def in_one_line(path: Path) -> Iterator[None]:
     except (InputError, MemoryError):
         raise
     except Exception as error:
-        reason = (str(error).splitlines() or [""])[0][:200]
-        raise InputError(
-            path, f"cannot be imported ({type(error).__name__}: {reason}).", code="E-MODEL-IMPORT"
-        ) from error
+        said = (str(error).splitlines() or [""])[0][:200]
+        what = f"cannot be imported: {explain(error)}" + (f" ({said})." if said else ".")
+        raise InputError(path, what, code="E-MODEL-IMPORT") from error
 
 
 def by_suffix(importers: Sequence[str]) -> dict[str, Importer]:
@@ -165,8 +167,11 @@ def with_notes(found: Found, importer: Importer) -> ModelFile:
 
 
 def read_model(file: ModelFile) -> RobotModel:
-    """The model of a file, its doors and drawers shut."""
-    return shut_where_smallest(file.importer.read(file.path, file.folder))
+    """The model of a file, its doors and drawers shut, without the nodes that its notes leave out."""
+    robot = file.importer.read(file.path, file.folder)
+    if file.notes.without and file.path.suffix.lower() not in WHOLE:
+        robot = leave_out(robot, file.notes.without, file.path)
+    return shut_where_smallest(robot)
 
 
 def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:

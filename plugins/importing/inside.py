@@ -4,7 +4,7 @@ import stat
 from pathlib import Path
 
 from stages.contracts.arrays import MAX_BYTES
-from stages.contracts.errors import InputError, file_missing
+from stages.contracts.errors import InputError, explain, file_missing
 from stages.contracts.files import MAX_TEXT
 
 
@@ -19,7 +19,7 @@ def check_inside(path: Path, folder: Path) -> None:
     except FileNotFoundError:
         raise file_missing(path) from None
     except (OSError, RuntimeError, ValueError) as error:  # links in a circle, among others
-        raise InputError(path, f"cannot be read ({type(error).__name__}).", code="E-FILE-UNREADABLE") from None
+        raise InputError(path, f"cannot be read ({explain(error)}).", code="E-FILE-UNREADABLE") from None
     if outside:
         raise InputError(path, f"is a link out of {folder.name}/.", "copy it inside", code="E-FILE-OUTSIDE")
     if not stat.S_ISREG(kind):  # nobody may ever write to a pipe, and a device has no end
@@ -47,7 +47,7 @@ def read_inside(path: Path, folder: Path, most: int = MAX_BYTES) -> bytes:
             raise InputError(path, f"is larger than {most / 1e6:g} MB.", code="E-FILE-LARGE")
         return path.read_bytes()
     except OSError as error:
-        raise InputError(path, f"cannot be read ({type(error).__name__}).", code="E-FILE-UNREADABLE") from None
+        raise InputError(path, f"cannot be read ({explain(error)}).", code="E-FILE-UNREADABLE") from None
 
 
 def read_text_inside(path: Path, folder: Path) -> bytes:

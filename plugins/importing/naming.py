@@ -2,6 +2,7 @@
 
 import json
 import re
+import unicodedata
 from collections.abc import Iterable
 from itertools import chain, count
 from pathlib import Path
@@ -9,11 +10,25 @@ from pathlib import Path
 from plugins.importing.inside import read_text_inside
 from stages.contracts.categories import known_categories
 from stages.contracts.category import by_joined_name, split_words
+from stages.contracts.words import plain_letters
 
 COMMON = {  # words that say nothing of what a model is
-    "asset", "base", "collision", "data", "export", "glb", "main", "mesh", "meshes", "misc", "mjcf", "mobility",
-    "model", "obj", "object", "other", "output", "result", "robot", "scene", "textured", "urdf", "visual", "xml",
+    "asset", "base", "collision", "data", "description", "export", "glb", "main", "mesh", "meshes", "misc", "mjcf",
+    "mobility", "model", "obj", "object", "other", "output", "result", "robot", "scene", "textured", "urdf", "visual",
+    "xacro", "xml",
 }  # fmt: skip
+
+SOUNDS = str.maketrans(
+    dict(
+        zip(
+            "абвгдезиклмнопрстуфхыэіґαβγδεζηικλμνοπρσςτυφω",
+            "abvgdeziklmnoprstufhyeigavgdeziiklmnoprsstyfo",
+            strict=True,
+        )
+    )
+    | {"ж": "zh", "ц": "ts", "ч": "ch", "ш": "sh", "щ": "shch", "ъ": "", "ь": "", "ю": "yu", "я": "ya", "є": "ye"}
+    | {"θ": "th", "ξ": "x", "χ": "ch", "ψ": "ps"}
+)  # letters of Cyrillic and Greek
 
 
 def is_common(name: str) -> bool:
@@ -50,8 +65,17 @@ def read_category(model: Path, folder: Path) -> str | None:
 
 
 def snake_case(text: str) -> str:
-    """Lower-case letters, digits and underscores."""
-    return re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_") or "model"
+    """Lower-case letters, digits and underscores; letters of other scripts as they sound, or by their number."""
+    latin = "".join(map(_spell, plain_letters(text).translate(SOUNDS)))
+    return re.sub(r"[^a-z0-9]+", "_", latin).strip("_") or "model"
+
+
+def _spell(letter: str) -> str:
+    """A letter of any script in Latin ones: か is ka, 椅 is u6905."""
+    if letter.isascii() or unicodedata.category(letter)[0] not in "LMN":
+        return letter
+    name = unicodedata.name(letter, "")
+    return f"u{ord(letter):x}" if "IDEOGRAPH" in name or not name else name.split()[-1].lower()
 
 
 def number_names(names: Iterable[str], taken: Iterable[str]) -> list[str]:

@@ -23,4 +23,5 @@ class Proposal(Contract):
         return self.guess != self._digest()
 
     def _digest(self) -> str:
-        return hashlib.sha256(self.model_dump_json(exclude={"guess"}).encode()).hexdigest()[:12]
+        unsaid = {name for name, value in self if value == ()}  # a key that an earlier version did not know
+        return hashlib.sha256(self.model_dump_json(exclude={"guess", *unsaid}).encode()).hexdigest()[:12]

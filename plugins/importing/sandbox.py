@@ -1,6 +1,7 @@
 """Work on files of others in a process of its own, with limits of time and memory: what hangs, floods or crashes its
 reader stops nothing else."""
 
+import gc
 import json
 import multiprocessing
 import resource
@@ -48,7 +49,11 @@ def run_in_fork(path: Path, work: Callable[[], str]) -> str:
 
 
 def _work(path: Path, work: Callable[[], str], ours: Connection) -> None:
-    """The work of the child process."""
+    """The work of the child process.
+
+    What its parent left to be collected stays: at its end some of it waits for threads that a fork does not have.
+    """
+    gc.freeze()
     _limit()
     try:
         reply = json.dumps([None, work()])

@@ -7,13 +7,13 @@ from pydantic import Field, model_validator
 from plugins.films.contract import Film
 from stages.contracts.files import Contract, Document
 from stages.contracts.objects import check_status
-from stages.contracts.types import Count, Id, Rank, Text, check_unique
+from stages.contracts.types import Count, Id, Rank, SceneName, Text, check_unique
 
 
 class SceneDemonstration(Contract):
     """The outcome in one scene; a film and an episode (rank_<n>.h5) lie beside the file if it is ok."""
 
-    scene: Id
+    scene: SceneName
     variant: Id
     rank: Rank
     asset: str = Field(description="the cousin that stands there; empty if none does")

@@ -6,6 +6,7 @@ if __name__ == "__main__":
     main(
         "plugins.ops",
         {
+            "clean": "delete what runs wrote, and nothing that a person made",
             "cluster": "what a SLURM cluster has and lacks, from one of its login nodes",
             "verify": "finished results against what the run recorded of them",
         },

@@ -11,6 +11,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
@@ -21,6 +22,8 @@ DISK_GB = 5
 DRIVERS = ("VK_DRIVER_FILES", "VK_ICD_FILENAMES", "VK_ADD_DRIVER_FILES")  # which hide the drivers that are installed
 VULKAN_PROBE = "import sapien; print(sapien.render.RenderSystem().device.name)"
 OPEN3D_PROBE = "import open3d; print(open3d.__version__)"
+# Run by Python before anything else, in the place of the script.
+TELL_PREFIX = "import os, sys; print(sys.prefix, flush=True); os._exit(0)"
 CUDA_PROBE = "import torch; print(torch.cuda.get_device_name() if torch.cuda.is_available() else '')"
 
 
@@ -67,12 +70,26 @@ def check_python() -> Check:
 def check_folder(scripts: Path) -> Check:
     """The environment lies where it was made: its scripts name their Python by its whole path."""
     script = scripts / "snakemake"
-    first = script.read_bytes().partition(b"\n")[0].decode(errors="replace") if script.is_file() else ""
-    python = Path(first.removeprefix("#!").strip())
-    if not first.startswith("#!/") or python.parent.resolve() == scripts.resolve():
+    if not script.is_file():
+        return Check("folder", True, "no scripts here")
+    prefix = _prefix_of(script)
+    if prefix and Path(prefix).resolve() == scripts.parent.resolve():
         return Check("folder", True, "as the environment was made")
-    what = f"the environment was made in {python.parent.parent}, and moved or copied"
-    return Check("folder", False, what, "rm -r .venv; make setup")
+    made = f"was made in {prefix}" if prefix else "was made elsewhere"
+    return Check("folder", False, f"the environment {made}, and moved or copied", "rm -r .venv; make setup")
+
+
+def _prefix_of(script: Path) -> str:
+    """The environment whose Python a script starts, by that Python's own word; '' if it starts none."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "sitecustomize.py").write_text(TELL_PREFIX, encoding="utf-8")
+        try:
+            done = subprocess.run(
+                [script], capture_output=True, text=True, timeout=120, env=os.environ | {"PYTHONPATH": folder}
+            )
+        except (OSError, subprocess.TimeoutExpired):
+            return ""
+    return done.stdout.strip() if done.returncode == 0 else ""
 
 
 def check_packages() -> Check:
@@ -139,15 +156,25 @@ def _answers(name: str) -> bool:
         return False
 
 
-def check_of_packages() -> list[Check]:
-    """The checks of packages beside the core: optional."""
+def check_weights() -> list[Check]:
+    """The published weights that look at pictures, at their default places: optional."""
     try:
-        from stages.config.packages import find_packages
-
-        found = [package.check() for package in find_packages().values() if package.check]
+        from stages.config.perception import PerceptionSection
+        from stages.config.weights import list_lacking
     except ImportError:
         return [Check("packages", False, "not to be imported", needed=False)]
-    return [Check(name, good, what, needed=False) for name, good, what in found]
+    section, lacking = PerceptionSection(), list_lacking()
+    found = f"no {', '.join(lacking)}: python -m stages.perception fetch (200 MB)"
+    small = Check("weights", not lacking, found if lacking else "MobileSAM, SSD MobileNet v2, CLIP", needed=False)
+    lacking = section.list_lacking()
+    files = {key: Path(folder, "model.safetensors") for key, folder in section.networks().items() if key not in lacking}
+    said = [f"{key} {file.stat().st_size / 1e9:.1f} GB" for key, file in files.items()]
+    told = [f"weights: {', '.join(said)}, one in memory at a time"] if said else []
+    if lacking:
+        told.append(
+            f"no weights of {', '.join(lacking)}: python -m stages.perception fetch --networks, or draw by hand"
+        )
+    return [small, Check("networks", not lacking, "; ".join(told), needed=False)]
 
 
 Mendable = Callable[[], Check]
@@ -182,7 +209,7 @@ def checks(mend: bool) -> list[Check]:
         check_cuda(),
         check_disk(),
     ]
-    return [*found, check_containers(), *check_of_packages()]
+    return [*found, check_containers(), *check_weights()]
 
 
 def main(arguments: list[str]) -> int:

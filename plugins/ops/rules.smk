@@ -1,9 +1,11 @@
-# Runs in operation: who holds the folder, what containers see. No rules.
+# Runs in operation: who holds the folder, what is no longer as it was written, what containers see. No rules.
+import atexit
 import sys
 
 from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
 
+from plugins.ops.finished import list_for_run, warn_of_changed
 from plugins.ops.guard import asks_for_run, hold_folder
 from plugins.ops.outside import container_environment
 from stages.contracts.errors import InputError
@@ -16,3 +18,6 @@ if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryru
         LOCKED = hold_folder()
     except InputError as error:
         raise WorkflowError(f"{error} [{error.code}]") from None
+    RESULTS = Path("results").absolute()  # at the end Snakemake leaves the folder
+    CHANGED = warn_of_changed(list_for_run(RESULTS), RESULTS)
+    atexit.register(warn_of_changed, CHANGED, RESULTS)  # again beneath "Nothing to be done"

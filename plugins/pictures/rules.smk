@@ -107,12 +107,11 @@ rule draw_scenes:
     resources:
         **needs(2000, 10),
     params:
-        **command("pictures", "scenes", uses=list_drawers(CONFIG.packages, "generation")),
-        look=list_drawers(CONFIG.packages, "generation"),
+        **command("pictures", "scenes"),
         out=subpath(output.comparison, parent=True),
     shell:
         "{params.command} --scenes {input.scenes:q} --objects {input.objects:q} --image {input.image:q} "
-        "--library {input.library:q} --look {params.look} --out {params.out:q} 2>&1 | tee {log:q}"
+        "--library {input.library:q} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
 ADDED["extraction"] += expand("results/extraction/{scene}/overview.png", scene=ROOMS)

@@ -1,6 +1,5 @@
 """Command `scenes`: generated scenes as pictures from the input camera, as GLB, and side by side with the input."""
 
-from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -8,8 +7,8 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from plugins.pictures import glb
-from plugins.pictures.painting import furnish, make_usual_look
-from plugins.pictures.previews import draw_preview, draw_side_by_side, draw_thumbnail, resize_to
+from plugins.pictures.look import estimate_look
+from plugins.pictures.painting import draw_preview, draw_side_by_side, draw_thumbnail, furnish, resize_to
 from stages.cli import progress
 from stages.config.code import code_digest
 from stages.contracts import GeneratedScene, Objects, read_json, write_atomically, write_json
@@ -30,7 +29,6 @@ def run(
     library: Path,
     out: Path,
     width: int = 640,
-    look: tuple[str, ...] = (),
 ) -> None:
     """Draw the scenes that `generate` wrote for one picture, ours or another's.
 
@@ -43,38 +41,37 @@ def run(
             comparison.png, thumbnail.webp (input and first scene), look.json. The text chunks of every .png hold what
             its scenes were made of (seed and digests), and the digest of the code that drew them.
         width: of the pictures, pixels.
-        look: the module of a package that estimates light and colors from the picture; none: the usual ones.
     """
     folders = AssetFolders(library)
     extracted, rgb = read_json(Objects, objects), read_rgb(image)
     check_size(image, rgb, extracted.width, extracted.height, objects.name)
     seen = rgb, read_object_masks(objects, extracted), read_metres(objects, extracted)
     pictures = [("input", resize_to(rgb, width))]
-    found, origins = None if look else make_usual_look(), {}
+    found, origins = None, {}
     with TemporaryDirectory(prefix="acdc-sized-") as cache:
         for path in progress(scenes, "scenes drawn", len(scenes)):
             generated = read_json(GeneratedScene, path)
             origins[path.name] = generated.made.model_dump_json() if generated.made else "{}"
             items = read_items(generated, folders, Path(cache), path)
-            found = found or import_module(look[0]).estimate_look(extracted, seen, generated, items)
+            found = found or estimate_look(extracted, seen, generated, items)
             picture = draw_preview(furnish(generated, items, found), generated, width)
             with write_atomically(out / f"{path.stem}.png") as temporary:
-                Image.fromarray(picture).save(temporary, pnginfo=_text({path.name: origins[path.name]}, look))
+                Image.fromarray(picture).save(temporary, pnginfo=_text({path.name: origins[path.name]}))
             room = room_of(generated, items, found)
             glb.write(room, out / f"{path.stem}.glb")
             glb.write(room, out / f"view_{generated.rank}.glb", VIEW_TEXTURE)
             pictures.append((f"rank {generated.rank}", picture))
     with write_atomically(out / "comparison.png") as temporary:
-        draw_side_by_side(pictures).save(temporary, pnginfo=_text(origins, look))
+        draw_side_by_side(pictures).save(temporary, pnginfo=_text(origins))
     with write_atomically(out / "thumbnail.webp") as temporary:
         draw_thumbnail([picture for _, picture in pictures[:2]]).save(temporary, quality=70)
     if found is not None:
         write_json(out / "look.json", found)
 
 
-def _text(origins: dict[str, str], look: tuple[str, ...]) -> PngInfo:
+def _text(origins: dict[str, str]) -> PngInfo:
     """Text chunks of a picture: what its scenes were made of, by file, and the code that drew them."""
     chunks = PngInfo()
-    for name, text in ({"code": code_digest("plugins.pictures.scenes", *look)} | origins).items():
+    for name, text in ({"code": code_digest("plugins.pictures.scenes")} | origins).items():
         chunks.add_text(name, text)
     return chunks

@@ -16,9 +16,9 @@ from plugins.render_and_compare.yaws import aligned_yaws, is_front_known, touche
 from stages.contracts import Objects
 from stages.contracts.objects import SceneObject
 from stages.geometry.boxes import UprightBox
+from stages.geometry.crop import View
 from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
 from stages.geometry.viewing import view_angle, view_yaw
-from stages.matching.crop import View
 
 SAME_YAW = np.deg2rad(2)  # ways to stand that differ by less are one; chosen
 

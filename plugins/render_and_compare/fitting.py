@@ -11,15 +11,14 @@ from plugins.render_and_compare.solid import ColoredSolid
 from stages.geometry.boxes import UprightBox
 from stages.geometry.estimate import BIN, TRIM
 from stages.geometry.frames import SYMMETRY_PERIOD, yaw_matrix
+from stages.geometry.robust import LARGEST_CHANGE, UNUSUAL, Terms, find_step
 
 OUTERMOST = 2.0  # deviations of noise by which these lie beyond a face; chosen
 SEEN, UNSEEN = 0.1, 0.3  # of an extent: deviation of any face, and how much more of the hidden one; chosen
 ROUNDS = 4  # of Gauss-Newton steps; chosen for time
 SIDE_ERROR = 0.005  # of the object's longer side in the picture: how well outlines meet; chosen
-UNSURE = 2.0  # deviations, scale of Cauchy's weights: a mask may lack legs, or points belong to other things; chosen
 STRETCH = 0.5  # deviation of the logarithm of one axis' scale over another's ...
 TURNED = 0.05  # ... and of the two level ones, if a quarter turn maps the model onto itself; chosen
-LARGEST_CHANGE = 1.5  # logarithm: extents never change by more; chosen
 Array = NDArray[np.float64]
 
 
@@ -73,7 +72,7 @@ def lay_over(solid: ColoredSolid, measured: Measured, seen: Observation) -> Upri
     native = np.maximum(solid.asset.size, BIN)
     level = TURNED if SYMMETRY_PERIOD[solid.asset.symmetry] < np.pi else STRETCH
 
-    def residuals(change: Array) -> Array:
+    def compare(change: Array) -> Terms:
         middle, extents = center + change[:3] * size, size * np.exp(change[3:])
         pixels = seen.project(solid.place_outline(UprightBox(turn @ middle, extents, measured.yaw)))
         sides = np.concatenate([pixels.min(axis=0), pixels.max(axis=0)])
@@ -81,13 +80,11 @@ def lay_over(solid: ColoredSolid, measured: Measured, seen: Observation) -> Upri
         ends = np.array([middle - extents / 2, middle + extents / 2])
         x, y, z = np.log(extents / native)
         stretch = [(x - y) / level, (z - (x + y) / 2) / STRETCH]
-        return np.concatenate([off / SIDE_ERROR, ((ends - measured.ends) / measured.errors).ravel(), stretch])
+        terms = np.concatenate([off / SIDE_ERROR, ((ends - measured.ends) / measured.errors).ravel(), stretch])
+        return Terms(terms, np.ones(len(terms)), np.full(len(terms), UNUSUAL))
 
-    change, small = np.zeros(6), 1e-3
+    change = np.zeros(6)
     for _ in range(ROUNDS):
-        now = residuals(change)
-        jacobian = np.stack([(residuals(change + row) - now) / small for row in small * np.eye(6)], axis=1)
-        trust = 1 / np.sqrt(1 + (now / UNSURE) ** 2)
-        step = np.linalg.lstsq(jacobian * trust[:, None], now * trust, rcond=None)[0]
+        step, _ = find_step(compare, change, 1e-3, np.zeros(6))
         change = (change - step).clip(-LARGEST_CHANGE, LARGEST_CHANGE)
     return UprightBox(turn @ (center + change[:3] * size), size * np.exp(change[3:]), measured.yaw)

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from stages.contracts.objects import DepthError
 from stages.geometry.cameras import FloorCamera, back_project
+from stages.geometry.crop import View
 from stages.geometry.estimate import REACH
 from stages.geometry.frames import transform_points
 from stages.geometry.masks import OUTLINE, pixel_bounds
-from stages.matching.crop import View
 
 SAMPLES = 2  # rays per cell and direction: thin lines do not break; chosen
 SURROUNDINGS = 0.12  # of the object's longer side, around its mask; chosen

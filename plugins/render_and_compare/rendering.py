@@ -10,7 +10,7 @@ from plugins.render_and_compare.observation import Observation
 from plugins.render_and_compare.solid import ColoredSolid
 from stages.contracts.look import GAMMA, ROOM_LIGHT
 from stages.geometry.boxes import UprightBox
-from stages.matching.crop import View
+from stages.geometry.crop import View
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from PIL import Image
 
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, explain
 from stages.contracts.images import read_narrow
 
 THUMBNAIL = 150  # pixels: small pictures of objects and assets
@@ -70,6 +70,6 @@ class Album:
                 film.seek(getattr(film, "n_frames", 1) - 1)
                 last = film.convert("RGB")
         except (OSError, SyntaxError, ValueError) as error:
-            what = f"is not a readable film ({error.__class__.__name__})."
+            what = f"is not a readable film ({explain(error)})."
             raise InputError(path, what, "make it again", code="E-FILM-UNREADABLE") from None
         return Animation(_embed_picture(path.read_bytes(), last.size, alt), self.put(last, alt))

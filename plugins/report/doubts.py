@@ -8,7 +8,7 @@ from collections.abc import Collection
 from typing import NamedTuple
 
 from stages.contracts.cousins import ObjectCousins
-from stages.contracts.doubt import MEND, Cause, Doubt, DoubtKind, sort_by_gravity
+from stages.contracts.doubt import MEND, Cause, Doubt, DoubtKind, sort_by_chance
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Objects, SceneObject
 
@@ -32,7 +32,7 @@ class Group(NamedTuple):
 
 
 def group_doubts(found: Collection[tuple[str, Doubt]]) -> list[Group]:
-    """Group pairs of object and doubt by cause; gravest first."""
+    """Group pairs of object and doubt by cause."""
     groups = []
     for cause, mend in MEND.items():
         items: dict[str, list[str]] = {}
@@ -47,7 +47,7 @@ def group_doubts(found: Collection[tuple[str, Doubt]]) -> list[Group]:
 def collect_doubts(
     entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects
 ) -> list[Doubt]:
-    """Doubts about an object that a person can mend, gravest first; nothing that a person has stated."""
+    """Doubts about an object that a person can mend, likeliest first; nothing that a person has stated."""
     found = list(entry.doubts)
     if entry.cousins and not entry.cousins[0].fits and not (placed is not None and placed.chosen):
         found.append(DoubtKind.NO_FIT.of())
@@ -63,7 +63,7 @@ def collect_doubts(
             found.append(DoubtKind.CUT_OFF.of())
     if placed is None:
         differs = entry.cousins[0].differs if entry.cousins else ""
-        return sort_by_gravity(found + ([DoubtKind.OPENINGS.of(what=differs)] if differs else []))
+        return sort_by_chance(found + ([DoubtKind.OPENINGS.of(what=differs)] if differs else []))
     found += placed.doubts
     if "size" not in item.told and (juts := _measure_protrusion(placed, item)) > DoubtKind.JUTS.threshold:
         found.append(DoubtKind.JUTS.of(distance=100 * juts))
@@ -71,7 +71,22 @@ def collect_doubts(
         found.append(DoubtKind.PUSHED.of(distance=100 * placed.moved))
     if placed.settled_shift is not None and placed.settled_shift > DoubtKind.SHIFTED.threshold:
         found.append(DoubtKind.SHIFTED.of(distance=100 * placed.settled_shift))
-    return sort_by_gravity(found)
+    return sort_by_chance(found)
+
+
+def measure_side(item: SceneObject, placed: PlacedObject | None) -> float:
+    """The largest side of a thing's box, m^2, as placed, else as measured; 1: it has none.
+
+    Times the chance that it is wrong this is the harm of a doubt: in metres, as whoever uses the scene meets it; in
+    pixels a mug near the camera is as large as a sofa.
+    """
+    if placed is not None and placed.status == "ok":
+        size = placed.size
+    elif item.box is not None:
+        size = item.box.size
+    else:
+        return 1.0
+    return math.prod(size) / min(size)
 
 
 def collect_notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) -> list[str]:

@@ -1,36 +1,17 @@
 # Helpers of the pages. No rules.
+import atexit
 import subprocess
 import sys
 import time
 
-from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
 
-from plugins.report.made import name_pages
+from plugins.report.made import list_causes, name_pages
 
 STARTED = time.time()
 
 # What stands before `results/` and `benchmarks/` in a module with a prefix, and in a storage.
 ROOT = str(rules.library.output.library).removesuffix("results/assets/library/library.json")
-
-
-NO_PICTURE = InputError(
-    "image", "there is no picture.", "snakemake --cores 2 photo --config image=kitchen.jpg", code="E-CONFIG-FILE"
-)
-if "photo" in sys.argv and not CONFIG.image:
-    print(f"error: {NO_PICTURE} [{NO_PICTURE.code}]", file=sys.stderr)  # an input function would print its traceback
-    sys.exit(1)
-
-
-def of_picture(pattern):
-    """The files of `pattern` for the picture of this run."""
-
-    def found(wildcards):
-        if not CONFIG.image:
-            raise WorkflowError(NO_PICTURE)
-        return expand(pattern, variant=VARIANTS, scene=ROOMS)
-
-    return found
 
 
 def own_pages(scenes):
@@ -45,8 +26,10 @@ def tell_of_pages():
         print(line, file=sys.stderr)
 
 
-def tell_of_failures():
-    """After a failed run of many scenes: the same pages of what there is, with where and why scenes stopped."""
+def tell_of_failures(log):
+    """After a failed run: why, below all that Snakemake says; of many scenes the same pages of what there is, too."""
+    if workflow.exec_mode == ExecMode.DEFAULT and (causes := list_causes(log)[-8:]):
+        atexit.register(print, *causes, sep="\n", file=sys.stderr)
     for variant in VARIANTS if FURTHER_ROOMS and workflow.exec_mode == ExecMode.DEFAULT else []:
         page = f"{ROOT}results/report/overview/{variant}.failed.html"
         line = shlex.split(command_line(CONFIG, "report", "overview"))

@@ -5,11 +5,12 @@ from pathlib import Path
 from plugins.report.album import Album
 from plugins.report.page import rooms, single
 from plugins.report.page.files import RunFiles
-from plugins.report.page.root import list_left_out
+from plugins.report.page.root import draw_again, list_left_out, read_said
 from plugins.report.report import link_to, render
 from stages.config.tables import TablesConfig
 from stages.contracts import InputError
 from stages.contracts.files import read_json, read_options, write_text
+from stages.contracts.hand import PROJECT, hand_folder
 from stages.contracts.scenes import Camera
 from stages.contracts.things import read_things
 
@@ -42,22 +43,28 @@ def run(
         raise InputError("--files", f"are of {len(found)} pictures.", "name the files of one", code="E-FILES-PICTURES")
     (room,) = found
     path, objects = declared.find_first(f"extraction/{room.name}/objects.json"), room.found.objects
-    things = read_things(image.parent)
+    taken_by = read_json(Camera, camera)
+    things, first = read_things(image.parent), room.reconstructions[0] if room.reconstructions else None
+    said = read_said(image.parent)
+    drawn = (image.parent / PROJECT).is_file() or (hand_folder(image.parent) / PROJECT).is_file()
     text = render(
         "scene.html.jinja",
         ("page.js", "viewer.js", "back.js"),
         room=room,
         things=things,
-        left_out=list_left_out(things, image.parent) if path else [],
+        left_out=list_left_out(things, image.parent, said) if path else [],
+        take=draw_again(image) if drawn else first.correct if first else "",
+        lost=list(dict.fromkeys([*said.lines, *(objects.lost if objects else [])])),
         camera=single.measure_camera(objects) if objects else None,
-        note=read_json(Camera, camera).note,
+        title=taken_by.picture or room.title,
+        note=taken_by.note,
         depth=single.draw_depth(path, objects, album) if path and objects else None,
         doubts=[
-            (single.list_doubts(room, one), single.list_further_doubts(one), one.matches if one else [])
+            (single.list_doubts(room, one, taken_by), single.list_further_doubts(one), one.matches if one else [])
             for one in (*room.reconstructions,) or (None,)
         ],
         links=single.links(declared, room.name, out),
-        first=room.reconstructions[0] if room.reconstructions else None,
+        first=first,
         viewer=link_to(viewer, out),
     )
     write_text(out, text)

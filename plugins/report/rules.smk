@@ -139,14 +139,6 @@ rule pages:
     localrule: True
 
 
-rule photo:
-    """The picture that `--config image=...` names, as scenes of cousins, and the page about them."""
-    input:
-        comparisons=of_picture("results/generation/{variant}/{scene}/comparison.png"),
-        page=of_picture("results/report/scenes/{scene}.html"),
-    localrule: True
-
-
 include: "overview.smk"
 
 
@@ -155,7 +147,8 @@ onsuccess:
 
 
 onerror:
-    tell_of_failures()
+    tell_of_failures(log)
 
 
+ADDED["photo"] += expand("results/report/scenes/{scene}.html", scene=ROOMS)
 ADDED["all"] += [rules.report_page.output, *([rules.overview.input] if FURTHER_ROOMS else [])]

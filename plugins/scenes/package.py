@@ -9,9 +9,10 @@ from pydantic import Field
 
 from plugins.scenes.config import ScenesConfig
 from plugins.scenes.room_files import count_models, list_objects, room_files, series
+from stages.config.categories import CATEGORIES
 from stages.config.mistakes import Mistake
 from stages.config.packages import Package
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, suggest_nearest
 
 
 def rooms_of(config: Any) -> Mapping[str, Callable[[], Mapping[str, Mapping[str, bool]]]]:
@@ -49,7 +50,10 @@ def _lacking(room: str, files: list[Path], counts: Mapping[str, int]) -> Iterato
         yield Mistake("experiment.rooms", str(error), code=error.code)
         return
     for category, needed in models.items():
-        if counts.get(category, 0) < needed:
+        if category not in CATEGORIES:
+            what = f"{room} has an item of the category '{category}', which is not known"
+            yield Mistake("experiment.rooms", what, suggest_nearest(category, CATEGORIES), "E-CONFIG-UNKNOWN")
+        elif counts.get(category, 0) < needed:
             what = f"the rooms up to {room} need {needed}" if len(files) > 1 else f"{room} needs {needed}"
             yield Mistake(f"assets.counts.{category}", what, f"raise it, or leave {room} out of experiment.rooms")
 

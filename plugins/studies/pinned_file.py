@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, ValidationError
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, read_rows, refusal, write_text
 from stages.contracts.policies import TaskAsset, TaskAssets
-from stages.contracts.types import Extent, Id, Rank, Size, Text
+from stages.contracts.types import Extent, Id, Rank, SceneName, Size, Text
 
 LISTS = ("all", "random", "cover", "validation", "test")  # roles whose assets stand in a list of that name
 HEAD = ("task", "scene", "object", "encoder", "held_out", "draws")  # the same in all rows
@@ -23,7 +23,7 @@ class PinnedAsset(TaskAsset):
     size: Annotated[Size, Numbers]
     panel_size: Annotated[tuple[Extent, Extent], Numbers]
     task: Id
-    scene: Id
+    scene: SceneName
     object: Id
     encoder: Text
     held_out: Annotated[list[Rank], Numbers]

@@ -9,9 +9,11 @@ from stages.config.packages import Package
 
 
 def list_models_asked(config: Any) -> list[VlmConfig]:
-    """The language models that variants of matching ask."""
+    """The language models that variants of matching ask, and that which captions the user's pictures."""
     options = map(config.matching_of, config.experiment.variants)
-    return [each.vlm for each in options if "vlm" not in each.list_unread()]
+    asked = [each.vlm for each in options if "vlm" not in each.list_unread()]
+    captions = config.perception.captions == "vlm" and {*config.experiment.views} & {*config.experiment.rooms}
+    return [*asked, config.vlm] if captions else asked
 
 
 def keys(config: Any) -> list[str] | None:
@@ -28,7 +30,7 @@ PACKAGE = Package(
             VlmConfig,
             Field(
                 VlmConfig(),
-                description="The language model that sees, for the judge `vlm` and for `photo.captions: vlm` "
+                description="The language model that sees, for the judge `vlm` and for `perception.captions: vlm` "
                 "(docs/vlm.md).",
             ),
         )

@@ -13,6 +13,10 @@ class OutsideError(Exception):
     """The file exists, or would, outside the folder."""
 
 
+class LinkError(OutsideError):
+    """It is in the folder, as a link out of it."""
+
+
 def find_inside(name: str, here: Path, folder: Path) -> Path | None:
     """The file that a file in `here` names; None: there is none.
 
@@ -30,10 +34,11 @@ def find_inside(name: str, here: Path, folder: Path) -> Path | None:
         spellings: tuple[Callable[..., Path], ...] = (Path.joinpath, _match_spelling)
         endings = [parts[left_out:] for left_out in range(1 if ".." in parts else len(parts))]
         for spelt, ending, base in product(spellings, endings, bases):
-            found = spelt(base, *ending).resolve()
+            path = spelt(base, *ending)
+            found = path.resolve()
             if found.is_file():
                 if not found.is_relative_to(folder):
-                    raise OutsideError
+                    raise LinkError if Path(os.path.normpath(path)).is_relative_to(folder) else OutsideError
                 return found
         if not (here / name).resolve().is_relative_to(folder):
             raise OutsideError
@@ -56,12 +61,25 @@ def _plain(name: str) -> str:
     return unicodedata.normalize("NFC", name).lower()
 
 
+def is_link_out(name: str, here: Path, folder: Path) -> bool:
+    """Whether the file that a file in `here` names is a link out of the folder."""
+    try:
+        find_inside(name, here, folder)
+    except OutsideError as error:
+        return isinstance(error, LinkError)
+    return False
+
+
 def explain_missing(who: Path, what: str, name: str, here: Path, folder: Path) -> InputError:
-    """The complaint of `who` that no such file is in the folder; a folder above that has the file is named.
+    """The complaint of `who` that no such file is in the folder, or only a link out of it; a folder above that has the
+    file is named.
 
     Args:
         what: what names it and what it is, e.g. "link 'door', <visual>: there is no mesh".
     """
+    if is_link_out(name, here, folder):
+        what = f"{what} '{name[:200]}' in {folder.name}/, but a link out of it."
+        return InputError(who, what, "copy there what it links to", code="E-FILE-OUTSIDE")
     folder, fix = folder.resolve(), "copy it there"
     for base in (here.resolve(), *folder.parents):
         try:

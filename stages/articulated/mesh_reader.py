@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from PIL import Image
-from trimesh import Trimesh
+from trimesh import Scene, Trimesh
 
 from stages.articulated.mesh_files import MeshReader
 from stages.articulated.mesh_resolver import MeshResolver
 from stages.articulated.urdf_tree import MAX_NUMBER, THIN
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, explain
 from stages.plugins import list_available, load
 
 NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
@@ -52,6 +52,8 @@ def has_decimal_comma(path: Path) -> bool:
 def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
     """All meshes of a file, in the file's own frame; and what of their looks is lost, a line each.
 
+    `metadata["nodes"]` of each: the names of its node, of those above that, and its own.
+
     Args:
         path: of the file.
         folder: no picture or material is read outside of it.
@@ -66,13 +68,15 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
         if lost:
             _drop_broken(scene.geometry.values())
         meshes = [mesh for mesh in scene.dump() if isinstance(mesh, Trimesh) and len(mesh.faces)]
+        for mesh in meshes:
+            mesh.metadata["nodes"] = _list_nodes(scene, mesh)
         if unplaced := [mesh for mesh in meshes if has_texture(mesh) and getattr(mesh.visual, "uv", None) is None]:
             lost.append(f"{path.name} is shown without a picture that it places nowhere")
             _drop_pictures(unplaced)
-    except InputError:
+    except (InputError, MemoryError):
         raise
     except Exception as error:  # mesh readers raise whatever they stumble over
-        reason = (str(error).splitlines() or [error.__class__.__name__])[0][:200]
+        reason = (str(error).splitlines() or [explain(error)])[0][:200]
         mend = ""
         if has_decimal_comma(path):
             reason, mend = "its numbers have a decimal comma", "export it with a decimal point (an English locale)"
@@ -87,6 +91,14 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
     if path.suffix.lower() == ".obj" and NO_NUMBER.search(path.read_bytes()):
         lost.append(f"{path.name}: corners that are no numbers are left out")
     return meshes, list(dict.fromkeys([*files.lost, *lost]))
+
+
+def _list_nodes(scene: Scene, mesh: Trimesh) -> list[str]:
+    """The names of a mesh's node, of those above it, and its own."""
+    above, names = scene.graph.transforms.parents, [mesh.metadata.get("node", "")]
+    while names[-1] in above:
+        names.append(above[names[-1]])
+    return [str(name) for name in (*names, mesh.metadata.get("name", "")) if name != scene.graph.base_frame]
 
 
 def _drop_broken(meshes: Iterable[Trimesh]) -> None:

@@ -9,7 +9,8 @@ from urllib.parse import unquote
 from PIL import EpsImagePlugin, Image
 from trimesh.resolvers import Resolver
 
-from stages.articulated.inside import OutsideError, find_inside
+from stages.articulated.inside import OutsideError, find_inside, is_link_out
+from stages.contracts.errors import explain
 
 EpsImagePlugin.gs_binary = False  # PostScript is a program, and Pillow would have Ghostscript run it
 PICTURES = {".bmp", ".gif", ".jpeg", ".jpg", ".png", ".tga", ".tif", ".tiff", ".webp"}
@@ -35,7 +36,8 @@ class MeshResolver(Resolver):  # type: ignore[misc]
             return self.made[name]
         found = self.find(name)
         if found is None:
-            raise self._note_loss(_written(name), f"is not in {self.folder.name}/")
+            is_link = any(is_link_out(one, self.path.parent, self.folder) for one in _spellings(name))
+            raise self._note_loss(_written(name), f"is {'a link out of' if is_link else 'not in'} {self.folder.name}/")
         data = found.read_bytes()
         if found.suffix.lower() in PICTURES and (fault := fault_of(data)):
             raise self._note_loss(_written(name), fault)
@@ -43,16 +45,15 @@ class MeshResolver(Resolver):  # type: ignore[misc]
 
     def find(self, name: str) -> Path | None:
         """The file of that name; None: it is not in the folder."""
-        spelt = _written(name).lstrip("/")
         try:
-            names = dict.fromkeys([spelt, unquote(spelt)])
-            return next((file for one in names if (file := find_inside(one, self.path.parent, self.folder))), None)
+            found = (find_inside(one, self.path.parent, self.folder) for one in _spellings(name))
+            return next(filter(None, found), None)
         except OutsideError:
             return None
 
     def _note_loss(self, name: str, why: str) -> FileNotFoundError:
         self.lost.append(f"{self.path.name} is shown without '{name[:200]}', which {why}")
-        return FileNotFoundError(name)
+        return FileNotFoundError(f"'{name[:200]}' {why}")
 
     def keys(self) -> list[str]:
         """None are listed."""
@@ -65,6 +66,12 @@ class MeshResolver(Resolver):  # type: ignore[misc]
     def namespaced(self, namespace: str) -> "MeshResolver":
         """The same files."""
         return self
+
+
+def _spellings(name: str) -> list[str]:
+    """A name as it is written, and as it is meant where it is an address."""
+    spelt = _written(name).lstrip("/")
+    return [spelt, unquote(spelt)]
 
 
 def _written(name: str) -> str:
@@ -81,5 +88,5 @@ def fault_of(data: bytes) -> str | None:
     except (Image.DecompressionBombError, Image.DecompressionBombWarning):
         return "is too large"
     except (OSError, ValueError, SyntaxError) as error:
-        return f"is no whole picture ({type(error).__name__})"
+        return f"is no whole picture ({explain(error)})"
     return None

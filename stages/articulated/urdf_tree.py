@@ -12,7 +12,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from stages.articulated.model import JointModel, Matrix
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, explain
+from stages.contracts.files import decode_file
 from stages.contracts.types import RIGID_TOLERANCE
 from stages.geometry.frames import make_transform
 
@@ -87,9 +88,11 @@ class UrdfTree:
 
     def _parse(self) -> ET.Element:
         try:
-            text = _clean_xml(self.path.read_text(encoding="utf-8-sig"))
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(self.path, f"cannot be read ({error.__class__.__name__}).", code="E-XML-BROKEN") from None
+            text = _clean_xml(decode_file(self.path))
+        except UnicodeDecodeError:
+            raise InputError(self.path, "is no UTF-8 text.", "save it as UTF-8", code="E-FILE-ENCODING") from None
+        except OSError as error:
+            raise InputError(self.path, f"cannot be read ({explain(error)}).", code="E-XML-BROKEN") from None
         if "<!DOCTYPE" in text:  # entities: files of this machine, or more text than its memory holds
             raise InputError(
                 self.path, "declares a DOCTYPE, which a URDF does not need.", "remove it", code="E-XML-DOCTYPE"

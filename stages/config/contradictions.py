@@ -1,18 +1,23 @@
 """Contradictions in a config: found before anything runs, all at once, each with its mend."""
 
 import os
+import shlex
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stages.config import experiment_contradictions as experiment
+from stages.config import other_pictures
 from stages.config.categories import CATEGORIES
 from stages.config.evaluation import USUAL
-from stages.config.inputs import NAME
+from stages.config.hand_files import hand_file
+from stages.config.inputs import NAME, is_scene, suggest_scene
 from stages.config.mistakes import Mistake
 from stages.config.packages import packages_on
-from stages.contracts.corrections import CORRECTIONS, corrections_of
+from stages.config.weights import list_lacking
+from stages.contracts.corrections import CORRECTIONS, read_corrections
 from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 
@@ -23,9 +28,9 @@ if TYPE_CHECKING:
 def contradictions(config: "Config") -> list[Mistake]:
     """All of them, in the order of config.yaml."""
     checks = (
-        _packages, _names, _scenes, experiment.targets, experiment.pools, experiment.training_sets,
-        experiment.test_assets, experiment.simulators, _library, _matching, experiment.policies,
-        experiment.check_choices, experiment.networks, _environment, _stages,
+        _packages, _perception, _names, _scenes, other_pictures.find_mistakes, experiment.targets, experiment.pools,
+        experiment.training_sets, experiment.test_assets, experiment.simulators, _library, _matching,
+        experiment.policies, experiment.check_choices, experiment.networks, _environment, _stages,
     )  # fmt: skip
     return [found for check in checks for found in check(config)]
 
@@ -40,8 +45,8 @@ def _packages(config: "Config") -> Iterator[Mistake]:
         ("studies", "evaluation.conditions", bool(config.evaluation.conditions)),
         ("studies", "experiment.targets", any(target.assets for target in config.experiment.targets.values())),
         ("robustness", "experiment.protocols", bool(config.experiment.protocols)),
-        ("inputs", "experiment.inputs", any(not room.folder for room in rooms)),
-        ("inputs", "image", bool(config.image)),
+        ("vlm", "perception.captions", bool(config.image or rooms) and config.perception.captions == "vlm"),
+        ("pretrained", "perception.by", bool(config.experiment.pictures) and config.perception.by == "networks"),
     )
     for name, key, wanted in asked:
         if wanted and not config.packages.get(name):
@@ -52,11 +57,39 @@ def _packages(config: "Config") -> Iterator[Mistake]:
         yield from package.mistakes(config)
 
 
+def _perception(config: "Config") -> Iterator[Mistake]:
+    """Pictures that `image` names, heights that are none, and weights that find what pictures without depth show."""
+    names = ["camera", *(category.replace("_", " ") for category in CATEGORIES), *config.perception.labels]
+    for name, height in config.perception.heights.items():
+        if name not in names and get_close_matches(name, names, cutoff=0.8):  # other names a person may have drawn
+            mend = suggest_nearest(name, names)
+            yield Mistake(f"perception.heights.{name}", "is no name that is known", mend, "E-CONFIG-UNKNOWN")
+        if not 0.01 <= height <= 100:
+            yield Mistake(f"perception.heights.{name}", f"is {height} m", "metres, from 0.01 to 100", "E-CONFIG-VALUE")
+    if config.image:
+        for picture in config.experiment.inputs.values():
+            yield from picture.mistakes("")
+    elif config.depth or config.camera:
+        key = "depth" if config.depth else "camera"
+        yield Mistake(key, "is said of no picture", "--config image=color.png")
+    pictures = config.experiment.pictures
+    if not pictures or "draw" in config.stages.get("perception", {}):
+        return
+    key = "image" if config.image else "experiment.inputs"
+    by_hand = f"draw it: python -m plugins.annotator annotate {shlex.quote(pictures[0])}"
+    if config.perception.asks_networks() and (lacking := config.perception.list_lacking()):
+        folders = ", ".join(f"perception.{name} ({config.perception.networks()[name]})" for name in lacking)
+        mend = f"python -m stages.perception fetch --networks, or without weights {by_hand}"
+        yield Mistake(key, f"there are no weights in {folders}", mend, "E-CONFIG-FILE")
+    elif not config.perception.asks_networks() and (lacking := list_lacking()):
+        what = f"is a picture without depth, and there are no weights ({', '.join(lacking)})"
+        yield Mistake(key, what, f"make weights, or without weights {by_hand}", "E-CONFIG-FILE")
+
+
 def _names(config: "Config") -> Iterator[Mistake]:
     """Names that become paths, and lists that name a thing twice."""
     experiment = config.experiment
     named: dict[str, Iterable[str]] = {
-        "experiment.inputs": experiment.inputs,
         "experiment.variants": experiment.variants,
         "experiment.protocols": experiment.protocols,
         "experiment.targets": experiment.targets,
@@ -65,6 +98,9 @@ def _names(config: "Config") -> Iterator[Mistake]:
         "training.configs": config.training.configs,
         "evaluation.conditions": config.evaluation.conditions,
     }
+    for name in experiment.inputs:
+        if not is_scene(name):
+            yield Mistake("experiment.inputs", f"'{name}' is no name", suggest_scene(name), "E-CONFIG-NAME")
     for key, names in named.items():
         for name in names:
             if not NAME.fullmatch(name):
@@ -123,9 +159,9 @@ def _corrections(config: "Config") -> Iterator[Mistake]:
     """Files of corrections beside the scenes' pictures that can be read."""
     experiment = config.experiment
     for scene in (*experiment.rooms, *experiment.perturbed_scenes()):
-        path = Path(experiment.input_folder(scene), CORRECTIONS)
+        path = hand_file(experiment, scene, CORRECTIONS)
         try:
-            corrections_of((path,) if path.is_file() else (), "extraction")
+            read_corrections((path,) if path.is_file() else ())
         except InputError as error:
             yield Mistake.of(error)
 
@@ -134,9 +170,8 @@ def _library(config: "Config") -> Iterator[Mistake]:
     """Categories that exist, folders that exist, a library that is not empty."""
     for category in config.assets.counts:
         if category not in CATEGORIES:
-            yield Mistake(
-                "assets.counts", f"no category '{category}'", f"one of {', '.join(CATEGORIES)}", "E-CONFIG-UNKNOWN"
-            )
+            mend = suggest_nearest(category, CATEGORIES)
+            yield Mistake("assets.counts", f"no category '{category}'", mend, "E-CONFIG-UNKNOWN")
     for folder in config.assets.folders:
         if not Path(folder).is_dir():
             yield Mistake("assets.folders", f"no folder {folder}", "correct it or leave it out", "E-CONFIG-FILE")

@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from stages.config.inputs import Input
+from stages.config.pictures import Picture, as_written
 from stages.config.targets import Cell, Policy, PolicyPlan, Target, TrainingSet
 from stages.contracts.section import Rank, Section, Seed
 from stages.contracts.training_sets import DRAWN, RANDOMISED, RULES, drawn_role, read_set
@@ -62,7 +62,13 @@ class ExperimentConfig(Section):
         [],
         description="Rooms of your own: YAML files (docs/scenes.md), named by their stem.",
     )
-    inputs: dict[str, Input] = Field({}, description="Your own scenes: name -> input folder (docs/scenes.md).")
+    inputs: dict[str, Picture] = Field(
+        {},
+        json_schema_extra=as_written,
+        description="Your own scenes: name -> input folder (docs/scenes.md), or what a row of a table says; or a table "
+        "(CSV), a folder of input folders, or a list of these (docs/your-data.md). They are reconstructed like the "
+        "rooms, but not scored: there is no truth.",
+    )
     variants: dict[str, dict[str, Any]] = Field(
         {"b": {}},
         min_length=1,
@@ -136,6 +142,38 @@ class ExperimentConfig(Section):
         """Those of config.yaml first: Snakemake puts what a further file adds before them."""
         default = cls.model_fields[str(info.field_name)].default
         return {name: given[name] for name in (*default, *given) if name in given}
+
+    @property
+    def frames(self) -> list[str]:
+        """Scenes whose input folders the workflow makes of frames with depth and masks."""
+        return [name for name, one in self.inputs.items() if not one.folder and not one.alone and one.masks]
+
+    @property
+    def views(self) -> list[str]:
+        """Scenes whose input folders the workflow makes of frames with depth, and whose things it finds itself."""
+        made = {name: one for name, one in self.inputs.items() if not one.folder and not one.masks}
+        return [name for name, one in made.items() if one.measured or not one.alone]
+
+    @property
+    def measured(self) -> list[str]:
+        """Those of them whose depth a network measures."""
+        return [name for name, one in self.inputs.items() if one.measured]
+
+    @property
+    def photographs(self) -> list[str]:
+        """Scenes whose input folders the workflow draws of pictures without depth."""
+        return [name for name, one in self.inputs.items() if one.alone and not one.drawing and not one.measured]
+
+    @property
+    def drawn(self) -> list[str]:
+        """Scenes whose input folders the workflow makes of pictures without depth and what was drawn into them."""
+        return [name for name, one in self.inputs.items() if one.alone and one.drawing]
+
+    @property
+    def pictures(self) -> list[str]:
+        """Pictures of this run that networks look at."""
+        given = [self.inputs[room] for room in self.rooms if room in self.inputs]
+        return [one.image for one in given if one.alone and not one.drawing]
 
     def named(self) -> list[str]:
         """`rooms`, with names from `inputs` in the place of patterns, each once."""

@@ -56,10 +56,11 @@ class GenerationConfig(Section):
     )
 
     # Looks
-    finish: Literal["library", "picture"] = Field(
-        "library",
+    finish: Literal["library", "picture"] | None = Field(
+        None,
         description="What cousins look like. library: as the library has them. picture: the main color of each is the "
-        "one that the picture shows of its object; models of yours keep theirs.",
+        "one that the picture shows of its object; plants and models of yours keep theirs. null: picture for pictures "
+        "of yours, library for rooms.",
     )
 
     # Support (A.3)

@@ -3,58 +3,50 @@
 import json
 import os
 import re
-from collections.abc import Iterator, Mapping
+import unicodedata
+from collections.abc import Mapping
+from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
-from pydantic import ConfigDict, Field, model_validator
-
-from stages.config.mistakes import Mistake
+from stages.contracts.files import decode_file
 from stages.contracts.objects import object_ids
 from stages.contracts.parts import FRONTS
-from stages.contracts.section import Section
 
-NAME = re.compile(r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*")  # becomes part of paths
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]*(_[A-Za-z0-9-]+)*")  # becomes part of paths
+LONGEST = 120  # bytes of a scene's name: logs are called by it and more, and a file's name has 255 at most
 INPUT_FILES = ("rgb.png", "camera.json", "depth.npz", "masks.png", "annotations.json")
 MADE = ("input", "frame")  # what input folders are called that the workflow makes in a folder of the scene's name
 HOLDS = "docs/scenes.md says what an input folder holds"
 
 
-class Input(Section):
-    """An input folder. Its further keys are those of the package `inputs`, which makes folders of pictures."""
-
-    model_config = ConfigDict(extra="allow")
-
-    folder: str = Field("", description="an input folder (docs/scenes.md), in the place of all else")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _of_text(cls, given: Any) -> Any:
-        """A text alone names a folder."""
-        return {"folder": given} if isinstance(given, str) else given
-
-    @property
-    def alone(self) -> bool:
-        """Whether it is a picture without depth, for networks."""
-        return False
-
-    def place(self, scene: str) -> str:
-        """The input folder of a scene."""
-        return self.folder
-
-    def files(self) -> dict[str, str]:
-        """The user's files and folders by their keys."""
-        return {"folder": self.folder} if self.folder else {}
-
-    def mistakes(self, key: str) -> Iterator[Mistake]:
-        """Its mistakes; `key`: where it stands in the config."""
-        for what in describe_missing(Path(self.folder)) if self.folder else ():
-            yield Mistake(key, what, HOLDS, "E-CONFIG-FILE")
-
-
 def scene_of(path: Path) -> str:
-    """The name of the scene in a folder: letters, digits, - and single _ inside."""
-    return "_".join(re.findall(r"[A-Za-z0-9-]+", path.name)).lstrip("-") or "photo"
+    """The name of the scene of a file or folder: its own, if letters and digits of any script, - and single _ inside.
+
+    Otherwise what it has of these, with a digest of it: no two names become one, but a name written in two ways (NFC).
+    """
+    name = unicodedata.normalize("NFC", path.name)
+    kept = "".join(each if each == "-" or _is_of_word(each) else " " for each in name)
+    words = [word for word in kept.split() if any(each == "-" or each.isalnum() for each in word)]
+    plain = "_".join(words).lstrip("-")
+    if plain == name and 0 < len(name.encode()) <= LONGEST:
+        return name
+    mark = sha256(os.fsencode(name)).hexdigest()[:6]
+    return f"{plain.encode()[: LONGEST - 7].decode(errors='ignore') or 'photo'}-{mark}"
+
+
+def _is_of_word(each: str) -> bool:
+    """Whether a character is a letter or a digit, or a vowel or an accent that is written as one of its own."""
+    return each.isalnum() or unicodedata.category(each) in ("Mn", "Mc")
+
+
+def is_scene(name: str) -> bool:
+    """Whether a scene may be called so."""
+    return scene_of(Path(name)) == name
+
+
+def suggest_scene(name: str) -> str:
+    """The mend of a name that no scene may have."""
+    return f"letters, digits, - and single _ inside, e.g. {scene_of(Path(name))}"
 
 
 def scene_of_folder(folder: Path) -> str:
@@ -76,7 +68,7 @@ def list_objects(folder: Path) -> dict[str, Mapping[str, bool]]:
     A file that breaks its contract is left to the stage that reads it.
     """
     try:
-        items = json.loads((folder / "annotations.json").read_text(encoding="utf-8"))["objects"]
+        items = json.loads(decode_file(folder / "annotations.json"))["objects"]
         panels: list[Mapping[str, bool]] = [{front: item.get(f"{front}s", 0) > 0 for front in FRONTS} for item in items]
         return dict(zip(object_ids(str(item["label"]) for item in items), panels, strict=True))
     except (OSError, ValueError, KeyError, TypeError, AttributeError):

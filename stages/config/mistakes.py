@@ -97,7 +97,8 @@ def mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str = "")
         what, mend, code = text, "", "E-CONFIG-VALUE"
         if detail["type"] == "extra_forbidden":
             what, code = "unknown key", "E-CONFIG-KEY"
-            mend = _find_meant_key(str(path[-1]), _model_at(root, path[:-1]), root)
+            moved = tell_section(str(path[0]), detail["input"]) if len(path) == 1 else ""
+            mend = moved or _find_meant_key(str(path[-1]), _model_at(root, path[:-1]), root)
         elif detail["type"] == UNFIT:
             mend = detail["ctx"]["mend"]
         elif detail["type"] != "value_error":
@@ -160,3 +161,24 @@ def _drop(given: Any, path: tuple[int | str, ...]) -> None:
             break
         last, key, given = given, part, given[part]
     last.pop(key, None)
+
+
+PERCEPTION = "perception"
+SECTIONS = {"photo": PERCEPTION, "eyes": PERCEPTION, "single_view": PERCEPTION}  # their keys are called the same there
+PACKAGES = {
+    **dict.fromkeys(("inputs", "eyes", "names", "single_view"), "it is stage perception now, which is always there"),
+    "look": "it is part of the package pictures now",
+}
+
+
+def tell_package(name: str, otherwise: str) -> str:
+    """What took the place of a package, else what is said otherwise."""
+    return PACKAGES.get(name, otherwise)
+
+
+def tell_section(name: str, given: object) -> str:
+    """What to write in the place of a section; empty: it is where it was."""
+    if name not in SECTIONS:
+        return ""
+    keys = given if isinstance(given, dict) else [""]
+    return "write " + ", ".join(f"{SECTIONS[name]}.{key}".rstrip(".") for key in keys)

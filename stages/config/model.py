@@ -17,9 +17,11 @@ from stages.config.extraction import ExtractionConfig
 from stages.config.files import read_file
 from stages.config.generation import GenerationConfig
 from stages.config.matching import MatchingConfig, MatchingSection, matching_model
-from stages.config.mistakes import Mistake, mistakes_of, truths, validate_config, without_removed
+from stages.config.mistakes import Mistake, mistakes_of, tell_package, truths, validate_config, without_removed
 from stages.config.names import resolve_names
 from stages.config.packages import Objects, Package, find_packages, packages_on, with_sections
+from stages.config.perception import PerceptionSection
+from stages.config.pictures import mark_measured, of_picture, read_sources
 from stages.config.replaced import Replaced
 from stages.config.tables import TablesConfig
 from stages.config.targets import Target
@@ -40,6 +42,8 @@ class Config(Section):
         description="A picture, for the target `photo`: the one scene in the place of `experiment.rooms`, without "
         'tasks (docs/your-data.md). "": none.',
     )
+    depth: str = Field("", description="Depth of the picture `image`, aligned to it.")
+    camera: str = Field("", description="Its intrinsics: a file, or the camera's name (docs/your-data.md).")
     packages: dict[str, bool] = Field(
         default_factory=lambda: dict.fromkeys(find_packages(), True),
         description="Packages beside the core (docs/architecture.md), and which are on.",
@@ -52,6 +56,9 @@ class Config(Section):
     device: Literal["cpu", "cuda"] = Field("cpu", description="Where networks are trained and run.")
     experiment: ExperimentConfig = Field(ExperimentConfig(), description="Which cells of the paper's tables are run.")
     assets: AssetsConfig = Field(AssetsConfig(), description="The asset library and its snapshots (A.1).")
+    perception: PerceptionSection = Field(
+        PerceptionSection(), description="From a picture of yours to an input folder (2.1, A.2, A.7)."
+    )
     extraction: ExtractionConfig = Field(ExtractionConfig(), description="From image to objects in space (A.2, A.7).")
     matching: MatchingSection = Field(MatchingSection(), description="Digital cousins of every object (A.6, A.7, B.1).")
     generation: GenerationConfig = Field(GenerationConfig(), description="Placing the cousins (A.3, A.7).")
@@ -78,7 +85,7 @@ class Config(Section):
         here = find_packages()
         for name in given:
             if name not in here:
-                raise ValueError(f"there is no package '{name}'; {suggest_nearest(name, here)}")
+                raise ValueError(f"there is no package '{name}'; {tell_package(name, suggest_nearest(name, here))}")
         return dict.fromkeys(here, True) | given
 
     @property
@@ -100,6 +107,11 @@ class Config(Section):
         """The placing of one variant: that of `generation` with what differs, key by key."""
         changes = self.experiment.placements.get(variant, {})
         return GenerationConfig.model_validate(merge_mappings(self.generation.model_dump(), changes))
+
+    def wears_picture(self, variant: str, scene: str) -> bool:
+        """Whether the models of a scene have the colors of its picture: those of pictures of the user's by default."""
+        finish = self.generation_of(variant).finish
+        return finish == "picture" if finish else scene in self.experiment.inputs
 
     def task_of(self, target: str) -> TaskConfig:
         """The task options of a target: those of `task` with what it changes, key by key."""
@@ -162,10 +174,7 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
     on = _packages_on(config)
     model = with_sections(Config, on)
     config = {key: value for key, value in config.items() if key in model.model_fields or not _is_silent(key)}
-    unread: list[Mistake] = []
-    for package in on.values():
-        config, found = package.expand(config)
-        unread += found
+    config, unread = read_sources(config)
     valid, mistakes = validate_config(model, without_removed(config, model))
     mistakes += unread
     wrong = [mistake.key for mistake in mistakes] + (["experiment.rooms"] if unread else [])
@@ -174,8 +183,8 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
     mistakes += _overlays(valid)
     rooms = valid.experiment.model_copy(update={"rooms": valid.experiment.named()})
     valid = valid.model_copy(update={"experiment": rooms})
-    for package in on.values() if not mistakes else ():
-        valid = package.of_run(valid)
+    valid = of_picture(valid) if not mistakes else valid
+    mark_measured(valid)
     mistakes += [each for each in contradictions(valid) if not any(_overlap(each.key, key) for key in wrong)]
     if not rooms_named:
         mistakes = [each for each in mistakes if each.key != "experiment.rooms"]

@@ -72,11 +72,11 @@ def _check_kwargs(section: Section, packages: Sequence[str], key: str) -> tuple[
     """The options that a section has for implementations, and what is wrong with them.
 
     Of a section that names one implementation they are this one's, with the defaults of those that are not given; of
-    one that names several they are given by names of implementations.
+    one that names several, or a list, they are given by names of implementations.
     """
     given: dict[str, Any] = section.kwargs  # type: ignore[attr-defined]
     named = [(kind, field) for field in type(section).model_fields if (kind := kind_of(type(section), field))]
-    if len(named) == 1:
+    if len(named) == 1 and isinstance(getattr(section, named[0][1]), str):
         ((kind, field),) = named
         return _check_options(find_options(kind, getattr(section, field)), given, key)
     known = {name: (kind, module) for kind, _ in named for name, module in list_available(kind, packages).items()}

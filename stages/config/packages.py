@@ -1,14 +1,17 @@
 """Packages beside the core, `plugins/<name>/`: each brings code, rules, tests and a part of the config (package.py)."""
 
-from collections.abc import Callable, Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
+from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import Field, create_model
+from pydantic import create_model
 
 from stages import plugins
+from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.section import Section
 
 C = TypeVar("C", bound=Section)
@@ -22,20 +25,16 @@ class Package:
     Attributes:
         judges: whether judges of matching read its sections, each that of its name, so that variants may change them.
         draws: modules with which commands show more, by stage: matching: `InPlace` shows cousins in an object's place;
-            generation: `estimate_look` finds a picture's light and colors; demonstrations: `film_demonstrations` and
-            evaluation: `RolloutFilms` film episodes; tables: `add_tables` adds to Table 3.
+            demonstrations: `film_demonstrations` and evaluation: `RolloutFilms` film episodes; tables: `add_tables`
+            adds to Table 3.
         section: of config.yaml that its commands read.
         shards: of the section `assets`, the shards of models that its rules add to the library, by name.
         commands: its commands that rules call, and what each reads of the config (None: nothing).
         rooms: of the whole config, scenes that it makes: by name, what gives their objects, each with whether it has a
             door, a drawer; empty: not known.
         sections: of config.yaml that belong to it, and further keys, by name, as pydantic fields.
-        widens: sections of the core to which it adds keys, by name.
-        expand: of what a config gives, the same with what files say that it names, and `Mistake`s in these.
-        of_run: of the whole config, that of the run which it asks for.
         outside: of the whole config, files that its jobs read and that may lie outside the working directory.
         mistakes: of the whole config, `Mistake`s that the package finds in it.
-        check: what of this machine the package may want: its name, whether all is there, what is or is not.
         guard: module that runs a user's command, `python -m GUARD COMMAND ...`, so that it ends with the workflow.
         facts: module and command that write what the core knows of the package, `python -m FACTS`.
         keys: of the whole config, environment variables of keys that it sends to a server; None: it asks none.
@@ -50,13 +49,9 @@ class Package:
     shards: Callable[[Any], Mapping[str, Any]] = lambda assets: {}
     commands: Mapping[str, type[Section] | None] = field(default_factory=dict)
     sections: Mapping[str, tuple[Any, Any]] = field(default_factory=dict)
-    widens: Mapping[str, type[Section]] = field(default_factory=dict)
-    expand: Callable[[dict[str, Any]], tuple[dict[str, Any], list[Any]]] = lambda given: (given, [])
-    of_run: Callable[[Any], Any] = lambda config: config
     outside: Callable[[Any], list[str]] = lambda config: []
     keys: Callable[[Any], list[str] | None] = lambda config: None
     mistakes: Callable[[Any], Iterable[Any]] = lambda config: ()
-    check: Callable[[], tuple[str, bool, str]] | None = None
 
 
 @cache
@@ -86,6 +81,43 @@ def rule_files(on: Mapping[str, bool]) -> list[str]:
     return [f"plugins/{name}/rules.smk" for name in names]
 
 
+def check_targets(asked: Iterable[str], on: Mapping[str, bool]) -> None:
+    """Refuse targets of packages that are off.
+
+    Raises:
+        InputError: one is asked for; the message names its package.
+    """
+    for name in (name for name in find_packages() if not on[name]):
+        rules = "".join(file.read_text(encoding="utf-8") for file in (plugins.PACKAGES / name).glob("*.smk"))
+        for target in {*re.findall(r"^rule (\w+):", rules, re.MULTILINE)} & set(asked):
+            what = f"is a target of the package {name}, which is off."
+            raise InputError(target, what, f"packages: {{{name}: true}}", code="E-CONFIG-CLASH")
+
+
+def check_rules(command: Sequence[str], snakefile: str) -> None:
+    """Refuse targets that are no files and no rules of ours, unless another workflow has ours as a module.
+
+    Args:
+        command: a command line of Snakemake; of nothing else is anything asked.
+        snakefile: that of the workflow.
+
+    Raises:
+        InputError: tells the nearest rule.
+    """
+    ours = [plugins.PACKAGES.parent / "Snakefile", plugins.PACKAGES.parent / "workflow/Snakefile"]
+    if Path(snakefile).resolve() not in ours or not command or Path(command[0]).name != "snakemake":
+        return
+    from snakemake.cli import get_argument_parser
+
+    asked = get_argument_parser().parse_known_args(command[1:])[0].targets
+    files = [*ours, *ours[0].parent.glob("rules/*.smk"), *plugins.PACKAGES.glob("*/*.smk")]
+    texts = [file.read_text(encoding="utf-8") for file in files]
+    rules = {name for text in texts for name in re.findall(r"^(?:rule|checkpoint) (\w+):", text, re.MULTILINE)}
+    for name in asked:
+        if name not in rules and not re.search(r"[./]", name):
+            raise InputError(name, "is no target.", suggest_nearest(name, sorted(rules)), code="E-WORDS")
+
+
 def with_sections(model: type[C], names: Iterable[str], judges: bool = False) -> type[C]:
     """A section with those of these packages; `judges`: with those alone that judges of theirs read."""
     extended: type[C] = _with_sections(model, tuple(names), judges)
@@ -98,8 +130,6 @@ def _with_sections(model: Any, names: tuple[str, ...], judges: bool) -> Any:
     fields: dict[str, Any] = {}
     for name in names:
         fields |= packages[name].sections if packages[name].judges or not judges else {}
-        for section, wider in packages[name].widens.items() if not judges else ():
-            fields[section] = wider, Field(wider(), description=model.model_fields[section].description)
     return create_model(model.__name__, __base__=model, __doc__=model.__doc__, **fields) if fields else model
 
 

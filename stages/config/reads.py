@@ -1,5 +1,6 @@
 """The part of the config that each command reads: its --options hold no more, so that no other change runs it again."""
 
+import json
 from typing import Any
 
 from stages.config.assets import SnapshotOptions
@@ -11,6 +12,7 @@ from stages.config.matching import CandidateOptions, ComparisonOptions, EncoderO
 from stages.config.model import Config
 from stages.config.names import kind_of
 from stages.config.packages import find_packages
+from stages.config.perception import DrawOptions, MeasureOptions, SeeOptions
 from stages.config.policy_kinds import policy_tables
 from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.policy_config import PolicyConfig
@@ -20,6 +22,9 @@ from stages.plugins import shorten_name
 
 CORE: dict[tuple[str, str], type[Section]] = {
     ("assets", "snapshots"): SnapshotOptions,
+    ("perception", "see"): SeeOptions,
+    ("perception", "draw"): DrawOptions,
+    ("perception", "measure"): MeasureOptions,
     ("extraction", "extract"): ExtractionConfig,
     ("matching", "features"): EncoderOptions,
     ("matching", "shards"): CandidateOptions,
@@ -78,7 +83,7 @@ def options_of(config: Config, stage: str, command: str, wildcards: dict[str, st
     if beside := {name: getattr(config, name).model_dump() for name in _sections(reads, section, config)}:
         section = reads.model_construct(**dict(section), **beside)
     kept = section.model_dump(mode="json", include=set(reads.model_fields) - section.list_unread())
-    if "kwargs" in kept and len(kinds) > 1:  # by name
+    if "kwargs" in kept and (len(kinds) > 1 or isinstance(getattr(section, kinds[0]), list)):  # by name
         read = set(kinds) & set(reads.model_fields)
         used = {shorten_name(name) for field in read for name in _names(getattr(section, field))}
         kept["kwargs"] = {name: options for name, options in kept["kwargs"].items() if name in used}
@@ -91,6 +96,16 @@ def _sections(reads: type[Section], section: Section, config: Config) -> list[st
     """Sections that a command reads beside its own, of packages that are on."""
     names = {name for package in find_packages().values() for name in package.sections if hasattr(config, name)}
     return sorted(names & set(reads.model_fields) - set(type(section).model_fields))
+
+
+def describe_picture(config: Config, command: str, scene: str) -> str:
+    """The --options, JSON, of a command of perception for one picture of the user's: its own field of view; other
+    proposers where a network measures its depth."""
+    one = config.experiment.inputs[scene]
+    section = config.perception.for_measured() if one.measured and command == "see" else config.perception
+    found = options_of(config.model_copy(update={"perception": section}), "perception", command, {})
+    own = {"field_of_view": one.fov} if one.fov and "field_of_view" in found else {}
+    return json.dumps(found | own, sort_keys=True)
 
 
 def stores(config: Config) -> dict[str, EncoderOptions]:

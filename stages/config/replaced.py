@@ -4,12 +4,14 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
+from stages.config.mistakes import tell_package
 from stages.config.packages import find_packages
 from stages.contracts.errors import suggest_nearest
 from stages.contracts.section import Section
 
 COMMANDS = {
     "assets": ("join", "part", "snapshots"),
+    "perception": ("from-rgbd", "measure", "see", "draw", "fetch"),
     "extraction": ("extract",),
     "matching": ("features", "shards", "match", "distances"),
     "generation": ("generate",),
@@ -39,7 +41,7 @@ def _known_commands(value: Any) -> Any:
     known = COMMANDS | {name: tuple(package.commands) for name, package in find_packages().items() if package.commands}
     for stage, commands in value.items() if isinstance(value, dict) else ():
         if stage not in known:
-            raise ValueError(f"no stage is called '{stage}'; {suggest_nearest(stage, known)}")
+            raise ValueError(f"no stage is called '{stage}'; {tell_package(stage, suggest_nearest(stage, known))}")
         for command in commands if isinstance(commands, dict) else ():
             if command not in known[stage]:
                 mend = suggest_nearest(command, known[stage])

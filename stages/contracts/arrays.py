@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.errors import InputError, file_missing
+from stages.contracts.errors import InputError, explain, file_missing
 
 if TYPE_CHECKING:
     import h5py
@@ -34,9 +34,7 @@ def explain_unreadable(path: Path, what: str, fix: str = "") -> Iterator[None]:
         what = f"is no readable {what}: it is no JSON in line {error.lineno}."
         raise InputError(path, what, fix, code="E-FILE-UNREADABLE") from None
     except Exception as error:
-        raise InputError(
-            path, f"is no readable {what} ({error.__class__.__name__}).", fix, code="E-FILE-UNREADABLE"
-        ) from None
+        raise InputError(path, f"is no readable {what} ({explain(error)}).", fix, code="E-FILE-UNREADABLE") from None
 
 
 def check_file(path: Path, fix: str = "") -> None:

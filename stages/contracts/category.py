@@ -50,6 +50,18 @@ class UsualSize(NamedTuple):
         return f"{wide} wide × {deep} deep × {high} cm high"
 
 
+class SizeSpread(NamedTuple):
+    """Mean (3,) and covariance (3, 3) of the logarithms of depth, width and height, metres."""
+
+    mean: Array
+    covariance: Array
+
+    def turn(self) -> "SizeSpread":
+        """The same of width, depth and height."""
+        order = [1, 0, 2]
+        return SizeSpread(self.mean[order], self.covariance[np.ix_(order, order)])
+
+
 def log_extents(size: ArrayLike) -> Array:
     """Logarithms of extents (..., 3), z up: which of depth and width is which does not matter."""
     size = np.asarray(size, dtype=float)
@@ -79,15 +91,19 @@ class Category(Contract):
         extents = log_extents(sizes)
         return UsualSize(extents.min(axis=0), extents.max(axis=0))
 
-    def describe_spread(self) -> tuple[Array, Array] | None:
-        """Mean (3,) and covariance (3, 3) of the logarithms of depth, width and height; None: too few models say so.
+    def find_usual_depth(self) -> float | None:
+        """How deep its things are; None: no model says so."""
+        return float(np.median([depth for depth, _, _ in self.sizes])) if self.sizes else None
+
+    def measure_spread(self) -> SizeSpread | None:
+        """How large its things usually are; None: too few models say so.
 
         Things of the world differ by `UNLIKE` more than the models and catalogues do.
         """
         sizes = np.log([*self.sizes, *self.further, *self.real] or np.empty((0, 3)))
         if len(sizes) < FEWEST_MODELS:
             return None
-        return sizes.mean(axis=0), np.cov(sizes.T) + UNLIKE**2 * np.eye(3)
+        return SizeSpread(sizes.mean(axis=0), np.cov(sizes.T) + UNLIKE**2 * np.eye(3))
 
 
 def describe_unusual(category: Category | None, size: ArrayLike, spread: float = USUAL_SPREAD) -> str:

@@ -4,6 +4,7 @@ One small file for each, in a tree of its own: results/.checksums/<path below re
 """
 
 import hashlib
+import os
 import re
 import shutil
 from pathlib import Path
@@ -18,11 +19,18 @@ def digest_of(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def record_of(path: Path, results: Path = RESULTS) -> Path | None:
-    """Where the checksum of a result is; None: the path is no result, or not yet one."""
-    results = results.absolute()
-    path = path.absolute()
-    if not path.is_relative_to(results) or any(part.startswith(".") for part in path.relative_to(results).parts):
+def find_results(path: Path) -> Path | None:
+    """The results that a path lies in, from wherever it is written: the nearest folder above it that has checksums, or
+    is `results` of the working directory."""
+    own = RESULTS.absolute()
+    return next((each for each in path.parents if each == own or (each / CHECKSUMS).is_dir()), None)
+
+
+def record_of(path: Path, results: Path | None = None) -> Path | None:
+    """Where the checksum of a result is; None: the path is no result, or not yet one. `results`: None finds them."""
+    path = Path(os.path.normpath(path.absolute()))
+    results = results.absolute() if results else find_results(path)
+    if results is None or any(part.startswith(".") for part in path.relative_to(results).parts):
         return None
     return results / CHECKSUMS / path.relative_to(results)
 
@@ -44,8 +52,11 @@ def record(path: Path) -> None:
             found.write_text(f"{digest_of(file)}\n", encoding="ascii")
 
 
-def read_recorded(path: Path, results: Path = RESULTS) -> str | None:
-    """The checksum that was recorded of a result; None: none, or only a part of one, as after a power cut."""
+def read_recorded(path: Path, results: Path | None = None) -> str | None:
+    """The checksum that was recorded of a result; None: none, or none that can be read, as after a power cut."""
     found = record_of(path, results)
-    text = found.read_bytes() if found and found.is_file() else b""
+    try:
+        text = found.read_bytes() if found and found.is_file() else b""
+    except OSError:
+        return None
     return text.decode().strip() if re.fullmatch(rb"[0-9a-f]{64}\n", text) else None

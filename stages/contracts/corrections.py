@@ -1,7 +1,8 @@
 """Contract of `corrections.json`, beside a scene's input: what a person says otherwise than the stages found."""
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -12,11 +13,12 @@ from stages.contracts.types import (
     Angle,
     Coordinate,
     Id,
+    Length,
     MaskValue,
     Outline,
     Panels,
     Pixel,
-    Size,
+    Side,
     Text,
     check_supports,
     check_unique,
@@ -50,7 +52,7 @@ class Correction(Contract):
     )
     mounting: Held | Literal["measured"] | None = Field(None, description="how it is held; measured: geometry tells")
     on: MaskValue | Literal["floor"] | None = Field(None, description="what it stands on")
-    size: Size | None = Field(None, description="width along its front, depth, height; metres")
+    size: tuple[Length, Length, Length] | None = Field(None, description="width along its front, depth, height; metres")
     front: Angle | None = Field(None, description="direction that it faces about z; 0: as the camera looks; radians")
     nudge: tuple[Coordinate, Coordinate] | None = Field(
         None, description="how far it is moved with all that stands on it: away from the camera, to the left; metres"
@@ -65,6 +67,23 @@ class Correction(Contract):
         """Its outline, and those of its further pieces."""
         return [points for points in (self.outline, *self.pieces) if len(points) > 2]
 
+    @property
+    def is_drawn(self) -> bool:
+        """Whether its pixels are not as they were found."""
+        return self.around is not None or bool(self.outlines or self.joins)
+
+    @property
+    def named_masks(self) -> set[int]:
+        """The masks that it speaks of."""
+        walls = self.mounting.walls if isinstance(self.mounting, Held) else []
+        others = [one for one in (self.on, self.like) if isinstance(one, int)]
+        return {self.mask, *self.joins, *others, *walls}
+
+    def read_by(self, stage: Reader) -> "Correction | None":
+        """What of it concerns a stage; None: nothing."""
+        kept = self.model_dump(include={"mask", *READ[stage]}, exclude_defaults=True)
+        return Correction.model_validate(kept) if len(kept) > 1 else None
+
     @model_validator(mode="after")
     def _one_model(self) -> "Correction":
         check_counts(f"mask {self.mask}", self.panels or [], self.doors, self.drawers)
@@ -78,13 +97,37 @@ PLACED = {"nudge", "model", "pinned", "banned", "like"}  # read by generation al
 READ: dict[Reader, set[str]] = {"extraction": set(Correction.model_fields) - PLACED - {"mask"}, "generation": PLACED}
 
 
-class Corrections(Document):
-    """`corrections.json`; without it nothing is corrected. Mask values are those of the masks.png beside it."""
+class Shown(Contract):
+    """What a mask showed when a person spoke of it."""
 
+    mask: MaskValue
+    label: str = Field("", max_length=1000, description="what it was called")
+    outlines: list[Outline] = Field(min_length=1, max_length=51, description="of its pixels, the largest piece first")
+
+
+class Unmatched(Contract):
+    """A correction, or a part of one, of what was not found again; kept for when it is."""
+
+    correction: Correction
+    shown: list[Shown] = Field(max_length=1000, description="of the masks that it names, as it numbers them")
+
+
+class Corrections(Document):
+    """`corrections.json`; without it nothing is corrected. Mask values are those of the masks whose digest it has.
+
+    Without a digest they are those of the masks.png that is there.
+    """
+
+    digest: str = Field("", pattern="^([0-9a-f]{64})?$", description="SHA-256 of the picture's file")
+    size: tuple[Side, Side] | None = Field(None, description="width and height of the picture in which outlines are")
+    masks: str = Field("", pattern="^([0-9a-f]{64})?$", description="SHA-256 of the mask values, see `digest_masks`")
+    shown: list[Shown] = Field([], max_length=1000, description="what the masks show that corrections name")
     objects: list[Correction] = Field([], max_length=1000)
+    unmatched: list[Unmatched] = Field([], max_length=1000)
 
     @model_validator(mode="after")
     def _check_references(self) -> "Corrections":
+        check_unique("shown: mask values", [one.mask for one in self.shown])
         check_unique("objects: mask values", [item.mask for item in self.objects])
         joined = [mask for item in self.objects for mask in item.joins]
         check_unique("objects: masks that are joined", [*joined, *(item.mask for item in self.objects if item.joins)])
@@ -95,19 +138,34 @@ class Corrections(Document):
     def _chain(self, key: str) -> dict[str, str]:
         """From mask value to mask value, as text; a thing of which nothing is stated stands on the floor."""
         stated = {str(item.mask): str(getattr(item, key)) for item in self.objects if getattr(item, key) is not None}
-        return {name: FLOOR for name in stated.values() if name != FLOOR} | stated
+        return dict.fromkeys(stated.values(), FLOOR) | stated
+
+    def as_document(self) -> dict[str, Any]:
+        """The file's content, without what is not said."""
+        return {"version": 1, **self.model_dump(mode="json", exclude_defaults=True)}
+
+    @property
+    def is_any(self) -> bool:
+        """Whether it says anything."""
+        return bool(self.objects or self.unmatched)
 
     def read_by(self, stage: Reader) -> "Corrections":
         """The corrections that concern a stage, no others."""
-        kept = [item.model_dump(include={"mask", *READ[stage]}, exclude_defaults=True) for item in self.objects]
-        return Corrections(objects=[Correction.model_validate(item) for item in kept if len(item) > 1])
+        objects = [part for item in self.objects if (part := item.read_by(stage))]
+        unmatched = [
+            Unmatched(correction=part, shown=[each for each in one.shown if each.mask in part.named_masks])
+            for one in self.unmatched
+            if (part := one.correction.read_by(stage))
+        ]
+        named = {mask for item in objects for mask in item.named_masks}
+        shown = [one for one in self.shown if one.mask in named]
+        return self.model_copy(update={"objects": objects, "unmatched": unmatched, "shown": shown})
 
 
-def corrections_of(paths: tuple[Path, ...], stage: Reader) -> dict[int, Correction]:
-    """The corrections for a stage, of corrections.json, by mask value; `paths`: the file, or nothing.
+def read_corrections(paths: Iterable[Path]) -> Corrections:
+    """What corrections.json says; `paths`: the file, or nothing.
 
     Raises:
         InputError: it is broken.
     """
-    found = [read_json(Corrections, path, "mend or delete it").read_by(stage) for path in paths]
-    return {item.mask: item for one in found for item in one.objects}
+    return next((read_json(Corrections, path, "mend or delete it") for path in paths), Corrections())

@@ -9,7 +9,7 @@ from stages.contracts.doubt import Doubt
 from stages.contracts.files import Contract, Document
 from stages.contracts.objects import check_status
 from stages.contracts.provenance import Provenance
-from stages.contracts.types import Angle, Count, Finite, Id, NonNegative, Rank, Text, check_unique
+from stages.contracts.types import Angle, Count, Finite, Id, NonNegative, Rank, SceneName, Text, check_unique
 
 NO_MODEL = "no language model"  # in the name of a judge that stands in for one
 
@@ -107,7 +107,7 @@ class ObjectCousins(Contract):
 class Cousins(Document):
     """`cousins.json`: one entry per object of `objects.json`, in its order."""
 
-    scene: Id
+    scene: SceneName
     encoder: Text
     objects: list[ObjectCousins]
     made: Provenance | None = None
@@ -124,7 +124,7 @@ class Distances(Document):
     `distances[cousin]` holds one number per asset of `assets`. Both are articulated models: what a task can open.
     """
 
-    scene: Id
+    scene: SceneName
     object: Id
     encoder: Text
     assets: list[Id]

@@ -11,11 +11,17 @@ from stages.contracts.errors import InputError
 from stages.contracts.images import FOLDER
 from stages.contracts.types import LARGEST
 from stages.geometry.depth_marks import find_marks, remove_marks
-from stages.geometry.inverse_depth import is_inverse
+from stages.geometry.gravity import is_upside_down
+from stages.geometry.inverse_depth import is_inverse, is_zbuffer
 
 NEAREST = 0.1  # metres: the median depth of a picture of a room is between this and `LARGEST`
 SKY = 100.0  # metres: farther away is no room
 FORMAT, UNIT = "E-DEPTH-FORMAT", "E-DEPTH-UNIT"
+DOWN, TURNED = "E-PICTURE-UPSIDE-DOWN", "it is upside down, or a ceiling without a floor."
+TURN = (
+    "turn picture, depth and masks by 180 degrees; flip them top to bottom instead if writing is then mirrored "
+    "(renderers store the bottom row first)"
+)
 WRITE = "np.savez(path, depth=...) with an array (height, width) in metres"
 
 
@@ -60,7 +66,7 @@ def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
 
 
 def check_depth(path: Path, values: NDArray[np.floating]) -> None:
-    """Refuse inverse depth (H, W): as depth it gives things of no size and place.
+    """Refuse inverse depth and z-buffers (H, W): as depth they give things of no size and place.
 
     Raises:
         InputError: it is.
@@ -69,6 +75,24 @@ def check_depth(path: Path, values: NDArray[np.floating]) -> None:
         what = "looks like inverse depth: it grows towards the lower border, and floors and walls are flat in it."
         fix = "store depth in metres: 1 / values for disparity, by the scale of its network"
         raise InputError(path, what, fix, code=UNIT)
+    if is_zbuffer(values):
+        what = f"is a z-buffer, not metres: all within 0..1, half of it above {np.median(values[values > 0]):.3f}."
+        fix = "store near * far / (far - value * (far - near)), with near and far of the renderer's camera in metres"
+        raise InputError(path, what, fix, code="E-DEPTH-ZBUFFER")
+
+
+def check_turned(where: object, points: NDArray[np.float64], known: NDArray[np.bool_], max_tilt: float) -> None:
+    """Refuse a picture of points (H, W, 3), camera frame, that is upside down with its depth.
+
+    Whether it was turned by 180 degrees or mirrored top to bottom is not in depth: a person sees it.
+
+    Raises:
+        InputError: nothing level faces up, and much faces down.
+    """
+    if is_upside_down(points, known, max_tilt):
+        raise InputError(
+            where, f"shows no level surface that faces up, but one that faces down: {TURNED}", TURN, code=DOWN
+        )
 
 
 def _metres_per_unit(path: Path, depth: NDArray[Any]) -> float:

@@ -1,11 +1,20 @@
 """The one exception that a user is meant to see."""
 
+import os
 from collections.abc import Collection
 from contextlib import suppress
 from difflib import get_close_matches
 from pathlib import Path
 
 MAX_LISTED = 40  # names at most that an error lists
+# What Python and libraries raise over a file's content, in words; what is of no kind here is told as damaged.
+WORDS: tuple[tuple[type[Exception] | tuple[type[Exception], ...], str], ...] = (
+    (UnicodeError, "it is no text in UTF-8"),
+    (RecursionError, "it is nested too deep"),
+    (MemoryError, "it does not fit into the memory"),
+    ((LookupError, AttributeError, TypeError), "something in it is missing, or of another form"),
+    (ValueError, "something in it is of another form"),
+)
 
 
 class InputError(Exception):
@@ -35,6 +44,13 @@ def escape_control(text: str) -> str:
     are indented, are written as escapes."""
     lines = ("".join(c if c.isprintable() else ascii(c)[1:-1] for c in line) for line in text.split("\n  "))
     return "\n  ".join(lines)
+
+
+def explain(error: Exception) -> str:
+    """What stopped the reading of a file, in words for whoever made that file."""
+    if isinstance(error, OSError) and error.errno:
+        return os.strerror(error.errno).lower()
+    return next((words for kinds, words in WORDS if isinstance(error, kinds)), "damaged, cut off, or of another format")
 
 
 def suggest_nearest(name: object, names: Collection[str]) -> str:

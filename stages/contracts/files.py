@@ -1,5 +1,6 @@
 """Read and write the files that pass between stages: validated, atomic, byte-for-byte repeatable."""
 
+import codecs
 import csv
 import io
 import json
@@ -12,7 +13,7 @@ from typing import Any, Literal, TypeVar, get_args
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from stages.contracts import checksums
-from stages.contracts.errors import InputError, file_missing
+from stages.contracts.errors import InputError, explain, file_missing
 from stages.contracts.system import name_file_in_errors, sync, sync_names
 
 VERSION = 1
@@ -125,18 +126,36 @@ def check_version(path: Path, text: str, fix: str) -> None:
         )
 
 
+def check_file(path: Path, fix: str = "") -> None:
+    """Refuse what is there and is no file: a pipe would be read for ever.
+
+    Raises:
+        InputError: it is a folder, a pipe or a device.
+    """
+    if path.exists() and not path.is_file():
+        raise InputError(path, "is no file, but a folder, a pipe or a device.", fix, code="E-FILE-UNREADABLE")
+
+
+def decode_file(path: Path) -> str:
+    """The text of a file in UTF-8, or in UTF-16 with its mark, as programs of Windows save it; without the mark."""
+    with path.open("rb") as file:
+        wide = file.read(2) in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+    return path.read_text(encoding="utf-16" if wide else "utf-8-sig")
+
+
 def read_text(path: Path, fix: str = "") -> str:
     """The text of `path`, or an `InputError` that names it."""
     try:
-        if Path(path).exists() and not Path(path).is_file():  # a pipe would be read for ever
-            raise InputError(path, "is no file, but a folder, a pipe or a device.", fix, code="E-FILE-UNREADABLE")
+        check_file(Path(path), fix)
         if Path(path).stat().st_size > MAX_TEXT:
             raise InputError(path, f"is larger than {MAX_TEXT // 10**6} MB.", fix, code="E-FILE-LARGE")
-        return Path(path).read_text(encoding="utf-8-sig")
+        return decode_file(Path(path))
     except FileNotFoundError:
         raise file_missing(path, fix) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(path, f"cannot be read ({error.__class__.__name__}).", fix, code="E-FILE-UNREADABLE") from None
+    except UnicodeDecodeError:
+        raise InputError(path, "is no UTF-8 text.", fix or "save it as UTF-8", code="E-FILE-ENCODING") from None
+    except OSError as error:
+        raise InputError(path, f"cannot be read ({explain(error)}).", fix, code="E-FILE-UNREADABLE") from None
 
 
 def read_json(model: type[M], path: Path, fix: str = "") -> M:

@@ -21,6 +21,7 @@ from stages.contracts.types import (
     Position,
     Rank,
     RigidTransform,
+    SceneName,
     Side,
     Text,
     Vector,
@@ -104,7 +105,7 @@ class Plausibility(Contract):
 class GeneratedScene(Document):
     """`scene.json`: the scene of cousins of one rank, loadable in SAPIEN."""
 
-    scene: Id
+    scene: SceneName
     variant: Id
     rank: Rank
     width: Side

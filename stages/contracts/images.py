@@ -2,7 +2,8 @@
 
 import colorsys
 import warnings
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import ExifTags, Image, ImageCms, ImageOps
 
-from stages.contracts.errors import InputError, file_missing
+from stages.contracts.errors import InputError, explain, file_missing
+from stages.contracts.files import check_file
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")  # by content: a JPEG may be called rgb.png
 MIN_SIDE, MAX_PIXELS = 16, 60_000_000  # pixels of a side, and in all
@@ -25,12 +27,14 @@ DEEP = ("I;16", "I;16B", "I;16L", "I;16N", "I")  # modes of one channel with mor
 Color = tuple[int, int, int]
 
 
-def read_upright(path: Path) -> Image.Image:
-    """The picture, decoded and turned as its EXIF data say.
+@contextmanager
+def open_picture(path: Path) -> Iterator[Image.Image]:
+    """The picture, not decoded yet.
 
     Raises:
         InputError: no picture, several in one file, or one of absurd size.
     """
+    check_file(path)
     if not path.is_file():
         raise file_missing(path, FOLDER)
     try:
@@ -40,24 +44,37 @@ def read_upright(path: Path) -> Image.Image:
                 width, height = image.size
                 size = f"is {width}x{height} pixels: too"
                 if width * height > MAX_PIXELS:
-                    raise InputError(path, f"{size} large.", f"at most {MAX_PIXELS:,} pixels", code="E-IMAGE-SIZE")
+                    share = (MAX_PIXELS / (width * height)) ** 0.5
+                    fix = f"make it smaller, at most {int(share * width)}x{int(share * height)}, in any picture viewer"
+                    raise InputError(path, f"{size} large.", fix, code="E-IMAGE-SIZE")
                 if min(width, height) < MIN_SIDE:
                     raise InputError(path, f"{size} small.", f"at least {MIN_SIDE} each way", code="E-IMAGE-SIZE")
                 if (count := getattr(image, "n_frames", 1)) > 1 and image.format != "MPO":  # a phone's: the first is it
                     what = f"holds {count} pictures: which of them is meant?"
                     raise InputError(path, what, "save the one alone, as PNG", code="E-IMAGE-MANY")
-                image.load()
-                turned = ImageOps.exif_transpose(image)
-                turned.format = image.format
-                return turned
+                yield image
     except Image.DecompressionBombError:
-        raise InputError(path, "has too many pixels.", f"at most {MAX_PIXELS:,} pixels", code="E-IMAGE-SIZE") from None
+        what, fix = "has too many pixels.", f"make it smaller, at most {MAX_PIXELS:,} pixels, in any picture viewer"
+        raise InputError(path, what, fix, code="E-IMAGE-SIZE") from None
     except InputError:
         raise
     except Exception as error:  # each decoder raises its own kinds for broken data
         raise InputError(
-            path, f"is not a readable image ({error.__class__.__name__}).", SAVE, code="E-IMAGE-UNREADABLE"
+            path, f"is not a readable image ({explain(error)}).", SAVE, code="E-IMAGE-UNREADABLE"
         ) from None
+
+
+def read_upright(path: Path) -> Image.Image:
+    """The picture, decoded and turned as its EXIF data say.
+
+    Raises:
+        InputError: as `open_picture`.
+    """
+    with open_picture(path) as image:
+        image.load()
+        turned = ImageOps.exif_transpose(image)
+        turned.format = image.format
+        return turned
 
 
 def read_rgb(path: Path) -> NDArray[np.uint8]:
@@ -84,7 +101,7 @@ def read_rgb(path: Path) -> NDArray[np.uint8]:
 def to_srgb(image: Image.Image) -> Image.Image:
     """The picture in the colors of its color profile; without one that is read, as it is, as a viewer shows it."""
     profile = image.info.get("icc_profile")
-    if not profile or image.mode not in ("RGB", "RGBA", "CMYK"):
+    if not profile:
         return image
     try:
         given = ImageCms.ImageCmsProfile(BytesIO(profile))

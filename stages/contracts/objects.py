@@ -27,6 +27,7 @@ from stages.contracts.types import (
     Panels,
     Position,
     RigidTransform,
+    SceneName,
     Side,
     Size,
     Text,
@@ -144,7 +145,7 @@ class Objects(Document):
     x along the horizontal part of the viewing direction.
     """
 
-    scene: Id
+    scene: SceneName
     width: Side
     height: Side
     intrinsics: CameraMatrix
@@ -157,6 +158,12 @@ class Objects(Document):
     objects: list[SceneObject]
     lost: list[Text] = Field(
         [], exclude_if=lambda found: not found, description="what could not be kept of a person's corrections"
+    )
+    digest: str = Field(
+        "",
+        pattern="^([0-9a-f]{64})?$",
+        exclude_if=lambda found: not found,
+        description="SHA-256 of the file that the picture was read from; empty: not known",
     )
     made: Provenance | None = None
 

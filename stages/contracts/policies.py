@@ -5,6 +5,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from stages.contracts import types
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, Document
 from stages.contracts.library import HandleKind
@@ -45,7 +46,7 @@ class TaskAssets(Document):
     """
 
     task: Id
-    scene: Id
+    scene: types.SceneName
     object: Id
     encoder: Text
     assets: list[TaskAsset] = Field(min_length=1)
@@ -267,7 +268,7 @@ class SceneScore(Contract):
     """A row of `scores.csv`: one object of one generated scene against the truth (paper B.1)."""
 
     once: ClassVar = ("scene", "variant", "rank", "object", "protocol", "draw")
-    scene: Id
+    scene: types.SceneName
     variant: Id
     rank: Rank
     scale_m: Extent

@@ -23,6 +23,7 @@ from stages.contracts.types import (
     Panels,
     Position,
     RigidTransform,
+    SceneName,
     Side,
     Size,
     Text,
@@ -45,6 +46,18 @@ class Camera(Document):
     )
 
     note: str = Field("", max_length=1000, description="for people: where the focal length is from")
+    picture: str = Field(
+        "",
+        max_length=1000,
+        exclude_if=lambda found: not found,
+        description="for people: what its file is called, without its ending; empty: as the folder",
+    )
+    digest: str = Field(
+        "",
+        pattern="^([0-9a-f]{64})?$",
+        exclude_if=lambda found: not found,
+        description="SHA-256 of the file that the picture was read from; empty: of rgb.png beside this",
+    )
 
     @model_validator(mode="after")
     def _check_view(self) -> "Camera":
@@ -157,7 +170,7 @@ class TrueObject(Contract):
 class Truth(Document):
     """`truth.json`: read by `evaluation`, and by the policy experiment, whose twin is the true model of its object."""
 
-    scene: Id
+    scene: SceneName
     scale: Extent = Field(description="largest distance between two box centers, metres (Table 2, 'Scale')")
     world_from_camera: RigidTransform
     objects: list[TrueObject] = Field(min_length=1)

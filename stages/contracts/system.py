@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import fcntl
 import importlib
 import os
 import tempfile
@@ -87,6 +88,19 @@ def check_writable(*folders: Path) -> None:
         if folder.exists() and not os.access(folder, os.W_OK | os.X_OK):
             mend = "choose a folder that can be written, or change its permissions"
             raise InputError(folder, "cannot be written into.", mend, code="E-FOLDER-READ-ONLY")
+
+
+@contextlib.contextmanager
+def lock_folder(folder: Path) -> Iterator[None]:
+    """Keep out all others who lock a folder, where its filesystem has locks; it is made if it is not there."""
+    folder.mkdir(parents=True, exist_ok=True)
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        with contextlib.suppress(OSError):
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
 
 
 def sync(path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Contract of `things.json`, beside a scene's input: what was found by itself in the picture, and how sure it is."""
+"""Contract of `things.json`, beside a scene's input: what was found in the picture, and how sure it is."""
 
 from pathlib import Path
 
@@ -17,20 +17,30 @@ class Name(Contract):
     probability: Fraction
 
 
-class Thing(Contract):
-    """One thing that was found, placed or not."""
+class Found(Contract):
+    """What a thing may be."""
 
-    mask: MaskValue = Field(description="value of its pixels in masks.png; what is left out keeps its own there")
-    names: list[Name] = Field(max_length=10, description="surest first")
-    other: Fraction = Field(description="probability that it is none of the library's categories")
-    score: Fraction = Field(description="of its outline")
-    source: Text = Field(description="what proposed it: 'ssd', 'mobile_sam', ...")
-    left_out: str = Field("", max_length=1000, description="why it is not placed; empty: it is placed")
+    names: list[Name] = Field([], max_length=10, description="surest first; empty: nobody asked")
+    other: Fraction = Field(0.0, description="probability that it is none of the library's categories")
+
+    @property
+    def probability(self) -> float:
+        """Of its first name; 0: it has none."""
+        return self.names[0].probability if self.names else 0.0
 
     @property
     def guess(self) -> str:
         """The names that it may have, e.g. `chair, 62 %`."""
-        return f"{self.names[0].name}, {100 * self.names[0].probability:.0f} %" if self.names else "thing"
+        return f"{self.names[0].name}, {100 * self.probability:.0f} %" if self.names else "thing"
+
+
+class Thing(Found):
+    """One thing that was found, placed or not."""
+
+    mask: MaskValue = Field(description="value of its pixels in masks.png; what is left out keeps its own there")
+    score: Fraction | None = Field(None, description="of its outline; null: of a drawing")
+    source: Text = Field(description="what proposed it: 'ssd', 'mobile_sam', ..., 'drawing'")
+    left_out: str = Field("", max_length=1000, description="why it is not placed; empty: it is placed")
 
 
 class Ground(Contract):
@@ -55,8 +65,8 @@ class Things(Document):
 
     @property
     def left_out(self) -> list[Thing]:
-        """Things that are not placed."""
-        return [item for item in self.things if item.left_out]
+        """Things that are not placed, the surest first."""
+        return sorted((item for item in self.things if item.left_out), key=lambda item: -item.probability)
 
 
 def read_things(folder: Path) -> Things | None:

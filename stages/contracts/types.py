@@ -29,6 +29,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Fraction = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 Extent = Annotated[float, _require_within(1e-6, LARGEST, "extent in metres")]
+Length = Annotated[float, _require_within(1e-3, LARGEST, "length in metres")]  # that a person says of a thing
 Coordinate = Annotated[float, _require_within(-FARTHEST, FARTHEST, "coordinate in metres")]
 Angle = Annotated[float, _require_within(-10.0, 10.0, "angle in radians")]
 Mass = Annotated[float, _require_within(1e-6, 1e5, "mass in kg")]
@@ -40,6 +41,7 @@ MaskValue = Annotated[int, Field(ge=1, le=65535)]
 Side = Annotated[int, Field(ge=1, le=20_000, description="pixels")]
 
 Id = Annotated[str, Field(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$", max_length=200)]
+SceneName = Annotated[str, Field(pattern=r"^[\p{L}\p{M}\p{N}_][\p{L}\p{M}\p{N}_.-]*$", max_length=200)]
 Text = Annotated[str, Field(min_length=1, max_length=1000)]
 
 

@@ -15,7 +15,7 @@ from stages.contracts.scenes import Held
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import PointMap, project
 from stages.geometry.frames import Array, invert_transform, transform_points, yaw_matrix
-from stages.geometry.masks import OUTLINE, Mask
+from stages.geometry.masks import OUTLINE, Mask, lowest_pixels
 
 CONTACT_DISTANCE = 0.045  # metres, besides the error of depth: what is less apart touches, and hides nothing; chosen
 BLOCKED = 0.3  # share of the gap that another object fills, from which on that one stands at the wall instead; chosen
@@ -220,12 +220,6 @@ def measure_shelf(box: UprightBox, walls: Sequence[Wall], view: DepthView, own: 
     for wall in walls:
         near &= points @ np.array(wall.normal) - wall.offset > tolerance
     return float(np.median(points[near, 2])) if near.sum() > len(columns) / 2 else None
-
-
-def lowest_pixels(own: Mask) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Columns (N,) and rows (N,) of the lowest pixel of a mask (H, W) in each column."""
-    columns = np.flatnonzero(own.any(axis=0))
-    return columns, own.shape[0] - 1 - np.argmax(own[::-1, columns], axis=0)
 
 
 def _is_over(points: NDArray[np.float64], box: UprightBox, margin: float) -> Mask:

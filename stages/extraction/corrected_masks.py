@@ -48,11 +48,6 @@ def apply_corrections(found: dict[int, Correction], stated: dict[int, Correction
     return {mask: item for mask, item in merged.items() if not item.gone and mask not in joined}
 
 
-def is_drawn(item: Correction) -> bool:
-    """Whether its pixels are not as they were found."""
-    return item.around is not None or bool(item.outlines or item.joins)
-
-
 class Cutter:
     """Cuts things out of a picture by their boxes (GrabCut), each box once."""
 
@@ -115,7 +110,7 @@ def paint_masks(things: dict[int, Correction], found: NDArray[np.uint16], cut: C
     height, width = masks.shape
     pixels: dict[int, int] = {}
     swallowed: dict[int, tuple[float, int]] = {}
-    for item in sorted(things.values(), key=lambda item: (item.label not in ROOM, item.layer, is_drawn(item))):
+    for item in sorted(things.values(), key=lambda item: (item.label not in ROOM, item.layer, item.is_drawn)):
         if item.outlines:
             shown = polygons(item.outlines, masks.shape)
         elif item.around is not None:
@@ -162,7 +157,7 @@ def correct_masks(
             notes.append(f"{item.label or 'object'}: its wall is gone, mounting by geometry")
             held = None
         doors, drawers = item.doors or 0, item.drawers or 0
-        before = None if is_drawn(item) else known.get(item.mask)
+        before = None if item.is_drawn else known.get(item.mask)
         objects.append(
             Annotation(
                 mask=item.mask,

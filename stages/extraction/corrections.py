@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from stages.contracts import InputError, Objects
 from stages.contracts.corrections import Correction
+from stages.contracts.matched import Matched
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.contracts.scenes import Held
 from stages.contracts.types import FLOOR
@@ -19,14 +20,20 @@ from stages.geometry.boxes import UprightBox, with_bottom
 from stages.geometry.frames import round_vector, yaw_matrix
 
 OBLONG = 1.2  # ratio of two sides, above which one is surely the longer one; chosen
+UNLIKE = 5  # times the longest side that is seen, of which more or less is told: borders cut things off; chosen
 
 
 def reconstruct_corrected(
-    image: AnnotatedImage, stated: dict[int, Correction], reconstruct: Callable[[AnnotatedImage], ExtractedScene]
+    image: AnnotatedImage, said: Matched, reconstruct: Callable[[AnnotatedImage], ExtractedScene]
 ) -> ExtractedScene:
-    """The objects of a picture as a person corrected them; `stated`: by mask value."""
-    corrected, lost = correct_image(image, stated)
-    scene = correct_scene(reconstruct(corrected), stated)
+    """The objects of a picture as a person corrected them."""
+    lost = list(said.lines)
+    print("".join(f"{line}\n" for line in lost), end="")
+    if not said.corrections:
+        scene = reconstruct(image)
+    else:
+        corrected, notes = correct_image(image, said.corrections)
+        scene, lost = correct_scene(reconstruct(corrected), said.corrections), [*lost, *notes]
     return replace(scene, objects=scene.objects.model_copy(update={"lost": lost}))
 
 
@@ -64,6 +71,7 @@ def correct_scene(scene: ExtractedScene, stated: dict[int, Correction]) -> Extra
             if given.front is not None:
                 item = item.model_copy(update={"front": given.front})
             if given.size is not None:
+                _tell_unlike(item, given.size)
                 item = _resize(item, given.size, objects)
             is_stated = {"mounting": isinstance(given.mounting, Held) and not item.note, "size": given.size is not None}
             done[mask] = item.model_copy(update={"told": [name for name in is_stated if is_stated[name]]})
@@ -97,6 +105,15 @@ def _put_on(
     cloud[:, 2] = np.maximum(cloud[:, 2], np.float32(level))
     mounting = Mounting(type=3, walls=item.mounting.walls) if item.mounting.type == 1 else item.mounting
     return item.model_copy(update={"box": _write_box(box), "mounting": mounting, "support": carrier}), cloud
+
+
+def _tell_unlike(item: SceneObject, size: tuple[float, float, float]) -> None:
+    """Print a line about a stated size that is far from what is seen."""
+    assert item.box is not None
+    seen = max(item.box.size)
+    if not seen / UNLIKE <= max(size) <= UNLIKE * seen:
+        stated = " x ".join(f"{side:g}" for side in size)
+        print(f"{item.id}: {stated} m are stated of it, and {seen:.2g} m of it are seen: were metres meant?")
 
 
 def _resize(item: SceneObject, size: tuple[float, float, float], objects: Objects) -> SceneObject:

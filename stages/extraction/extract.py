@@ -13,8 +13,11 @@ from stages.config.extraction import ExtractionConfig
 from stages.config.inputs import INPUT_FILES
 from stages.config.provenance import record_provenance
 from stages.contracts import InputError, read_options, write_atomically, write_json
-from stages.contracts.corrections import corrections_of
+from stages.contracts.corrections import read_corrections
 from stages.contracts.files import first_error, read_text
+from stages.contracts.hand import digest_of_picture
+from stages.contracts.matched import match_corrections
+from stages.extraction.camera_height import doubt_unit
 from stages.extraction.corrections import reconstruct_corrected
 from stages.extraction.reconstruct import reconstruct
 from stages.extraction.sources import Source
@@ -48,9 +51,12 @@ def run(
     noise, steps = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(scene.encode())))).spawn(2)
     observe: Source = load("sources", config.source)
     image = observe(input, config, noise)
-    stated = corrections_of(corrections, "extraction")
-    find = partial(reconstruct, scene, options=config, rng=steps)
-    result = reconstruct_corrected(image, stated, find) if stated else find(image)
+    said = match_corrections(
+        read_corrections(corrections).read_by("extraction"),
+        image.masks,
+        digest_of_picture(input) if corrections else "",
+    )
+    result = reconstruct_corrected(image, said, partial(reconstruct, scene, options=config, rng=steps))
 
     folder = out.parent
     with write_atomically(folder / "masks.png") as path:
@@ -61,7 +67,9 @@ def run(
         np.savez_compressed(path, **result.clouds)  # type: ignore[arg-type]
     inputs = [input / name for name in INPUT_FILES if (input / name).is_file()]
     origin = record_provenance("stages.extraction.extract", config, [*inputs, *own, *corrections], seed)
-    write_json(out, result.objects.model_copy(update={"made": origin}))
+    write_json(out, result.objects.model_copy(update={"digest": digest_of_picture(input), "made": origin}))
+    if doubt := doubt_unit(result.objects.objects):
+        print(f"{scene}: in doubt: {doubt}")
     for item in result.objects.objects:
         kind = item.mounting.words if item.mounting else f"failed: {item.reason}"
         print(f"{scene} {item.id}: {kind}, {item.points} points")

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
+from stages.contracts.depth import check_turned
 from stages.extraction.camera_height import doubt_height
 from stages.extraction.observation import AnnotatedImage
 from stages.geometry.cameras import PointMap
@@ -52,7 +53,7 @@ def find_floor_frame(image: AnnotatedImage, seen: PointMap, max_tilt: float, rng
     if frame is not None:
         check_frame(frame, floor, up)
     else:
-        frame = make_floor_frame(floor or find_unnamed_floor(image, seen, up))
+        frame = make_floor_frame(floor or find_unnamed_floor(image, seen, up, max_tilt))
         if image.annotations.floor is None:
             what = "level surface that most objects stand on" if image.annotations.objects else "lowest level surface"
             print(f"no mask of the floor: taken to be the {what}, {frame[2, 3]:.2f} m below the camera")
@@ -92,8 +93,8 @@ def fit_shown_floor(image: AnnotatedImage, seen: PointMap, max_tilt: float, rng:
     return floor if floor is not None and floor.offset < 0 else None
 
 
-def find_unnamed_floor(image: AnnotatedImage, seen: PointMap, up: Array | None) -> Plane:
-    """The floor without a mask of it.
+def find_unnamed_floor(image: AnnotatedImage, seen: PointMap, up: Array | None, max_tilt: float) -> Plane:
+    """The floor without a mask of it; `max_tilt` as of `find_floor_frame`.
 
     Raises:
         InputError: nothing level is seen below the camera.
@@ -103,6 +104,7 @@ def find_unnamed_floor(image: AnnotatedImage, seen: PointMap, up: Array | None) 
     free = seen.known & ~np.isin(image.masks, [*named, *image.annotations.walls])
     floor = None if up is None else find_floor(seen.points, seen.known, free, clouds, up)
     if floor is None:
+        check_turned("depth.npz", seen.points, seen.known, max_tilt)
         what, fix = "shows no level surface that could be the floor.", "check depth (metres) and intrinsics"
         raise InputError("depth.npz", what, fix, code="E-FLOOR-MISSING")
     return floor

@@ -10,7 +10,7 @@ What is seen of another thing than it is (a mask without legs, a chair of other 
 terms count as Cauchy's.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -19,6 +19,7 @@ import numpy as np
 import open3d as o3d
 from numpy.typing import NDArray
 
+from stages.contracts.category import SizeSpread
 from stages.contracts.objects import DepthError, Wall
 from stages.generation.solid import Solid
 from stages.geometry.boxes import THINNEST, UprightBox
@@ -26,6 +27,7 @@ from stages.geometry.cameras import FloorCamera
 from stages.geometry.frames import transform_points, yaw_matrix
 from stages.geometry.masks import OUTLINE
 from stages.geometry.outlines import DIRECTIONS, Outline
+from stages.geometry.robust import LARGEST_CHANGE, UNUSUAL, Terms, find_step
 
 POINTS = 400  # of a cloud, for time
 ROUNDS, STEPS = 5, 2  # in each of these, points are laid on the model anew; more change nothing
@@ -34,10 +36,8 @@ SHAPE = 0.02  # of the diagonal: how far the surfaces of cousins are apart; chos
 PROPORTIONS = 0.3  # deviation of the logarithm of one axis' scale over another's; chosen on `work`
 ROUND = 0.03  # the same of the level ones of what is round; chosen
 CONTACT_SPREAD = 0.01  # metres: of what stands on something, or touches a wall
-UNUSUAL = 2.0  # deviations from which on seen terms count less, and prior ones from half of that on; chosen on `work`
 TOO_SURE = 2.0  # by which the terms, which err alike, understate the spread; calibrated on `work`
 LARGEST_STEP = (0.2, 0.3)  # metres, logarithm: of one step
-LARGEST_CHANGE = 1.5  # logarithm: extents never change by more
 Array = NDArray[np.float64]
 
 
@@ -61,13 +61,6 @@ class Observation(FloorCamera):
         return np.asarray(self.error.predict(transform_points(self.camera_from_floor, self.points)[:, 2]))
 
 
-class SizePrior(NamedTuple):
-    """Mean (3,) and covariance (3, 3) of the logarithms of a category's depth, width and height."""
-
-    mean: Array
-    covariance: Array
-
-
 @dataclass(frozen=True)
 class Prior:
     """Prior knowledge of an object but for its appearance.
@@ -78,7 +71,7 @@ class Prior:
 
     native: Array
     is_round: bool
-    usual: SizePrior | None
+    usual: SizeSpread | None
     bottom: float | None
     walls: Sequence[Wall]
     touched: Sequence[Wall]
@@ -100,21 +93,6 @@ class Correspondences(NamedTuple):
     normals: Array
 
 
-class Terms(NamedTuple):
-    """Deviations (M,), how much each counts (M,), and from where on it counts less (M,)."""
-
-    off: Array
-    share: Array
-    unusual: Array
-
-    @property
-    def cost(self) -> float:
-        """Of all of them: minus the logarithm of how likely they are."""
-        square = np.where(np.isinf(self.unusual), 1.0, self.unusual) ** 2
-        lost = np.where(np.isinf(self.unusual), self.off**2, square * np.log1p(self.off**2 / square))
-        return float((self.share * lost).sum() / 2)
-
-
 def fit_box(solid: Solid, start: UprightBox, seen: Observation, known: Prior) -> Fit:
     """The best box of a model with the yaw of `start`, from there or from its own size there."""
     own = UprightBox(start.center, known.native, start.yaw)
@@ -132,17 +110,13 @@ def improve_box(solid: Solid, start: UprightBox, seen: Observation, known: Prior
     def change_box(change: Array) -> UprightBox:
         return UprightBox(start.center + change[:3], size * np.exp(change[3:]), start.yaw)
 
+    def measure_with(on: Correspondences) -> Callable[[Array], Terms]:
+        return lambda change: compare(change_box(change), solid, on, seen, known, tolerance)
+
     for _ in range(ROUNDS):
         on = find_correspondences(solid, seen, change_box(change))
         for _ in range(STEPS):
-            now, *shifted = (
-                compare(change_box(change + row), solid, on, seen, known, tolerance)
-                for row in small * np.eye(7, 6, k=-1)
-            )
-            jacobian = np.stack([(each.off - now.off) / small for each in shifted], axis=1)
-            weights = now.share / (1 + (now.off / now.unusual) ** 2)
-            curvature = jacobian.T @ (weights[:, None] * jacobian) + np.diag(damping)
-            step = np.linalg.solve(curvature, jacobian.T @ (weights * now.off))
+            step, curvature = find_step(measure_with(on), change, small, damping)
             change = change - np.clip(step, -bound, bound)
             change[3:] = np.clip(change[3:], -LARGEST_CHANGE, LARGEST_CHANGE)
     box = change_box(change)

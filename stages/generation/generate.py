@@ -25,6 +25,7 @@ def run(
     out: Path,
     options: str = "{}",
     corrections: tuple[Path, ...] = (),
+    input: Path | None = None,
     image: tuple[Path, ...] = (),
 ) -> None:
     """Make the scenes of one picture.
@@ -36,14 +37,15 @@ def run(
         variant: name of the matching variant, written into the scenes.
         out: folder; gets scene_<rank>.json of every rank.
         options: JSON of the config section `generation`.
-        corrections: corrections.json beside the picture: which models a person chose, and what they moved.
-        image: the picture, which `finish: picture` needs.
+        corrections: corrections.json of the picture: which models a person chose, and what they moved.
+        input: the picture's folder, with whose masks corrections are matched.
+        image: the picture, which `finish: picture` needs; without any `finish` its colors are those of the cousins.
     """
     config = read_options(GenerationConfig, options)
-    image = image if config.finish == "picture" else ()
+    image = () if config.finish == "library" else image
     if config.finish == "picture" and not image:
         raise InputError("--image", "is needed by `finish: picture`.", "give the picture", code="E-OPTION-MISSING")
-    inputs = read_inputs(cousins, objects, library, corrections, *image)
+    inputs = read_inputs(cousins, objects, library, corrections, input, *image)
     scenes, places = [], Places(inputs, config)
     for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):
         items, failed = choose_models(inputs, rank, places)

@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from stages.contracts import Cousins, InputError, Objects, read_json
 from stages.contracts.category import Category
-from stages.contracts.corrections import Correction, corrections_of
+from stages.contracts.corrections import Correction, read_corrections
 from stages.contracts.cousins import Cousin, ObjectCousins
 from stages.contracts.extracted import read_clouds, read_metres, read_object_masks
-from stages.contracts.images import read_rgb
+from stages.contracts.hand import digest_of_picture
+from stages.contracts.images import read_masks, read_rgb
 from stages.contracts.library_folder import AssetFolders
+from stages.contracts.matched import match_corrections
 from stages.contracts.objects import SceneObject
 from stages.generation.finishing import RGB, measure_colors
 from stages.geometry.boxes import THINNEST
@@ -73,9 +75,14 @@ def read_inputs(
     objects: Path,
     library: Path,
     corrections: tuple[Path, ...] = (),
+    input: Path | None = None,
     image: Path | None = None,
 ) -> Inputs:
-    """Read and check all of it; `image`: the picture, if cousins are painted in its colors.
+    """Read and check all of it.
+
+    Args:
+        corrections: corrections.json, if there is one, of the picture of the folder `input`.
+        image: the picture, if cousins are painted in its colors.
 
     Raises:
         InputError: a file is missing or broken, or cousins and objects are of different scenes.
@@ -88,7 +95,7 @@ def read_inputs(
     masks = read_object_masks(objects, extracted)
     outlines = measure_outlines(extracted, masks, read_metres(objects, extracted))
     colors = measure_colors(read_rgb(image), masks, extracted) if image else {}
-    corrected = corrections_of(corrections, "generation")
+    corrected = _match_corrections(corrections, input)
     by_id = {entry.id: entry for entry in matched.objects}
     found = []
     for item in extracted.objects:
@@ -107,6 +114,16 @@ def read_inputs(
         )
     folders = AssetFolders(library)
     return Inputs(extracted, _sort_leaders_first(found), folders, folders.categories)
+
+
+def _match_corrections(corrections: tuple[Path, ...], folder: Path | None) -> dict[int, Correction]:
+    """The corrections by the mask values that things have in the input; what is not applied is printed."""
+    said = read_corrections(corrections).read_by("generation")
+    if folder is None or not corrections:
+        return {item.mask: item for item in said.objects}
+    matched = match_corrections(said, read_masks(folder / "masks.png"), digest_of_picture(folder))
+    print("".join(f"{line}\n" for line in matched.lines), end="")
+    return matched.corrections
 
 
 def _find_failure(item: SceneObject, entry: ObjectCousins | None, has_cloud: bool) -> str:

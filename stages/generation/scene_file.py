@@ -6,7 +6,7 @@ from pathlib import Path
 from stages.articulated.asset_folder import read_asset
 from stages.articulated.resizing import resize_asset
 from stages.contracts import GeneratedScene, InputError, Objects
-from stages.contracts.doubt import sort_by_gravity
+from stages.contracts.doubt import sort_by_chance
 from stages.contracts.errors import ObjectError
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Mounting
@@ -45,7 +45,7 @@ def to_contract(
                 cousin=item.cousin,
                 chosen=item.chosen,
                 steps=list(item.steps),
-                doubts=sort_by_gravity(list(item.doubts)),
+                doubts=sort_by_chance(list(item.doubts)),
                 moved=round(item.moved, 6),
                 settled_shift=settled.shifts[item.id],
             )

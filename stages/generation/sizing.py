@@ -10,7 +10,7 @@ from stages.config.generation import GenerationConfig
 from stages.contracts import Objects
 from stages.contracts.category import Category
 from stages.contracts.objects import Wall
-from stages.generation.fitting import POINTS, Observation, Prior, SizePrior, fit_box
+from stages.generation.fitting import POINTS, Observation, Prior, fit_box
 from stages.generation.inputs import MatchedObject
 from stages.generation.mounting import extend_to_wall, move_to_wall
 from stages.generation.placed import Placed
@@ -40,11 +40,10 @@ def size(
         for wall in reached:
             placed = placed.change_box(f"rear to {wall.id}", extend_to_wall(placed.box, wall))
         return placed
-    usual = category.describe_spread() if category else None
     known = Prior(
         native=np.array(placed.asset.size),
         is_round=placed.asset.symmetry == "full",
-        usual=SizePrior(*usual) if usual else None,
+        usual=category.measure_spread() if category else None,
         bottom=None if placed.wall_mounted else placed.bottom,
         walls=[wall for wall in scene.walls if not is_behind(placed.box, wall.normal, wall.offset)],
         touched=reached,

@@ -9,6 +9,8 @@ from shapely import Polygon
 from stages.geometry.frames import yaw_matrix
 
 THINNEST = 0.01  # metres: no thing is thinner, and heights that differ by less are one (noise of depth); chosen
+# Corners of the faces +x, +y, -x, -y of a box (lower left, lower right, upper right, upper left), of its top and foot.
+FACES = ((1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (0, 1, 5, 4), (4, 5, 6, 7), (0, 1, 2, 3))
 _SIGNS = np.array([(x, y, z) for z in (-0.5, 0.5) for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))])
 
 
@@ -129,3 +131,15 @@ def distances_along(origin: NDArray[np.float64], rays: NDArray[np.float64], box:
         one, other = (-half - start) / along, (half - start) / along
     enter, leave = np.fmin(one, other).max(axis=-1), np.fmax(one, other).min(axis=-1)
     return np.where((enter < leave) & (enter > 0), enter, np.inf)
+
+
+def front_corners(box: UprightBox, facing: float) -> NDArray[np.float64]:
+    """Corners (4, 3) of the side that looks most along a direction about z: lower left, lower right, upper right and
+    upper left as whoever faces it sees them."""
+    ahead, aside = np.cos(facing - box.yaw), np.sin(facing - box.yaw)
+    return corners(box)[list(FACES[int(np.argmax([ahead, aside, -ahead, -aside]))])]
+
+
+def extents(points: NDArray[np.float64]) -> tuple[float, float]:
+    """Width and height between corners (4, D)."""
+    return float(np.linalg.norm(points[1] - points[0])), float(np.linalg.norm(points[3] - points[0]))

@@ -78,3 +78,11 @@ def transform_points(transform: ArrayLike, points: ArrayLike) -> NDArray[np.floa
     """Transform points (..., 3)."""
     transform = np.asarray(transform, dtype=float)
     return np.asarray(points) @ transform[:3, :3].T + transform[:3, 3]
+
+
+def rotation_of(yaw: float, pitch: float, roll: float) -> Array:
+    """room_from_camera (3, 3): turned by `yaw` to the left, tilted up by `pitch`, then rolled clockwise (radians)."""
+    c, s = np.cos([pitch, roll]), np.sin([pitch, roll])
+    tilt = np.array([[1, 0, 0], [0, c[0], -s[0]], [0, s[0], c[0]]])
+    turn = np.array([[c[1], -s[1], 0], [s[1], c[1], 0], [0, 0, 1]])
+    return yaw_matrix(yaw) @ Y_UP[:3, :3] @ tilt @ turn

@@ -10,6 +10,7 @@ MIN_KNOWN = 0.6  # share of a cell's pixels of known depth; below it lies at an 
 NOISE = 0.0025  # metres of depth at 1 m, growing with the square of the distance: of a stereo camera
 WITHIN = np.sin(np.deg2rad(8))  # a surface counts as level or upright up to here: the error of a normal at 4 m
 LEVEL = np.sqrt(1 - WITHIN**2)  # cosine of the same angle
+NO_LEVEL, MUCH_LEVEL = 0.01, 0.1  # shares of a picture's cells that face up; right frames have 0.04 at least
 ROUNDS = 10  # of the refinement; it stands still after three or four
 Array = NDArray[np.float64]
 
@@ -47,6 +48,24 @@ def find_up(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Array |
         max_tilt: largest angle to image-up, degrees.
     """
     return estimate_up(cell_normals(points, known)[1], max_tilt)
+
+
+def is_upside_down(points: Array, known: NDArray[np.bool_], max_tilt: float) -> bool:
+    """Whether nothing level faces up, and much does if the picture is turned over.
+
+    Args:
+        points: (H, W, 3) camera frame, metres.
+        known: (H, W) pixels with depth.
+        max_tilt: largest angle to image-up, degrees.
+    """
+    normals = cell_normals(points, known)[1]
+    up, down = (_share_level(normals * [1, side, 1], max_tilt) for side in (1, -1))
+    return up < NO_LEVEL and down > MUCH_LEVEL
+
+
+def _share_level(normals: Array, max_tilt: float) -> float:
+    up = estimate_up(normals, max_tilt)
+    return 0.0 if up is None else float((normals @ up > LEVEL).mean())
 
 
 def estimate_up(normals: Array, max_tilt: float) -> Array | None:

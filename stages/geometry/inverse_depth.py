@@ -1,4 +1,4 @@
-"""Whether a depth image holds depth or its inverse (disparity), as relative networks and stereo give it."""
+"""Whether a depth image holds depth, a z-buffer, or disparity, as relative networks and stereo give it."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,6 +6,12 @@ from numpy.typing import NDArray
 from stages.geometry.frames import SAMPLED
 
 HYPOTHESES, PLANES = 300, 3  # three-point hypotheses a plane, planes; chosen for time
+CROWDED = (
+    0.95  # all values of a z-buffer with a near plane of 2 cm are above it; in metres that is nearly a plane; chosen
+)
+BENDS = 16  # lengths of a bend in a picture's width; chosen
+ROUNDED = 1e-6  # bends of numbers with 32 bits are noise below it
+FLAT = 0.05  # share of the bends
 TOLERANCE = 0.02  # share of its value by which a point may be off a plane, and of points more on planes; chosen
 
 
@@ -27,6 +33,31 @@ def is_inverse(depth: NDArray[np.floating]) -> bool:
         return False
     pixels = np.column_stack([columns, rows, np.ones(SAMPLED)]).astype(np.float64)
     return count_planar(values, pixels, rng) > (1 + TOLERANCE) * count_planar(1 / values, pixels, rng)
+
+
+def is_zbuffer(values: NDArray[np.floating]) -> bool:
+    """Whether values (H, W; 0: unknown) are of a z-buffer: within 0..1, and all near 1 or flat where planes are.
+
+    A z-buffer is linear in 1 / z, so that on a plane it is linear in the pixel, and the inverse of its values is not.
+    So is inverse depth: ask for that first.
+    """
+    known = values[values > 0]
+    if not known.size or known.max() > 1 + ROUNDED or known.min() == known.max():
+        return False
+    if np.quantile(known, 0.01) > CROWDED:
+        return True
+    apart = max(1, values.shape[1] // BENDS)
+    bends = []
+    for numbers in (values.astype(np.float64), values[:, ::-1].T.astype(np.float64)):
+        before, here, after = numbers[:, : -2 * apart], numbers[:, apart:-apart], numbers[:, 2 * apart :]
+        there = (before > 0) & (here > 0) & (after > 0)
+        before, here, after = before[there], here[there], after[there]
+        bent = np.abs(before + after - 2 * here)
+        bends.append(np.stack([bent, np.abs(1 / before + 1 / after - 2 / here) * here**2]))
+    as_is, inverse = np.concatenate(bends, axis=1)
+    seen = np.maximum(as_is, inverse) > ROUNDED
+    flat, other = (float((seen & (2 * one < two)).mean()) for one, two in ((as_is, inverse), (inverse, as_is)))
+    return flat > FLAT and flat > 2 * other
 
 
 def count_planar(

@@ -123,7 +123,7 @@ def find_ground(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Pla
         return max(large, key=lambda level: level.offset, default=None)
     heights = cloud @ up
     edges = np.arange(heights.min(), STEP, STEP)
-    if len(edges) < 2:
+    if len(edges) < 4:
         return None  # nothing lies below the camera
     counts = np.convolve(np.histogram(heights, edges)[0], np.ones(3), "same")
     below = np.searchsorted(np.sort(heights), edges[:-1] - DEEPER) / len(heights)

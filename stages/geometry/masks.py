@@ -11,6 +11,8 @@ FARTHEST_CORNER = 30_000  # pixels: corners are drawn no farther out (OpenCV cou
 OUTLINE = 3  # pixels by which the outline of a mask may be off; chosen
 EROSION = 2  # pixels taken off the border of masks before clouds are made; A.7 gives no number; chosen
 SPECK = 0.01  # parts of a mask with a smaller share of its pixels are specks; chosen
+CORNERS = 1000  # of an outline, as `stages.contracts.types.Outline`
+PIECES = 50  # of an outline beside its first
 MIN_PIXELS = 60  # of a mask: fewer show neither a shape nor a surface; chosen
 
 
@@ -70,3 +72,41 @@ def erode(mask: Mask, keep: float = 0.25) -> Mask:
         if smaller.sum() >= keep * mask.sum():
             return smaller
     return mask
+
+
+def lowest_pixels(own: Mask) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Columns (N,) and rows (N,) of the lowest pixel of a mask (H, W) in each column."""
+    columns = np.flatnonzero(own.any(axis=0))
+    return columns, own.shape[0] - 1 - np.argmax(own[::-1, columns], axis=0)
+
+
+def outline_pieces(mask: Mask) -> list[list[list[int]]]:
+    """Outlines of a mask's pieces, the largest first."""
+    rings = [points[:: 1 + (len(points) - 1) // CORNERS] for points in outline_mask(mask)]
+    return [points for points in rings if len(points) > 2][: PIECES + 1]
+
+
+def look_below(
+    masks: NDArray[np.integer],
+    value: int,
+    steps: Iterable[int],
+    heights: NDArray[np.float64] | None = None,
+    apart: float = np.inf,
+) -> int:
+    """What masks (H, W) show below most of the lower edge of one of them: the value of another; 0: not one thing.
+
+    Args:
+        steps: pixels below it at which is looked, the nearest first.
+        heights: (H, W) metres, NaN: unknown; what is `apart` metres higher or lower does not count.
+    """
+    columns, rows = lowest_pixels(masks == value)
+    below = np.zeros(len(columns), dtype=masks.dtype)
+    for step in steps:
+        at = np.minimum(rows + step, len(masks) - 1)
+        met = np.where(masks[at, columns] == value, 0, masks[at, columns])
+        if heights is not None:
+            met = np.where(np.abs(heights[at, columns] - heights[rows, columns]) < apart, met, 0)
+        below = np.where(below == 0, met, below)
+    counts = np.bincount(below, minlength=1)
+    counts[0] = 0
+    return int(counts.argmax()) if 2 * counts.max() >= len(columns) else 0

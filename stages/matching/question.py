@@ -8,7 +8,7 @@ from stages.config.matching import MatchingConfig
 from stages.contracts import InputError, Objects
 from stages.contracts.cousins import Candidate, Orientation
 from stages.contracts.objects import SceneObject
-from stages.matching.crop import View
+from stages.geometry.crop import View
 from stages.matching.snapshots import Snapshots
 
 T = TypeVar("T")

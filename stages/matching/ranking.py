@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from stages.config.matching import ComparisonOptions, MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
 from stages.contracts.objects import SceneObject
+from stages.geometry.crop import View
 from stages.matching.candidates import Candidates
-from stages.matching.crop import View
 from stages.matching.encoders import PatchEncoder, column_weights, encode_rows, pool_patches, whole_weights
 from stages.matching.priors import list_addends
 from stages.matching.question import DIGITS

@@ -8,7 +8,7 @@ from stages.contracts import Objects, read_json
 from stages.contracts.extracted import read_metres, read_object_masks
 from stages.contracts.images import check_size, read_rgb
 from stages.contracts.objects import SceneObject
-from stages.matching.crop import View
+from stages.geometry.crop import View
 
 
 class Scene:

@@ -12,7 +12,7 @@ from stages.contracts.arrays import explain_unreadable
 from stages.contracts.files import read_json
 from stages.contracts.library import SnapshotShard
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
-from stages.matching.crop import View
+from stages.geometry.crop import View
 
 
 class SnapshotFile:

@@ -9,6 +9,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from stages.contracts.errors import explain
 from stages.contracts.files import write_atomically
 from stages.policies.base import TrainablePolicy
 from stages.training.logbook import Line
@@ -63,7 +64,7 @@ class TrainingState:
             content = torch.load(path, weights_only=True, map_location="cpu")
             reason = self._fault(content, policy)
         except Exception as error:  # torch, zipfile and pickle raise many kinds for a broken file
-            reason = f"cannot be read ({error.__class__.__name__})"
+            reason = f"cannot be read ({explain(error)})"
         if reason:
             refused = path.replace(path.with_name(f"{STATE}.refused"))
             print(f"training: {path} {reason}; kept as {refused.name}, training starts over", file=sys.stderr)

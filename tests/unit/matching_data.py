@@ -15,8 +15,8 @@ from stages.contracts import Cousins, Library, Objects, SnapshotShard, read_json
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.geometry.cameras import intrinsics_from_fov, look_at
+from stages.geometry.crop import View
 from stages.geometry.frames import yaw_matrix
-from stages.matching.crop import View
 from stages.matching.features import run as features
 from stages.matching.match import run as match
 

@@ -23,7 +23,7 @@ BROKEN = [
     ("seed\n", "mine.yaml: holds a value", "docs/config.md"),
     ("", "mine.yaml: is empty", "docs/config.md"),
     ("a: \0", "mine.yaml: is no YAML", ""),
-    (b"seed: caf\xe9\n", "mine.yaml: cannot be read", "UTF-8"),
+    (b"seed: caf\xe9\n", "mine.yaml: is no UTF-8 text", "UTF-8"),
     ('{"seed": 1', "mine.yaml:1: is no YAML", "line 1"),
 ]
 

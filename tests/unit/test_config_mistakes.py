@@ -82,7 +82,10 @@ CASES = [
     ("generation: {ranks: 11}", "generation.ranks: 11 scenes from matching.k_cousins = 10"),
     ("{demonstrations: {goal_margin: 0.5}, task: {success_fraction: 0.9}}", "demonstrations.goal_margin: 0.5 past"),
     ("assets: {counts: {mug: -1}}", "assets.counts.mug: Input should be greater than or equal to 0"),
-    ("assets: {counts: {mugs: 1}}", "assets.counts: no category 'mugs'"),
+    ("assets: {counts: {mugs: 1}}", "assets.counts: no category 'mugs'. Fix: did you mean 'mug'?"),
+    ("perception: {heights: {frigde: 1.8}}", "perception.heights.frigde: is no name that is known. Fix: did you mean"),
+    ("perception: {heights: {fridge: 180}}", "perception.heights.fridge: is 180.0 m. Fix: metres, from 0.01 to 100"),
+    ("perception: {heights: {camera: 0}}", "perception.heights.camera: is 0.0 m. Fix: metres, from 0.01 to 100"),
     ("assets: {counts: {fridge: 0}}", "assets.counts.fridge: the rooms up to room_3 need 1"),
     ("assets: {own_only: true}", "assets.own_only: there are no models of yours"),
     ("matching: {k_ori: 25}", "matching.k_ori: 25 views of assets.n_snap = 24"),
@@ -281,10 +284,10 @@ OF_PACKAGES = [
         "evaluation: {conditions: {usual: {own_size: true}}}",
         "evaluation.conditions: 'usual' is what the table calls",
     ),
-    (("inputs",), "photo: {detector: {path: a}}", "photo.detector: Input should be a valid string"),
+    ((), "perception: {detector: {path: a}}", "perception.detector: Input should be a valid string"),
     (
         ("importing",),
-        "assets: {own_only: true, folders: [stages]}",
+        f"assets: {{own_only: true, folders: [{ROOT}/stages]}}",
         "assets.own_only: room_1 is furnished with procedural models",
     ),
     (("importing",), "assets: {folders: [nowhere]}", "assets.folders: no folder nowhere"),
@@ -432,8 +435,12 @@ def test_rooms_of_the_users_are_known(tmp_path: Path) -> None:
     text = f"experiment: {{{{room_files: [{file}], rooms: [attic], {targets}}}}}"
     assert lines(text.format("chest_of_drawers_1")) == []
     assert "'tv_1' of attic has no drawer" in lines(text.format("tv_1"))[0]
-    file.write_text(file.read_text().replace("television", "hammock"))
-    assert "assets.counts.hammock: attic needs 1" in lines(text.format("chest_of_drawers_1"))[0]
+    file.write_text(file.read_text().replace("category: television", "category: televison"))
+    (said,) = lines(text.format("chest_of_drawers_1"))
+    assert said == (
+        "experiment.rooms: attic has an item of the category 'televison', which is not known. "
+        "Fix: did you mean 'television'?"
+    )
     file.unlink()
     assert f"experiment.room_files: there is no file {file}" in lines(text.format("tv_1"))[0]
 

@@ -40,7 +40,10 @@ LISTED = {  # keys that do not simply run the one command of their section again
     "geometry": {"match"},
     "vlm": set(),
     "matching.kwargs": set(),
-    "photo.mounting": set(),
+    "perception.captions": {"see"},
+    "perception.by": set(),  # it chooses rules
+    **{f"perception.{key}": set() for key in ("kwargs", "mounting", "labels")},
+    **{f"perception.{key}": set() for key in ("detector", "segmenter", "box_threshold")},  # of `grounding` alone
     "evaluation.selection_rollouts": {"selection-rollout"},
     "demonstrations.randomise": set(),  # of one role's demonstrations alone
     "evaluation.simulator": {

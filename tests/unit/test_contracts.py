@@ -5,9 +5,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from pydantic import ValidationError
 
 from stages.contracts import Camera, read_json, read_options, write_atomically, write_json
 from stages.contracts.__main__ import main
+from stages.contracts.checksums import digest_of
+from stages.contracts.hand import digest_of_picture
 from stages.contracts.policies import Attempt
 from tests.refusals import refused
 
@@ -45,9 +48,24 @@ def test_a_broken_file_names_itself_and_the_field(tmp_path: Path, text: str, cod
     assert str(path) in str(error.value) and field in str(error.value)
 
 
+def test_a_folder_shows_the_picture_that_it_was_made_of(tmp_path: Path) -> None:
+    (tmp_path / "rgb.png").write_bytes(b"a picture")
+    own = digest_of(tmp_path / "rgb.png")
+    assert digest_of_picture(tmp_path) == own, "without camera.json, too"
+    for digest, expected in (("", own), (64 * "a", 64 * "a")):
+        write_json(tmp_path / "camera.json", CAMERA.model_copy(update={"digest": digest}))
+        assert digest_of_picture(tmp_path) == expected
+
+
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
     with refused("E-FILE-MISSING"):
         read_json(Camera, tmp_path / "none.json")
+
+
+def test_what_could_not_be_read_again_is_not_written(tmp_path: Path) -> None:
+    with pytest.raises(ValidationError, match="width"):
+        write_json(tmp_path / "camera.json", CAMERA.model_copy(update={"width": -4}))
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:

@@ -44,7 +44,8 @@ from tests.unit.synthetic_room import write_room
 from tests.workflow.workspace import ROOT, make, snakemake
 
 DEFAULT = with_defaults({})
-YOURS = [kind for kind in KINDS if kind not in {"mesh_files", "makers"}]  # those are found among ours alone
+OURS = {"mesh_files", "makers", "depth_sources", "captioners"}
+YOURS = [kind for kind in KINDS if kind not in OURS]  # those are found among ours alone
 BLOCK = re.compile(r"```(?:python|yaml)\n# (my_package/\S+)\n(.*?)```", re.DOTALL)
 
 

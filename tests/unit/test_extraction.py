@@ -15,6 +15,7 @@ from stages.config.extraction import ExtractionConfig
 from stages.config.packages import load_command
 from stages.contracts import Objects, read_json
 from stages.contracts.__main__ import main as check_contract
+from stages.contracts.checksums import digest_of
 from stages.contracts.objects import Mounting
 from stages.extraction.extract import merge_own_options, run
 from stages.extraction.observation import read_folder
@@ -127,6 +128,7 @@ def test_same_seed_same_bytes(furnished: tuple[Path, Objects], tmp_path: Path) -
     first = digests(tmp_path / "a", 3)
     assert first == digests(tmp_path / "b", 3)
     assert first != digests(tmp_path / "c", 4)
+    assert read_json(Objects, tmp_path / "a/objects.json").digest == digest_of(furnished[0] / "input/rgb.png")
 
 
 def test_noise_shifts_boxes_but_keeps_mounting(furnished: tuple[Path, Objects], tmp_path: Path) -> None:

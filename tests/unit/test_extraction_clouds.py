@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from stages.config.extraction import ExtractionConfig
 from stages.extraction.clouds import make_object_cloud
 from stages.extraction.contact import DepthView
+from stages.geometry.masks import erode
 
 HEIGHT, WIDTH, FOCAL = 240, 320, 140.0
 LENS = np.array([[FOCAL, 0, WIDTH / 2], [0, FOCAL, HEIGHT / 2], [0, 0, 1]])
@@ -15,9 +16,20 @@ V, U = np.mgrid[:HEIGHT, :WIDTH]
 SIDE, RISE = -(U - WIDTH / 2) / FOCAL, -(V - HEIGHT / 2) / FOCAL  # of the rays, per metre along x
 
 
-def cloud_of(depth: NDArray[np.float64], mask: NDArray[np.bool_]) -> NDArray[np.float64]:
+def cloud_of(
+    depth: NDArray[np.float64], mask: NDArray[np.bool_], options: ExtractionConfig | None = None
+) -> NDArray[np.float64]:
     view = DepthView(depth, LENS, LOOKING_ALONG_X)
-    return make_object_cloud(mask, view, ExtractionConfig(), np.random.default_rng(0))
+    return make_object_cloud(mask, view, options or ExtractionConfig(), np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("restored", [True, False])
+def test_depth_along_an_outline_is_never_trusted_and_its_pixels_are_restored_if_wanted(restored: bool) -> None:
+    face = (np.abs(2 * SIDE) < 0.5) & (np.abs(2 * RISE) < 0.3)
+    depth = np.where(face & ~erode(face), 2.05, 2.0)
+    cloud = cloud_of(depth, face, ExtractionConfig(restore_border=restored))
+    assert cloud[:, 0] == pytest.approx(2.0)
+    assert np.ptp(cloud[:, 1]) == pytest.approx(0.94 if restored else 0.89, abs=0.02)
 
 
 @pytest.mark.parametrize(("wall", "gone"), [(4.0, True), (2.45, True), (2.1, False)])  # the last may be the pot's rear

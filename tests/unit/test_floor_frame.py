@@ -5,8 +5,9 @@ import pytest
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Annotations
+from stages.contracts.objects import Box, SceneObject
 from stages.contracts.scenes import Annotation
-from stages.extraction.camera_height import doubt_height
+from stages.extraction.camera_height import doubt_height, doubt_unit
 from stages.extraction.floor import check_frame, find_floor_frame, find_unnamed_floor, fit_shown_floor
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
@@ -77,7 +78,7 @@ def test_a_floor_above_the_camera_is_none() -> None:
     v = np.arange(HEIGHT)[:, None] - (HEIGHT - 1) / 2
     ceiling = np.where(v < -1, INTRINSICS[0, 0] / -np.minimum(v, -1), 0.0) * np.ones((1, WIDTH))
     depth = np.where(ceiling < 15, ceiling, 0).astype(np.float32)
-    with refused("E-FLOOR-MISSING"):
+    with refused("E-PICTURE-UPSIDE-DOWN", "a ceiling without a floor"):
         extracted(None, depth)
     masks = np.full(depth.shape, FLOOR, np.uint16)
     told = Annotations(objects=[Annotation(mask=OBJECT, label="box")], floor=FLOOR, walls=[])
@@ -146,5 +147,28 @@ def test_what_a_mask_calls_a_wall_is_no_floor(value: int, below: float) -> None:
     shown[masks == FLOOR], shown[masks == OBJECT] = value, 0
     told = Annotations(objects=[Annotation(mask=OBJECT + 1, label="lamp")], floor=None, walls=[WALL])
     image = AnnotatedImage(np.zeros((HEIGHT, WIDTH, 3), np.uint8), depth, shown, INTRINSICS, told)
-    floor = find_unnamed_floor(image, PointMap(depth, INTRINSICS), WORLD_FROM_CAMERA[2, :3])
+    floor = find_unnamed_floor(image, PointMap(depth, INTRINSICS), WORLD_FROM_CAMERA[2, :3], 75.0)
     assert -floor.offset == pytest.approx(below, abs=0.03)
+
+
+HEIGHTS = {"chair": 0.9, "dining table": 0.74, "fridge": 1.8}
+
+
+def see_things(times: float, heights: dict[str, float] = HEIGHTS) -> list[SceneObject]:
+    boxes = {
+        label: Box(center=(2, 0, high / 2), size=(0.5, 0.5, high * times), yaw=0) for label, high in heights.items()
+    }
+    return [SceneObject.model_construct(id=label, label=label, status="ok", box=box) for label, box in boxes.items()]
+
+
+@pytest.mark.parametrize(("unit", "says"), [(256, "--unit 256"), (4000, "--unit 4000"), (5000, "--unit 5000")])
+def test_one_factor_of_all_things_is_told_with_the_unit_that_fits(unit: float, says: str) -> None:
+    """Depth of which `unit` stands for a metre was read as millimetres."""
+    assert doubt_unit(see_things(unit / 1000)).endswith(says)
+    assert "things are" in doubt_unit([*see_things(unit / 1000), *see_things(1, {"gearbox": 0.01})])
+
+
+def test_things_of_usual_size_or_wrong_by_several_factors_ask_for_no_unit() -> None:
+    assert doubt_unit(see_things(1)) == "" and doubt_unit(see_things(1.3)) == ""
+    assert doubt_unit(see_things(0.25, {"chair": 0.9})) == "", "one thing may be wrong for other reasons"
+    assert doubt_unit(see_things(1, {"chair": 0.2, "dining table": 3.0, "fridge": 1.8})) == ""

@@ -77,3 +77,20 @@ def test_cousins_wear_the_colors_of_the_picture_and_stand_as_before(
 
     with refused("E-OPTION-MISSING"):
         run(**given, options=options["picture"], out=tmp_path / "none")
+
+
+@pytest.mark.parametrize("finish", [None, "library"])
+@pytest.mark.parametrize("shown", [True, False])
+def test_unless_told_otherwise_cousins_wear_the_picture_that_is_given(
+    scene: dict[str, Path],  # noqa: F811
+    tmp_path: Path,
+    finish: str | None,
+    shown: bool,
+) -> None:
+    masks = read_masks(scene["objects"].with_name("masks.png"))
+    cv2.imwrite(str(tmp_path / "rgb.png"), np.full((*masks.shape, 3), RED[::-1], np.uint8))
+    given = {key: scene[key] for key in ("cousins", "objects", "library")} | {"variant": "b", "out": tmp_path}
+    options = json.dumps({"ranks": 1, "finish": finish})
+    run(**given, options=options, image=(tmp_path / "rgb.png",) if shown else ())
+    worn = any(each.finish for each in read_json(GeneratedScene, tmp_path / "scene_1.json").objects)
+    assert worn == (shown and finish is None)

@@ -2,14 +2,17 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from types import SimpleNamespace
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from stages.contracts.category import Category
+from stages.config.generation import GenerationConfig
+from stages.contracts.category import Category, SizeSpread
 from stages.contracts.objects import DepthError, Wall
-from stages.generation.fitting import TOO_SURE, Observation, Prior, SizePrior, find_correspondences, fit_box
+from stages.generation import sizing
+from stages.generation.fitting import TOO_SURE, Observation, Prior, find_correspondences, fit_box
 from stages.generation.solid import Solid
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import back_project, intrinsics_from_fov
@@ -18,7 +21,7 @@ from stages.geometry.outlines import Outline, measure_outline
 from stages.geometry.solids import find_outermost
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
-from tests.unit.generation_scenes import BACK
+from tests.unit.generation_scenes import BACK, thing
 
 WIDTH, HEIGHT = 320, 240
 K = intrinsics_from_fov(WIDTH, HEIGHT, 1.0)
@@ -127,7 +130,7 @@ def test_what_the_border_cuts_is_as_large_as_usual_and_its_spread_says_so() -> N
     inside = outline_of(picture.mask & left, picture.depth, left)
     points = transform_points(POSE, back_project(picture.depth, K)[picture.mask & left])[::7]
     cut = Observation(POSE, K, inside, points, ERROR)
-    usual = SizePrior(np.log([0.5, 0.9, 0.7]), 0.15**2 * np.eye(3))
+    usual = SizeSpread(np.log([0.5, 0.9, 0.7]), 0.15**2 * np.eye(3))
     seen_half = UprightBox(points.mean(axis=0) * [1, 1, 0] + [0, 0, 0.35], [0.5, 0.45, 0.7], TRUE.yaw)
     fit = fit_box(Block(), seen_half, cut, known(usual=usual))
     assert np.isinf(inside.limit).any() and not np.isinf(whole.outline.limit).any()
@@ -164,6 +167,17 @@ def test_nothing_reaches_behind_a_wall() -> None:
     assert corners(fit.box)[:, 0].max() < 4.03
 
 
+def test_a_wall_holds_nothing_back_that_is_seen_behind_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Through a door, say."""
+    monkeypatch.setattr(sizing, "read_solid", lambda _: Block())
+    seen, wall = see(draw()), Wall(id="wall_1", normal=(-1, 0, 0), offset=-2.0, points=100)
+    one: Any = SimpleNamespace(cloud=seen.points, outline=seen.outline)
+    scene: Any = SimpleNamespace(walls=[wall], floor_from_camera=POSE, intrinsics=K, depth_error=ERROR)
+    start = thing("block", TRUE.center, TRUE.size, TRUE.yaw)
+    found = sizing.size(start, TRUE.yaw, one, scene, None, [], GenerationConfig())
+    assert found.box.center == pytest.approx(TRUE.center, abs=0.03)
+
+
 def test_what_stands_on_a_table_ends_there() -> None:
     start, box = (UprightBox([3.2, 0.2, z], [0.5, 0.9, height], TRUE.yaw) for z, height in ((1.2, 0.4), (1.05, 0.7)))
     fit = fit_box(Block(), start, see(draw(box)), known(bottom=0.7))
@@ -171,9 +185,9 @@ def test_what_stands_on_a_table_ends_there() -> None:
 
 
 def test_sizes_of_a_category_have_a_mean_and_a_spread() -> None:
-    assert Category(name="mug", sizes=[(0.1, 0.1, 0.1)]).describe_spread() is None
+    assert Category(name="mug", sizes=[(0.1, 0.1, 0.1)]).measure_spread() is None
     known = Category(name="mug", sizes=[(0.1, 0.1, 0.1), (0.2, 0.2, 0.2)], real=[(0.4, 0.4, 0.4)])
-    mean, covariance = known.describe_spread()
+    mean, covariance = known.measure_spread()
     assert np.exp(mean) == pytest.approx([0.2] * 3)
     assert covariance[0, 1] == pytest.approx(np.log(2) ** 2)  # larger mugs are higher, too
     assert covariance[0, 0] > covariance[0, 1]

@@ -40,6 +40,29 @@ def test_models_with_joints_are_turned_farther_than_others() -> None:
     assert turned(170, False, wall) == turned(190, False, wall) == pytest.approx(180)  # whatever the limit
 
 
+def test_a_front_that_fits_as_well_comes_before_a_rear_but_not_as_in_the_paper() -> None:
+    rear, front = (Orientation(yaw=yaw, score=0.9) for yaw in (np.pi, 0.0))
+    cousin = Cousin(rank=1, asset="a", category="c", distance=1, votes=None, orientation=rear, orientations=[front])
+    found = [
+        np.rad2deg(find_yaw(cousin, BOX, OUTLINE, CAMERA, [], False, GenerationConfig(wall_view=view)))
+        for view in ("rear", "first")
+    ]
+    assert np.abs(found) == pytest.approx([180, 0])
+
+
+def test_a_view_with_its_rear_to_the_wall_comes_first_but_not_as_in_the_paper() -> None:
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.3, points=9)
+    side, rear_to_wall = (Orientation(yaw=view_angle(CAMERA, BOX.center, np.deg2rad(each))) for each in (90, 180))
+    cousin = Cousin(
+        rank=1, asset="a", category="c", distance=1, votes=None, orientation=side, orientations=[rear_to_wall]
+    )
+    found = [
+        np.rad2deg(find_yaw(cousin, BOX, OUTLINE, CAMERA, [wall], False, GenerationConfig(wall_view=view)))
+        for view in ("rear", "first")
+    ]
+    assert np.abs(found) == pytest.approx([180, 90])
+
+
 def test_what_hangs_says_nothing_of_how_calm_a_scene_is() -> None:
     items = [
         thing("picture", (3, 0, 1.5), (0.05, 0.6, 0.4), mounting=1, walls=["wall_1"]),

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
-from stages.geometry.gravity import estimate_up, find_up
+from stages.geometry.gravity import estimate_up, find_up, is_upside_down
 from stages.geometry.levels import find_floor, find_levels
 from tests.unit.synthetic_room import HEIGHT, INTRINSICS, OBJECT, WIDTH, WORLD_FROM_CAMERA, trace
 
@@ -71,3 +71,16 @@ def test_a_ceiling_is_no_floor() -> None:
     known = rise > 0.05
     ceiling = rays * np.where(known, 1.0 / np.maximum(rise, 0.05), 0.0)[..., None]
     assert known.any() and find_floor(ceiling, known, known, [], find_up(ceiling, known, 60.0)) is None
+
+
+def test_a_picture_upside_down_shows_no_level_that_faces_up() -> None:
+    points, masks = seen([TABLE, BED], 0.002)
+    assert not is_upside_down(points, masks > 0, 75.0)
+    assert is_upside_down(points * [1, -1, 1], masks > 0, 75.0)
+    assert is_upside_down(np.flip(points, 0) * [1, -1, 1], np.flip(masks, 0) > 0, 75.0)
+    v, u = np.mgrid[:HEIGHT, :WIDTH]
+    rays = np.stack([u, v, np.ones_like(u)], axis=-1) @ np.linalg.inv(INTRINSICS).T
+    rise = rays @ [0, -np.cos(0.17), np.sin(0.17)]  # the camera looks up: more is seen of the ceiling than of the floor
+    along = np.where(np.abs(rise) > 0.05, np.where(rise > 0, 1.0, -1.6) / np.where(rise == 0, 1, rise), 0)
+    shown = rays * np.where(along < 6, along, 0)[..., None]
+    assert not is_upside_down(shown, shown[..., 2] > 0, 75.0)

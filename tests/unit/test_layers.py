@@ -4,10 +4,12 @@ import ast
 import re
 from pathlib import Path
 
+from tests.packages import needs
+
 ROOT = Path(__file__).resolve().parents[2]
 ORDER = (
     *("geometry", "contracts", "plugins", "articulated", "config", "cli"),
-    *("simulation", "planning", "tasks", "skills", "assets", "policies", "extraction"),
+    *("simulation", "planning", "tasks", "skills", "assets", "policies", "perception", "extraction"),
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
     "tables",
 )
@@ -15,17 +17,8 @@ ORDER = (
 ALLOWED_NAMES: list[tuple[str, str]] = []
 
 ON_OTHERS = {  # few, each for a reason
-    ("inputs", "names"),  # masks may come with names that are proposed
-    ("eyes", "inputs"),  # it writes an input folder
-    ("eyes", "names"),  # its things are named
-    ("names", "efficientnet"),  # how things look
-    ("names", "furniture"),  # it learns from our models
     ("exports", "mujoco"),  # MJCF is MuJoCo's format
-    ("inputs", "pretrained"),  # the same way to read weights
-    ("names", "pretrained"),
-    ("inputs", "vlm"),  # captions may come from a language model
     ("exports", "pictures"),  # the same GLB, room and light
-    ("look", "pictures"),
     ("api", "films"),  # a policy is filmed
     ("importing", "films"),  # the same way to frame a model
     ("in_scene", "films"),  # its demonstrations are filmed
@@ -36,14 +29,7 @@ ON_OTHERS = {  # few, each for a reason
     ("report", "claims"),  # their tables, on the page of a run
     ("studies", "claims"),
     ("studies", "report"),  # the times of a run
-    ("single_view", "annotator"),  # it draws as a person would
-    ("single_view", "eyes"),  # outlines
-    ("single_view", "names"),  # and names
-    ("single_view", "inputs"),  # a photograph's camera
     ("annotator", "report"),  # doubts and pictures of models, as pages show them
-    ("annotator", "eyes"),  # a click outlines
-    ("annotator", "names"),  # and names
-    ("annotator", "inputs"),  # a photograph's camera, and what an input folder is
 }
 
 
@@ -118,3 +104,12 @@ def test_every_import_is_seen(tmp_path: Path) -> None:
     text = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from stages.a.b import C\n"
     (tmp_path / "m.py").write_text(text + "def f():\n    import stages.d\n    from stages import e\n")
     assert imports(tmp_path / "m.py") == {"stages.a.b", "stages.d", "stages.e"}
+
+
+@needs("report")
+def test_no_test_is_left_out_for_a_package_that_is_gone() -> None:
+    there = {path.parent.name for path in (ROOT / "plugins").glob("*/__init__.py")}
+    for folder in ("tests", "plugins"):
+        for file in (ROOT / folder).rglob("*.py"):
+            for call in re.findall(r"\bneeds\(([^)]*)\)", file.read_text(encoding="utf-8")):
+                assert set(re.findall(r'"(\w+)"', call)) <= there, (file, call)

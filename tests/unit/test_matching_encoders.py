@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from stages.config.matching import MatchingConfig
+from stages.geometry.crop import cut, foreground
 from stages.geometry.masks import pixel_bounds
-from stages.matching.crop import cut, foreground
 from stages.matching.encoders import make_encoder, settings_digest
 from stages.matching.encoders.hog import CELL_STEPS, GRADIENT_BINS, GRADIENT_COLUMNS, descriptors
 from stages.matching.normals import object_frame, patch_normals

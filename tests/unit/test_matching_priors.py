@@ -10,9 +10,9 @@ from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import CategoryMatch
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import Box, Mounting, SceneObject
+from stages.geometry.crop import foreground
 from stages.matching.candidates import Candidates
 from stages.matching.colors import patch_colors
-from stages.matching.crop import foreground
 from stages.matching.encoders import make_encoder
 from stages.matching.priors import is_misplaced, list_addends, size_gap
 from stages.matching.ranking import make_query

@@ -6,15 +6,16 @@ from typing import Any
 import pytest
 
 from stages.config.model import load
-from stages.config.packages import find_packages, home_of
+from stages.config.packages import check_rules, check_targets, find_packages, home_of
 from stages.config.reads import READS, options_of, stores
 from stages.contracts.errors import InputError
 from stages.contracts.section import Section
 from stages.plugins import list_available
 from tests.packages import needs
 from tests.refusals import refused
+from tests.workflow.workspace import ROOT
 
-pytestmark = needs("exports", "importing", "inputs", "mujoco", "vlm")  # what the tests turn on and off
+pytestmark = needs("exports", "importing", "mujoco", "pretrained", "studies", "vlm")  # what the tests turn on and off
 
 
 def test_all_that_are_here_are_on_unless_one_says_otherwise() -> None:
@@ -77,21 +78,18 @@ def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -
     config = load(given | {"packages": packages}, rooms_named=name != "scenes")
     wildcards = {"variant": "b", "run": "lite", "scene": "", "store": next(iter(stores(config)))}
     for stage, command in READS:
-        if stage != name and stage != "inputs":
+        if stage != name:
             options_of(config, stage, command, wildcards)
-    if name != "inputs":
-        assert "lens" in options_of(config, "inputs", "estimate", {})
 
 
 @pytest.mark.parametrize(
     ("name", "changes", "key"),
     [
         ("importing", {"assets": {"folders": ["mine"]}}, "assets.folders"),
-        ("inputs", {"experiment": {"inputs": {"a": {"image": "a.png"}}, "rooms": ["a"]}}, "experiment.inputs"),
-        ("inputs", {"image": "a.png"}, "image: is read by the package inputs"),
-        ("inputs", {"experiment": {"inputs": "many", "rooms": ["*"]}}, "experiment.inputs"),
+        ("pretrained", {"perception": {"proposers": ["grounding"]}}, "perception.proposers"),
+        ("pretrained", {"perception": {"by": "networks"}, "image": "a.png"}, "perception.by"),
         ("studies", {"evaluation": {"conditions": {"far": {"robot_init_noise": [0.1, 5]}}}}, "evaluation.conditions"),
-        ("vlm", {"photo": {"captions": "vlm"}, "image": "a.png"}, "photo.captions"),
+        ("vlm", {"perception": {"captions": "vlm"}, "image": "a.png"}, "perception.captions"),
         ("vlm", {"matching": {"model_selection": "vlm"}}, "matching.model_selection"),
     ],
 )
@@ -104,3 +102,23 @@ def test_what_a_package_that_is_off_would_read_is_not_lost(
     (tmp_path / "a.png").touch()
     with pytest.raises(InputError, match=key):
         load({"packages": {name: False}} | changes)
+
+
+@pytest.mark.parametrize(
+    ("target", "name"), [("overview", "report"), ("exports", "exports"), ("open_rooms", "studies")]
+)
+def test_targets_of_a_package_that_is_off_are_refused(target: str, name: str) -> None:
+    on = dict.fromkeys(find_packages(), True)
+    check_targets([target, "photo", "all"], on)
+    with refused("E-CONFIG-CLASH", f"{target}: is a target of the package {name}", f"packages: {{{name}: true}}"):
+        check_targets(["-n", target], on | {name: False})
+
+
+def test_a_target_that_does_not_exist_is_told_with_the_nearest() -> None:
+    ours = str(ROOT / "Snakefile")
+    with refused("E-WORDS", "tabel2: is no target. Fix: did you mean 'table2'?"):
+        check_rules(["/bin/snakemake", "--cores", "2", "tabel2", "--configfile", "mine.yaml"], ours)
+    for known in ("table2", "everything", "shards", "results/tables/tabel2.csv", "tabel2.csv"):
+        check_rules(["snakemake", "--cores", "2", known], ours)
+    check_rules(["snakemake", "tabel2"], "/elsewhere/Snakefile")  # which has ours as a module, and rules of its own
+    check_rules(["pytest", "tabel2"], ours)

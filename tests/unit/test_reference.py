@@ -10,7 +10,7 @@ from reference import rooms
 from reference.__main__ import generate
 from tests.packages import needs
 
-pytestmark = needs("exports", "importing", "inputs", "report", "annotator")  # pages are written from all packages
+pytestmark = needs("exports", "importing", "report", "annotator")  # pages are written from all packages
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -13,16 +13,17 @@ import yaml
 
 from plugins.annotator.correcting import Correcting
 from plugins.annotator.tests.test_correcting import BOXES
-from plugins.eyes.weights import ALL, is_there
-from plugins.inputs.own_scene import write_config
 from plugins.ops.outside import list_key_variables, list_outside_paths
 from stages.config import reference
 from stages.config.containers import ContainersConfig, tag
 from stages.config.inputs import INPUT_FILES
 from stages.config.model import complete, load, with_defaults
+from stages.config.packages import find_packages
+from stages.config.weights import ALL, is_there
+from stages.perception.write import write_config
 from tests.commands import list_rule_files
 from tests.unit.synthetic_room import write_room
-from tests.workflow.workspace import ROOT, dry_run, make, plan, planned
+from tests.workflow.workspace import ROOT, dry_run, make, plan, planned, put
 
 STUDY = Path("config/study/table3.yaml")
 BASES = {  # what these are laid over
@@ -47,6 +48,34 @@ def test_every_shipped_config_has_a_dag(folder: Path, overlay: Path | None) -> N
     files = [path for path in (BASES.get(overlay), overlay) if path] if overlay else []
     done = plan(folder, "all", *(["--configfile", *map(str, files)] if files else []))
     assert done.returncode == 0 and planned(done.stdout)["all"] == 1, done.stdout
+
+
+@pytest.mark.parametrize("name", find_packages())
+def test_a_switch_of_a_package_is_a_switch(folder: Path, name: str) -> None:
+    """A run without it is planned, rooms, pictures and pages; or lines say what wants it. No rule of it is left."""
+    put(*(folder / file for file in ("color.png", "depth.png", "k.json")))
+    frame = "inputs: {mine: {image: color.png, depth: depth.png, camera: k.json}}"
+    text = f"packages: {{{name}: false}}\nexperiment: {{{frame}, rooms: [room_1, room_2, room_3, mine]}}"
+    (folder / f"off_{name}.yaml").write_text(text)
+    done = dry_run(folder, "all", "--configfile", f"off_{name}.yaml")
+    if done.returncode:
+        told = [line for line in done.stdout.splitlines() if "Fix: " in line]
+        assert told and all(name in line for line in told), done.stdout
+        assert "Exception" not in done.stdout and "Traceback" not in done.stdout, done.stdout
+        return
+    rules = "".join(file.read_text() for file in (ROOT / "plugins" / name).glob("*.smk"))
+    assert not set(re.findall(r"^(?:rule|checkpoint) (\w+):", rules, re.M)) & set(planned(done.stdout)), done.stdout
+    assert planned(done.stdout)["see"] == 1, done.stdout
+
+
+def test_a_target_of_a_package_that_is_off_is_refused(folder: Path) -> None:
+    (folder / "silent.yaml").write_text("packages: {report: false}")
+    done = dry_run(folder, "overview", "--configfile", "silent.yaml")
+    assert "error: overview: is a target of the package report, which is off" in done.stdout and done.returncode == 1
+    put(folder / "color.png")
+    frame = ("image=color.png", "depth=depth.png", "camera=k.json")
+    done = dry_run(folder, "photo", "--configfile", "silent.yaml", "--config", *frame)
+    assert planned(done.stdout)["photo"] == 1 and "scene_page" not in planned(done.stdout), done.stdout
 
 
 def test_all_eight_rooms_can_be_asked_for(folder: Path) -> None:
@@ -194,7 +223,7 @@ def test_the_twin_is_the_true_model_in_rooms_and_what_was_matched_in_scenes_of_y
     assert dry_run(folder, target, "-p").stdout.count(told) == 2, "distances and select"
     (folder / "mine").mkdir()
     for name in INPUT_FILES:
-        (folder / "mine" / name).touch()
+        put(folder / "mine" / name)
     (folder / "mine.yaml").write_text(
         "experiment: {rooms: [mine], inputs: {mine: mine}, targets: {door: {room: mine, object: cabinet_1}}}"
     )
@@ -206,7 +235,7 @@ def test_corrections_are_an_input_of_the_rules_that_they_concern(folder: Path, t
     mine = tmp_path / "mine"
     mine.mkdir()
     for name in INPUT_FILES:
-        (mine / name).touch()
+        put(mine / name)
     (tmp_path / "mine.yaml").write_text(
         f"experiment: {{rooms: [mine], inputs: {{mine: {mine}}}, targets: {{door: null}}}}"
     )
@@ -271,14 +300,27 @@ def test_cousins_in_the_colors_of_the_picture_need_it(folder: Path) -> None:
     assert "rgb.png --out results/generation" not in dry_run(folder, "generation", "-p").stdout
 
 
+@pytest.mark.parametrize(("said", "worn"), [("", True), ("generation: {finish: library}", False)])
+def test_pictures_of_yours_come_out_in_their_colors_and_rooms_in_the_library_s(
+    folder: Path, said: str, worn: bool
+) -> None:
+    (folder / "mine").mkdir(exist_ok=True)
+    for name in INPUT_FILES:
+        put(folder / "mine" / name)
+    experiment = "experiment: {rooms: [room_1, mine], inputs: {mine: mine}, targets: {door: null}}"
+    (folder / "worn.yaml").write_text(f"{experiment}\n{said}")
+    done = dry_run(folder, "generation", "-p", "--configfile", "worn.yaml")
+    assert re.findall(r"--image (\S+) --out results/generation/b/", done.stdout) == ["mine/rgb.png"] * worn
+
+
 def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
     folder = make(tmp_path)
     said = dry_run(folder, "photo").stdout
     assert "Fix: snakemake --cores 2 photo --config image=kitchen.jpg" in said and ", line " not in said, said
-    (folder / "my kitchen.v2.jpg").touch()
-    photo = ("photo", "--config", "image=my kitchen.v2.jpg", "photo={by: networks}")
+    put(folder / "my kitchen.v2.jpg")
+    photo = ("photo", "--config", "image=my kitchen.v2.jpg", "perception={by: networks}")
     done = dry_run(folder, *photo)
-    lines = [line for line in done.stdout.splitlines() if "python -m plugins.inputs fetch" in line]
+    lines = [line for line in done.stdout.splitlines() if "python -m stages.perception fetch" in line]
     assert done.returncode == 1 and len(lines) == 1 and "Traceback" not in done.stdout
     assert "weights/sam2" in lines[0] and "plugins.annotator annotate 'my kitchen.v2.jpg'" in lines[0]
     assert planned(dry_run(folder, "fetch").stdout)["fetch"] == 1
@@ -287,48 +329,51 @@ def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
         (folder / "weights" / name / "model.safetensors").touch()
     done = dry_run(folder, *photo, "-p")
     jobs = planned(done.stdout)
-    assert jobs["estimate"] == jobs["draw_scenes"] == jobs["scene_page"] == 1
+    assert jobs["measure"] == jobs["see"] == jobs["draw_scenes"] == jobs["scene_page"] == 1
     assert not {"train", "room", "report_page", "draw"} & set(jobs)
-    assert "--image 'my kitchen.v2.jpg'" in done.stdout and "--out results/photo/my_kitchen_v2 " in done.stdout
+    assert (
+        "--image 'my kitchen.v2.jpg'" in done.stdout
+        and "--out results/scenes/my_kitchen_v2-2fec82/view " in done.stdout
+    )
     assert "no file nothing.jpg" in dry_run(folder, "photo", "--config", "image=nothing.jpg").stdout
 
 
 def test_a_picture_without_depth_is_drawn_where_only_its_outlines_have_networks(tmp_path: Path) -> None:
     folder = make(tmp_path)
-    (folder / "kitchen.jpg").touch()
-    given = ("image=kitchen.jpg", "single_view={heights: {fridge: 1.8}}", "photo={field_of_view: 60}")
+    put(folder / "kitchen.jpg")
+    given = ("image=kitchen.jpg", "perception={heights: {fridge: 1.8}, field_of_view: 60}")
     done = dry_run(folder, "photo", "-p", "--config", *given)
     if not all(is_there(weights) for weights in ALL):
         assert "Fix: make weights" in done.stdout and "annotate kitchen.jpg" in done.stdout
         return
     jobs = planned(done.stdout)
-    assert jobs["draw"] == jobs["scene_page"] == 1 and "estimate" not in jobs
-    options = '{"field_of_view": 60.0, "heights": {"fridge": 1.8}, "lens": null}'
-    assert options in done.stdout and "--out results/photo/kitchen " in done.stdout
+    assert jobs["draw"] == jobs["scene_page"] == 1 and "measure" not in jobs
+    assert (
+        '"field_of_view": 60.0, "heights": {"fridge": 1.8}' in done.stdout
+        and "--out results/photo/kitchen " in done.stdout
+    )
 
 
 def test_a_frame_with_depth_and_a_recording_need_no_hand(tmp_path: Path) -> None:
     folder = make(tmp_path)
     for name in ("frames/color/0.png", "frames/color/1.png", "frames/depth/0.png", "frames/depth/1.png", "k.json"):
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).touch()
+        put(folder / name)
     one = ("image=frames/color/0.png", "depth=frames/depth/0.png")
     done = dry_run(folder, "photo", "-p", "--config", *one, "camera=k.json")
     jobs = planned(done.stdout)
     assert jobs["view"] == jobs["see"] == jobs["match"] == jobs["scene_page"] == 1 and not {
         "frame",
-        "estimate",
+        "measure",
         "train",
         "room",
     } & set(jobs)
     assert jobs["shards"] == 1 and not {"snapshots", "features"} & set(jobs)  # which, is known when objects are found
     assert "--camera k.json" in done.stdout and "--out results/scenes/0/view " in done.stdout
     assert "--picture results/scenes/0/view " in done.stdout and "--out results/scenes/0/frame " in done.stdout
-    (folder / "color.png").touch()
+    put(folder / "color.png")
     done = dry_run(folder, "photo", "-p", "--config", "image=color.png", one[1], "camera=k.json")
     assert "--out results/scenes/color/view " in done.stdout  # there is no folder's name
-    (folder / "living").mkdir()
-    (folder / "living/color.png").touch()
+    put(folder / "living/color.png")
     done = dry_run(folder, "photo", "-p", "--config", "image=living/color.png", one[1], "camera=k.json")
     assert "--out results/scenes/living/view " in done.stdout  # another color.png is another scene
     assert "camera: nothing says what camera took" in dry_run(folder, "photo", "--config", *one).stdout

@@ -16,7 +16,7 @@ from stages.config.inputs import INPUT_FILES
 from stages.config.model import load, merge_mappings, with_defaults
 from stages.config.packages import home_of
 from tests.commands import list_passed_flags, read_flags
-from tests.workflow.workspace import ROOT, make, plan
+from tests.workflow.workspace import ROOT, make, plan, put
 
 GUIDES = [path for folder in ("docs", "docs/tutorial") for path in sorted((ROOT / folder).glob("*.md"))]
 REFERENCE = {f"{name}.md" for name in ("architecture", "benchmarks", "config", "contracts", "glossary", "tables")}
@@ -66,12 +66,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A clone in which the files stand that the pages speak of."""
     folder = make(tmp_path_factory.mktemp("clone"))
     for name in INPUT_FILES:
-        (folder / "my/kitchen").mkdir(parents=True, exist_ok=True)
-        (folder / "my/kitchen" / name).touch()
+        put(folder / "my/kitchen" / name)
     table = ("scene,folder", "shelf,kitchen")
     (folder / "my/pictures.csv").write_text("\n".join(table))
     shutil.copytree(folder / "my/kitchen", folder / "my/folders/hall")
-    known = {"objects": [{"mask": 1, "label": "cabinet", "articulated": True, "doors": 1}]}
+    known = {"version": 1, "objects": [{"mask": 1, "label": "cabinet", "articulated": True, "doors": 1}]}
     (folder / "my/kitchen/annotations.json").write_text(json.dumps(known))
     shutil.copytree(folder / "my/kitchen", folder / "kitchen")
     weights = [f"weights/dinov2_small/{name}" for name in ("config.json", "model.safetensors")]

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from stages.config.inputs import INPUT_FILES
-from tests.workflow.workspace import dry_run, make, planned, snakemake
+from tests.workflow.workspace import dry_run, make, planned, put, snakemake
 
 SCENES = 30
 
@@ -16,13 +16,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A clone with ten frames in a table and twenty input folders, one with options of its own."""
     folder = make(tmp_path_factory.mktemp("many"))
     for number in range(20):
-        (folder / f"data/folders/hall_{number}").mkdir(parents=True)
         for name in INPUT_FILES:
-            (folder / f"data/folders/hall_{number}" / name).touch()
+            put(folder / f"data/folders/hall_{number}" / name)
     (folder / "data/folders/hall_3/config.yaml").write_text("extraction: {crop: 1.0}")
-    for name in ("a.png", "a_depth.png", "m.png", "m.json"):
-        (folder / "data" / name).touch()
-    rows = [f"desk_{number},a.png,a_depth.png,5000,600,601,320,240,m.png,m.json" for number in range(10)]
+    put(*(folder / "data" / name for name in ("a.png", "a_depth.png", "masks.png", "labels.json")))
+    rows = [f"desk_{number},a.png,a_depth.png,5000,60,61,32,24,masks.png,labels.json" for number in range(10)]
     (folder / "data/t.csv").write_text("\n".join(["scene,image,depth,unit,fx,fy,cx,cy,masks,labels", *rows]))
     inputs = "inputs: [data/t.csv, data/folders]"
     (folder / "mine.yaml").write_text(f"experiment: {{{inputs}, rooms: [room_1, '*'], targets: {{door: null}}}}")
@@ -36,8 +34,8 @@ def test_every_picture_is_taken_to_scenes_and_the_overview(folder: Path) -> None
     assert jobs["extract"] == jobs["match"] == jobs["generate"] == jobs["draw_scenes"] == SCENES + 1
     told = re.search(r"from-rgbd (.*) --out results/scenes/desk_7/frame", done.stdout)
     assert told and told[1] == (
-        "--rgb data/a.png --depth data/a_depth.png --masks data/m.png --labels data/m.json --unit 5000 "
-        "--camera 600.0 601.0 320.0 240.0"
+        "--rgb data/a.png --depth data/a_depth.png --masks data/masks.png --labels data/labels.json --unit 5000 "
+        "--camera 60.0 61.0 32.0 24.0"
     )
     own = dict(re.findall(r"--scene (\w+) --options '[^']*' --own (\S+) +--seed", done.stdout))
     assert own["hall_3"] == "data/folders/hall_3/config.yaml"
@@ -67,3 +65,5 @@ def test_a_failed_run_says_of_every_scene_where_it_stopped(folder: Path) -> None
     assert ("hall_1", "extraction", "hall_1: nothing is in it. Fix: look again") in cells
     assert ("hall_0", "extraction", "not run") in cells
     assert not (folder / "results/report/overview/b.html").exists()
+    causes = [f"error: hall_{number}: nothing is in it. Fix: look again" for number in (1, 2)]
+    assert sorted(done.stdout.splitlines()[-2:]) == causes, "why, below all that Snakemake says"

@@ -1,5 +1,6 @@
-"""Names of files reach the config as they were typed, through make, a shell and Snakemake's YAML."""
+"""Names of files and folders reach programs as they were typed, through make, a shell and Snakemake's YAML."""
 
+import shlex
 import subprocess
 from pathlib import Path
 
@@ -18,13 +19,16 @@ ROOT = Path(__file__).resolve().parents[2]
         "Küche 1.png",
         'it\'s `x` $HOME "q".png',
         "a,b(1).png",
+        "кухня (1).jpg",
+        "厨房.png",
+        "{x}.jpg",
     ],
 )
 def test_a_name_is_what_was_typed(name: str) -> None:
     from snakemake.cli import parse_config
 
     planned = subprocess.run(
-        ["make", "-n", "picture", f"RGB={name}", f"DEPTH={name}", "INTRINSICS=k.json"],
+        ["make", "-n", "--no-print-directory", "picture", f"RGB={name}", f"DEPTH={name}", "INTRINSICS=k.json"],
         cwd=ROOT, capture_output=True, text=True, check=True,
     ).stdout  # fmt: skip
     (line,) = (line for line in planned.splitlines() if " photo " in line)
@@ -33,3 +37,20 @@ def test_a_name_is_what_was_typed(name: str) -> None:
     ).stdout
     config = parse_config(words.rstrip("\0").split("\0"))
     assert config == {"image": name, "depth": name, "camera": "k.json"}
+
+
+def test_a_clone_and_a_study_may_lie_in_any_folder(tmp_path: Path) -> None:
+    clone, study = tmp_path / "it's my project", tmp_path / "it's my study"
+    clone.mkdir()
+    for name in ("Makefile", "config", "envs", "pyproject.toml"):
+        (clone / name).symlink_to(ROOT / name)
+    planned = subprocess.run(
+        ["make", "-n", "--no-print-directory", "paper", "registered", "table2", "verify", f"IN={study}"],
+        cwd=clone, capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    lines = [shlex.split(line) for line in planned.splitlines()]
+    assert sum(f"PATH={clone}/.venv/bin:$PATH" in line for line in lines) == 2
+    named = [line[line.index(flag) + 1] for line in lines for flag in ("--directory", "--results") if flag in line]
+    assert named == ["results/paper", str(study), f"{study}/results", f"{study}/results"]
+    subprocess.run(["make", "folder", f"IN={study}"], cwd=clone, check=True)
+    assert (study / "config").samefile(clone / "config")

@@ -19,21 +19,21 @@ def test_a_picture_goes_all_the_way_to_its_page(run: Path, tmp_path: Path) -> No
     with Image.open(ROOT / "tests/data/photographed_room/rgb.jpg") as picture:
         picture.reduce(2).save(folder / "my kitchen.jpg")
     options = save_all(folder / "weights") | {"labels": ["cabinet", "mug", "coffee table"]}
-    (folder / "mine.yaml").write_text(json.dumps({"photo": options}))
+    (folder / "mine.yaml").write_text(json.dumps({"perception": options}))
     photo = ("photo", "--configfile", MICRO[1], "mine.yaml", "--config", "image=my kitchen.jpg")
     done = snakemake(folder, *photo)
     assert done.returncode == 0, done.stdout[-4000:]
     assert "library" not in planned(done.stdout)
     results = folder / "results"
-    named = read_json(SceneShards, results / "matching/b/my_kitchen/shards.json").shards
+    named = read_json(SceneShards, results / "matching/b/my_kitchen-32bc6e/shards.json").shards
     assert {path.stem for path in (results / "assets/snapshots").iterdir()} == {f"shard_{name}" for name in named}
     whole = read_json(Library, results / "assets/library/library.json")
     assert any(not any(holds(name, entry) for name in named) for entry in whole.assets)  # not all of it is drawn
-    said = read_json(Annotations, results / "photo/my_kitchen/annotations.json")
+    said = read_json(Annotations, results / "scenes/my_kitchen-32bc6e/frame/annotations.json")
     assert {item.label for item in said.objects} <= {"cabinet", "mug", "coffee table"}
-    camera = read_json(Camera, results / "photo/my_kitchen/camera.json")
-    objects = read_json(Objects, results / "extraction/my_kitchen/objects.json")
+    camera = read_json(Camera, results / "scenes/my_kitchen-32bc6e/frame/camera.json")
+    objects = read_json(Objects, results / "extraction/my_kitchen-32bc6e/objects.json")
     assert len(objects.objects) == len(said.objects)
-    page = (results / "report/scenes/my_kitchen.html").read_text()
+    page = (results / "report/scenes/my_kitchen-32bc6e.html").read_text()
     assert camera.note and camera.note in page and objects.objects[0].id.replace("_", " ") in page
     assert "Nothing to be done" in dry_run(folder, *photo).stdout

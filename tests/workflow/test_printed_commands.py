@@ -11,6 +11,7 @@ from plugins.report import overview, picture, report
 from stages.contracts import Camera, write_json
 from tests.unit.tables_results import CAMERA, VIEWER, declared, write_run
 from tests.workflow.test_documents import check_flags, check_snakemake, folder  # noqa: F401
+from tests.workflow.workspace import ROOT
 
 PRINTED = re.compile(r"<(?:code|pre)[^>]*>(.*?)</(?:code|pre)>", re.DOTALL)
 
@@ -46,4 +47,4 @@ def test_a_command_on_a_page_is_one(printed: set[str], folder: Path) -> None:  #
         elif program == "snakemake":
             check_snakemake(folder, rest)
         else:
-            assert re.search(rf"^{rest[0]}:", Path("Makefile").read_text(), re.MULTILINE), rest
+            assert re.search(rf"^{rest[0]}:", (ROOT / "Makefile").read_text(), re.MULTILINE), rest

@@ -1,6 +1,8 @@
 """One micro run of the whole workflow, then what a user does next: run again, change something, edit a stage."""
 
 import json
+import os
+import re
 import resource
 import shutil
 from pathlib import Path
@@ -12,6 +14,7 @@ from PIL import Image
 
 from stages.contracts.files import read_json
 from stages.contracts.policies import ChosenRuns
+from tests.packages import needs
 from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, overlay, planned, snakemake
 
 WITHOUT_WORK = 8.0  # CPU seconds at most of a run with nothing to do; half of them are Snakemake's own start
@@ -56,6 +59,23 @@ def test_second_run_has_nothing_to_do_and_says_so_soon(run: Path) -> None:
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert "Nothing to be done" in done.stdout, done.stdout[-3000:]
     assert after.ru_utime - before.ru_utime < WITHOUT_WORK
+    assert "no longer what was written" not in done.stdout
+
+
+@needs("ops")
+def test_over_a_damaged_file_it_is_not_silent_though_nothing_is_to_be_done(run: Path, tmp_path: Path) -> None:
+    """The command that it names makes the file anew."""
+    folder = copy(run, tmp_path / "run")
+    table = folder / "results/tables/table3.csv"
+    whole, times = table.read_bytes(), (table.stat().st_atime_ns, table.stat().st_mtime_ns)
+    table.write_bytes(whole[:-1])
+    os.utime(table, ns=times)
+    said = snakemake(folder, "all", *MICRO).stdout
+    _, _, end = said.partition("Nothing to be done")
+    assert "no longer what was written: results/tables/table3.csv. Fix: snakemake --cores 2 --force results/" in end
+    forced = snakemake(folder, *re.findall(r"--force \S+", end)[0].split(), *MICRO)
+    assert forced.returncode == 0 and table.read_bytes() == whole
+    assert said.count("no longer what was written") == 2 and forced.stdout.count("no longer what was written") == 1
 
 
 def test_another_seed_of_training_keeps_everything_before_it(run: Path, tmp_path: Path) -> None:
@@ -99,6 +119,9 @@ DRAWER = {"kind": "drawer", "left": 0.0, "right": 1.0, "bottom": 0.6, "top": 1.0
 
 
 @pytest.mark.parametrize(
+    "known", [True, False]
+)  # whether Snakemake knows how the results were made: not of copied ones
+@pytest.mark.parametrize(
     ("told", "rerun"),
     [
         ({"nudge": [0.05, 0.0], "banned": ["base_cabinet_0"]}, MADE_AGAIN),
@@ -110,17 +133,50 @@ DRAWER = {"kind": "drawer", "left": 0.0, "right": 1.0, "bottom": 0.6, "top": 1.0
     ],
 )
 def test_a_correction_runs_what_depends_on_it_and_nothing_else(
-    run: Path, tmp_path: Path, told: dict[str, Any], rerun: set[str]
+    run: Path, tmp_path: Path, told: dict[str, Any], rerun: set[str], known: bool
 ) -> None:
     folder = copy(run, tmp_path / "run")
+    if not known:
+        shutil.rmtree(folder / ".snakemake")
     page = "results/report/scenes/room_1.html"
     (folder / page).parent.mkdir(exist_ok=True)
-    path = folder / "results/scenes/room_1/input/corrections.json"
+    path = folder / "hand/room_1/corrections.json"
+    path.parent.mkdir(parents=True)
     path.write_text(json.dumps({"version": 1, "objects": [{"mask": 1, **told}]}))
     done = dry_run(folder, page, "-p", *MICRO)
     assert set(planned(done.stdout)) == rerun, done.stdout
     readers = ("extract" in rerun) + bool({"model", "nudge"} & set(told))
-    assert done.stdout.count("--corrections results/scenes/room_1/input/corrections.json") == readers
+    assert done.stdout.count("--corrections hand/room_1/corrections.json") == readers
+
+
+def test_corrections_count_by_what_a_stage_reads_and_by_age_where_nobody_knows_what_it_read(
+    run: Path, tmp_path: Path
+) -> None:
+    folder = copy(run, tmp_path / "run")
+    shutil.rmtree(folder / ".snakemake")
+    asked = ("results/generation/b/room_1/scene_1.json", *MICRO)
+
+    def correct(nudge: float) -> None:
+        told = {"mask": 1, "size": [0.5, 0.5, 0.8], "nudge": [nudge, 0.0]}
+        path = folder / "hand/room_1/corrections.json"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps({"version": 1, "objects": [told]}))
+
+    assert "Nothing to be done" in dry_run(folder, *asked).stdout
+    correct(0.05)
+    done = snakemake(folder, *asked)
+    assert done.returncode == 0 and set(planned(done.stdout)) == {"extract", "match", "generate"}, done.stdout[-3000:]
+    correct(0.05)
+    assert "Nothing to be done" in dry_run(folder, *asked).stdout
+    correct(0.06)
+    assert set(planned(dry_run(folder, *asked).stdout)) == {"generate"}
+    by_age = dry_run(folder, *asked, "--rerun-triggers", "mtime")
+    shutil.rmtree(folder / ".snakemake")
+    for done in (by_age, dry_run(folder, *asked)):
+        assert set(planned(done.stdout)) == {"extract", "match", "generate"}, done.stdout
+    (folder / "hand/room_1/corrections.json").write_text('{"version": 1}')  # all is taken back
+    done = dry_run(folder, *asked)
+    assert set(planned(done.stdout)) == {"extract", "match", "generate"}, done.stdout
 
 
 def test_more_snapshots_keep_library_rooms_and_extraction(run: Path, tmp_path: Path) -> None:

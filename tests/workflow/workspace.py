@@ -1,6 +1,7 @@
 """A working directory for workflow tests: the repository's files linked in, results its own."""
 
 import fcntl
+import json
 import os
 import shutil
 import subprocess
@@ -10,10 +11,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from zlib import crc32
+
+import numpy as np
+from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
 LINKED = ("Snakefile", "rules", "plugins", "report", "config.yaml", "config", "profiles", "containers")
 MICRO = ("--configfile", "config/test/micro.yaml")
+JSON_FILES = {
+    "camera.json": {"version": 1, "width": 64, "height": 48, "intrinsics": [[60, 0, 32], [0, 60, 24], [0, 0, 1]]},
+    "annotations.json": {"version": 1, "objects": [{"mask": 1, "label": "cabinet", "articulated": True, "doors": 1}]},
+    "labels.json": {"1": "cabinet"},
+}
 Done = subprocess.CompletedProcess[str]
 
 
@@ -23,6 +33,23 @@ def make(folder: Path) -> Path:
     for name in LINKED:
         (folder / name).symlink_to(ROOT / name)
     return folder
+
+
+def put(*files: Path) -> None:
+    """Files of a picture of the user's that can be read, each of the kind that its name says, no two alike."""
+    for path in files:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        numbers = 1500 + crc32(str(path).encode()) % 1000 + 10 * np.arange(64) + np.zeros((48, 1), int)  # a wall
+        if path.suffix == ".json":
+            path.write_text(json.dumps(JSON_FILES.get(path.name, {"fx": 60, "fy": 60, "cx": 32, "cy": 24})))
+        elif path.suffix == ".npz":
+            np.savez(path, depth=(numbers / 1000).astype(np.float32))
+        elif "depth" in (path.parent.name, *path.stem.split("_")):
+            Image.fromarray(numbers.astype(np.uint16)).save(path)
+        elif path.stem == "masks":
+            Image.fromarray(np.ones((48, 64), np.uint8)).save(path)
+        else:
+            Image.fromarray((numbers[..., None] % [251, 241, 239]).astype(np.uint8)).save(path)
 
 
 def copy(run: Path, folder: Path) -> Path:

@@ -9,7 +9,7 @@ from PIL import Image
 
 from plugins.annotator.correcting import Correcting
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json, write_json
-from stages.contracts.corrections import CORRECTIONS
+from stages.contracts.corrections import CORRECTIONS, Correction, Reader, read_corrections
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.doubt import Doubt
 from stages.contracts.generated import PlacedObject
@@ -61,9 +61,14 @@ def write_run(folder: Path, results: Path, doubts: dict[int, list[Doubt]]) -> Co
     return Correcting(folder, ["mug"], results, "kitchen", None, "cabinet_1")
 
 
+def read_told_to(path: Path, stage: Reader) -> dict[int, Correction]:
+    """What a stage reads of corrections.json, by mask value."""
+    return {item.mask: item for item in read_corrections([path]).read_by(stage).objects}
+
+
 def read_told(page: Any, session: Correcting) -> dict[int, dict[str, Any]]:
     """What is kept, by mask value."""
     page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
     path = session.folder / CORRECTIONS
-    said = json.loads(path.read_text())["objects"] if path.is_file() else []
+    said = json.loads(path.read_text()).get("objects", []) if path.is_file() else []
     return {item.pop("mask"): item for item in said}

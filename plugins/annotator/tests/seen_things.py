@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plugins.annotator.clicking import Clicker, Seen
-from plugins.eyes.mobile_sam import Outlines
-from plugins.eyes.ssd import Box
-from plugins.names.propose import Names, Proposal
 from stages.geometry.masks import Mask, pixel_bounds
+from stages.perception.classification.propose import Names, Proposal
+from stages.perception.segmentation.mobile_sam import Outlines
+from stages.perception.segmentation.ssd import Box
 
 
 class KnownPicture:

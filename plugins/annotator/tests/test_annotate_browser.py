@@ -1,6 +1,7 @@
 """The page of `annotate` in headless Chromium: a rendered room whose truth is known is drawn by its own controls."""
 
 import json
+import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,14 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.annotator.project import PROJECT, Project
 from plugins.annotator.session import Session
 from plugins.annotator.tests.annotate_page import Hand, TrueRoom, watched
-from plugins.inputs.photo.picture import read_photo
 from plugins.report.tests.test_report_browser import CONTRAST, FLAGS
 from stages.contracts import Annotations, Camera, Objects, read_json, write_json
+from stages.contracts.hand import PROJECT
 from stages.extraction.extract import run as extract
 from stages.geometry.frames import invert_transform, transform_points
+from stages.perception.drawing.project import Project
+from stages.perception.read.photo import read_photo
 
 WIDE = """
 () => [...document.querySelectorAll('main *, header *')]
@@ -340,6 +342,40 @@ def test_what_networks_found_is_dashed_until_a_person_changes_or_confirms_it(bro
         hand.key("Control+z")
         assert _saved(page, session).objects[1].unsure
         assert page.locator("#over .unsure").count() == 1
+
+
+def test_what_was_left_out_is_dashed_with_its_guess_and_a_click_draws_it(browser: Any, tmp_path: Path) -> None:
+    session, room = Session(read_photo(ROOM / "rgb.jpg"), "rgb.jpg", tmp_path / "room"), TrueRoom(ROOM)
+    item = room.truth.objects[0]
+    points, left, right = room.front(item)
+    front = room.pixels(points[[left, right, right + 4, left + 4]])
+    found = {"names": [{"name": "base cabinet", "probability": 0.38}, {"name": "desk", "probability": 0.2}]}
+    drawing, guess = session.start_drawing(), {"id": "thing_4", "left_out": "no name is sure enough", **found}
+    guess |= {"outline": front.round(1).tolist(), "articulated": True}
+    drawing = Project.model_validate(drawing.model_dump() | {"left_out": [guess], "objects": []})
+    write_json(session.folder / PROJECT, drawing)
+    with watched(browser, session, "#over line") as page:
+        page.get_by_role("tab", name="3 Objects").click()
+        assert page.locator("#left-out button").all_text_contents() == ["base cabinet, 38 %: no name is sure enough"]
+        dashed = page.locator("#view .offer polygon")
+        assert dashed.evaluate("e => getComputedStyle(e).strokeDasharray") != "none"
+        assert page.locator("#view text", has_text="base cabinet, 38 %?").count() == 1
+        if shots := os.environ.get("ACDC_SCREENSHOTS"):
+            page.screenshot(path=f"{shots}/left_out_drawn.png")
+        dashed.click()
+        page.wait_for_selector("#view [data-object=thing_4]")
+        saved = _saved(page, session)
+        assert [(one.id, one.label, one.articulated, one.unsure) for one in saved.objects] == [
+            ("thing_4", "base cabinet", True, False)
+        ]
+        assert not saved.left_out and page.locator("#left-out").is_hidden()
+        assert page.locator("#proposals button").all_text_contents() == ["base cabinet", "desk"]
+        if shots:
+            page.screenshot(path=f"{shots}/left_out_taken.png")
+        page.keyboard.press("Control+z")
+        page.wait_for_selector("#left-out:not([hidden])")
+        page.locator("#left-out button").click()
+        page.wait_for_selector("#view [data-object=thing_4]")
 
 
 def test_outlines_walls_camera_and_what_is_wrong(opened: Opened) -> None:

@@ -3,6 +3,7 @@
 import errno
 import http.client
 import json
+import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,22 +16,24 @@ from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
 from plugins.annotator import annotate
-from plugins.annotator.paint import extend, paint
-from plugins.annotator.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
 from plugins.annotator.server import PageServer
 from plugins.annotator.session import UNCOUNTED, Session, describe_room, find_carriers
-from plugins.annotator.solve import UNSURE, solve
-from plugins.annotator.support import support_at
 from plugins.annotator.tests.annotate_page import serve
-from plugins.annotator.write import at_size, write_folder
-from plugins.inputs.photo.perspective import Guide, Perspective, find_weak_lines, fit_view
-from plugins.inputs.photo.picture import LONGEST_SIDE, read_photo
 from stages.contracts import Annotations, Camera, InputError, Objects, read_json, write_json
 from stages.contracts.categories import sizes_of
+from stages.contracts.hand import PROJECT
+from stages.contracts.images import read_rgb
 from stages.contracts.scenes import Annotation
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox, corners, oriented_iou
 from stages.geometry.frames import transform_points
+from stages.perception.camera.perspective import Guide, Perspective, find_weak_lines, fit_view
+from stages.perception.drawing.outlined import support_at
+from stages.perception.drawing.paint import extend, paint
+from stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale
+from stages.perception.drawing.solve import UNSURE, solve
+from stages.perception.drawing.write import Written, at_size, finish_drawing, write_folder
+from stages.perception.read.photo import LONGEST_SIDE, read_photo
 from tests.refusals import refused
 
 WIDTH, HEIGHT = 320, 240
@@ -61,6 +64,10 @@ def _drawing(**changes: Any) -> Project:
         "scale": Scale(metres=1.5),
     }
     return Project(picture="a.jpg", width=WIDTH, height=HEIGHT, perspective=PERSPECTIVE, **{**given, **changes})
+
+
+def _write(folder: Path, rgb: Any, drawing: Project, depth: Any = None) -> Written:
+    return write_folder(folder, rgb, *finish_drawing(drawing, depth), depth)
 
 
 def _noise(width: int = WIDTH, height: int = HEIGHT) -> NDArray[np.uint8]:
@@ -133,6 +140,17 @@ def test_what_is_no_photograph_is_said_in_one_line(
     assert list(tmp_path.iterdir()) == ([] if what == "none" else [path])  # no folder was begun
 
 
+def test_a_pipe_is_no_photograph_and_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "a.jpg")
+    pipe = os.open(tmp_path / "a.jpg", os.O_RDWR)
+    os.write(pipe, bytes(100))  # whoever reads gets it, and does not hang
+    for read in (read_photo, read_rgb):
+        with refused("E-FILE-UNREADABLE", "a.jpg: is no file, but a folder, a pipe or a device"):
+            read(tmp_path / "a.jpg")
+    assert len(os.read(pipe, 1000)) == 100
+    os.close(pipe)
+
+
 def test_heic_is_read_where_its_library_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "a.heic").write_bytes(b"\0\0\0\x18ftypheic" + bytes(100))
     opened = SimpleNamespace(to_pillow=lambda: Image.fromarray(_noise(64, 48)))
@@ -145,10 +163,11 @@ def test_heic_is_read_where_its_library_is(tmp_path: Path, monkeypatch: pytest.M
 
 def test_a_drawing_becomes_an_input_folder(tmp_path: Path) -> None:
     folder = tmp_path / "my kitchen"
-    written = write_folder(folder, _noise(), _drawing())
+    written = _write(folder, _noise(), _drawing())
     assert written.ids == {"cabinet": "cabinet_1", "mug": "mug_1", "shelf": "shelf_1"} and written.notes == []
     assert (
-        "my_kitchen: " in (folder / "config.yaml").read_text() and "door: null" in (folder / "config.yaml").read_text()
+        "my_kitchen-32bc6e: " in (folder / "config.yaml").read_text()
+        and "door: null" in (folder / "config.yaml").read_text()
     )
     extract(input=folder, scene="kitchen", out=tmp_path / "out" / "objects.json")
     objects = read_json(Objects, tmp_path / "out" / "objects.json")
@@ -171,12 +190,12 @@ def test_what_was_drawn_as_front_may_be_a_side(tmp_path: Path) -> None:
     drawing = _drawing()
     for item, side in zip(drawing.objects, ("left", "right", "rear"), strict=True):
         item.faces = side  # type: ignore[assignment]
-    write_folder(tmp_path, _noise(), drawing)
+    _write(tmp_path, _noise(), drawing)
     said = read_json(Annotations, tmp_path / "annotations.json").objects
     assert [item.front for item in said] == pytest.approx([np.pi / 2, -np.pi / 2, 0.0])
     drawing.objects[1].round = True
     drawing.objects[1].points.pop()
-    write_folder(tmp_path, _noise(), drawing)
+    _write(tmp_path, _noise(), drawing)
     assert read_json(Annotations, tmp_path / "annotations.json").objects[1].front is None
 
 
@@ -248,7 +267,7 @@ def test_round_things_are_round(tmp_path: Path) -> None:
     masks = paint(drawing, solve(drawing)).masks == 2
     across = np.flatnonzero(masks.any(axis=0))
     assert np.ptp(across) + 1 == pytest.approx(mug.points[1][0] - mug.points[0][0], abs=2), "no wider than its foot"
-    write_folder(tmp_path, _noise(), drawing)
+    _write(tmp_path, _noise(), drawing)
     extract(input=tmp_path, scene="drawn", out=tmp_path / "out" / "objects.json")
     clouds, width = np.load(tmp_path / "out" / "clouds.npz"), solve(drawing).boxes["mug"].size[0]  # type: ignore[index]
     farthest = {}
@@ -347,7 +366,7 @@ def test_a_guessed_depth_does_not_hide_an_unusual_size(tmp_path: Path) -> None:
     note = solve(drawing.model_copy(update={"objects": [bare]})).notes["cabinet"]
     assert "depth is guessed" in note and "usual are" in note
     named = [item.model_copy(update={"label": ""}) if item.id == "mug" else item for item in drawing.objects]
-    notes = write_folder(tmp_path / "a", _noise(), drawing.model_copy(update={"objects": named})).notes
+    notes = _write(tmp_path / "a", _noise(), drawing.model_copy(update={"objects": named})).notes
     assert "object_1: has no name: cousins are sought by its looks alone" in notes
 
 
@@ -388,7 +407,7 @@ def test_what_was_drawn_keeps_its_size_wherever_it_stands(tmp_path: Path) -> Non
     drawing.objects[1].points = [aside[k] for k in (0, 1, 4, 6)]  # beside the cabinet, in the air
     drawing.objects[0].points.pop()
     drawing.objects[2].points.pop()
-    write_folder(tmp_path, _noise(), drawing)
+    _write(tmp_path, _noise(), drawing)
     extract(input=tmp_path, scene="drawn", out=tmp_path / "out" / "objects.json")
     found = {item.id: item for item in read_json(Objects, tmp_path / "out" / "objects.json").objects}
     assert found["mug_1"].box is not None
@@ -397,21 +416,30 @@ def test_what_was_drawn_keeps_its_size_wherever_it_stands(tmp_path: Path) -> Non
     assert [[one.cause for one in item.doubts] for item in found.values()] == [["size"], ["place"], ["size"]]
     assert "doubts" not in Annotation(mask=1, label="cup").model_dump(), "files without doubts stay the same bytes"
     drawing.objects[0].depth = 0.6
-    write_folder(tmp_path, _noise(), drawing)
+    _write(tmp_path, _noise(), drawing)
     assert not read_json(Annotations, tmp_path / "annotations.json").objects[0].guessed
+
+
+def test_why_nothing_of_a_drawing_makes_a_scene_is_told(tmp_path: Path) -> None:
+    (cabinet, *_) = _drawing().objects
+    outside = cabinet.model_copy(update={"outline": [(-30.0, -30.0), (-20.0, -30.0), (-20.0, -20.0)]})
+    in_the_sky = cabinet.model_copy(update={"points": [(10.0, 5.0), (40.0, 5.0), (25.0, 1.0)]})
+    for item, why in ((outside, "no object can be seen"), (in_the_sky, "no object has a place yet")):
+        with refused("E-SCENE-EMPTY", why):
+            _write(tmp_path, _noise(), _drawing(objects=[item]))
 
 
 def test_given_depth_is_kept_and_gives_the_scale(tmp_path: Path) -> None:
     true = paint(_drawing(), solve(_drawing())).depth
     drawing = _drawing(scale=Scale(kind="depth", metres=9.0))
     noisy = np.where(true > 0, true * np.random.default_rng(0).normal(1, 0.01, true.shape), 0).astype(np.float32)
-    write_folder(tmp_path, _noise(), drawing, noisy)
+    _write(tmp_path, _noise(), drawing, noisy)
     np.testing.assert_array_equal(np.load(tmp_path / "depth.npz")["depth"], noisy)
     assert np.array(read_json(Camera, tmp_path / "camera.json").floor_from_camera)[2, 3] == pytest.approx(1.5, rel=0.01)
     with refused("E-SCALE-UNKNOWN"):
-        write_folder(tmp_path, _noise(), drawing, np.zeros_like(true))
+        _write(tmp_path, _noise(), drawing, np.zeros_like(true))
     with refused("E-SCALE-UNKNOWN"):
-        write_folder(tmp_path, _noise(), drawing)
+        _write(tmp_path, _noise(), drawing)
     assert at_size(true[::2, ::2], WIDTH, HEIGHT).shape == true.shape
     with refused("E-DEPTH-SIZE"):
         at_size(true[:, ::2], WIDTH, HEIGHT)
@@ -422,12 +450,12 @@ def test_nothing_drawn_and_nothing_seen_write_nothing(tmp_path: Path) -> None:
     hidden[0].points = [(u + 5000, v) for u, v in hidden[0].points]
     for objects in ([], hidden):
         with refused("E-SCENE-EMPTY"):
-            write_folder(tmp_path / "out", _noise(), _drawing(objects=objects))
+            _write(tmp_path / "out", _noise(), _drawing(objects=objects))
     assert not (tmp_path / "out").exists()
 
 
 def test_a_box_needs_the_camera_over_the_floor(tmp_path: Path) -> None:
-    write_folder(tmp_path, _noise(), _drawing())
+    _write(tmp_path, _noise(), _drawing())
     camera = json.loads((tmp_path / "camera.json").read_text())
     write_json(tmp_path / "camera.json", {**camera, "floor_from_camera": None})
     with pytest.raises(InputError, match="floor_from_camera"):
@@ -439,7 +467,7 @@ def test_a_box_needs_the_camera_over_the_floor(tmp_path: Path) -> None:
 
 
 def test_a_known_camera_alone_frames_a_picture_without_floor(tmp_path: Path) -> None:
-    write_folder(tmp_path, _noise(), _drawing())
+    _write(tmp_path, _noise(), _drawing())
     said = json.loads((tmp_path / "annotations.json").read_text())
     for item in said["objects"]:
         del item["box"], item["front"]
@@ -722,16 +750,51 @@ def test_a_saved_drawing_is_opened_again_or_refused(tmp_path: Path) -> None:
     Image.fromarray(_noise()).save(tmp_path / "a.png")
     session = Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "a")
     session.save(_drawing().model_dump(mode="json"))
-    assert Session(session.photo, "a.png", tmp_path / "a").open_drawing() == _drawing()
-    Image.fromarray(_noise(200, 160)).save(tmp_path / "a.png")
-    for spoil in ("size", "text"):
-        if spoil == "text":
-            (tmp_path / "a" / PROJECT).write_text("{")
-        with pytest.raises(InputError, match=PROJECT):
-            annotate.run(tmp_path / "a.png", browser=False)
+    drawn = _drawing().model_copy(update={"digest": session.photo.digest, "picture": "a.png"})
+    assert Session(session.photo, "a.png", tmp_path / "a").open_drawing() == drawn
+    (tmp_path / "a" / PROJECT).write_text("{")
+    with pytest.raises(InputError, match=PROJECT):
+        annotate.run(tmp_path / "a.png", browser=False)
     (tmp_path / "file").touch()
     with refused("E-OUTPUT-FOLDER"):
         annotate.run(tmp_path / "a.png", out=tmp_path / "file", browser=False)
+
+
+def test_another_picture_of_the_same_name_gets_a_drawing_of_its_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also one of the same size; the first one comes back with its picture."""
+    image, path = tmp_path / "a.png", tmp_path / "a" / PROJECT
+    Image.fromarray(_noise()).save(image)
+    first = Session(read_photo(image), "a.png", tmp_path / "a")
+    first.save(_drawing().model_dump(mode="json"))
+    kept, bytes_before = path.read_bytes(), image.read_bytes()
+    Image.fromarray(_noise()[:, ::-1]).save(image)
+    other = Session(read_photo(image), "a.png", tmp_path / "a")
+    assert other.open_drawing() == other.start_drawing() and other.start()["project"]["objects"] == []
+    other.save(other.start_drawing().model_dump(mode="json"))
+    assert path.read_bytes() == kept and other.kept.path == path.with_suffix(f".{other.photo.digest[:8]}.json")
+    made = Path("results/photo/a")  # where networks drew into it, beside what a person did to the first one
+    monkeypatch.chdir(tmp_path)
+    write_json(made / PROJECT, other.start_drawing().model_copy(update={"untouched": True, "walls": _drawing().walls}))
+    write_json(Path("hand/a", PROJECT), json.loads(kept))
+    there = Session(read_photo(image), "a.png", made)
+    assert there.open_drawing().walls == _drawing().walls and there.kept.path == Path("hand/a", other.kept.path.name)
+    monkeypatch.setattr(PageServer, "serve_forever", lambda *_, **__: None)
+    annotate.run(image, browser=False)
+    assert f"{path}: is of another picture: kept, not opened" in capsys.readouterr().out
+    with refused("E-PROJECT-PICTURE"):
+        other.save(json.loads(kept))
+    image.write_bytes(bytes_before)
+    assert Session(read_photo(image), "a.png", tmp_path / "a").open_drawing().objects == _drawing().objects
+
+
+def test_a_folder_of_another_picture_is_not_opened(tmp_path: Path) -> None:
+    Image.fromarray(_noise()).save(tmp_path / "a.png")
+    camera = Camera(width=80, height=60, intrinsics=[[60, 0, 40], [0, 60, 30], [0, 0, 1]], digest="a" * 64)
+    write_json(tmp_path / "a/camera.json", camera)
+    with refused("E-PICTURE-OTHER", "give another --out"):
+        Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "a")
 
 
 def test_the_command_serves_until_the_page_is_done(

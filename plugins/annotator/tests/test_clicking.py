@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import cv2
@@ -10,31 +11,34 @@ import numpy as np
 import pytest
 
 from plugins.annotator import annotate, clicking
-from plugins.annotator.clicking import CORNERS, LACKING, Asked, Clicker, outline_pieces
+from plugins.annotator.clicking import LACKING, Asked, Clicker
 from plugins.annotator.correcting import Correcting
-from plugins.annotator.outlined import FACING, Fit, mark_box, propose_box, weigh_names
-from plugins.annotator.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
 from plugins.annotator.server import PageServer
 from plugins.annotator.session import Session
-from plugins.annotator.solve import solve
 from plugins.annotator.tests.annotate_page import watched
 from plugins.annotator.tests.seen_things import KnownClicker
 from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from plugins.annotator.tests.test_by_hand import BOXES, HEIGHT, VIEW, WIDTH, _drawing, _pixels
 from plugins.annotator.tests.test_correcting import BOXES as ROOM
-from plugins.eyes.ssd import Box
-from plugins.eyes.tests.conftest import published  # noqa: F401
-from plugins.eyes.tests.test_networks import MIDDLE, draw_sign
-from plugins.inputs.photo.metrology import MetrologyError
-from plugins.inputs.photo.picture import Photo
-from plugins.names.propose import Names, Proposal
 from stages.contracts import Annotations, Objects, read_json
 from stages.contracts.corrections import CORRECTIONS
+from stages.contracts.hand import PROJECT
 from stages.contracts.scene_input import read_scene_input
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox, corners
-from stages.geometry.masks import Mask, outline_mask, polygon, polygons
+from stages.geometry.masks import CORNERS, Mask, outline_mask, outline_pieces, polygon, polygons
+from stages.perception.camera.metrology import MetrologyError
+from stages.perception.classification.propose import Names, Proposal
+from stages.perception.drawing import outlined
+from stages.perception.drawing.outlined import propose_box, weigh_names
+from stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale
+from stages.perception.drawing.room import mark_box
+from stages.perception.drawing.solve import solve
+from stages.perception.read.photo import Photo
+from stages.perception.segmentation.ssd import Box
 from tests.refusals import refused
+from tests.unit.perception.conftest import published  # noqa: F401
+from tests.unit.perception.test_networks import MIDDLE, draw_sign
 from tests.unit.synthetic_room import OBJECT, write_room
 
 PICTURE = np.full((HEIGHT, WIDTH, 3), 200, np.uint8)
@@ -65,6 +69,24 @@ def test_a_click_outlines_the_whole_and_others_are_the_next_guesses() -> None:
     assert clicker.outline(Asked(clicks=[(-5, 160, True)])) == []
     (boxed, *_) = clicker.outline(Asked(box=((165, 190), (35, 135))))
     assert _same(boxed, THINGS["oven"] | THINGS["stool"])
+
+
+def test_of_two_things_that_hang_flat_beside_each_other_a_click_outlines_one() -> None:
+    upper, lower, inside = _square(40, 40, 30), _square(40, 74, 30), _square(45, 45, 20)
+    both, flat = _square(40, 40, 30) | _square(40, 74, 30), np.ones(PICTURE.shape[:2], bool)
+
+    def first(part: Mask, other: Mask, whole: Mask, beyond: Mask | None) -> Mask:
+        clicker, at = KnownClicker(PICTURE, THINGS), (50.0, 50.0)
+        if beyond is not None:
+            room: Any = SimpleNamespace(depth=np.ones(flat.shape), surfaces=SimpleNamespace(beyond=beyond))
+            clicker.room = room
+        clicker._guess = lambda point: [whole, part] if point == at else [other]  # type: ignore[method-assign]
+        return clicker.outline(Asked(clicks=[(*at, True)]))[0]
+
+    assert _same(first(upper, lower, both, flat), upper)
+    assert _same(first(upper, lower, both, None), both), "nobody knows how far away it is: doors of a cupboard?"
+    assert _same(first(upper, lower, both, ~flat), both), "it stands out of the wall"
+    assert _same(first(inside, upper & ~inside, upper, flat), upper), "a picture and its frame"
 
 
 def test_what_a_detector_found_comes_first_unless_a_thing_lies_on_it() -> None:
@@ -106,7 +128,7 @@ def test_a_guess_at_several_clicks_is_good_and_heeds_each_of_them() -> None:
 def test_a_box_of_the_network_names_the_outline_that_it_agrees_with(monkeypatch: pytest.MonkeyPatch) -> None:
     clicker = KnownClicker(PICTURE, THINGS)
     clicker.boxes = [Box((40, 140, 80, 180), "oven", 0.9, {"oven": 0.9})]
-    monkeypatch.setattr(clicking, "classify", lambda *_: None)
+    monkeypatch.setattr(clicking, "observe_looks", lambda *_: None)
     monkeypatch.setattr(clicking, "propose_names", lambda _, words: words)
     for mask, words in ((THINGS["oven"], {"oven": 0.9}), (_square(40, 140, 100), None), (THINGS["stool"], None)):
         assert Clicker.name(clicker, mask) == words
@@ -198,6 +220,24 @@ def test_a_thing_that_is_cut_is_placed_by_its_usual_size() -> None:
     assert errors["table"] < 0.1 and errors[""] > 0.2
 
 
+def test_what_was_drawn_before_a_thing_may_cut_its_outline_but_what_carries_it_does_not() -> None:
+    """A nightstand half behind the cabinet is as wide as usual; a box on the cabinet ends where it is seen to."""
+    drawing = _drawing(objects=_drawing().objects[:1])
+    (cabinet,), (outline,) = drawing.objects, _hull(BOXES["cabinet"])
+    cabinet.outline = outline
+    before = polygons([outline], (HEIGHT, WIDTH))
+    for name, on, true in (
+        ("nightstand", "floor", UprightBox([-0.15, 4.0, 0.26], [0.45, 0.42, 0.52], 0.0)),
+        ("", "cabinet", UprightBox([-0.5, 3.1, 1.0], [0.2, 0.2, 0.2], 0.0)),
+    ):
+        shown = polygons(_hull(true), before.shape) & ~(before & (on == "floor"))
+        on, points = propose_box(drawing, solve(drawing), outline_mask(shown), on, name)
+        thing = DrawnObject(id="it", label=name, on=on, points=points)
+        assert solve(drawing.model_copy(update={"objects": [cabinet, thing]})).boxes["it"].size[
+            [0, 2]
+        ] == pytest.approx(true.size[[0, 2]], rel=0.1), name
+
+
 def test_names_are_weighed_by_size_and_by_what_holds_the_thing() -> None:
     names = Names([Proposal("wardrobe", 0.4), Proposal("wall cabinet", 0.2), Proposal("nightstand", 0.2)], 0.2)
     stands, hangs = weigh_names(names, False, 0.5, 0.6), weigh_names(names, True, 0.6, 0.7)
@@ -209,12 +249,23 @@ def test_names_are_weighed_by_size_and_by_what_holds_the_thing() -> None:
 
 def test_a_rear_corner_is_marked_where_an_outline_tells_the_depth() -> None:
     box = UprightBox([-0.9, 3.0, 0.2], [0.8, 1.0, 0.4], 0.0)
-    for hangs, front in ((False, 3), (True, 2)):
-        marks = [len(mark_box(VIEW, Fit(box, 0.0, told), FACING[0], hangs)) for told in (False, True)]
-        assert marks == [front, front + 1]
-    assert len(mark_box(VIEW, Fit(BOXES["cabinet"], 0.0, True), FACING[0], hangs=False)) == 3, "hidden by its front"
+    assert [len(mark_box(VIEW, box, False, told)) for told in (False, True)] == [3, 4]
+    assert len(mark_box(VIEW, box, True)) == 2, "a wall tells where the rear is"
+    assert len(mark_box(VIEW, BOXES["cabinet"], False)) == 3, "hidden by its front"
     with pytest.raises(MetrologyError, match="behind the camera"):
-        mark_box(VIEW, Fit(UprightBox([0, 0, 0.2], [1, 1, 0.4], 0.0), 0.0, True), FACING[0], hangs=False)
+        mark_box(VIEW, UprightBox([0, 0, 0.2], [1, 1, 0.4], 0.0), False)
+
+
+def test_what_fits_nowhere_keeps_its_bounds_as_marks(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> object:
+        raise np.linalg.LinAlgError("SVD did not converge")
+
+    drawing = _drawing(objects=[], walls=[], scale=Scale(metres=1.5))
+    monkeypatch.setattr(outlined, "fit_standing", fail)
+    (hull,) = _hull(BOXES["cabinet"])
+    (x0, y0), (x1, y1) = np.min(hull, axis=0), np.max(hull, axis=0)
+    marks = propose_box(drawing, solve(drawing), [hull], "floor", "")[1]
+    assert np.array(marks) == pytest.approx(np.array([(x0, y1), (x1, y1), ((x0 + x1) / 2, y0)]))
 
 
 def test_what_no_level_carries_keeps_its_bounds_as_marks() -> None:

@@ -13,11 +13,12 @@ from pydantic import ValidationError
 
 from plugins.annotator import annotate
 from plugins.annotator.correcting import Correcting
-from plugins.annotator.drawing import Drawing, Thing
+from plugins.annotator.shown import Drawing, Thing
 from plugins.annotator.tests.annotate_page import watched
+from plugins.annotator.tests.corrected_scene import read_told_to
 from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
-from stages.contracts import InputError, Objects, read_json, write_json, write_text
-from stages.contracts.corrections import CORRECTIONS, Correction, Corrections, corrections_of
+from stages.contracts import Camera, InputError, Objects, read_json, write_json, write_text
+from stages.contracts.corrections import CORRECTIONS, Correction, Corrections
 from stages.contracts.extracted import check_extracted
 from stages.contracts.fronts import Panel
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall, distance_between
@@ -29,6 +30,7 @@ from stages.extraction.extract import run as extract
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import ExtractedScene
 from stages.geometry.boxes import UprightBox
+from stages.perception.drawing.project import DrawnObject
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, OBJECT, WALL, WIDTH, write_room
 
@@ -54,7 +56,7 @@ def _told(session: Correcting, drawing: Drawing) -> list[dict[str, Any]]:
     """What is kept of a drawing."""
     session.save(drawing.model_dump(mode="json"))
     path = session.folder / CORRECTIONS
-    return json.loads(path.read_text())["objects"] if path.is_file() else []
+    return json.loads(path.read_text()).get("objects", []) if path.is_file() else []
 
 
 def _changed(drawing: Drawing, **changes: dict[str, Any] | None) -> Drawing:
@@ -84,11 +86,12 @@ def _corrected(item: SceneObject, told: Correction, cloud: Any = ((0.0, 0.0, 0.0
     return made.objects.objects[0], made.clouds[item.id]
 
 
-def test_what_is_right_leaves_no_file(session: Correcting) -> None:
+def test_what_is_right_leaves_no_file_and_what_is_taken_back_its_age(session: Correcting) -> None:
     drawing = session.open_drawing()
     assert [item.id for item in drawing.objects] == ["cabinet_1", "box_1", "floor_1", "wall_1"]
-    assert _told(session, _changed(drawing, cabinet_1={"doors": 1})) != []
     assert _told(session, drawing) == [] and not (session.folder / CORRECTIONS).exists()
+    assert _told(session, _changed(drawing, cabinet_1={"doors": 1})) != []
+    assert _told(session, drawing) == [] and (session.folder / CORRECTIONS).exists()
 
 
 def test_only_what_differs_is_kept_and_read_by_whom_it_concerns(session: Correcting) -> None:
@@ -99,8 +102,8 @@ def test_only_what_differs_is_kept_and_read_by_whom_it_concerns(session: Correct
         {"mask": CABINET, **told, "mounting": "measured", "nudge": [0.1, 0.0]},
     ]
     path = session.folder / CORRECTIONS
-    assert set(corrections_of((path,), "extraction")) == {CABINET, BOX}
-    (placed,) = corrections_of((path,), "generation").values()
+    assert set(read_told_to(path, "extraction")) == {CABINET, BOX}
+    (placed,) = read_told_to(path, "generation").values()
     assert (placed.model, placed.nudge, placed.label, placed.doors) == ("cabinet_7", (0.1, 0.0), None, None)
     (again,) = [item for item in session.open_drawing().objects if item.id == "cabinet_1"]
     assert (again.label, again.doors, again.drawers, again.mounting) == ("dresser", 0, 3, None)
@@ -127,6 +130,13 @@ def test_names_deletions_and_boxes_count(session: Correcting, source: Path) -> N
     assert after.annotations == found.annotations  # what was found stays as it is
 
 
+def test_the_page_is_called_as_the_picture_that_went_in(session: Correcting, source: Path) -> None:
+    assert session.start()["project"]["picture"] == "kitchen"
+    path = source / "camera.json"
+    write_json(path, read_json(Camera, path).model_copy(update={"picture": "Küche"}))
+    assert Correcting(source, [], source.parent / "results", "kitchen").start()["project"]["picture"] == "Küche"
+
+
 def test_a_wall_that_is_gone_holds_nothing(session: Correcting, source: Path) -> None:
     answer = session.write(_changed(session.open_drawing(), wall_1={"label": "shelf"}).model_dump(mode="json"))
     assert answer["notes"] == ["cabinet: its wall is gone, mounting by geometry"]
@@ -138,7 +148,7 @@ def test_parts_are_joined_and_nothing_else_is_gone(session: Correcting, source: 
     drawing = drawing.model_copy(update={"objects": [item for item in drawing.objects if item.mask != BOX]})
     joined = _changed(drawing, cabinet_1={"joins": [BOX]})
     session.save(joined.model_dump(mode="json"))
-    told = corrections_of((source / CORRECTIONS,), "extraction")
+    told = read_told_to(source / CORRECTIONS, "extraction")
     assert told == {CABINET: Correction(mask=CABINET, joins=[BOX])}  # said once, not that the box is gone besides
     before, (seen, _) = read_folder(source), correct_image(read_folder(source), told)
     assert ((seen.masks == CABINET) == np.isin(before.masks, [CABINET, BOX])).all()
@@ -152,12 +162,15 @@ def test_parts_are_joined_and_nothing_else_is_gone(session: Correcting, source: 
 def test_what_the_input_doubts_is_shown_before_the_first_run(session: Correcting, source: Path) -> None:
     assert session.start()["made"] == {}
     said = json.loads((source / "annotations.json").read_text())
-    doubt = {"cause": "name", "what": "called cabinet, 34 % sure"}
+    doubt = {"cause": "name", "what": "called cabinet, 34 % sure", "chance": 0.66}
     said["objects"][1]["doubts"] = [doubt, {"cause": "size", "what": "is large"}]
     (source / "annotations.json").write_text(json.dumps(said))
     ((mask, shown),) = Correcting(source, [], source.parent / "results", "kitchen").start()["made"].items()
     assert mask == str(BOX) and [one["cause"] for one in shown["doubts"]] == ["name", "size"]
-    assert shown["doubts"][0]["text"].startswith(doubt["what"]) and [one["grave"] for one in shown["doubts"]] == [0, 1]
+    assert shown["doubts"][0]["text"].startswith(doubt["what"]) and [one["harm"] for one in shown["doubts"]] == [
+        0.66,
+        0.5,
+    ]
 
 
 @pytest.mark.parametrize(
@@ -191,9 +204,10 @@ def test_an_outline_says_which_pixels_and_two_floors_are_one(session: Correcting
     drawing.objects.append(Thing(id="a", mask=91, label="floor", outline=[(0.0, 0.0), (40.0, 0.0), (40.0, 20.0)]))
     drawing.objects.append(Thing(id="b", mask=92, label="mug", outline=square))
     drawing.objects.append(Thing(id="c", mask=93, label="lost", outline=[(900.0, 900.0)] * 3))
+    session.save(drawing.model_dump(mode="json"))
     answer = session.write(drawing.model_dump(mode="json"))
     assert answer["notes"] == ["lost: no pixel shows it, left out"] and "mug_1" in answer["ids"]
-    told = corrections_of((source / CORRECTIONS,), "extraction")
+    told = read_told_to(source / CORRECTIONS, "extraction")
     seen, _ = correct_image(read_folder(source), told)
     assert (seen.masks == 92).sum() == 51 * 41 and seen.masks[2, 30] == seen.annotations.floor == FLOOR
 
@@ -302,6 +316,31 @@ def test_what_the_border_cuts_off_grows_beyond_it(
     sized, _ = _corrected(item, Correction(mask=1, size=(2.0, 0.5, 0.8)), wall=-3.25)
     assert sized.box.size == (0.5, 2.0, 0.8)
     assert np.subtract(sized.box.center, box.center) == pytest.approx(shift, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("size", "told"),
+    [((30.0, 30.0, 30.0), True), ((0.01, 0.02, 0.01), True), ((2.9, 0.5, 0.8), False), ((0.5, 0.5, 0.001), False)],
+)
+def test_a_size_that_is_far_from_what_is_seen_is_taken_and_told(
+    size: tuple[float, float, float], told: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    box = Box(center=(3.0, 0.0, 0.3), size=(0.5, 0.6, 0.6), yaw=0.0)
+    item = SceneObject(id="sofa_1", label="sofa", mask=1, box=box, mounting=Mounting(type=2))
+    sized, _ = _corrected(item, Correction(mask=1, size=size))
+    assert sorted(sized.box.size) == sorted(size)
+    stated = " x ".join(f"{side:g}" for side in size)
+    line = f"sofa_1: {stated} m are stated of it, and 0.6 m of it are seen: were metres meant?\n"
+    assert capsys.readouterr().out == (line if told else "")
+
+
+@pytest.mark.parametrize("side", [1e-5, 0.0, -1.0, 31.0, 600.0])
+def test_no_thing_is_said_to_be_thinner_than_a_millimetre_or_larger_than_any(side: float) -> None:
+    """In a correction as in a drawing."""
+    with pytest.raises(ValidationError, match=r"0\.001 to 30"):
+        Correction(mask=1, size=(0.5, side, 0.5))
+    with pytest.raises(ValidationError, match=r"0\.001 to 30"):
+        DrawnObject(id="box_1", points=[(0, 0), (1, 1)], depth=side)
 
 
 def test_a_thing_is_cut_out_of_what_surrounds_it() -> None:
@@ -424,7 +463,7 @@ def test_a_person_corrects_in_the_browser(opened: Any, session: Correcting, sour
     page.get_by_role("button", name="Check it").click()
     page.wait_for_selector("#written:not([hidden])")
     page.wait_for_function("() => document.getElementById('preview').naturalWidth > 100")
-    given, _ = correct_image(read_folder(source), corrections_of((source / CORRECTIONS,), "extraction"))
+    given, _ = correct_image(read_folder(source), read_told_to(source / CORRECTIONS, "extraction"))
     assert [item.label for item in given.annotations.objects] == ["cabinet", "stool", "clock", "rug"]
     assert given.annotations.objects[2].articulated and given.masks.shape[::-1] == (WIDTH, HEIGHT)
     page.get_by_role("button", name="Done").click()

@@ -11,12 +11,12 @@ from PIL import Image
 
 from plugins.annotator.correcting import Correcting
 from plugins.annotator.tests.annotate_page import watched
-from plugins.annotator.tests.corrected_scene import read_told, write_run
+from plugins.annotator.tests.corrected_scene import read_told, read_told_to, write_run
 from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from plugins.annotator.tests.test_correcting import BOXES
 from plugins.report.tests.test_report_browser import CONTRAST
 from stages.contracts import Objects, read_json
-from stages.contracts.corrections import CORRECTIONS, Correction, corrections_of
+from stages.contracts.corrections import CORRECTIONS, Correction
 from stages.contracts.doubt import DoubtKind
 from stages.extraction.corrected_masks import find_corners
 from stages.extraction.extract import run as extract
@@ -198,7 +198,7 @@ def test_a_room_is_put_right_from_its_doubt_on_and_made_again(opened: Any, sessi
     page.keyboard.press("Control+s")
     page.wait_for_selector("#written:not([hidden])")
     path = session.folder / CORRECTIONS
-    assert corrections_of((path,), "generation") == {BOX: Correction(mask=BOX, model="cabinet_5")}
+    assert read_told_to(path, "generation") == {BOX: Correction(mask=BOX, model="cabinet_5")}
     extract(input=session.folder, scene="kitchen", out=results / "again/objects.json", corrections=(path,))
     before = {item.mask: item for item in read_json(Objects, results / "extraction/kitchen/objects.json").objects}
     after = {item.mask: item for item in read_json(Objects, results / "again/objects.json").objects}
@@ -252,7 +252,7 @@ def test_drawers_are_drawn_on_the_front(opened: Any, session: Correcting) -> Non
     drag((0.02, 0.02), (0.6, 0.18))
     assert panels()[2]["kind"] == "door" and panels()[2]["left"] == pytest.approx(0.02, abs=0.01)
     assert page.locator("#doors").input_value() == "1" and page.locator("#front-picture text").count() == 3
-    told = corrections_of((session.folder / CORRECTIONS,), "extraction")
+    told = read_told_to(session.folder / CORRECTIONS, "extraction")
     assert {item.kind for item in told[BOX].panels or []} == {"door", "drawer"}
     page.get_by_label("Drawers").fill("4")  # boxes that are not right any more go
     page.keyboard.press("Enter")
@@ -290,7 +290,7 @@ def test_size_support_front_and_place_are_said(opened: Any, session: Correcting)
     assert "on" not in read_told(page, session)[BOX] and read_told(page, session)[CABINET] == {"gone": True}
     for _ in range(10):
         page.keyboard.press("Control+z")
-    assert read_told(page, session) == {} and not (session.folder / CORRECTIONS).exists()
+    assert read_told(page, session) == {}
     assert page.locator("#command").text_content().endswith("results/report/scenes/kitchen.html")
 
 

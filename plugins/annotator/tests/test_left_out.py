@@ -14,6 +14,7 @@ from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from plugins.annotator.tests.test_correcting import BOX, BOXES, CABINET
 from stages.contracts import Objects, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, Correction
+from stages.contracts.hand import PROJECT
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.things import THINGS, Ground, Name, Thing, Things
 from stages.extraction.corrections import correct_image
@@ -44,7 +45,7 @@ def session(tmp_path: Path) -> Correcting:
 def _told(page: Any, session: Correcting) -> list[dict[str, Any]]:
     page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
     path = session.folder / CORRECTIONS
-    return json.loads(path.read_text())["objects"] if path.is_file() else []  # type: ignore[no-any-return]
+    return json.loads(path.read_text()).get("objects", []) if path.is_file() else []  # type: ignore[no-any-return]
 
 
 def test_its_value_and_a_name_make_an_object_of_its_pixels(
@@ -78,6 +79,11 @@ def test_it_is_offered_with_its_guess_until_it_is_taken(session: Correcting) -> 
     _check_named(session, session.results, None, f"drawn_{BOX}")  # the command on the scene's page
     session.chosen = f"drawn_{BOX}"
     assert session.start()["chosen"] == f"drawn_{BOX}"
+    (session.folder / PROJECT).touch()
+    assert Correcting(session.folder).start()["offers"] == [], (
+        "nobody knows how far away it is: the page that draws does"
+    )
+    (session.folder / PROJECT).unlink()
     (session.folder / THINGS).unlink()
     assert Correcting(session.folder).start()["offers"] == []
 

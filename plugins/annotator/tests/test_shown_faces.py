@@ -1,17 +1,19 @@
 """What a run made, as the page of corrections shows it."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from plugins.annotator.last_run import LastRun, hang_on
+from plugins.annotator.last_run import LastRun, hang_on, read_last_run
 from plugins.report.snapshots import Snapshots
-from stages.contracts import Objects
+from stages.contracts import Library, Objects, write_json
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject
+from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import Wall
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
@@ -74,6 +76,17 @@ def test_a_box_is_shown_on_the_wall_at_which_a_person_says_that_its_thing_hangs(
     assert hang_on(made.objects, behind, ((left, lower), (right, upper)), np.array(CHEST.size)) is None
     farther = wall.model_copy(update={"offset": -4.0})
     assert made.faces(said, (0.0, 0.0), (farther, ((left, lower), (right, upper)))) == _faces(made).tolist()
+
+
+def test_a_model_of_unknown_size_is_shown_without_it(made: LastRun, tmp_path: Path) -> None:
+    assert made.objects is not None
+    write_json(tmp_path / "extraction/t/objects.json", made.objects)
+    models = [
+        LibraryEntry(id=name, category="chest", archive="a.zip", doors=0, drawers=0, checksum="c", size=size)
+        for name, size in {"chest_1": (0.4, 0.6, 0.8), "chest_2": None}.items()
+    ]
+    write_json(tmp_path / "assets/library/library.json", Library(assets=models))
+    assert read_last_run(tmp_path, "t", None, (320, 240)).sizes == {"chest_1": [0.6, 0.4, 0.8]}
 
 
 def test_models_are_shown_as_they_stand_others_as_the_first(made: LastRun) -> None:

@@ -8,11 +8,11 @@ import torch
 from numpy.typing import NDArray
 from torch.nn import functional
 
-from plugins.efficientnet.network import COLUMNS, SIZE, STRIDE, load, to_input
 from stages.config.matching import EncoderOptions
 from stages.contracts.section import NotNegative, Section
-from stages.matching.crop import View, cut, foreground, masked_square, patch_positions
+from stages.geometry.crop import View, cut, foreground, masked_square, patch_positions
 from stages.matching.encoders import Patches
+from stages.perception.classification.efficientnet import COLUMNS, SIZE, STRIDE, load, to_input
 from stages.plugins import parse_kwargs
 
 GRID = SIZE // STRIDE  # patches per side

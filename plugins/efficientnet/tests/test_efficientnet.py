@@ -11,11 +11,11 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from plugins.efficientnet import network
 from plugins.efficientnet.encoders.efficientnet import Encoder
 from stages.config.matching import MatchingConfig
 from stages.config.model import load, with_defaults
 from stages.matching.encoders import make_encoder
+from stages.perception.classification import efficientnet as network
 from tests.refusals import refused
 from tests.unit.matching_data import before_noise, view_of_box
 

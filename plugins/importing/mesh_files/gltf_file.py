@@ -26,6 +26,7 @@ from plugins.importing.mesh_files.gltf_header import (
     STRIP,
     TRIANGLES,
     Header,
+    check_counts,
     check_indices,
     check_tree,
     join_file,
@@ -35,6 +36,7 @@ from plugins.importing.mesh_files.gltf_header import (
 )
 from stages.articulated.mesh_resolver import MeshResolver
 from stages.articulated.urdf_tree import MOST_SHAPES
+from stages.contracts.errors import explain
 from stages.contracts.look import GAMMA
 
 Numbers = NDArray[np.float64]
@@ -57,6 +59,7 @@ def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     header, binary = split_file(path.read_bytes())
     refuse_unread(path, header)
     check_indices(header)
+    check_counts(header)
     check_tree(header)
     lines = list_left_out(header)
     said = _place_pictures(header.get("materials", []))
@@ -67,7 +70,7 @@ def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
         try:
             scene = trimesh.load_scene(io.BytesIO(data), file_type="glb" if binary else "gltf", resolver=files)
         except FileNotFoundError as error:
-            raise ValueError(f"its file '{str(error)[:200]}' is not in {files.folder.name}/") from None
+            raise ValueError(f"its file {error}") from None
     placed = dict[str, Numbers]()
     for (name, mesh), primitive in zip(scene.geometry.items(), primitives, strict=True):
         said += _work_out(mesh, primitive, header, files)
@@ -194,7 +197,7 @@ def _drop_if_broken(material: PBRMaterial, key: str) -> str | None:
         picture.load()
     except (OSError, ValueError, SyntaxError) as error:
         setattr(material, key, None)
-        return f"is no whole picture ({type(error).__name__})"
+        return f"is no whole picture ({explain(error)})"
     return None
 
 

@@ -23,6 +23,9 @@ NAMED = {
     **{"buffer": "buffers", "source": "images", "sampler": "samplers"},
 }
 LOOKS_ALONE = {"textures", "images", "samplers", "cameras"}  # of which too few are no reason to lose a shape
+# Bytes of a number in an accessor, and how many numbers are one of it.
+COMPONENTS = {"5120": 1, "5121": 1, "5122": 2, "5123": 2, "5125": 4, "5126": 4}
+NUMBERS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 NEWEST = 2.0  # version that is read
 TRIANGLES, STRIP, FAN = 4, 5, 6
 
@@ -74,6 +77,25 @@ def _list_indices(part: Any) -> Iterator[tuple[str, Any, str]]:
             yield key, value.get("index"), "textures"
         for inner in value if isinstance(value, list) else [value]:
             yield from _list_indices(inner)
+
+
+def check_counts(header: Header) -> None:
+    """Refuse accessors that are more than their part of a buffer holds, and parts that are more than the buffer.
+
+    Raises:
+        ValueError: names the first.
+    """
+    for number, view in enumerate(header.get("bufferViews", [])):
+        end, whole = view.get("byteOffset", 0) + view["byteLength"], header["buffers"][view["buffer"]]["byteLength"]
+        if end > whole:
+            raise ValueError(f"its bufferView {number} ends at {end}, and its buffer has {whole} bytes")
+    for number, one in enumerate(header.get("accessors", [])):
+        size = COMPONENTS.get(str(one.get("componentType")), 0) * NUMBERS.get(str(one.get("type")), 0)
+        count, start, view = one.get("count"), one.get("byteOffset", 0), header["bufferViews"][one["bufferView"]]
+        if not size or type(count) is not int or count < 0 or start < 0:
+            raise ValueError(f"its accessor {number} does not say what it holds, where, or how many")
+        if count and start + (count - 1) * max(size, view.get("byteStride", 0)) + size > view["byteLength"]:
+            raise ValueError(f"its accessor {number} counts {count}, and its part has {view['byteLength']} bytes")
 
 
 def check_tree(header: Header) -> None:

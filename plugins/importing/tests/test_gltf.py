@@ -240,13 +240,29 @@ def test_files_without_scenes_are_shown_whole(tmp_path: Path) -> None:
     assert sorted(mesh.bounds.mean(axis=0)[0] for mesh in meshes) == pytest.approx([0, 1])
 
 
-@pytest.mark.parametrize(("key", "value"), [("count", 9), ("byteOffset", -4), ("bufferView", 99)])
-def test_numbers_that_are_not_there_are_one_line(tmp_path: Path, key: str, value: int) -> None:
+@pytest.mark.parametrize(
+    ("part", "key", "value", "words"),
+    [
+        ("accessors", "count", 9, "its accessor 0 counts 9, and its part has 96 bytes"),
+        ("accessors", "count", 2**31, "its accessor 0 counts 2147483648, and its part has 96 bytes"),
+        ("accessors", "count", -1, "its accessor 0 does not say"),
+        ("accessors", "count", 2.5, "its accessor 0 does not say"),
+        ("accessors", "byteOffset", -4, "its accessor 0 does not say"),
+        ("accessors", "byteOffset", 4, "its accessor 0 counts 8"),
+        ("accessors", "type", "VEC9", "its accessor 0 does not say"),
+        ("accessors", "componentType", 1, "its accessor 0 does not say"),
+        ("accessors", "bufferView", 99, "its bufferView is 99"),
+        ("bufferViews", "byteStride", 16, "its accessor 0 counts 8"),
+        ("bufferViews", "byteLength", 2**40, "its bufferView 0 ends at 1099511627776, and its buffer has 168 bytes"),
+    ],
+)
+def test_numbers_that_are_not_there_are_one_line(
+    tmp_path: Path, part: str, key: str, value: float | str, words: str
+) -> None:
     file = Gltf()
-    primitive = file.box()
-    file.header["accessors"][primitive["attributes"]["POSITION"]][key] = value
-    with refused("E-MESH-BROKEN"):
-        read(file.show(primitive), tmp_path)
+    file.show(file.box()).header[part][0][key] = value
+    with refused("E-MESH-BROKEN", f"cannot be read as a mesh: {words}"):
+        read(file, tmp_path)
 
 
 def test_faces_without_corners_missing_buffers_and_old_files_are_one_line(tmp_path: Path) -> None:
@@ -259,6 +275,11 @@ def test_faces_without_corners_missing_buffers_and_old_files_are_one_line(tmp_pa
     path.write_text(json.dumps(text))
     (tmp_path.parent / "a.bin").write_bytes(file.data)
     with refused("E-MESH-BROKEN", f"its file '../a.bin' is not in {tmp_path.name}/"):
+        load_meshes(path, tmp_path)
+    text["buffers"][0]["uri"] = "linked.bin"
+    path.write_text(json.dumps(text))
+    (tmp_path / "linked.bin").symlink_to(tmp_path.parent / "a.bin")
+    with refused("E-MESH-BROKEN", f"its file 'linked.bin' is a link out of {tmp_path.name}/"):
         load_meshes(path, tmp_path)
     path.write_text(json.dumps(text | {"asset": {"version": "1.0"}}))
     with refused("E-MESH-BROKEN", "it is glTF 1.0, and 2.0 is read"):

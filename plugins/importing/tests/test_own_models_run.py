@@ -13,7 +13,7 @@ from plugins.importing.shards import own_shards
 from stages.config.assets import COUNTS, AssetsConfig
 from stages.config.model import load, with_defaults
 from stages.config.reads import stores
-from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, make, overlay, planned, snakemake
+from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, make, overlay, planned, put, snakemake
 
 LIBRARY = "results/assets/library"
 
@@ -76,7 +76,7 @@ def test_what_is_new_is_made_and_nothing_else(tmp_path: Path, monkeypatch: pytes
     assert would_run(folder, "theirs") == {"library": 1}
     runs(folder, "theirs")
     entries = json.loads((folder / LIBRARY / "library.json").read_text())["assets"]
-    assert [entry["id"] for entry in entries] == ["crate_c", "crate_d"], "nothing of the other is left"
+    assert [entry["id"] for entry in entries] == ["box_c", "box_d"], "nothing of the other is left"
 
     config = AssetsConfig.model_validate({"counts": dict.fromkeys(COUNTS, 0), "folders": ["theirs"]})
     ((name, shard),) = own_shards(config).items()
@@ -101,8 +101,7 @@ def test_own_models_alone_are_a_library_for_a_picture(tmp_path: Path) -> None:
     write_models(folder / "mine", "a")
     shutil.copytree(ROOT / "tests/data/photographed_room", folder / "room")
     (folder / "room/rgb.jpg").rename(folder / "room/rgb.png")
-    for name in ("depth.npz", "masks.png"):
-        (folder / "room" / name).touch()  # nothing is read
+    put(folder / "room/depth.npz", folder / "room/masks.png")  # their headers are looked at
     experiment = "experiment: {rooms: [room], inputs: {room: room}, targets: {door: null}}"
     given = overlay(folder, f"{{assets: {{folders: [mine], own_only: true}}, {experiment}}}")
     done = dry_run(folder, "matching", *given)

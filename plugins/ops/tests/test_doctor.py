@@ -26,12 +26,18 @@ def test_what_is_missing_is_named_with_the_command_that_mends_it(
 
 def test_weights_for_pictures_are_named_with_their_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    (outcome,) = (one for one in doctor.check_of_packages() if one.name == "photo")
+    (outcome,) = (one for one in doctor.check_weights() if one.name == "networks")
     assert not outcome.good and not outcome.needed and "detector, segmenter, depth_anything" in outcome.found
-    assert "python -m plugins.inputs fetch" in outcome.found
+    assert "python -m stages.perception fetch --networks" in outcome.found
     for name in ("grounding_dino", "sam2", "depth_anything_v2"):
         (tmp_path / "weights" / name).mkdir(parents=True)
         with (tmp_path / "weights" / name / "model.safetensors").open("wb") as file:
             file.truncate(900_000_000)  # sparse
-    (outcome,) = (one for one in doctor.check_of_packages() if one.name == "photo")
+    (outcome,) = (one for one in doctor.check_weights() if one.name == "networks")
     assert outcome.good and "segmenter 0.9 GB" in outcome.found and "fetch" not in outcome.found
+
+
+def test_the_files_of_weights_that_lack_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("stages.config.weights.is_there", lambda _: False)
+    (outcome,) = (one for one in doctor.check_weights() if one.name == "weights")
+    assert not outcome.good and "mobile_sam.pt" in outcome.found and "stages.perception fetch" in outcome.found

@@ -1,20 +1,51 @@
 """What surrounds an installation: a folder that was moved, variables that hide drivers, a client of containers."""
 
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from plugins.ops import doctor
 
+TOOL = """
+from setuptools import setup
+setup(name="tool", version="1", py_modules=["tool"], entry_points={"console_scripts": ["snakemake=tool:main"]})
+"""
 
-def test_an_environment_that_was_moved_is_told(tmp_path: Path) -> None:
-    scripts = tmp_path / "new" / ".venv" / "bin"
-    scripts.mkdir(parents=True)
-    (scripts / "snakemake").write_text(f"#!{scripts}/python\nimport sys\n")
+
+def install(folder: Path, source: Path) -> Path:
+    """An environment with a script called snakemake, as `make setup` makes one; its scripts."""
+    python = folder / ".venv" / "bin" / "python"
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder / ".venv"], check=True)
+    uv = [Path(sys.executable).with_name("uv"), "pip", "install", "--quiet", "--offline", "--no-deps"]
+    subprocess.run([*uv, "--python", python, source], check=True)
+    return python.parent
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A package of one script."""
+    folder = tmp_path_factory.mktemp("tool")
+    (folder / "setup.py").write_text(TOOL)
+    (folder / "tool.py").write_text("def main(): print('it ran')\n")
+    make = [sys.executable, "setup.py", "--quiet", "bdist_wheel"]
+    subprocess.run(make, cwd=folder, check=True, capture_output=True)
+    return next(folder.glob("dist/*.whl"))
+
+
+@pytest.mark.parametrize("name", ["plain", "my projects", "it's", "long" * 40])
+def test_an_environment_is_told_only_if_it_was_moved_or_copied(name: str, wheel: Path, tmp_path: Path) -> None:
+    scripts = install(tmp_path / name, wheel)
+    assert subprocess.check_output([scripts / "snakemake"], text=True) == "it ran\n"
     assert doctor.check_folder(scripts).good
-    moved = (tmp_path / "new").rename(tmp_path / "renamed") / ".venv" / "bin"
-    found = doctor.check_folder(moved)
-    assert not found.good and found.needed and "make setup" in found.fix and str(tmp_path / "new") in found.found
+    copied = shutil.copytree(tmp_path / name, tmp_path / "copy", symlinks=True) / ".venv" / "bin"
+    found = doctor.check_folder(copied)
+    assert not found.good and found.needed and "make setup" in found.fix
+    assert f"made in {tmp_path / name / '.venv'}, and moved or copied" in found.found
+    moved = (tmp_path / name).rename(tmp_path / "moved") / ".venv" / "bin"
+    assert not doctor.check_folder(moved).good and "made elsewhere" in doctor.check_folder(copied).found
 
 
 def test_a_variable_that_hides_the_drivers_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

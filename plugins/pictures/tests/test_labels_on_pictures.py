@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from plugins.pictures.objects import WIDTH, _caption, draw_overview
-from plugins.pictures.previews import draw_side_by_side
+from plugins.pictures.painting import draw_side_by_side
 from plugins.pictures.snapshots import TILE, contact_sheet
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject, Wall
 from stages.geometry.cameras import intrinsics_from_fov, look_at

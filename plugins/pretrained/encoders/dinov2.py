@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 from transformers import Dinov2Model
 from transformers.image_utils import IMAGENET_DEFAULT_MEAN, IMAGENET_DEFAULT_STD
 
-from plugins.pretrained.weights import load_pretrained, weights_sha256
+from plugins.pretrained.weights import load_pretrained
 from stages.config.matching import EncoderOptions
+from stages.config.weights import weights_sha256
 from stages.contracts import InputError
-from stages.matching.crop import View, cut, foreground, masked_square, patch_positions
+from stages.geometry.crop import View, cut, foreground, masked_square, patch_positions
 from stages.matching.encoders import Patches
 
 MEAN, STD = np.array(IMAGENET_DEFAULT_MEAN, np.float32), np.array(IMAGENET_DEFAULT_STD, np.float32)

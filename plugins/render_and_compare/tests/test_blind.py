@@ -12,8 +12,8 @@ from stages.config.matching import MatchingConfig
 from stages.contracts import Cousins, Objects, read_json
 from stages.contracts.cousins import Candidate, Orientation
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
+from stages.geometry.crop import View
 from stages.geometry.frames import angle_difference, make_transform, wrap_angle
-from stages.matching.crop import View
 from stages.matching.judges import AbstainedError, Question
 from stages.matching.match import run as match
 from stages.matching.snapshots import Snapshots

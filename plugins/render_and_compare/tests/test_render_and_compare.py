@@ -12,7 +12,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from plugins.pictures.rows_of_cousins import write_picture
+from plugins.pictures.cousins import write_picture
 from plugins.render_and_compare.config import GeometryConfig
 from plugins.render_and_compare.fitting import Measured, lay_over, measure
 from plugins.render_and_compare.in_place import InPlace
@@ -34,8 +34,8 @@ from stages.contracts.library_folder import write_part
 from stages.contracts.objects import USUAL_ERROR, Box, Mounting, SceneObject, Wall
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at
+from stages.geometry.crop import View
 from stages.geometry.frames import make_transform, wrap_angle, yaw_matrix
-from stages.matching.crop import View
 from stages.matching.judges import AbstainedError, Question
 from stages.matching.snapshots import Snapshots
 from tests.unit.matching_data import trace_box, write_snapshots

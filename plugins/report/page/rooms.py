@@ -41,9 +41,8 @@ class RebuiltScene(NamedTuple):
 class Reconstruction:
     """A room under one variant.
 
-    correct: the command, up to an
-    object's id, that opens the page to correct it; empty: none. furnished: the room was furnished from the library, so
-    that models of rank 1 may be those of the picture.
+    correct: the command that opens the page to correct it; empty: none. furnished: the room was furnished from the
+    library, so that models of rank 1 may be those of the picture.
     """
 
     variant: str
@@ -52,6 +51,10 @@ class Reconstruction:
     matches: list[Match]
     correct: str
     furnished: bool
+
+    def choose(self, name: str) -> str:
+        """The command that opens that page with an object chosen; empty: none."""
+        return self.correct and f"{self.correct} --choose {name}"
 
     @property
     def fewer(self) -> dict[int, list[str]]:
@@ -129,7 +132,7 @@ def _rebuild(
     pictures = [
         album.add(files.find_first(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}") for scene in found.scenes
     ]
-    correct = shlex.join(["annotate", str(image and image.parent), "--scene", name, "--variant", variant, "--choose"])
+    correct = shlex.join(["annotate", str(image and image.parent), "--scene", name, "--variant", variant])
     return Reconstruction(
         variant=variant,
         found=found,
@@ -144,7 +147,7 @@ def _rebuild(
             for scene, picture in zip(found.scenes, pictures, strict=True)
         ],
         matches=_match_objects(files, name, found, image, album, snapshots),
-        correct=f"python -m plugins.annotator {correct} " if image else "",
+        correct=f"python -m plugins.annotator {correct}" if image else "",
         furnished=image is not None and image.match(f"scenes/{name}/input/*"),
     )
 

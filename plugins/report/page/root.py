@@ -1,10 +1,14 @@
 """Things that were found in a picture and left out of its scene, for the top of its page."""
 
+import shlex
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from stages.contracts.corrections import CORRECTIONS, corrections_of
+from stages.contracts.corrections import CORRECTIONS, read_corrections
+from stages.contracts.hand import digest_of_picture, find_hand_file
 from stages.contracts.images import read_masks
+from stages.contracts.matched import Matched, match_corrections
 from stages.contracts.things import Thing, Things
 from stages.geometry.masks import outline_mask
 
@@ -20,14 +24,26 @@ class LeftOut(NamedTuple):
     at: tuple[int, int]
 
 
-def list_left_out(things: Things | None, folder: Path) -> list[LeftOut]:
-    """Things that were left out and nobody has taken; `folder`: of the input, with masks.png and corrections.json."""
+def draw_again(image: Path) -> str:
+    """The command that opens the drawing in the folder of a picture."""
+    return shlex.join(["python", "-m", "plugins.annotator", "annotate", str(image), "--out", str(image.parent)])
+
+
+def read_said(folder: Path) -> Matched:
+    """What a person said of the things of an input folder."""
+    path = find_hand_file(folder, CORRECTIONS, partial(digest_of_picture, folder))
+    if not path.is_file():
+        return Matched({}, [], [])
+    return match_corrections(read_corrections([path]), read_masks(folder / "masks.png"), digest_of_picture(folder))
+
+
+def list_left_out(things: Things | None, folder: Path, said: Matched) -> list[LeftOut]:
+    """Things that were left out and nobody has taken; `folder`: of the input, with masks.png."""
+    taken = {mask for item in said.corrections.values() for mask in (item.mask, *item.joins)}
+    found: list[LeftOut] = []
     if things is None:
-        return []
-    path = folder / CORRECTIONS
-    said = corrections_of((path,) if path.is_file() else (), "extraction").values()
-    taken = {mask for item in said for mask in (item.mask, *item.joins)}
-    masks, found = read_masks(folder / "masks.png"), []
+        return found
+    masks = read_masks(folder / "masks.png")
     for thing in things.left_out:
         if thing.mask not in taken and (masks == thing.mask).any():
             curves = outline_mask(masks == thing.mask)

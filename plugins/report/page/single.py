@@ -1,5 +1,6 @@
 """Additions to the report for one picture: camera, depth, doubts, files to save."""
 
+import math
 import os
 from pathlib import Path
 from typing import NamedTuple
@@ -11,11 +12,14 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from plugins.report.album import Album, Picture
+from plugins.report.doubts import measure_side
 from plugins.report.page.files import RunFiles
 from plugins.report.page.rooms import RebuiltScene, Reconstruction, RoomPart
 from stages.contracts.doubt import MEND, Doubt, DoubtKind
 from stages.contracts.extracted import read_metres
 from stages.contracts.objects import Objects
+from stages.contracts.scenes import Camera
+from stages.extraction.camera_height import doubt_unit
 
 
 class CameraFacts(NamedTuple):
@@ -75,18 +79,30 @@ class Listed(NamedTuple):
     command: str
 
 
-def list_doubts(room: RoomPart, rebuilt: Reconstruction | None) -> list[Listed]:
-    """Doubts that a person can mend, gravest first: the camera, what failed, then by cause."""
-    correct, camera = rebuilt.correct if rebuilt else "", room.found.camera_doubt
-    found = [("camera", camera)] if camera else []
+def doubt_camera(camera: Camera, objects: Objects | None) -> list[Doubt]:
+    """What is doubtful about depth, as its reading told, its unit, and a tilt that nobody gave or holds a camera by."""
+    found = [DoubtKind.DEPTH.read(Doubt(cause="camera", what=one)) for one in camera.note.split("; ") if one]
+    doubts = [DoubtKind.DEPTH.of(**values) for values in found if values]
+    if objects is not None and (unit := doubt_unit(objects.objects)):
+        doubts.append(DoubtKind.UNIT.of(what=unit))
+    if objects is not None and camera.floor_from_camera is None:
+        tilt = float(np.degrees(np.arccos(np.clip(-objects.floor_from_camera[2][1], -1, 1))))
+        doubts += [DoubtKind.CAMERA_TILT.of(tilt=tilt)] if tilt > DoubtKind.CAMERA_TILT.threshold else []
+    return doubts
+
+
+def list_doubts(room: RoomPart, rebuilt: Reconstruction | None, camera: Camera) -> list[Listed]:
+    """Doubts that a person can mend: depth and camera, what failed, scenes that do not stand, then by harm."""
+    height = room.found.camera_doubt
+    found = [("camera", doubt) for doubt in [*doubt_camera(camera, room.found.objects), *([height] if height else [])]]
     found += [(match.entry.id, doubt) for match in (rebuilt.matches if rebuilt else []) for doubt in match.doubts]
     found += doubt_physics(rebuilt.scenes if rebuilt else [])
     mend = "name or draw it again on the correction page"
     failed = [
-        Listed("Failed", mend, f"{one} failed in {stage}", reason, correct and correct + one)
+        Listed("Failed", mend, f"{one} failed in {stage}", reason, rebuilt.choose(one) if rebuilt else "")
         for one, (stage, reason) in room.failures.items()
     ]
-    listed = [*failed, *_list_by_cause(found, rebuilt)]
+    listed = [*failed, *_list_by_harm(found, rebuilt)]
     return sorted(listed, key=lambda one: one.cause != "Camera")  # what is wrong with the camera makes all wrong
 
 
@@ -102,14 +118,15 @@ def doubt_physics(scenes: list[RebuiltScene]) -> list[tuple[str, Doubt]]:
     ]
 
 
-def _list_by_cause(found: list[tuple[str, Doubt]], rebuilt: Reconstruction | None) -> list[Listed]:
-    correct = {match.entry.id: rebuilt.correct for match in rebuilt.matches} if rebuilt and rebuilt.correct else {}
+def _list_by_harm(found: list[tuple[str, Doubt]], rebuilt: Reconstruction | None) -> list[Listed]:
+    """Doubts by their chance times the size of the thing; those about the camera or a scene concern all its things."""
+    sides = {match.entry.id: measure_side(match.item, match.placed) for match in (rebuilt.matches if rebuilt else [])}
     return [
         Listed(
             doubt.cause.capitalize(), MEND[doubt.cause], about.replace("_", " "), doubt.what,
-            correct[about] + about if about in correct else "",
+            rebuilt.choose(about) if rebuilt and about in sides else "",
         )
-        for about, doubt in sorted(found, key=lambda one: [*MEND].index(one[1].cause))
+        for about, doubt in sorted(found, key=lambda one: -one[1].chance * sides.get(one[0], math.inf))
     ]  # fmt: skip
 
 
@@ -118,4 +135,4 @@ def list_further_doubts(rebuilt: Reconstruction | None) -> list[tuple[list[int],
     alike: dict[tuple[tuple[str, Doubt], ...], list[int]] = {}
     for one in rebuilt.scenes if rebuilt else []:
         alike.setdefault(tuple(one.doubts), []).append(one.scene.rank)
-    return [(ranks, _list_by_cause([*found], rebuilt)) for found, ranks in alike.items() if found]
+    return [(ranks, _list_by_harm([*found], rebuilt)) for found, ranks in alike.items() if found]

@@ -72,7 +72,7 @@ def test_that_no_model_fits_is_doubted_until_a_person_chooses_one() -> None:
 def test_what_was_guessed_in_a_drawing_is_doubted_until_a_person_says_its_size() -> None:
     guessed = Doubt(cause="size", what="depth is guessed")
     moved = Doubt(cause="place", what="11 % nearer")
-    assert told(cabinet(doubts=[guessed, moved]), placed("a", 0.6)) == ["11 % nearer", "depth is guessed"]
+    assert told(cabinet(doubts=[guessed, moved]), placed("a", 0.6)) == ["depth is guessed", "11 % nearer"]
     assert told(cabinet(doubts=[guessed, moved], told=["size"]), placed("a", 0.6)) == ["11 % nearer"]
 
 

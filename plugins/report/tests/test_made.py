@@ -1,9 +1,9 @@
-"""A run names the pages that it made."""
+"""A run names the pages that it made, or why jobs failed."""
 
 import os
 from pathlib import Path
 
-from plugins.report.made import name_pages
+from plugins.report.made import list_causes, name_pages
 
 
 def test_new_pages_are_named_and_the_report_stands_for_all(tmp_path: Path) -> None:
@@ -20,3 +20,18 @@ def test_new_pages_are_named_and_the_report_stands_for_all(tmp_path: Path) -> No
     assert name_pages(tmp_path, 10) == f"Open {report}"
     os.utime(report, (5, 5))
     assert str(report) not in name_pages(tmp_path, 10)
+
+
+def test_the_causes_of_a_failed_run_are_the_last_errors_of_its_jobs_logs(tmp_path: Path) -> None:
+    line = "=" * 47
+    shown = [
+        "Error in rule a:",
+        *("Logfile logs/a.log:", line, "12 models", "error: a.png: is broken. Fix: mend it [E-A]", "make: ***", line),
+        *("Logfile logs/b.log:", line, "Traceback", "ZeroDivisionError: division by zero", "", line),
+        *("Logfile logs/c.log:", line, "error: a.png: is broken. Fix: mend it [E-A]", line),
+        *("Logfile logs/d.log:", line, "", line),
+        "Exiting because a job execution failed.",
+    ]
+    (tmp_path / "log").write_text("\n".join(shown))
+    causes = ["error: a.png: is broken. Fix: mend it [E-A]", "ZeroDivisionError: division by zero"]
+    assert list_causes([str(tmp_path / "log")]) == causes

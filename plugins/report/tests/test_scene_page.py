@@ -64,6 +64,16 @@ def test_every_doubt_has_the_command_that_opens_the_page_to_put_it_right(made: P
             assert command == f"python -m plugins.annotator {opens} {one}"
 
 
+def test_it_is_called_as_the_picture_that_went_in(made: Path, tmp_path: Path) -> None:
+    camera = Camera(width=240, height=160, intrinsics=CAMERA, picture="Küche")
+    write_json(tmp_path / "camera.json", camera)
+    files = tuple(path for path in declared(made)["files"] if "room_1" in path.parts)  # type: ignore[attr-defined]
+    image, out = made / "results/scenes/room_1/input/rgb.png", tmp_path / "page.html"
+    picture.run(files=files, image=image, camera=tmp_path / "camera.json", scene="room_1", out=out)
+    assert "<title>Küche</title>" in out.read_text() and "<h1>Küche</h1>" in out.read_text()
+    assert "<h1>Room 1</h1>" in (made / "room_1.html").read_text()
+
+
 def test_it_links_to_its_files(made: Path) -> None:
     links = re.findall(r'<li><a href="([^"]+)" download>', (made / "room_1.html").read_text())
     assert {Path(link).name for link in links} >= {"scene_1.glb", "scene_1.json", "objects.json", "cousins.json"}

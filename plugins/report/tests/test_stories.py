@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from plugins.report.album import THUMBNAIL, Album
-from plugins.report.doubts import group_doubts
+from plugins.report.doubts import group_doubts, measure_side
 from plugins.report.page.objects import Evidence, Match, cloud_picture, match
 from plugins.report.report import WORDS
 from plugins.report.snapshots import Snapshots, views_of
 from stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
-from stages.contracts.doubt import MEND, Doubt
+from stages.contracts.doubt import MEND, Doubt, DoubtKind
 from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.geometry.cameras import intrinsics_from_fov, look_at
@@ -65,7 +65,7 @@ def told(entry: ObjectCousins, item: SceneObject, **changes: Any) -> Match:
 def facts(made: Match) -> dict[str, str]:
     """What the page says of an object."""
     page: Any = environment("plugins.report").get_template("page/matches.html.jinja").make_module(WORDS)
-    text = unescape(page.matches({"matches": [made], "correct": ""}))
+    text = unescape(page.matches({"matches": [made], "choose": lambda _: ""}))
     return dict(re.findall(r"<dt>(.*?)</dt>\s*<dd>\s*(.*?)\s*</dd>", text))
 
 
@@ -193,8 +193,9 @@ def test_what_a_person_says_is_not_doubted(entry: dict[str, Any], item: dict[str
     assert made.doubts == [] and made.notes == []
 
 
-def test_the_gravest_come_first_and_those_of_one_cause_together() -> None:
-    first = placed(doubts=[Doubt(cause="place", what="behind"), Doubt(cause="affordance", what=OTHERWISE)])
+def test_the_likeliest_come_first_and_those_of_one_cause_together() -> None:
+    behind = Doubt(cause="place", what="behind", chance=0.8)
+    first = placed(doubts=[behind, DoubtKind.OPENINGS.of(what=OTHERWISE)])
     made = told(matched(), thing(pixels=(0, 30, 60, 80), points=40), placed={"desk_1": first})
     assert [doubt.cause for doubt in made.doubts] == ["affordance", "place", "size", "size"]
     found = [("desk_1", doubt) for doubt in made.doubts] + [("bowl_1", made.doubts[3])]
@@ -202,6 +203,12 @@ def test_the_gravest_come_first_and_those_of_one_cause_together() -> None:
         ("affordance", ["desk_1"]), ("place", ["desk_1"]), ("size", ["desk_1", "bowl_1"]),
     ]  # fmt: skip
     assert "; " in group_doubts(found)[2].items[0][1]
+
+
+def test_the_size_of_a_thing_is_its_largest_side_as_placed_else_as_measured() -> None:
+    assert measure_side(thing(), placed(size=(0.5, 2.0, 1.0))) == pytest.approx(2.0)
+    assert measure_side(thing(), placed(status="failed", reason="-")) == pytest.approx(1.2 * 0.8)
+    assert measure_side(thing(box=None, status="failed", reason="-"), None) == 1.0, "nobody knows it"
 
 
 def test_a_box_that_is_turned_by_a_quarter_is_the_same_box() -> None:

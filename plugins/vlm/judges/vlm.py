@@ -13,9 +13,9 @@ from plugins.vlm.config import VlmConfig
 from plugins.vlm.prompt import Prompt, draw_box
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import NO_MODEL, Candidate, Orientation
+from stages.geometry.crop import darken_rest
 from stages.geometry.frames import wrap_angle
 from stages.geometry.masks import pixel_bounds
-from stages.matching.crop import darken_rest
 from stages.matching.question import AbstainedError, Question
 from stages.matching.question import Judge as JudgeOf
 from stages.plugins import load

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from plugins.vlm.judges import vlm
+from plugins.vlm.package import keys
 from plugins.vlm.tests.chat_server import Handler, chooses, pictures, says, serving
-from stages.config.model import complete, read_files
+from stages.config.model import complete, load, read_files
 from stages.config.reads import options_of
 from stages.contracts import InputError
 from stages.contracts.cousins import ObjectCousins
@@ -159,14 +160,30 @@ def test_the_overlay_of_the_paper_has_its_variants() -> None:
 @pytest.mark.parametrize(("captions", "read"), [("labels", False), ("vlm", True)])
 def test_the_language_model_is_read_where_it_is_asked(captions: str, read: bool) -> None:
     Config = complete()
-    config = Config.model_validate({"photo": {"captions": captions}, "vlm": {"model": "toy"}})
-    assert ("toy" in repr(options_of(config, "inputs", "estimate", {}))) == read
+    config = Config.model_validate({"perception": {"captions": captions}, "vlm": {"model": "toy"}})
+    assert ("toy" in repr(options_of(config, "perception", "see", {}))) == read
     assert "toy" not in repr(options_of(config, "matching", "match", {"variant": "b"}))
     judged = Config.model_validate({"matching": {"model_selection": "vlm"}, "vlm": {"model": "toy"}})
     assert "toy" in repr(options_of(judged, "matching", "match", {"variant": "b"}))
     other = {"variants": {"b": {"vlm": {"model": "other"}}}}
     judged = Config.model_validate({"matching": {"model_selection": "vlm"}, "experiment": other})
     assert options_of(judged, "matching", "match", {"variant": "b"})["vlm"]["model"] == "other"
+
+
+def test_a_key_is_asked_for_where_pictures_are_captioned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("a.png", "d.png", "k.json"):
+        (tmp_path / name).touch()
+
+    def ask(rooms: list[str], captions: str = "vlm") -> list[str] | None:
+        frame = {"image": "a.png", "depth": "d.png", "camera": "k.json"}
+        experiment = {"inputs": {"frame": frame}, "rooms": rooms}
+        return keys(load({"experiment": experiment, "perception": {"captions": captions}}))
+
+    assert ask(["room_1", "room_2", "room_3", "frame"]) == ["OPENAI_API_KEY"]
+    assert (
+        ask(["room_1", "room_2", "room_3"]) is None and ask(["room_1", "room_2", "room_3", "frame"], "labels") is None
+    )
 
 
 def test_without_a_key_the_stand_in_answers_and_everything_says_so(

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.matching import EncoderOptions
+from stages.geometry.crop import View
 from stages.matching.colors import color_weights, patch_colors
-from stages.matching.crop import View
 from stages.plugins import load
 
 STORED_COLUMNS = ["features", "position", "colour"]  # of a stored row

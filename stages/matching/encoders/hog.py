@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.matching import EncoderOptions
-from stages.matching.crop import View, cut, foreground, masked_square, patch_positions
+from stages.geometry.crop import View, cut, foreground, masked_square, patch_positions
 from stages.matching.encoders import Patches
 from stages.matching.normals import NORMAL_COLUMNS, neighbourhood, patch_normals
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from stages.config.matching import MatchingConfig
 from stages.contracts import Objects
 from stages.contracts.objects import SceneObject
-from stages.matching.crop import View
+from stages.geometry.crop import View
 from stages.matching.question import AbstainedError, Judge, Question
 from stages.matching.snapshots import Snapshots
 from stages.plugins import load

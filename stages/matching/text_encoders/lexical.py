@@ -1,6 +1,6 @@
 """Text encoder `lexical`: labels and categories compared by words, kinds of things and letters.
 
-Words that no list here has are taken for those that WordNet says they are kinds of (plugins/names/wordnet.py).
+Words that no list here has are taken for those that WordNet says they are kinds of (benchmarks/wordnet.py).
 """
 
 import re

@@ -1,1 +1,0 @@
-"""Names that are proposed for the things that masks show, with probabilities."""

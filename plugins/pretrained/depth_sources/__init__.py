@@ -1,0 +1,1 @@
+"""Depth of a picture by a network."""

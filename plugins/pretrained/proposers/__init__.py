@@ -1,0 +1,1 @@
+"""Outlines by pretrained networks."""

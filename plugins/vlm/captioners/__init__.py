@@ -1,0 +1,1 @@
+"""Captions of what is in a picture, by a language model."""

@@ -1,0 +1,1 @@
+"""The camera, the ground and the walls of a room."""

@@ -1,0 +1,1 @@
+"""Pictures, depth, cameras and masks as people have them."""

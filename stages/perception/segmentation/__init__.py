@@ -1,0 +1,1 @@
+"""Outlines: what proposes them, and the choice among them."""

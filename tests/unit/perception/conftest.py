@@ -1,0 +1,14 @@
+"""The published weights, for tests that read them."""
+
+import pytest
+
+from stages.config.weights import FOLDER
+from stages.perception.fetch import fetch_missing
+
+
+@pytest.fixture(scope="session")
+def published() -> None:
+    """The weights are there; without an index and a network that is skipped."""
+    missing = fetch_missing(FOLDER)
+    if missing:
+        pytest.skip(f"weights cannot be fetched: {missing}")
