@@ -157,8 +157,8 @@ def _examine_model(
         model.doubts.append(describe_unknown(asset.category))
     if odd := describe_unusual(known_categories().get(asset.category), asset.size):
         ground = tells.grounds.get(model.notes.up or importer.up, "")
-        mend = f". Leave out its ground, '{ground}'? asset.json: \"without\": {json.dumps([ground])}" if ground else ""
-        model.doubts.append(odd + mend)
+        leave = f"Leave out its ground, '{ground}'? asset.json: \"without\": {json.dumps([ground])}"
+        model.doubts.append(f"{odd}. {leave if ground else 'Is the unit right? asset.json: scale'}")
     elif asset.category not in known_categories() and max(asset.size) < TINY:
         model.doubts.append(f"is at most {100 * max(asset.size):.2g} cm large: is the unit right (scale)?")
     return model

@@ -15,6 +15,7 @@ from stages.geometry.gravity import is_upside_down
 from stages.geometry.inverse_depth import is_inverse, is_zbuffer
 
 NEAREST = 0.1  # metres: the median depth of a picture of a room is between this and `LARGEST`
+DEPTH_UNITS = (100, 256, 512, 1000, 4000, 5000, 6553.5, 10000)  # numbers that stand for a metre in data sets
 SKY = 100.0  # metres: farther away is no room
 FORMAT, UNIT = "E-DEPTH-FORMAT", "E-DEPTH-UNIT"
 DOWN, TURNED = "E-PICTURE-UPSIDE-DOWN", "it is upside down, or a ceiling without a floor."

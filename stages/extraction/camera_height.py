@@ -6,13 +6,13 @@ import numpy as np
 
 from stages.contracts.categories import sizes_of
 from stages.contracts.category import USUAL_SPREAD
+from stages.contracts.depth import DEPTH_UNITS
 from stages.contracts.doubt import DoubtKind
 from stages.contracts.objects import SceneObject
 
 LOWEST, HIGHEST = DoubtKind.CAMERA_HEIGHT.bounds
 # What makes a camera seem higher, or lower, than it is, and by what its height is to be multiplied then.
 TOO_HIGH = {"depth in feet": 0.3048, "intrinsics of half the picture's size": 0.5, "depth in decimetres": 0.1}
-DEPTH_UNITS = (100, 256, 512, 1000, 4000, 5000, 6553.5, 10000)  # numbers that stand for a metre in data sets
 TOO_LOW = {"depth in centimetres, taken for millimetres": 10.0, "intrinsics of twice the picture's size": 2.0}
 
 

@@ -36,6 +36,7 @@ def chair() -> list[Trimesh]:
 GROUNDS = {
     "square": box((4, 4, 0.002), bottom=-0.002),
     "disc": trimesh.creation.cylinder(radius=1.5, height=0.01).apply_translation([0, 0, -0.005]),
+    "slab": box((2.5, 2.5, 0.12), bottom=-0.12),
     "sheet": Trimesh([[-3, -2, 0], [3, -2, 0], [3, 2, 0], [-3, 2, 0]], [[0, 1, 2], [0, 2, 3]]),
 }
 

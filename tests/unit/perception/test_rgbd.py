@@ -170,7 +170,7 @@ def test_unit_of_depth(room: tuple, scale: float, dtype: type, unit: str, says: 
 def test_inverse_depth_and_another_unit_are_told(room: tuple) -> None:
     with pytest.raises(InputError, match="looks like inverse depth"):
         convert_to_metres(Path("d.npy"), np.where(room[1] > 0, 1 / np.maximum(room[1], 1e-3), 0))
-    with refused("E-DEPTH-UNIT", "m in millimetres", "--unit 5000"):
+    with refused("E-DEPTH-UNIT", "m in millimetres", "m in 1/4000 m", "--unit 4000, --unit 5000"):
         convert_to_metres(Path("d.png"), np.rint(5000 * room[1]).astype(np.uint16))
     assert np.allclose(convert_to_metres(Path("d.png"), np.rint(5000 * room[1]), "5000")[0], room[1], atol=1e-3)
 
