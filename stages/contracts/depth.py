@@ -23,6 +23,10 @@ TURN = (
     "turn picture, depth and masks by 180 degrees; flip them top to bottom instead if writing is then mirrored "
     "(renderers store the bottom row first)"
 )
+UNSTRETCH = (
+    "store near * far / (far - value * (far - near)), with near and far of the renderer's camera in metres; of depth "
+    "that was stretched to 0..1 for show, what it was before"
+)
 WRITE = "np.savez(path, depth=...) with an array (height, width) in metres"
 
 
@@ -78,8 +82,7 @@ def check_depth(path: Path, values: NDArray[np.floating]) -> None:
         raise InputError(path, what, fix, code=UNIT)
     if is_zbuffer(values):
         what = f"is a z-buffer, not metres: all within 0..1, half of it above {np.median(values[values > 0]):.3f}."
-        fix = "store near * far / (far - value * (far - near)), with near and far of the renderer's camera in metres"
-        raise InputError(path, what, fix, code="E-DEPTH-ZBUFFER")
+        raise InputError(path, what, UNSTRETCH, code="E-DEPTH-ZBUFFER")
 
 
 def check_turned(where: object, points: NDArray[np.float64], known: NDArray[np.bool_], max_tilt: float) -> None:

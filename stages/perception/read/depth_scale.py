@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from stages.contracts import InputError
-from stages.contracts.depth import DEPTH_UNITS, NEAREST
+from stages.contracts.depth import DEPTH_UNITS, NEAREST, UNSTRETCH
 from stages.contracts.types import LARGEST
 from stages.perception.read.camera_files import load, simplify_name
 
@@ -183,6 +183,10 @@ def _judge_by_median(path: Path, known: NDArray[Any], median: float) -> float:
     if 1000 * NEAREST <= median <= 1000 * USUAL_MEDIAN:
         return UNITS["mm"]
     what = f"has the median {median:.3g}, which is neither metres nor millimetres of a room."
+    if known.max() <= 1 or (whole and 1000 * LARGEST < median <= np.iinfo(np.uint16).max):
+        scaled = " times 65535" if whole else ""
+        what += f" A z-buffer{scaled}, also one from far to near, and stretched depth have such values."
+        fix = UNSTRETCH
     if 1000 * USUAL_MEDIAN < median <= 1000 * LARGEST:
         units = [scale for scale in DEPTH_UNITS if scale > 1000 and median / scale >= USUAL_NEAREST]
         could = [

@@ -181,6 +181,9 @@ def test_a_z_buffer_is_told_with_what_makes_metres_of_it(room: tuple, near: floa
     value = (far / (far - near) * (1 - near / depth)).astype(np.float32)
     with refused("E-DEPTH-ZBUFFER", "near * far / (far - value * (far - near))"):
         convert_to_metres(Path("d.npy"), value)
+    for other in (1 - value, np.rint(65534 * value).astype(np.uint16)):
+        with pytest.raises(InputError, match=r"inverse depth|far - value"):
+            convert_to_metres(Path("d.png"), other)
     by_mujoco = near / (1 - value.astype(float) * (1 - near / far))
     by_us = near * far / (far - value.astype(float) * (far - near))
     assert np.allclose(by_us, by_mujoco) and np.allclose(by_us, depth, rtol=0.02)
