@@ -21,11 +21,13 @@ def run(*, results: Path = Path("results")) -> None:
     against their contracts. Prints what is broken and the command that makes it anew.
 
     Args:
-        results: the folder `results` of a run.
+        results: the folder `results` of a run; if it has nothing, that of `make demo` beside it.
 
     Raises:
         InputError: something is broken, or there is nothing to look at.
     """
+    places = results, results.parent / "demo" / results.name
+    results = next((place for place in places if any(list_files(place))), results)
     known, lost = read_metadata(results.parent / METADATA)
     files, faults = list_files(results)
     if not files and not faults:

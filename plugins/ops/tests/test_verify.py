@@ -150,6 +150,17 @@ def test_what_is_no_result_gets_no_record(tmp_path: Path, monkeypatch: pytest.Mo
     assert "holds no finished file" in tell_fault(code="E-FILE-MISSING")
 
 
+def test_where_only_the_demo_was_made_it_is_looked_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "demo").mkdir()
+    monkeypatch.chdir(tmp_path / "demo")
+    write_text(Path("results/tables/a.csv"), "a\n")
+    monkeypatch.chdir(tmp_path)
+    run()
+    assert capsys.readouterr().err == "demo/results: 1 files with a checksum, 0 without\n"
+
+
 def test_the_workflows_own_check_records_what_a_command_of_the_users_wrote(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
