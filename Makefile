@@ -68,6 +68,7 @@ weights: $(STAMP) ## fetch the weights of the three networks that look at pictur
 
 picture: setup weights ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
 	$(BIN)/snakemake --cores $(CORES) photo --config image=$(call text,RGB) $(if $(DEPTH),depth=$(call text,DEPTH)) $(if $(INTRINSICS),camera=$(call text,INTRINSICS))
+	@$(BIN)/python -m plugins.annotator after $(call quoted,$(value RGB)) $(if $(DEPTH),--depth $(call quoted,$(value DEPTH))) $(if $(INTRINSICS),--camera $(call quoted,$(value INTRINSICS)))
 
 test: setup lint types ## lint, types and all tests; Chromium for those of the report page
 	@bash envs/chromium.sh

@@ -95,6 +95,7 @@ def run(
     except KeyboardInterrupt:
         print()
     finally:
+        server.making.stop()
         server.server_close()
     folder = session.folder
     if isinstance(session, Correcting) and is_bare(folder):

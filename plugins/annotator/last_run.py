@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from plugins.annotator.cures import Cure
 from plugins.report.doubts import collect_doubts, measure_side
 from plugins.report.snapshots import Snapshots, views_of
-from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
+from stages.contracts import Cousins, GeneratedScene, InputError, Library, Objects, read_json
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.doubt import Doubt, DoubtKind
@@ -220,6 +220,18 @@ def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[in
         _sizes(results / "assets/library/library.json"),
         {mask: views_of(scenes, name) for name, mask in masks.items()},
     )
+
+
+def read_picture(scene: str, made: Path) -> bytes:
+    """A scene's picture of rank 1 as PNG, of the first variant that has one; `made`: the folder results/generation.
+
+    Raises:
+        InputError: it was not drawn.
+    """
+    found = sorted(made.glob(f"*/{scene}/scene_1.png"))
+    if not found:
+        raise InputError(scene, "has no picture of its scene.", "make its page", code="E-PICTURE-MISSING")
+    return found[0].read_bytes()
 
 
 def _sizes(path: Path) -> dict[str, list[float]]:
