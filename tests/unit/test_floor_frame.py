@@ -172,3 +172,5 @@ def test_things_of_usual_size_or_wrong_by_several_factors_ask_for_no_unit() -> N
     assert doubt_unit(see_things(1)) == "" and doubt_unit(see_things(1.3)) == ""
     assert doubt_unit(see_things(0.25, {"chair": 0.9})) == "", "one thing may be wrong for other reasons"
     assert doubt_unit(see_things(1, {"chair": 0.2, "dining table": 3.0, "fridge": 1.8})) == ""
+    assert doubt_unit(see_things(1, {"chair": 0.22, "fridge": 0.45, "dining table": 3.0})) == "", "one fits no factor"
+    assert doubt_unit(see_things(1, {"book": 0.041, "vase": 0.151})) == "", "low, and usual"

@@ -90,6 +90,9 @@ def test_a_mesh_called_as_another_models_part_stays(tmp_path: Path) -> None:
     )
     (tmp_path / "table/c/urdf/c.urdf").write_text(urdf)
     assert models(tmp_path) == {"chair/a/model.obj", "chair/b/model.obj", "table/c/urdf/c.urdf"}
+    pack = write(tmp_path / "pack", ("urdf/c.urdf", "set/model.obj"))
+    (pack / "urdf/c.urdf").write_text(urdf)
+    assert models(pack) == {"urdf/c.urdf"}
 
 
 def test_xacro_that_is_called_urdf(tmp_path: Path) -> None:
