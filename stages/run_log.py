@@ -15,13 +15,13 @@ from snakemake_interface_logger_plugins.registry import LoggerPluginRegistry
 
 NAME = "roomkin"
 SILENT = {LogEvent.WORKFLOW_STARTED, LogEvent.SHELLCMD, LogEvent.JOB_STARTED, LogEvent.GROUP_INFO,
-          LogEvent.RESOURCES_INFO, LogEvent.PROGRESS, LogEvent.DEBUG_DAG, LogEvent.RULEGRAPH}  # fmt: skip
+          LogEvent.RESOURCES_INFO, LogEvent.DEBUG_DAG, LogEvent.RULEGRAPH}  # fmt: skip
 # How lines begin that Snakemake prints in every run, or beside a failure that is told.
 CHATTER = (
     "Assuming unrestricted", "At least one job did not complete", "Building DAG", "Complete log", "Conda environments",
     "Config file ", "DAG of jobs will be updated", "Exiting because a job execution failed", "Group jobs: inactive",
     "Provided ", "Removing temporary", "Rules claiming", "Select jobs", "Shutting down, this", "Singularity containers",
-    "Storing output", "Using ", "WorkflowError:\nAt least one job did not complete",
+    "Storing output", "Updating checkpoint", "Using ", "WorkflowError:\nAt least one job did not complete",
 )  # fmt: skip
 
 
@@ -41,7 +41,7 @@ class LogHandler(LogHandlerBase):
     needs_rulegraph = False
 
     def __post_init__(self) -> None:
-        wanted, self.started, self.total, self.ended = self.common_settings, dict[int, tuple[str, float]](), 0, 0
+        wanted, self.started, self.ended = self.common_settings, dict[int, tuple[str, float]](), list[str]()
         self.stream = sys.stdout if wanted.stdout else sys.stderr
         self.plain: ColorizingTextHandler | None = None
         if wanted.dryrun or wanted.verbose or wanted.debug_dag or wanted.printshellcmds:
@@ -62,16 +62,18 @@ class LogHandler(LogHandlerBase):
         if Quietness.ALL in quiet:
             return ""
         if event == LogEvent.RUN_INFO:
-            self.total = told["stats"].get("total", 0)
-            return "" if quiet else f"{self.total} jobs, a line as each ends"
+            return "" if quiet else f"{told['stats'].get('total', 0)} jobs, a line as each ends"
         if event == LogEvent.JOB_INFO:
             words = [told["rule_name"].replace("_", " "), *map(str, told["wildcards"].values())]
             self.started[told["jobid"]] = " ".join(words), record.created
         elif event == LogEvent.JOB_FINISHED:
-            self.ended += 1
             name, began = self.started.pop(told["job_id"], ("", record.created))
-            count = f"[{self.ended:{len(str(self.total))}}/{self.total}]"
-            return "" if quiet else f"{count} {name}  {_describe_duration(record.created - began)}"
+            self.ended.append(f"{name}  {_describe_duration(record.created - began)}")
+        elif event == LogEvent.PROGRESS:  # it follows the jobs that ended, and knows how many there are by now
+            ended, self.ended, total = self.ended, [], told["total"]
+            first = told["done"] - len(ended) + 1
+            lines = [f"[{number:{len(str(total))}}/{total}] {line}" for number, line in enumerate(ended, first)]
+            return "" if quiet else "\n".join(lines)
         elif event == LogEvent.JOB_ERROR:
             name, began = self.started.pop(told["jobid"], (told["rule_name"], record.created))
             logs = f"; its log: {', '.join(told['log'])}" if told["log"] else ""

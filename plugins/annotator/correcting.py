@@ -199,15 +199,9 @@ class Correcting(Clicked):
         """The picture as JPEG."""
         return jpeg(self.given.rgb)
 
-    def read_last_picture(self) -> bytes:
-        """The scene of rank 1 as PNG.
-
-        Raises:
-            InputError: it was not drawn.
-        """
-        if self.made.picture is None:
-            raise InputError(self.scene, "has no picture of its scene.", "make its page", code="E-PICTURE-MISSING")
-        return self.made.picture.read_bytes()
+    def find_last_picture(self) -> Path | None:
+        """The scene of rank 1, as the last run made it."""
+        return self.made.picture
 
     def preview(self) -> bytes:
         """The saved masks over the picture, as JPEG."""

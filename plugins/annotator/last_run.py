@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from plugins.annotator.cures import Cure
 from plugins.report.doubts import collect_doubts, measure_side
 from plugins.report.snapshots import Snapshots, views_of
-from stages.contracts import Cousins, GeneratedScene, InputError, Library, Objects, read_json
+from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.doubt import Doubt, DoubtKind
@@ -216,22 +216,15 @@ def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[in
         {masks[one.id]: one for one in matched if one.id in masks},
         {masks[one.id]: one for each in scenes if each.rank == 1 for one in each.objects if one.id in masks},
         Snapshots(sorted((results / "assets/snapshots").glob("shard_*.h5"))),
-        next(iter(place.glob("scene_1.png")), None),
+        find_picture(place.parents[1], scene, variant),
         _sizes(results / "assets/library/library.json"),
         {mask: views_of(scenes, name) for name, mask in masks.items()},
     )
 
 
-def read_picture(scene: str, made: Path) -> bytes:
-    """A scene's picture of rank 1 as PNG, of the first variant that has one; `made`: the folder results/generation.
-
-    Raises:
-        InputError: it was not drawn.
-    """
-    found = sorted(made.glob(f"*/{scene}/scene_1.png"))
-    if not found:
-        raise InputError(scene, "has no picture of its scene.", "make its page", code="E-PICTURE-MISSING")
-    return found[0].read_bytes()
+def find_picture(made: Path, scene: str, variant: str = "*") -> Path | None:
+    """A scene's picture of rank 1, of the first variant that has one; `made`: the folder results/generation."""
+    return min(made.glob(f"{variant}/{scene}/scene_1.png"), default=None)
 
 
 def _sizes(path: Path) -> dict[str, list[float]]:

@@ -89,8 +89,8 @@ class Handler(BaseHTTPRequestHandler):
                 self._reply(200, kind, (HERE / file).read_bytes())
             elif name == "picture.jpg":
                 self._reply(200, "image/jpeg", session.picture())
-            elif name == "made.png":
-                self._reply(200, "image/png", session.read_last_picture())
+            elif name == "made.png" and (made := session.find_last_picture()):
+                self._reply(200, "image/png", made.read_bytes())
             elif name == "start":
                 self._json(200, self.server.open_page())
             elif name == "making":

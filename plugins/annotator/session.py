@@ -14,7 +14,7 @@ from plugins.annotator.clicking import OUTLINES, Clicked
 from plugins.annotator.described import describe_room
 from plugins.annotator.fronts import jpeg, rectify_front
 from plugins.annotator.kept import Kept
-from plugins.annotator.last_run import read_picture
+from plugins.annotator.last_run import find_picture
 from stages.config.inputs import scene_of_folder
 from stages.contracts import Camera, InputError, read_json
 from stages.contracts.hand import PROJECT, find_hand_file
@@ -117,6 +117,7 @@ class Session(Clicked):
             "notes": notes,
             "depth": self.depth is not None,
             "clicks": self.clicker is not None,
+            "pictured": self.find_last_picture() is not None,
         }
 
     def picture(self) -> bytes:
@@ -195,13 +196,9 @@ class Session(Clicked):
         config = (self.folder if is_clone() else self.folder.resolve()) / "config.yaml"
         return to_run(f"--cores 2 --configfile {config} -- pages")
 
-    def read_last_picture(self) -> bytes:
-        """The scene of rank 1 as PNG.
-
-        Raises:
-            InputError: it was not drawn.
-        """
-        return read_picture(scene_of_folder(self.folder), Path("results/generation"))
+    def find_last_picture(self) -> Path | None:
+        """The scene of rank 1, as it was made of the folder."""
+        return find_picture(Path("results/generation"), scene_of_folder(self.folder))
 
     def close(self, _: Any) -> Answer:
         """The page is done with."""
