@@ -129,7 +129,7 @@ function field(id, change) {
 function bind() {
   for (const tab of document.querySelectorAll('[data-step]')) tab.addEventListener('click', () => step(tab.dataset.step));
   for (const tool of document.querySelectorAll('[data-tool]')) tool.addEventListener('click', () => choose(tool.dataset.tool));
-  bindFrame(showResult);
+  bindFrame(() => { showResult(); get('result').onload = ({ target }) => target.scrollIntoView({ block: 'end' }); });
   get('grid').addEventListener('change', (event) => { state.grid = event.target.checked; draw(); });
   field('across', (project, target) => {
     const degrees = number(target);

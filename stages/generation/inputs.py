@@ -167,7 +167,8 @@ def measure_outlines(
     inside = central_crop(masks.shape, objects.crop)
 
     def noise(distance: NDArray[np.floating]) -> NDArray[np.float64]:
-        return np.asarray(REACH * objects.depth_error.predict(distance))
+        with np.errstate(invalid="ignore"):  # where nothing is, infinitely far, there is none to know
+            return np.asarray(REACH * objects.depth_error.predict(distance))
 
     if depth is None:
         shown = np.zeros(masks.shape, np.float32)
