@@ -53,7 +53,7 @@ unseen: setup folder ## success over unseen assets, in an hour or two on two cor
 registered: setup ## the registered study of docs/results/design.md: two nights of two cores; it goes on where it stopped
 	PATH=$(HERE)/$(BIN):$$PATH CORES=$(CORES) bash config/study/registered.sh
 
-table2: setup folder ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
+table2: setup weights folder ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
 	$(RUN) config/study/table2.yaml -- table2 table2_robustness
 	$(RESULTS) config/study/table2.yaml --table 2 --variants b ours-geometry --out docs/results
 
@@ -63,7 +63,7 @@ paper: setup ## every figure of docs/results by one commit, but what is pinned i
 folder:
 	@[ $(FOLDER) = . ] || { mkdir -p $(FOLDER) && ln -sfn $(HERE)/config $(FOLDER)/config; }
 
-weights: $(STAMP) ## fetch the weights of the three networks that look at pictures, 200 MB, once; a line says if that fails
+weights: $(STAMP) ## fetch the weights of the four networks that look at pictures, 300 MB, once; a line says if that fails
 	@$(BIN)/python -m stages.perception fetch
 
 picture: setup weights ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
