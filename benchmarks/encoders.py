@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.tables import table
-from stages.config.matching import MatchingConfig
+from stages.config.matching import EncoderOptions, MatchingConfig
 from stages.config.model import read_files
 from stages.contracts import Library, Truth, read_json
 from stages.geometry.crop import View
@@ -99,7 +99,7 @@ def find_models(results: Path, rooms: list[str], options: MatchingConfig, kept: 
     text = make_text_encoder(options)
     for room in rooms:
         inputs = results / "scenes" / room
-        scene = Scene(results / "extraction" / room / "objects.json", inputs / "rgb.png")
+        scene = Scene(results / "extraction" / room / "objects.json", inputs / "input/rgb.png")
         truth = {item.mask: item for item in read_json(Truth, inputs / "truth.json").objects}
         for item in scene.objects.objects:
             true = truth[item.mask]
@@ -128,8 +128,11 @@ def main() -> None:
     parser.add_argument("--position", type=float)
     asked = parser.parse_args()
     change = Change(asked.grey, asked.unit, asked.position)
-    changed = {"encoder": asked.encoder} | ({asked.encoder: json.loads(asked.options)} if asked.options != "{}" else {})
-    options = MatchingConfig.model_validate(read_files(CONFIG).matching_of("b-hog").model_dump() | changed)
+    config = read_files(CONFIG)
+    changed = {"encoder": config.implementation("encoders", asked.encoder), asked.encoder: json.loads(asked.options)}
+    given = EncoderOptions.model_validate({key: value for key, value in changed.items() if value})
+    looks = {name: getattr(given, name) for name in ("encoder", "hog", "dinov2")}
+    options = config.matching_of("b-hog").model_copy(update=looks)
     kept = Kept(make_encoder(options), asked.keep, change)
     found = []
 
