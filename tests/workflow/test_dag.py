@@ -28,6 +28,7 @@ from tests.workflow.workspace import ROOT, dry_run, make, plan, planned, put
 STUDY = Path("config/study/table3.yaml")
 BASES = {  # what these are laid over
     STUDY.with_name("roles.yaml"): STUDY,
+    STUDY.with_name("object_cloud.yaml"): STUDY,
     STUDY.with_name("over_assets.yaml"): STUDY,
     STUDY.with_name("registered_addendum.yaml"): STUDY.with_name("registered.yaml"),
 }
