@@ -41,7 +41,7 @@ def build(rollouts: pd.DataFrame, asked: pd.DataFrame, options: TablesConfig) ->
             | {"feature_distance": float(group["feature_distance"].mean()), "asset": _assets(group["asset"])}
             | {"task": group["task"].iloc[0], "cloud": group["cloud"].iloc[0]}
             | {"official_successes": int(group["official_success"].sum())}
-            | {"steps": float(group.loc[group["success"], "steps"].median())}
+            | {"steps": float(group.loc[group["success"], "steps"].mean())}
             | {"episodes": episodes, "successes": successes, "success_rate": successes / episodes}
             | {"wilson_low": low, "wilson_high": high, "status": "run"}
         )
