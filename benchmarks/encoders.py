@@ -11,8 +11,9 @@ Each picture is encoded when it is first asked for and kept in a folder, so that
 import argparse
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -63,6 +64,11 @@ def to_unit(rows: Rows) -> NDArray[np.float32]:
     return changed
 
 
+def read_representative(snapshots: Snapshots, asset: str) -> View:
+    """The snapshot by which row (b) compares a model."""
+    return snapshots.views(asset)[-1]
+
+
 class Kept:
     """Rows of pictures, encoded once into a folder."""
 
@@ -71,11 +77,12 @@ class Kept:
         self.encoded, self.seconds = 0, 0.0
         folder.mkdir(parents=True, exist_ok=True)
 
-    def rows(self, name: str, view: View) -> NDArray[np.floating]:
-        """Rows (P, D + 5) of a picture that is known by its name."""
+    def rows(self, name: str, read_view: Callable[[], View]) -> NDArray[np.floating]:
+        """Rows (P, D + 5) of a picture that is known by its name, and read if it is not encoded yet."""
         path = self.folder / f"{name}.npy"
         if not path.is_file():
             since = time.process_time()
+            view = read_view()
             [rows] = encode_rows(self.encoder, [drain(view) if self.change.grey else view])
             self.encoded, self.seconds = self.encoded + 1, self.seconds + time.process_time() - since
             with (part := path.with_suffix(".part")).open("wb") as file:
@@ -92,8 +99,20 @@ class Kept:
         return factors
 
 
-def find_models(results: Path, rooms: list[str], options: MatchingConfig, kept: Kept) -> Iterator[list[str]]:
-    """Room, object, true category and model, and those that were found, of every object."""
+def read_rivals(path: Path) -> dict[tuple[str, str], str]:
+    """The model that a run of this program, whose output a file holds, took each object for: by room and object."""
+    cells = [[cell.strip() for cell in line.strip("|\n ").split("|")] for line in path.open(encoding="utf-8")]
+    return {(row[0], row[1]): row[5] for row in cells if len(row) == 6 and row[0].startswith("room_")}
+
+
+def find_models(
+    results: Path, rooms: list[str], options: MatchingConfig, kept: Kept, rivals: dict[tuple[str, str], str]
+) -> Iterator[list[str]]:
+    """Room, object, true category and model, and those that were found, of every object.
+
+    Args:
+        rivals: if there are some, only objects whose rival is wrong are shown, between it and the true model.
+    """
     library = read_json(Library, results / "assets/library/library.json")
     snapshots = Snapshots(sorted((results / "assets/snapshots").glob("shard_*.h5")))
     text = make_text_encoder(options)
@@ -103,11 +122,15 @@ def find_models(results: Path, rooms: list[str], options: MatchingConfig, kept: 
         truth = {item.mask: item for item in read_json(Truth, inputs / "truth.json").objects}
         for item in scene.objects.objects:
             true = truth[item.mask]
-            rows = kept.rows(f"{room}-{item.id}", scene.view(item))
+            if rivals and rivals.get((room, item.id)) in (true.asset, None):
+                continue
+            rows = kept.rows(f"{room}-{item.id}", partial(scene.view, item))
             weights = kept.weights(depth=True)
             query = Query(apply_weights(rows, weights), weights, pool_patches(rows.astype(np.float32)))
             assets = find_candidates(item, library, text, options).assets
-            found = [kept.rows(entry.id, snapshots.views(entry.id)[-1]) for entry in assets]
+            if rivals:
+                assets = [entry for entry in assets if entry.id in (true.asset, rivals[room, item.id])]
+            found = [kept.rows(entry.id, partial(read_representative, snapshots, entry.id)) for entry in assets]
             _, distances = compare(query, found.__getitem__, len(found), options)
             best = assets[int(np.argmin(distances))]
             yield [room, item.id, true.category, true.asset, best.category, best.id]
@@ -126,6 +149,9 @@ def main() -> None:
     parser.add_argument("--grey", action="store_true")
     parser.add_argument("--unit", action="store_true")
     parser.add_argument("--position", type=float)
+    parser.add_argument(
+        "--rivals", type=Path, help="output of another run: choose between its wrong models and the true ones"
+    )
     asked = parser.parse_args()
     change = Change(asked.grey, asked.unit, asked.position)
     config = read_files(CONFIG)
@@ -134,10 +160,10 @@ def main() -> None:
     looks = {name: getattr(given, name) for name in ("encoder", "hog", "dinov2")}
     options = config.matching_of("b-hog").model_copy(update=looks)
     kept = Kept(make_encoder(options), asked.keep, change)
-    found = []
+    found, rivals = [], read_rivals(asked.rivals) if asked.rivals else {}
 
     def rows() -> Iterator[list[str]]:
-        for row in find_models(asked.results, asked.rooms, options, kept):
+        for row in find_models(asked.results, asked.rooms, options, kept, rivals):
             found.append(row)
             yield row
 
