@@ -16,6 +16,7 @@ from stages.config.model import load, with_defaults
 from stages.config.packages import check_rules, check_targets, list_drawers, rule_files, shards_of
 from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, describe_picture, options_of, stores
 from stages.config.sizes import fill_counts
+from stages.config.unfetched import tell_left_out
 from stages.contracts.errors import InputError
 from stages.contracts.system import check_writable
 from stages.contracts.training_sets import ROLE_NAME, SET_NAME
@@ -30,6 +31,8 @@ try:
     check_writable(Path.cwd(), *map(Path, ("results", "logs", "benchmarks", ".snakemake")))
     list(map(read_file, map(Path, workflow.configfiles)))
     CONFIG = load(with_defaults(config))
+    if workflow.is_main_process and (line := tell_left_out(with_defaults(config), CONFIG)):
+        print(line, file=sys.stderr)
     check_targets(sys.argv, CONFIG.packages)
     check_rules(sys.argv if workflow.is_main_process else [], workflow.main_snakefile)
     if "photo" in sys.argv and not CONFIG.image:

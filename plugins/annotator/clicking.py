@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter
 
-from stages.config.weights import ALL, is_there
+from stages.config.weights import LOOKING, is_there
 from stages.contracts import InputError
 from stages.contracts.files import Contract
 from stages.contracts.parts import says_opening
@@ -187,7 +187,7 @@ class Clicked:
 
     def begin_looking(self) -> None:
         """Look at the picture in the background, or print what lacks."""
-        if all(is_there(weights) for weights in ALL):
+        if all(is_there(weights) for weights in LOOKING):
             self.clicker = Clicker(self.rgb, self.room)
         else:
             print(LACKING)

@@ -276,7 +276,7 @@ def run(
         benchmarks: folder of its benchmark files.
         published: folder with the paper's values.
         machine: what it ran on; this machine if left out.
-        commit: of the code, to be named.
+        commit: of the code, to be named on the page and in a column of every CSV file.
         variants: variants of matching in Figure 6; all if left out.
     """
     config = read_files(configs)
@@ -290,5 +290,5 @@ def run(
     reference = os.path.relpath("docs/tables.md", out)
     text.append(f"All columns: {', '.join(f'`{name}.csv`' for name in found.frames)} ([reference]({reference})).\n")
     for name, frame in found.frames.items():
-        write_csv(out / f"{name}.csv", frame)
+        write_csv(out / f"{name}.csv", frame.assign(commit=commit) if commit else frame)
     write_text(out / f"table{table}.md", "\n".join(text))

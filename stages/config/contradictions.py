@@ -16,7 +16,7 @@ from stages.config.hand_files import hand_file
 from stages.config.inputs import NAME, is_scene, suggest_scene
 from stages.config.mistakes import Mistake
 from stages.config.packages import packages_on
-from stages.config.weights import list_lacking
+from stages.config.weights import DINOV2, FOLDER, is_there, list_lacking
 from stages.contracts.corrections import CORRECTIONS, read_corrections
 from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
@@ -199,6 +199,10 @@ def _matching(config: "Config") -> Iterator[Mistake]:
             what = f"{config.generation.ranks} scenes from {where}.k_cousins = {matching.k_cousins} cousins"
             yield Mistake("generation.ranks", what, "lower it or raise k_cousins")
         for key, folder in matching.weights().items():
+            if key == "dinov2.path" and not folder:
+                if not is_there(DINOV2):
+                    yield Mistake(f"{where}.{key}", f"no {DINOV2.name} in '{FOLDER}'", "make weights", "E-CONFIG-FILE")
+                continue
             files = [Path(folder, name) for name in ("config.json", "model.safetensors")]
             lacking = [file.name for file in files if not folder or not file.is_file()]
             if lacking:

@@ -76,6 +76,12 @@ class SkillOptions(SceneOptions):
     rollouts: int = Field(
         16, ge=1, description="episodes per test asset, the same initial states for all policies; paper: 100"
     )
+    twin_rollouts: int | None = Field(
+        None,
+        ge=1,
+        description="episodes on the twin, first those of `rollouts`: 60 can show that two sets do as well, 25 cannot; "
+        "null: as many as on the others",
+    )
     split: Literal["validation", "test"] = Field(
         "test",
         description="the unseen assets to roll out on: validation (every choice is made on these) or test (looked at "

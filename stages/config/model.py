@@ -26,6 +26,7 @@ from stages.config.replaced import Replaced
 from stages.config.tables import TablesConfig
 from stages.config.targets import Target
 from stages.config.training import TrainingSection
+from stages.config.unfetched import leave_out, list_unfetched
 from stages.contracts.errors import InputError, suggest_nearest
 from stages.contracts.section import Section, Seed
 from stages.contracts.task_options import TaskConfig
@@ -183,7 +184,7 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
     mistakes += _overlays(valid)
     rooms = valid.experiment.model_copy(update={"rooms": valid.experiment.named()})
     valid = valid.model_copy(update={"experiment": rooms})
-    valid = of_picture(valid) if not mistakes else valid
+    valid = of_picture(leave_out(valid, list_unfetched(valid))) if not mistakes else valid
     mark_measured(valid)
     mistakes += [each for each in contradictions(valid) if not any(_overlap(each.key, key) for key in wrong)]
     if not rooms_named:

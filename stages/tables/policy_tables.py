@@ -20,7 +20,8 @@ def _format_rate(row: dict[str, Any]) -> tuple[str, str]:
     """Value and remark of a cell of Table 3."""
     counts = f"{interval(row)} {row['successes']}/{row['episodes']}, {count(row['runs'], 'run')}"
     official = f"official {percent(row['official_successes'] / row['episodes'])}"
-    return percent(row["mean"], row["std"]), f"{counts}, {official}"
+    steps = "" if pd.isna(row["steps"]) else f", {row['steps']:.0f} steps"
+    return percent(row["mean"], row["std"]), f"{counts}, {official}{steps}"
 
 
 def policies_table(

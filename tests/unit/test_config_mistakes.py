@@ -296,7 +296,7 @@ OF_PACKAGES = [
         "vlm: {key_env: sk-1234}",
         "vlm.key_env: is no name of an environment variable. Fix: e.g. OPENAI_API_KEY; the key itself",
     ),
-    (("pretrained",), "matching: {encoder: dinov2}", "matching.dinov2.path: no config.json in ''"),
+    (("pretrained",), "matching: {encoder: dinov2, dinov2: {path: a}}", "matching.dinov2.path: no config.json in 'a'"),
     (
         ("mujoco", "bowl"),
         "{evaluation: {simulator: mujoco}, experiment: {targets: {bowl: {task: put_away_bowl, object: oven_1}}}}",
@@ -318,7 +318,7 @@ def test_a_mistake_is_one_line_with_its_key(text: str, line: str) -> None:
 @pytest.mark.parametrize("file", sorted(ROOT.glob("config/swaps/*.yaml")), ids=lambda file: str(file.stem))
 def test_the_shipped_swaps_are_no_mistake(file: Path) -> None:
     found = lines(file.read_text(encoding="utf-8"))
-    assert [line for line in found if not line.startswith("matching.dinov2.path: no config.json in 'weights/")] == []
+    assert [line for line in found if not line.startswith("matching.dinov2.path: no vit_s_focus.onnx in ")] == []
 
 
 @pytest.mark.parametrize(

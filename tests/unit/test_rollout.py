@@ -233,6 +233,14 @@ def test_too_short_a_split_is_said(folder: Path, tmp_path: Path, capsys: pytest.
     assert "the test split has 0 assets of 24: only roles are tested" in capsys.readouterr().err
 
 
+def test_the_twin_may_be_tried_more_often_than_the_others(folder: Path) -> None:
+    plan = read_json(TaskAssets, folder / "task.json")
+    asked = RolloutOptions(test_assets=["twin", "cousin_2"], rollouts=3, twin_rollouts=5, assets=0)
+    starts = starts_of(plan, folder, asked, (), 0)
+    states = {role: [state for _, state in each] for role, each in starts.items()}
+    assert len(states["twin"]) == 5 and states["cousin_2"] == states["twin"][:3]
+
+
 def test_of_more_assets_than_states_some_are_left_out_evenly() -> None:
     many = [an_asset("a", float(number)) for number in range(7)]
     turns = share_states(many, [1, 2, 3])

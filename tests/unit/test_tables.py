@@ -346,3 +346,13 @@ def test_layouts_show_ours_beside_the_paper() -> None:
     assert first[4] == "not run\npaper 91 ± 9 %"
     bowl = next(row for row in shown.rows if row[0] == "Putting away bowl")
     assert bowl not in shown.drop_empty().rows and bowl[4] == ""  # the paper has no such cell either
+
+
+def test_table_3_tells_the_steps_of_the_episodes_that_succeed() -> None:
+    rows = [rollout(n, n < 3, steps=steps) for n, steps in enumerate((20, 30, 70, 200))]
+    (cell,) = table3.cells(frame(rows), OPTIONS).to_dict("records")
+    assert cell["steps"] == 40 and table3.build(frame(rows), papers(frame(rows)), OPTIONS)["steps"].iloc[0] == 40
+    shown = markdown(policy_tables.policies_table(table3.cells(frame(rows), OPTIONS), papers(frame(rows)), OPTIONS))
+    assert "3/4, 1 run, official 75 %, 40 steps" in shown
+    never = table3.cells(frame([rollout(0, False)]), OPTIONS)
+    assert "steps" not in markdown(policy_tables.policies_table(never, papers(frame(rows)), OPTIONS))

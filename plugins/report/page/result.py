@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 from markupsafe import Markup
 
-from plugins.claims.claims import OPEN
+from plugins.claims.claims import FAILS, HOLDS
 from plugins.claims.tables import count_lacking_runs, evidence, title_of
 from plugins.report.page.charts import success_chart
 from stages.tables.methods import Kinds
@@ -51,7 +51,11 @@ def _verdict(row: dict[str, Any], name: str) -> str:
     """The difference, its interval, and what it says of training."""
     text = f"{name}: {evidence(row)} with {title(row['training_set'])} instead of the twin"
     seeds = f"over {row['runs']} and {row['baseline_runs']} seeds of training"
-    verdict = "whether cousins help cannot be said" if row["verdict"] == OPEN else f"that cousins help {row['verdict']}"
+    verdict = (
+        f"that cousins help {row['verdict']}"
+        if row["verdict"] in (HOLDS, FAILS)
+        else "whether cousins help cannot be said"
+    )
     return f"{text}, {seeds}: {verdict}."
 
 
