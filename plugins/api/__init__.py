@@ -1,173 +1,26 @@
 """The workflow as functions, without Snakemake: a library, the scenes of a picture, a trained policy, a film.
 
-Each calls what the rules call, with the options that they pass: the same config gives the same bytes. `config` is what
-differs from config.yaml, e.g. {"assets": {"counts": {"fridge": 12}}}.
+A name is imported when it is asked for: of these `load_policy` alone brings torch, and `write_film` ManiSkill.
 """
 
-import json
-from collections.abc import Mapping
-from functools import partial
-from pathlib import Path
-from typing import Any
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-from plugins.api.loaded import load_policy
-from plugins.films.writing import write_film
-from stages.assets import join, snapshots
-from stages.config.inputs import HOLDS, describe_missing, scene_of_folder
-from stages.config.model import Config, load, with_defaults
-from stages.config.other_pictures import read_digest
-from stages.config.packages import load_command, shards_of
-from stages.config.reads import options_of
-from stages.config.sizes import fill_counts
-from stages.contracts.corrections import CORRECTIONS, read_corrections
-from stages.contracts.errors import InputError, suggest_nearest
-from stages.contracts.hand import digest_of_picture, find_hand_file
-from stages.contracts.library_folder import AssetFolders
-from stages.extraction import extract
-from stages.generation import generate
-from stages.matching import features, match
+if TYPE_CHECKING:
+    from plugins.api.loaded import load_policy
+    from plugins.api.making import make_library, make_room, make_scenes, models_of
+    from plugins.films.writing import write_film
 
 __all__ = ["load_policy", "make_library", "make_room", "make_scenes", "models_of", "write_film"]
 
-
-def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Path:
-    """Make the models, import those of `assets.folders`, and photograph all of them, into the folder `out`.
-
-    A library that was there is replaced.
-
-    Returns:
-        library.json.
-    """
-    folder, settings = Path(out), _settings(config)
-    counts, theirs = settings.assets.counts, shards_of(settings)
-    settings = fill_counts(settings, sum(counts.values()) + sum(len(shard.models) for shard in theirs.values()))
-    for old in (path for place in (".", "snapshots", "features/*") for path in folder.glob(f"{place}/shard_*")):
-        old.unlink()
-    shards = (settings.assets.shards or 1) if any(counts.values()) else 0
-    ours = [folder / f"shard_{number}.json" for number in range(shards)]
-    for number, part in enumerate(ours):
-        options = _options(settings, "furniture", "library")
-        load_command("furniture", "library")(out=part, shard=number, shards=shards, options=options, seed=settings.seed)
-    for name, shard in theirs.items():
-        models = tuple(f"{model}={path}" for model, path in shard.models.items())
-        options = _options(settings, "importing", "own")
-        load_command("importing", "own")(
-            folder=shard.folder, models=models, out=folder / f"shard_{name}.json", options=options
-        )
-    parts = [*ours, *(folder / f"shard_{name}.json" for name in theirs)]
-    for part in parts:
-        options = _options(settings, "assets", "snapshots")
-        snapshots.run(library=part, out=folder / "snapshots" / f"{part.stem}.h5", options=options)
-    join.run(library=tuple(ours), own=tuple(parts[shards:]), out=folder / "library.json")
-    return folder / "library.json"
+HOMES = {"load_policy": "plugins.api.loaded", "write_film": "plugins.films.writing"}
 
 
-def make_room(name: str, library: str | Path, out: str | Path, config: Mapping[str, Any] | None = None) -> Path:
-    """Furnish one of the rooms that come with the package with procedural models and photograph it.
-
-    Args:
-        name: e.g. room_1.
-        library: library.json of `make_library`.
-        out: folder; gets <name>/input and <name>/truth.json.
-
-    Returns:
-        the input folder: rgb.png, camera.json, depth.npz, masks.png, annotations.json.
-    """
-    settings, folder = _settings(config), Path(out) / name
-    ours = [part for part in _parts(Path(library)) if not part.stem.startswith("shard_own")]
-    parts = tuple(ours) or (Path(library),)
-    load_command("scenes", "render")(
-        library=parts, scene=name, out=folder, options=_options(settings, "scenes", "render"), seed=settings.seed
-    )
-    return folder / "input"
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(HOMES.get(name, "plugins.api.making")), name)
 
 
-def make_scenes(
-    picture: str | Path, library: str | Path, out: str | Path, config: Mapping[str, Any] | None = None
-) -> list[Path]:
-    """Find the objects of a picture, their cousins, and make the scene of every rank, into the folder `out`.
-
-    Beside scene_<rank>.json lie pictures (.png) and models to turn (.glb) of them, objects.json and cousins.json. What
-    stands there wears the picture's colors; of a room of `make_room` the library's.
-
-    Args:
-        picture: an input folder (docs/scenes.md); the scene is named after it, or after the folder that holds `input`.
-        library: library.json of `make_library`; its features are kept beside it.
-
-    Returns:
-        scene_1.json, scene_2.json, ...
-
-    Raises:
-        InputError: the picture's folder is not there or lacks a file; `out` holds what was made of another picture.
-    """
-    source, index, folder = Path(picture), Path(library), Path(out)
-    settings = fill_counts(_settings(config), len(AssetFolders(index)))
-    if lacking := describe_missing(source):
-        others = [path.parent.name for path in source.parent.glob("*/camera.json")]
-        mend = suggest_nearest(source.name, others) if others and not source.is_dir() else HOLDS
-        raise InputError("picture", f"{lacking[0]}.", mend, code="E-FILE-MISSING")
-    scene, variant = scene_of_folder(source), settings.experiment.policy_variant
-    image, objects, cousins = source / "rgb.png", folder / "objects.json", folder / "cousins.json"
-    if read_digest(objects) not in ("", digest_of_picture(source)):
-        raise InputError(
-            objects, "is of another picture.", "choose another folder, or delete this one", code="E-PICTURE-OTHER"
-        )
-    kept = find_hand_file(source, CORRECTIONS, partial(digest_of_picture, source))
-    said = read_corrections(files := tuple(path for path in [kept] if path.is_file()))
-    corrections = {stage: files if said.read_by(stage).is_any else () for stage in ("extraction", "generation")}
-    extract.run(
-        input=source, scene=scene, out=objects, options=_options(settings, "extraction", "extract", scene=""),
-        own=tuple(path for path in [source / "config.yaml"] if path.is_file()),
-        corrections=corrections["extraction"], seed=settings.seed,
-    )  # fmt: skip
-    parts = _parts(index) if settings.matching_of(variant).compares_pictures else []
-    shards = tuple(index.parent / "snapshots" / f"{part.stem}.h5" for part in parts)
-    match.run(
-        objects=objects, image=image, library=index, out=cousins, snapshots=shards,
-        features=tuple(_features(settings, variant, path) for path in shards),
-        options=_options(settings, "matching", "match", variant=variant),
-    )  # fmt: skip
-    placed = settings.generation_of(variant)
-    rendered = (source.parent / "truth.json").is_file()  # by `make_room`: it keeps the library's colors
-    generate.run(
-        cousins=cousins, objects=objects, library=index, variant=variant, out=folder,
-        options=_options(settings, "generation", "generate", variant=variant), corrections=corrections["generation"],
-        input=source,
-        image=() if rendered and placed.finish is None else (image,),
-    )  # fmt: skip
-    scenes = tuple(folder / f"scene_{rank}.json" for rank in range(1, placed.ranks + 1))
-    if settings.packages.get("pictures"):
-        load_command("pictures", "scenes")(scenes=scenes, objects=objects, image=image, library=index, out=folder)
-    return list(scenes)
-
-
-def models_of(library: str | Path) -> AssetFolders:
-    """The folders of a library's models by id, for `gym.make(..., asset_folder=)`."""
-    return AssetFolders(Path(library))
-
-
-def _settings(config: Mapping[str, Any] | None) -> Config:
-    given = with_defaults(dict(config or {}))
-    own = "experiment" in (config or {})
-    if not own:  # the usual rooms and targets would want models that a library need not have
-        given["experiment"] |= {"rooms": ["*"], "targets": {}}
-    return load(given, rooms_named=own)
-
-
-def _options(settings: Config, stage: str, command: str, **wildcards: str) -> str:
-    """The --options that the workflow passes to a command."""
-    return json.dumps(options_of(settings, stage, command, wildcards), sort_keys=True)
-
-
-def _parts(library: Path) -> list[Path]:
-    """The indices of a library's shards, procedural ones first, in the workflow's order."""
-    return sorted(library.parent.glob("shard_*.json"), key=lambda path: (len(path.stem), path.stem))
-
-
-def _features(settings: Config, variant: str, snapshots: Path) -> Path:
-    """The features of a shard, made if they are not there yet."""
-    store = settings.matching_of(variant).store()
-    path = snapshots.parents[1] / "features" / store / f"{snapshots.stem}.npy"
-    if not path.exists():
-        features.run(snapshots=snapshots, out=path, options=_options(settings, "matching", "features", store=store))
-    return path
+def __dir__() -> list[str]:
+    return __all__

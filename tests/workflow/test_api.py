@@ -121,7 +121,7 @@ def test_scenes_of_another_picture_are_not_replaced(
     made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     library = made / "library/library.json"
-    monkeypatch.setattr(api.extract, "run", Mock(side_effect=InterruptedError))  # it begins
+    monkeypatch.setattr("stages.extraction.extract.run", Mock(side_effect=InterruptedError))  # it begins
     for folder, noise in (("a/kitchen", 0), ("b/kitchen", 1)):
         shutil.copytree(made / "rooms/room_1/input", tmp_path / folder)
         with (tmp_path / folder / "rgb.png").open("ab") as picture:

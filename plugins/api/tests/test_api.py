@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from plugins.api import _features, _settings, load_policy, make_library, make_room, make_scenes, models_of
+from plugins.api import load_policy, make_library, make_room, make_scenes, models_of
+from plugins.api.making import _features, _settings
 from stages.config.assets import COUNTS
 from tests.refusals import refused
 
