@@ -9,9 +9,9 @@ COMMIT ?= $(shell git describe --always --dirty --exclude "*")
 BIN := .venv/bin
 STAMP := .venv/.installed
 
-# One word for the shell, whatever is in it; a variable's value as it was typed, as text for Snakemake's YAML in such a word.
+# One word for the shell, whatever is in it; a flag with a variable's value as it was typed, if it was given.
 quoted = '$(subst ','\'',$(1))'
-text = $(call quoted, '$(subst ','',$(value $(1)))' )
+typed = $(if $(value $(2)),$(1) $(call quoted,$(value $(2))))
 HERE := $(call quoted,$(CURDIR))
 FOLDER := $(call quoted,$(IN))
 
@@ -35,7 +35,7 @@ $(STAMP): envs/requirements.txt envs/setup.sh pyproject.toml
 	@touch $@
 
 demo: setup ## a picture, its cousins and a scene to turn, in two minutes
-	$(BIN)/snakemake --cores $(CORES) --directory demo --configfile config/demo.yaml -- pages
+	@$(BIN)/python -m roomkin demo --cores $(CORES)
 
 all: setup ## run the default workflow: library, scenes, policies, tables, report
 	$(BIN)/snakemake --cores $(CORES) all
@@ -70,9 +70,8 @@ folder:
 weights: $(STAMP) ## fetch the weights of the four networks that look at pictures, 300 MB, once; a line says if that fails
 	@$(BIN)/python -m stages.perception fetch
 
-picture: setup weights ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
-	$(BIN)/snakemake --cores $(CORES) photo --config image=$(call text,RGB) $(if $(DEPTH),depth=$(call text,DEPTH)) $(if $(INTRINSICS),camera=$(call text,INTRINSICS))
-	@$(BIN)/python -m plugins.annotator after $(call quoted,$(value RGB)) $(if $(DEPTH),--depth $(call quoted,$(value DEPTH))) $(if $(INTRINSICS),--camera $(call quoted,$(value INTRINSICS)))
+picture: setup ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
+	@$(BIN)/python -m roomkin picture --cores $(CORES) $(call typed,,RGB) $(call typed,--depth,DEPTH) $(call typed,--intrinsics,INTRINSICS)
 
 test: setup lint types ## lint, types and all tests; Chromium for those of the report page
 	@bash envs/chromium.sh

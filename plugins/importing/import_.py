@@ -29,7 +29,7 @@ from stages.cli import progress
 from stages.contracts.errors import InputError, escape_control
 
 
-def run(folder: Path, /, *, out: Path) -> None:
+def run(folder: Path, /, *, out: Path | None = None) -> None:
     """Look at the models of a folder; `assets.folders: [<out>]` then uses them.
 
     Writes <out>/<category>/<name>/ per model: a URDF in the file's own frame and unit, and asset.json; and
@@ -37,8 +37,9 @@ def run(folder: Path, /, *, out: Path) -> None:
 
     Args:
         folder: with models, <category>/<model> or PartNet-Mobility's <number>/, or one model's file; it stays as it is.
-        out: folder to write.
+        out: folder to write; default: imported/<name of the folder>.
     """
+    out = out or Path("imported", folder.stem)
     kinds = by_suffix(IMPORTERS)
     found = models_of(folder, out, list(kinds))
     pack = read_pack(out / PACK)

@@ -1,4 +1,4 @@
-"""Say what this machine has and lacks: `python -m plugins.ops.doctor [--mend]`.
+"""Say what this machine has and lacks: `roomkin check [--mend]`.
 
 Every line is a check; a failed one comes with the command that mends it. `--mend` runs the
 mends that are safe to run unasked: a Vulkan driver and the libraries of Open3D, where we are root

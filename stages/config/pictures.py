@@ -270,7 +270,7 @@ def of_picture(config: Any) -> Any:
     if not config.image:
         return config
     path = Path(config.image)
-    name = _name_scene(path)
+    name = name_scene(path)
     name = f"{name}-photo" if name in config.rooms() else name
     given = {"camera": config.camera} if config.camera else {}
     if path.is_dir():
@@ -284,7 +284,7 @@ def of_picture(config: Any) -> Any:
     return config.model_copy(update={"experiment": config.experiment.model_copy(update=only)})
 
 
-def _name_scene(path: Path) -> str:
+def name_scene(path: Path) -> str:
     """The name of the scene of a picture or a recording."""
     whole = Path(os.path.normpath(path.absolute()))
     if path.is_dir():

@@ -121,7 +121,7 @@ def test_an_unknown_command_is_told_with_the_nearest(
     with pytest.raises(SystemExit):
         main("stages.tables", {"results": "...", "report": "..."})
     assert capsys.readouterr().err.startswith(
-        "error: stages.tables has no command 'resluts'. Fix: did you mean 'results'?\n"
+        "error: roomkin tables has no command 'resluts'. Fix: did you mean 'results'?\n"
     )
 
 

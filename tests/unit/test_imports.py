@@ -64,7 +64,7 @@ def test_a_command_and_the_api_load_what_is_listed_and_no_more() -> None:
     groups["mani_skill matplotlib open3d sapien torch"].append("plugins.api:write_film")
     groups[""] = sorted(modules.values())
     groups["--help"] = sorted({home.replace("/", ".") for home in commands.values()})
-    groups["--help"] += ["stages.config", "stages.contracts", "plugins.ops.doctor"]
+    groups["--help"] += ["roomkin", "stages.config", "stages.contracts", "plugins.ops.doctor"]
     looked = subprocess.run(
         [sys.executable, "-c", LOOK], input=json.dumps(groups), cwd=ROOT, capture_output=True, text=True
     )

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import pytest
 import yaml
 
+from roomkin.homes import COMMANDS, ELSEWHERE, list_homes
 from stages.config.inputs import INPUT_FILES
 from stages.config.model import load, merge_mappings, with_defaults
 from stages.config.packages import home_of
@@ -25,7 +26,7 @@ PAGES = [ROOT / "README.md", ROOT / "config/README.md", *GUIDES]
 FENCE = re.compile(
     r"(?:^ *<!-- not run: (?P<why>[^\n]+) -->\n)?^ *```(?P<kind>\w*)\n(?P<text>.*?)^ *```", re.DOTALL | re.MULTILINE
 )
-OURS = re.compile(r"^(\.venv/bin/)?(snakemake|python -m stages\.|make |source )")
+OURS = re.compile(r"^(\.venv/bin/)?(snakemake|roomkin |python -m stages\.|make |source )")
 # The package of docs/extending.md is run by tests/unit/test_extending.py; a page's room file by the test of that room.
 PACKAGE = re.compile("my_package|colors")
 
@@ -102,6 +103,8 @@ def test_a_command_is_one(folder: Path, page: str, line: str) -> None:
         assert re.search(rf"^{words[1]}:", (ROOT / "Makefile").read_text(), re.MULTILINE)
     elif words[0] == "python":
         check_flags(words[2], words[3:])
+    elif words[0] == "roomkin":
+        check_roomkin(words[1:])
     elif words[0] == "snakemake":
         check_snakemake(folder, words[1:])
     else:
@@ -119,6 +122,13 @@ def check_flags(package: str, words: list[str]) -> None:
     given = {word for word in words if word.startswith("--")}
     known, needed = read_flags(folder, words[0])
     assert "--help" in given or (given <= known and needed <= given), (sorted(given - known), sorted(needed - given))
+
+
+def check_roomkin(words: list[str]) -> None:
+    """A word of its own, or a stage or package with its command; with flags that it takes."""
+    word, *given = words
+    module, *command = ELSEWHERE.get(word, ["roomkin", word]) if word in COMMANDS else [list_homes()[word]]
+    check_flags(module, [*command, *given])
 
 
 def check_snakemake(folder: Path, words: list[str]) -> None:

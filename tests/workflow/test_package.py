@@ -53,10 +53,10 @@ def names(folder: str) -> set[str]:
     return {file.as_posix() for file in files if not {"__pycache__", "tests"} & set(file.parts)}
 
 
-def test_the_wheel_has_every_file_of_stages_and_plugins(built: Path) -> None:
+def test_the_wheel_has_every_file_of_roomkin_stages_and_plugins(built: Path) -> None:
     (wheel,) = built.glob("*.whl")
     inside = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
-    assert inside == names("stages") | names("plugins")
+    assert inside == names("roomkin") | names("stages") | names("plugins")
 
 
 def test_one_version(built: Path) -> None:

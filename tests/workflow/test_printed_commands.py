@@ -10,7 +10,7 @@ import pytest
 from plugins.report import overview, picture, report
 from stages.contracts import Camera, write_json
 from tests.unit.tables_results import CAMERA, VIEWER, declared, write_run
-from tests.workflow.test_documents import check_flags, check_snakemake, folder  # noqa: F401
+from tests.workflow.test_documents import check_flags, check_roomkin, check_snakemake, folder  # noqa: F401
 from tests.workflow.workspace import ROOT
 
 PRINTED = re.compile(r"<(?:code|pre)[^>]*>(.*?)</(?:code|pre)>", re.DOTALL)
@@ -35,7 +35,7 @@ def printed(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
     lines = [
         re.sub(r"\s+# .*", "", line).strip() for text in texts for line in re.sub(r"\n--", " --", text).splitlines()
     ]
-    return {" ".join(line.split()) for line in lines if re.match(r"(python|snakemake|make) ", line)}
+    return {" ".join(line.split()) for line in lines if re.match(r"(python|roomkin|snakemake|make) ", line)}
 
 
 def test_a_command_on_a_page_is_one(printed: set[str], folder: Path) -> None:  # noqa: F811
@@ -44,6 +44,8 @@ def test_a_command_on_a_page_is_one(printed: set[str], folder: Path) -> None:  #
     for program, *rest in words:
         if program == "python":
             check_flags(rest[1], rest[2:])
+        elif program == "roomkin":
+            check_roomkin(rest)
         elif program == "snakemake":
             check_snakemake(folder, rest)
         else:

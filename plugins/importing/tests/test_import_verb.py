@@ -210,8 +210,8 @@ def test_one_file_is_enough_and_parts_alone_are_none(tmp_path: Path) -> None:
     (sim / "box/part.xml").write_text("<mujocoinclude><geom type='box' size='.3 .2 .1'/></mujocoinclude>")
     model = "<mujoco><worldbody><body><include file='box/part.xml'/></body></worldbody></mujoco>"
     (sim / "wooden_box.xml").write_text(model)
-    run(sim / "wooden_box.xml", out=sim / "mine")
-    told = json.loads((sim / "mine/box/wooden_box/asset.json").read_text())
+    run(sim / "wooden_box.xml")
+    told = json.loads(Path("imported/wooden_box/box/wooden_box/asset.json").read_text())
     assert (told["category"], told["provenance"]) == ("box", "imported: wooden_box.xml")
     with refused("E-MODELS-NONE"):
         run(sim / "box", out=tmp_path / "mine")
