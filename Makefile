@@ -17,7 +17,7 @@ FOLDER := $(call quoted,$(IN))
 
 # A study in a folder that holds results/ (IN), which finds committed assets in config/; its tables, with the commit that they name.
 RUN := $(BIN)/snakemake --cores $(CORES) --keep-going --directory $(FOLDER) --configfile config.yaml
-RESULTS := $(BIN)/python -m plugins.studies results --results $(FOLDER)/results --benchmarks $(FOLDER)/benchmarks --commit "$(COMMIT)" --configs config.yaml
+RESULTS := $(BIN)/python -m roomkin.plugins.studies results --results $(FOLDER)/results --benchmarks $(FOLDER)/benchmarks --commit "$(COMMIT)" --configs config.yaml
 # Table 3 by config/study/roles.yaml, on and on after what fails.
 STUDY := -$(RUN) config/study/table3.yaml config/study/roles.yaml --
 SETS := twin cousins_8 cousins_2 cousins_4 all
@@ -28,7 +28,7 @@ help: ## list the commands
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
 setup: $(STAMP) ## create .venv from the pinned requirements, make sure a Vulkan device exists
-	@$(BIN)/python -m plugins.ops.doctor --mend
+	@$(BIN)/python -m roomkin.plugins.ops.doctor --mend
 
 $(STAMP): envs/requirements.txt envs/setup.sh pyproject.toml
 	@bash envs/setup.sh
@@ -68,7 +68,7 @@ folder:
 	@[ $(FOLDER) = . ] || { mkdir -p $(FOLDER) && ln -sfn $(HERE)/config $(FOLDER)/config; }
 
 weights: $(STAMP) ## fetch the weights of the four networks that look at pictures, 300 MB, once; a line says if that fails
-	@$(BIN)/python -m stages.perception fetch
+	@$(BIN)/python -m roomkin.stages.perception fetch
 
 picture: setup ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
 	@$(BIN)/python -m roomkin picture --cores $(CORES) $(call typed,,RGB) $(call typed,--depth,DEPTH) $(call typed,--intrinsics,INTRINSICS)
@@ -91,7 +91,7 @@ test-cluster: setup slurm ## the workflow on a real SLURM of two nodes on this m
 	$(BIN)/python -m pytest -m cluster $(CLUSTER)
 
 verify: $(STAMP) ## are all files of results/ as the run left them? what is broken, and what makes it anew; IN: another folder
-	@$(BIN)/python -m plugins.ops verify --results $(FOLDER)/results
+	@$(BIN)/python -m roomkin.plugins.ops verify --results $(FOLDER)/results
 
 lint: $(STAMP) ## ruff, snakefmt, snakemake --lint
 	$(BIN)/ruff check .
@@ -103,7 +103,7 @@ types: $(STAMP) ## mypy
 	$(BIN)/mypy
 
 config: $(STAMP) ## write config/schema.json and docs/config.md from the typed models
-	$(BIN)/python -m stages.config
+	$(BIN)/python -m roomkin.stages.config
 
 reference: $(STAMP) ## write docs/architecture.md and its pictures from the code
 	$(BIN)/python -m reference
@@ -115,4 +115,4 @@ containers: $(STAMP) ## build an image with podman and run a real rule in it
 	bash containers/check.sh
 
 clean: ## delete everything a run wrote; the environment stays, and what you drew and corrected (hand/)
-	@$(BIN)/python -m plugins.ops clean
+	@$(BIN)/python -m roomkin.plugins.ops clean

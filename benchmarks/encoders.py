@@ -21,16 +21,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.tables import table
-from stages.config.matching import EncoderOptions, MatchingConfig
-from stages.config.model import read_files
-from stages.contracts import Library, Truth, read_json
-from stages.geometry.crop import View
-from stages.matching.candidates import find_candidates
-from stages.matching.encoders import EXTRA_COLUMNS, PatchEncoder, column_weights, encode_rows, make_encoder
-from stages.matching.ranking import Query, apply_weights, compare, pool_patches
-from stages.matching.scene import Scene
-from stages.matching.snapshots import Snapshots
-from stages.matching.text_encoders import make_text_encoder
+from roomkin.stages.config.matching import EncoderOptions, MatchingConfig
+from roomkin.stages.config.model import read_files
+from roomkin.stages.contracts import Library, Truth, read_json
+from roomkin.stages.geometry.crop import View
+from roomkin.stages.matching.candidates import find_candidates
+from roomkin.stages.matching.encoders import EXTRA_COLUMNS, PatchEncoder, column_weights, encode_rows, make_encoder
+from roomkin.stages.matching.ranking import Query, apply_weights, compare, pool_patches
+from roomkin.stages.matching.scene import Scene
+from roomkin.stages.matching.snapshots import Snapshots
+from roomkin.stages.matching.text_encoders import make_text_encoder
 
 CONFIG = [Path("config.yaml"), Path("config/study/table2.yaml")]
 Rows = NDArray[np.float16]

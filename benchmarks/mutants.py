@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from stages.config.code import ROOTS, closure
+from roomkin.stages.config.code import ROOTS, closure
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 300  # seconds for the tests of one mutant, also beside other work

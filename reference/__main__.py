@@ -8,7 +8,7 @@ from reference import data, rooms
 ARCHITECTURE = """\
 # Architecture
 
-A stage is a command line, `python -m stages.<stage> <command>`, that reads files and writes files. Snakemake calls it
+A stage is a command line, `roomkin <stage> <command>`, that reads files and writes files. Snakemake calls it
 by a rule; it knows nothing of Snakemake, and of other stages only their files. This page is written from the code by
 `make reference`.
 

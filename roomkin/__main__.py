@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from roomkin.homes import COMMANDS, ELSEWHERE, describe, list_homes
-from stages.cli import main
+from roomkin.stages.cli import main
 
 
 def start() -> None:

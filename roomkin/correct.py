@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from stages.config.inputs import describe_missing, scene_of_folder
-from stages.config.packages import load_command
-from stages.config.pictures import name_scene
-from stages.contracts.errors import InputError, suggest_nearest
+from roomkin.stages.config.inputs import describe_missing, scene_of_folder
+from roomkin.stages.config.packages import load_command
+from roomkin.stages.config.pictures import name_scene
+from roomkin.stages.contracts.errors import InputError, suggest_nearest
 
 
 def run(

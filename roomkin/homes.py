@@ -4,7 +4,7 @@ import ast
 import re
 from pathlib import Path
 
-from stages.plugins import PACKAGES
+from roomkin.stages.plugins import PACKAGES
 
 COMMANDS = {
     "picture": "a picture of yours: what it shows, scenes of cousins, a page of them",
@@ -14,7 +14,7 @@ COMMANDS = {
     "check": "what this machine lacks, and what mends it",
     "completion": "for the Tab key of bash and zsh",
 }
-ELSEWHERE = {"import": ["plugins.importing", "import"], "check": ["plugins.ops.doctor"]}
+ELSEWHERE = {"import": ["roomkin.plugins.importing", "import"], "check": ["roomkin.plugins.ops.doctor"]}
 
 
 def list_homes() -> dict[str, str]:
@@ -25,7 +25,7 @@ def list_homes() -> dict[str, str]:
 
 
 def list_commands(home: str) -> list[str]:
-    """The commands of a package, `main("stages.matching", {"match": ...})`; none: it has a command line of its own."""
+    """The commands of a package, `main("roomkin.stages.matching", {"match": ...})`; none: it has a command line of its own."""
     calls = ast.walk(ast.parse(_read(home, "__main__.py")))
     tables = [node.args[1] for node in calls if isinstance(node, ast.Call) and len(node.args) == 2]
     return [name for table in tables if isinstance(table, ast.Dict) for name in ast.literal_eval(table)]

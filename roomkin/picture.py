@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
+from roomkin.stages.config.packages import load_command
+from roomkin.stages.contracts.errors import file_missing
 from roomkin.workflow import run_snakemake
-from stages.config.packages import load_command
-from stages.contracts.errors import file_missing
 
 
 def run(

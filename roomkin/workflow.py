@@ -4,8 +4,8 @@ import os
 import sys
 from pathlib import Path
 
-from stages.contracts.errors import InputError
-from stages.plugins import PACKAGES
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.plugins import PACKAGES
 
 HOME = PACKAGES.parent  # of Snakefile, rules and config
 

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
-from stages.contracts.section import SEEDS
+from roomkin.stages.contracts.section import SEEDS
 
 T = TypeVar("T")
 SECONDS = 5.0  # from one line of progress to the next
@@ -30,8 +30,8 @@ def main(package: str, commands: dict[str, str], more: str = "", also: Iterable[
         more: what --help says below them.
         also: words beside the commands that a misspelt one may have meant.
     """
-    from stages.contracts.errors import InputError, suggest_nearest
-    from stages.contracts.system import line_of, start_job
+    from roomkin.stages.contracts.errors import InputError, suggest_nearest
+    from roomkin.stages.contracts.system import line_of, start_job
 
     program = " ".join(dict.fromkeys(["roomkin", package.rpartition(".")[2]]))
     lines = (f"  {command:<12} {text}\n" for command, text in commands.items())
@@ -72,7 +72,7 @@ def find_module(command: str) -> str:
 
 def find_wrong_flag(module: str, given: list[str]) -> str:
     """A flag that a command does not have, or one that it lacks; "" if there is none, or help is wanted."""
-    from stages.contracts.errors import suggest_nearest
+    from roomkin.stages.contracts.errors import suggest_nearest
 
     flags = list_flags(module)
     if not flags or {"-h", "--help"}.intersection(given):
@@ -104,7 +104,7 @@ def with_seeds_checked(run: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(run)
     def run_checked(*args: Any, **flags: Any) -> None:
-        from stages.contracts.errors import InputError
+        from roomkin.stages.contracts.errors import InputError
 
         for name, value in flags.items():
             if name.endswith("seed") and value is not None and not 0 <= value < SEEDS:

@@ -4,8 +4,8 @@ import os
 import sys
 from pathlib import Path
 
-from plugins.annotator.annotate import run as annotate
-from stages.config.model import load
+from roomkin.plugins.annotator.annotate import run as annotate
+from roomkin.stages.config.model import load
 
 
 def run(image: Path, /, *, depth: Path | None = None, camera: str | None = None) -> None:

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.boxes import FACES, UprightBox, corners
-from stages.perception.camera.metrology import View, WallPlane
-from stages.perception.camera.perspective import find_weak_lines, horizon, vanishing_point
-from stages.perception.drawing.project import Project
-from stages.perception.drawing.solve import Solved
+from roomkin.stages.geometry.boxes import FACES, UprightBox, corners
+from roomkin.stages.perception.camera.metrology import View, WallPlane
+from roomkin.stages.perception.camera.perspective import find_weak_lines, horizon, vanishing_point
+from roomkin.stages.perception.drawing.project import Project
+from roomkin.stages.perception.drawing.solve import Solved
 
 GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
 Answer = dict[str, Any]

@@ -10,20 +10,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.annotator.cures import Cure
-from plugins.report.doubts import collect_doubts, measure_side
-from plugins.report.snapshots import Snapshots, views_of
-from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
-from stages.contracts.corrections import Correction
-from stages.contracts.cousins import ObjectCousins
-from stages.contracts.doubt import Doubt, DoubtKind
-from stages.contracts.generated import PlacedObject
-from stages.contracts.objects import SceneObject, Wall
-from stages.contracts.types import Pixel
-from stages.extraction.reflections import NICHE
-from stages.geometry.boxes import FACES, UprightBox, corners, extents, front_corners, is_behind
-from stages.geometry.cameras import project
-from stages.geometry.frames import invert_transform, transform_points
+from roomkin.plugins.annotator.cures import Cure
+from roomkin.plugins.report.doubts import collect_doubts, measure_side
+from roomkin.plugins.report.snapshots import Snapshots, views_of
+from roomkin.stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
+from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.cousins import ObjectCousins
+from roomkin.stages.contracts.doubt import Doubt, DoubtKind
+from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.objects import SceneObject, Wall
+from roomkin.stages.contracts.types import Pixel
+from roomkin.stages.extraction.reflections import NICHE
+from roomkin.stages.geometry.boxes import FACES, UprightBox, corners, extents, front_corners, is_behind
+from roomkin.stages.geometry.cameras import project
+from roomkin.stages.geometry.frames import invert_transform, transform_points
 
 MAX_MODELS = 24  # models that can be chosen, nearest first
 

@@ -10,9 +10,9 @@ from pathlib import Path
 from threading import Thread
 from typing import Any
 
-from stages.contracts.errors import InputError
+from roomkin.stages.contracts.errors import InputError
 
-ENDED = re.compile(r"\[ *(\d+)/(\d+)\] ")  # a job, as `stages.run_log` prints it
+ENDED = re.compile(r"\[ *(\d+)/(\d+)\] ")  # a job, as `roomkin.stages.run_log` prints it
 COUNT = re.compile(r"(\d+) jobs, a line as each ends")
 PATIENCE = 10.0  # seconds that Snakemake has to end its jobs
 

@@ -12,13 +12,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from plugins.annotator.correcting import Correcting
-from plugins.annotator.kept import OutdatedError
-from plugins.annotator.making import Making
-from plugins.annotator.session import Session
-from stages.contracts.errors import InputError, explain
-from stages.contracts.files import first_error
-from stages.contracts.system import line_of
+from roomkin.plugins.annotator.correcting import Correcting
+from roomkin.plugins.annotator.kept import OutdatedError
+from roomkin.plugins.annotator.making import Making
+from roomkin.plugins.annotator.session import Session
+from roomkin.stages.contracts.errors import InputError, explain
+from roomkin.stages.contracts.files import first_error
+from roomkin.stages.contracts.system import line_of
 
 HERE = Path(__file__).resolve().parent
 SCRIPTS = tuple(sorted(path.name for path in HERE.glob("*.js")))

@@ -10,25 +10,25 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
-from plugins.annotator.clicking import OUTLINES, Clicked
-from plugins.annotator.described import describe_room
-from plugins.annotator.fronts import jpeg, rectify_front
-from plugins.annotator.kept import Kept
-from plugins.annotator.last_run import find_picture
-from stages.config.inputs import scene_of_folder
-from stages.contracts import Camera, InputError, read_json
-from stages.contracts.hand import PROJECT, find_hand_file
-from stages.contracts.types import Pixel
-from stages.geometry.boxes import extents, front_corners
-from stages.perception.camera.perspective import propose, usual_focal
-from stages.perception.classification.propose import Names
-from stages.perception.drawing.outlined import propose_box, support_at, weigh_names
-from stages.perception.drawing.paint import find_hidden, paint
-from stages.perception.drawing.project import DrawnObject, Project
-from stages.perception.drawing.solve import Solved
-from stages.perception.drawing.write import finish_drawing, side_angle, tint_picture, write_folder
-from stages.perception.read.photo import Photo
-from stages.perception.write import check_folder, is_clone, to_run
+from roomkin.plugins.annotator.clicking import OUTLINES, Clicked
+from roomkin.plugins.annotator.described import describe_room
+from roomkin.plugins.annotator.fronts import jpeg, rectify_front
+from roomkin.plugins.annotator.kept import Kept
+from roomkin.plugins.annotator.last_run import find_picture
+from roomkin.stages.config.inputs import scene_of_folder
+from roomkin.stages.contracts import Camera, InputError, read_json
+from roomkin.stages.contracts.hand import PROJECT, find_hand_file
+from roomkin.stages.contracts.types import Pixel
+from roomkin.stages.geometry.boxes import extents, front_corners
+from roomkin.stages.perception.camera.perspective import propose, usual_focal
+from roomkin.stages.perception.classification.propose import Names
+from roomkin.stages.perception.drawing.outlined import propose_box, support_at, weigh_names
+from roomkin.stages.perception.drawing.paint import find_hidden, paint
+from roomkin.stages.perception.drawing.project import DrawnObject, Project
+from roomkin.stages.perception.drawing.solve import Solved
+from roomkin.stages.perception.drawing.write import finish_drawing, side_angle, tint_picture, write_folder
+from roomkin.stages.perception.read.photo import Photo
+from roomkin.stages.perception.write import check_folder, is_clone, to_run
 
 UNSEEN = "nothing of it would be seen in the picture: it lies behind something, or outside; it is left out"
 UNCOUNTED = "opens: how many doors and drawers has it?"

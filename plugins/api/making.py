@@ -10,16 +10,16 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from stages.config.inputs import HOLDS, describe_missing, scene_of_folder
-from stages.config.model import Config, load, with_defaults
-from stages.config.other_pictures import read_digest
-from stages.config.packages import load_command, shards_of
-from stages.config.reads import options_of
-from stages.config.sizes import fill_counts
-from stages.contracts.corrections import CORRECTIONS, read_corrections
-from stages.contracts.errors import InputError, suggest_nearest
-from stages.contracts.hand import digest_of_picture, find_hand_file
-from stages.contracts.library_folder import AssetFolders
+from roomkin.stages.config.inputs import HOLDS, describe_missing, scene_of_folder
+from roomkin.stages.config.model import Config, load, with_defaults
+from roomkin.stages.config.other_pictures import read_digest
+from roomkin.stages.config.packages import load_command, shards_of
+from roomkin.stages.config.reads import options_of
+from roomkin.stages.config.sizes import fill_counts
+from roomkin.stages.contracts.corrections import CORRECTIONS, read_corrections
+from roomkin.stages.contracts.errors import InputError, suggest_nearest
+from roomkin.stages.contracts.hand import digest_of_picture, find_hand_file
+from roomkin.stages.contracts.library_folder import AssetFolders
 
 
 def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Path:

@@ -13,14 +13,22 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from plugins.claims import power
-from plugins.claims.assets import find_judged_set
-from stages.config.tables import TablesConfig
-from stages.tables.cells import ROW
-from stages.tables.intervals import Side, pair_sides, quantiles, resample_rates, score_interval, side_of, unit_rates
-from stages.tables.order import SKILL, SPLITS, set_key
-from stages.tables.statistics import Interval
-from stages.tables.table3 import BASELINE, RANDOMISED, TRAINED, UNSEEN
+from roomkin.plugins.claims import power
+from roomkin.plugins.claims.assets import find_judged_set
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.tables.cells import ROW
+from roomkin.stages.tables.intervals import (
+    Side,
+    pair_sides,
+    quantiles,
+    resample_rates,
+    score_interval,
+    side_of,
+    unit_rates,
+)
+from roomkin.stages.tables.order import SKILL, SPLITS, set_key
+from roomkin.stages.tables.statistics import Interval
+from roomkin.stages.tables.table3 import BASELINE, RANDOMISED, TRAINED, UNSEEN
 
 NOT_WORSE = 0.10  # as well as the twin on the twin: not worse by more than this
 MIN_RUNS = 2  # seeds of a method, a side; one run shows nothing about training again

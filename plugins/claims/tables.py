@@ -5,19 +5,19 @@ from typing import Any
 
 import pandas as pd
 
-from plugins.claims import power
-from plugins.claims.claims import COLLAPSED, MIN_RUNS, MIN_SPREAD_RUNS, NOT_WORSE
-from stages.config.tables import TablesConfig
-from stages.contracts.words import count
-from stages.tables.markup import Table, read_notes
-from stages.tables.methods import Kinds
-from stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title
-from stages.tables.rows import records
-from stages.tables.scene_tables import format_confidence
-from stages.tables.table3 import BASELINE, RANDOMISED
-from stages.tables.text import NOT_RUN, NOTHING, cell, interval, number, percent, points
+from roomkin.plugins.claims import power
+from roomkin.plugins.claims.claims import COLLAPSED, MIN_RUNS, MIN_SPREAD_RUNS, NOT_WORSE
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts.words import count
+from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.methods import Kinds
+from roomkin.stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.scene_tables import format_confidence
+from roomkin.stages.tables.table3 import BASELINE, RANDOMISED
+from roomkin.stages.tables.text import NOT_RUN, NOTHING, cell, interval, number, percent, points
 
-PACKAGE = "plugins.claims"  # has their notes
+PACKAGE = "roomkin.plugins.claims"  # has their notes
 SENTENCES = {
     "equal": "On the twin itself, {ours} do as well as {theirs}",
     "unseen": "On unseen assets, {ours} do better than {theirs}",

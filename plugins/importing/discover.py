@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from plugins.importing.inside import read_text_inside
-from plugins.importing.mjcf_file import root_tag
-from plugins.importing.naming import is_common, name_model, read_category, strip_name
-from plugins.importing.sandbox import run_in_fork
-from stages.contracts.categories import category_in
-from stages.contracts.errors import escape_control
-from stages.contracts.words import count, list_plain_words
+from roomkin.plugins.importing.inside import read_text_inside
+from roomkin.plugins.importing.mjcf_file import root_tag
+from roomkin.plugins.importing.naming import is_common, name_model, read_category, strip_name
+from roomkin.plugins.importing.sandbox import run_in_fork
+from roomkin.stages.contracts.categories import category_in
+from roomkin.stages.contracts.errors import escape_control
+from roomkin.stages.contracts.words import count, list_plain_words
 
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")

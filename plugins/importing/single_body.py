@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from stages.articulated.mesh_reader import convex_pieces, load_meshes
-from stages.articulated.model import Link, Matrix, RobotModel, Visual
-from stages.contracts.errors import InputError
-from stages.geometry.solids import MINIMUM_INERTIA, board_mass
+from roomkin.stages.articulated.mesh_reader import convex_pieces, load_meshes
+from roomkin.stages.articulated.model import Link, Matrix, RobotModel, Visual
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.geometry.solids import MINIMUM_INERTIA, board_mass
 
 GROUND_HEIGHT, GROUND_AREA = (
     0.1,

@@ -4,11 +4,11 @@ import shutil
 import sys
 from pathlib import Path
 
-from stages.contracts import InputError
-from stages.contracts.corrections import CORRECTIONS
-from stages.contracts.errors import escape_control
-from stages.contracts.hand import MADE, PROJECT, find_hand_file, is_by_hand
-from stages.contracts.words import count
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.corrections import CORRECTIONS
+from roomkin.stages.contracts.errors import escape_control
+from roomkin.stages.contracts.hand import MADE, PROJECT, find_hand_file, is_by_hand
+from roomkin.stages.contracts.words import count
 
 WRITTEN = ("results", "logs", ".snakemake")  # by a run, in its folder; and tables of times in benchmarks/
 

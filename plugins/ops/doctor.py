@@ -159,21 +159,19 @@ def _answers(name: str) -> bool:
 def check_weights() -> list[Check]:
     """The published weights that look at pictures, at their default places: optional."""
     try:
-        from stages.config.perception import PerceptionSection
-        from stages.config.weights import list_lacking
+        from roomkin.stages.config.perception import PerceptionSection
+        from roomkin.stages.config.weights import list_lacking
     except ImportError:
         return [Check("packages", False, "not to be imported", needed=False)]
     section, lacking = PerceptionSection(), list_lacking()
-    found = f"no {', '.join(lacking)}: python -m stages.perception fetch (200 MB)"
+    found = f"no {', '.join(lacking)}: roomkin perception fetch (200 MB)"
     small = Check("weights", not lacking, found if lacking else "MobileSAM, SSD MobileNet v2, CLIP", needed=False)
     lacking = section.list_lacking()
     files = {key: Path(folder, "model.safetensors") for key, folder in section.networks().items() if key not in lacking}
     said = [f"{key} {file.stat().st_size / 1e9:.1f} GB" for key, file in files.items()]
     told = [f"weights: {', '.join(said)}, one in memory at a time"] if said else []
     if lacking:
-        told.append(
-            f"no weights of {', '.join(lacking)}: python -m stages.perception fetch --networks, or draw by hand"
-        )
+        told.append(f"no weights of {', '.join(lacking)}: roomkin perception fetch --networks, or draw by hand")
     return [small, Check("networks", not lacking, "; ".join(told), needed=False)]
 
 

@@ -6,14 +6,14 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from plugins.ops.finished import METADATA, find_changed, list_files, mend, read_metadata
-from stages.contracts.__main__ import parse
-from stages.contracts.checksums import read_recorded
-from stages.contracts.errors import InputError, escape_control
-from stages.contracts.kinds import KINDS
-from stages.contracts.system import line_of
+from roomkin.plugins.ops.finished import METADATA, find_changed, list_files, mend, read_metadata
+from roomkin.stages.contracts.__main__ import parse
+from roomkin.stages.contracts.checksums import read_recorded
+from roomkin.stages.contracts.errors import InputError, escape_control
+from roomkin.stages.contracts.kinds import KINDS
+from roomkin.stages.contracts.system import line_of
 
-CHECK = re.compile(r"python -m stages\.contracts --refuse ([^&|)]+)")
+CHECK = re.compile(r"python -m roomkin\.stages\.contracts --refuse ([^&|)]+)")
 
 
 def run(*, results: Path = Path("results")) -> None:

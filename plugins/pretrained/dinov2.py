@@ -8,10 +8,10 @@ from pathlib import Path
 import torch
 from torch import Tensor, nn
 
-from stages.config.weights import DINOV2, check_folder, find_weights
-from stages.contracts import InputError
-from stages.contracts.errors import explain
-from stages.perception.classification.clip import Layer, read_published
+from roomkin.stages.config.weights import DINOV2, check_folder, find_weights
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.errors import explain
+from roomkin.stages.perception.classification.clip import Layer, read_published
 
 HEAD, EPSILON = 64, 1e-6  # numbers a head of attention; of the normalisations; in every size of it
 PLACES = "embeddings.position_embeddings"

@@ -6,7 +6,7 @@ import time
 
 from snakemake.settings.types import ExecMode
 
-from plugins.report.made import list_causes, name_pages
+from roomkin.plugins.report.made import list_causes, name_pages
 
 STARTED = time.time()
 

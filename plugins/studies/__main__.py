@@ -1,10 +1,10 @@
-"""`python -m plugins.studies COMMAND --help`."""
+"""`roomkin studies COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
     main(
-        "plugins.studies",
+        "roomkin.plugins.studies",
         {
             "conditions": "success in another simulator, under noise, ..., minus the usual",
             "objects": "what cousins add at each of many objects, and over them",

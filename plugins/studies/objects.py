@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from stages.contracts.errors import InputError
-from stages.contracts.policies import Rollout
-from stages.tables.rows import ONE_TEST, read_rows
-from stages.tables.statistics import t_interval
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.policies import Rollout
+from roomkin.stages.tables.rows import ONE_TEST, read_rows
+from roomkin.stages.tables.statistics import t_interval
 
 ASKED = (("cousins_8", "twin"), ("random_8", "cousins_8"))  # ours minus theirs: cousins or the twin, chance or nearness
 CONFIDENCE = 0.95

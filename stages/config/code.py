@@ -9,7 +9,7 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-from stages import plugins
+from roomkin.stages import plugins
 
 ROOTS = {"stages": Path(__file__).resolve().parents[1], "plugins": plugins.PACKAGES}  # whose code counts
 MODULE_NAME = re.compile(r"""["'](\w+(?:\.\w+)+)(?::\w+)?["']""")  # as text: "stages.x.y" or "stages.x.y:Class"

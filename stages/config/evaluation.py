@@ -4,7 +4,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from stages.contracts.section import NotNegative, Section
+from roomkin.stages.contracts.section import NotNegative, Section
 
 USUAL = "usual"  # how tables call what section `evaluation` says, beside its `conditions`
 

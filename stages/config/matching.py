@@ -7,9 +7,9 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
-from stages.config.packages import with_sections
-from stages.contracts.section import KWARGS_BY_NAME, Section
-from stages.plugins import list_available, shorten_name
+from roomkin.stages.config.packages import with_sections
+from roomkin.stages.contracts.section import KWARGS_BY_NAME, Section
+from roomkin.stages.plugins import list_available, shorten_name
 
 JUDGE = "geometry" if "geometry" in list_available("judges") else "distance"  # the paper's where that package is not
 BLIND = {"priors"}  # judges that look at no picture

@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 
 from pydantic import create_model
 
-from stages import plugins
-from stages.contracts.errors import InputError, suggest_nearest
-from stages.contracts.section import Section
+from roomkin.stages import plugins
+from roomkin.stages.contracts.errors import InputError, suggest_nearest
+from roomkin.stages.contracts.section import Section
 
 C = TypeVar("C", bound=Section)
 Objects = Callable[[], Mapping[str, Mapping[str, bool]]]
@@ -147,4 +147,8 @@ def load_command(stage: str, name: str) -> Callable[..., None]:
 
 def home_of(stage: str) -> str:
     """The Python package of a stage's commands: `stages.<stage>`, or that of a package beside the core."""
-    return f"plugins.{stage}" if f"plugins.{stage}" in plugins.list_shipped() else f"stages.{stage}"
+    return (
+        f"roomkin.plugins.{stage}"
+        if f"roomkin.plugins.{stage}" in plugins.list_shipped()
+        else f"roomkin.stages.{stage}"
+    )

@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING, Any
 
-from stages.config.weights import DINOV2, FOLDER
+from roomkin.stages.config.weights import DINOV2, FOLDER
 
 if TYPE_CHECKING:
-    from stages.config.model import Config
+    from roomkin.stages.config.model import Config
 
 
 def list_unfetched(config: "Config") -> list[str]:

@@ -4,7 +4,7 @@ import hashlib
 from pathlib import Path
 from typing import NamedTuple
 
-from stages.contracts.errors import InputError
+from roomkin.stages.contracts.errors import InputError
 
 FOLDER = Path(__file__).resolve().parents[2] / "weights" / "eyes"  # beside the code, wherever a run works
 
@@ -106,7 +106,7 @@ def find_weights(weights: Weights, folder: Path = FOLDER) -> Path:
     """
     if not is_there(weights, folder):
         what = f"is not there, or is not the published one of {weights.size} bytes."
-        raise InputError(folder / weights.name, what, "python -m stages.perception fetch", code="E-WEIGHTS-MISSING")
+        raise InputError(folder / weights.name, what, "roomkin perception fetch", code="E-WEIGHTS-MISSING")
     return folder / weights.name
 
 

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.arrays import read_npz
-from stages.contracts.errors import InputError
-from stages.contracts.images import FOLDER
-from stages.contracts.types import LARGEST
-from stages.geometry.depth_marks import find_marks, remove_marks
-from stages.geometry.gravity import is_upside_down
-from stages.geometry.inverse_depth import is_inverse, is_zbuffer
+from roomkin.stages.contracts.arrays import read_npz
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.images import FOLDER
+from roomkin.stages.contracts.types import LARGEST
+from roomkin.stages.geometry.depth_marks import find_marks, remove_marks
+from roomkin.stages.geometry.gravity import is_upside_down
+from roomkin.stages.geometry.inverse_depth import is_inverse, is_zbuffer
 
 NEAREST = 0.1  # metres: the median depth of a picture of a room is between this and `LARGEST`
 DEPTH_UNITS = (100, 256, 512, 1000, 4000, 5000, 6553.5, 10000)  # numbers that stand for a metre in data sets

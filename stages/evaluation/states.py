@@ -7,8 +7,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from stages.config.evaluation import SkillOptions
-from stages.contracts.policies import TaskAsset, TaskAssets
+from roomkin.stages.config.evaluation import SkillOptions
+from roomkin.stages.contracts.policies import TaskAsset, TaskAssets
 
 Purpose = Literal["roles", "test", "validation", "selection"]
 Start = tuple[TaskAsset, int]

@@ -4,11 +4,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from stages.contracts.categories import sizes_of
-from stages.contracts.category import USUAL_SPREAD
-from stages.contracts.depth import DEPTH_UNITS
-from stages.contracts.doubt import DoubtKind
-from stages.contracts.objects import SceneObject
+from roomkin.stages.contracts.categories import sizes_of
+from roomkin.stages.contracts.category import USUAL_SPREAD
+from roomkin.stages.contracts.depth import DEPTH_UNITS
+from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.objects import SceneObject
 
 LOWEST, HIGHEST = DoubtKind.CAMERA_HEIGHT.bounds
 # What makes a camera seem higher, or lower, than it is, and by what its height is to be multiplied then.

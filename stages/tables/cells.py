@@ -5,9 +5,9 @@ from typing import Any
 
 import pandas as pd
 
-from stages.config.tables import TablesConfig
-from stages.tables.intervals import difference_interval, pair_sides, rate_interval, rate_of, side_of
-from stages.tables.order import SKILL, set_key
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.tables.intervals import difference_interval, pair_sides, rate_interval, rate_of, side_of
+from roomkin.stages.tables.order import SKILL, set_key
 
 ROW = ["target", "task", "policy"]
 CELL = ["target", "policy", "test_asset", "training_set"]

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from benchmarks.encoders import Change, Kept, drain, read_rivals, to_unit
-from stages.config.matching import EncoderOptions
-from stages.matching.encoders import EXTRA_COLUMNS, make_encoder
+from roomkin.stages.config.matching import EncoderOptions
+from roomkin.stages.matching.encoders import EXTRA_COLUMNS, make_encoder
 from tests.unit.matching_data import view_of_box
 
 

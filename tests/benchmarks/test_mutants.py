@@ -17,7 +17,7 @@ def share(a, b):
     return a / b if b else 0.5
 """
 TESTS = """
-from stages.thing import share
+from roomkin.stages.thing import share
 
 def test_share():
     assert share(3, 2) == 1.5
@@ -64,9 +64,9 @@ def test_the_same_seed_draws_the_same(repository: Path) -> None:
 
 def test_tests_are_found_by_imports_and_names() -> None:
     found = find_tests(ROOT)
-    first = [path.name for path in found["stages.articulated.urdf_tree"][:2]]
+    first = [path.name for path in found["roomkin.stages.articulated.urdf_tree"][:2]]
     assert first == ["test_articulated.py", "test_malformed_urdf.py"]
-    assert found["stages.matching.normals"][0].name == "test_matching_encoders.py"
+    assert found["roomkin.stages.matching.normals"][0].name == "test_matching_encoders.py"
 
 
 def test_a_mutant_is_noticed_survives_or_has_no_end(repository: Path, monkeypatch: pytest.MonkeyPatch) -> None:

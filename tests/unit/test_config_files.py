@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from stages.cli import main
-from stages.config.__main__ import show
-from stages.config.files import check, read_file
-from stages.config.model import read_files
+from roomkin.stages.cli import main
+from roomkin.stages.config.__main__ import show
+from roomkin.stages.config.files import check, read_file
+from roomkin.stages.config.model import read_files
 from tests.refusals import refused
 from tests.workflow.workspace import ROOT, dry_run, make
 
@@ -119,7 +119,7 @@ def test_an_unknown_command_is_told_with_the_nearest(
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["tables", "resluts"])
     with pytest.raises(SystemExit):
-        main("stages.tables", {"results": "...", "report": "..."})
+        main("roomkin.stages.tables", {"results": "...", "report": "..."})
     assert capsys.readouterr().err.startswith(
         "error: roomkin tables has no command 'resluts'. Fix: did you mean 'results'?\n"
     )
@@ -149,9 +149,9 @@ def test_every_key_of_a_run_is_shown(tmp_path: Path, capsys: pytest.CaptureFixtu
 @pytest.mark.parametrize("words", [(), ("show_all",), ("--help",)])
 def test_no_reference_is_written_beside_a_clone(tmp_path: Path, words: tuple[str, ...]) -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-m", "stages.config", *words]
+    command = [sys.executable, "-m", "roomkin.stages.config", *words]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environment)
     asked = words == ("--help",)
     assert done.returncode == (not asked)
-    assert (done.stdout if asked else done.stderr).startswith("`python -m stages.config`: ")
+    assert (done.stdout if asked else done.stderr).startswith("`roomkin config`: ")
     assert not list(tmp_path.iterdir())

@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 import yaml
 
-from plugins.furniture.facts import counts_text
-from stages.config import categories
-from stages.config.assets import COUNTS, AssetsConfig
-from stages.config.files import read_file
-from stages.config.inputs import INPUT_FILES
-from stages.config.model import load, merge_mappings, with_defaults
-from stages.contracts import InputError
+from roomkin.plugins.furniture.facts import counts_text
+from roomkin.stages.config import categories
+from roomkin.stages.config.assets import COUNTS, AssetsConfig
+from roomkin.stages.config.files import read_file
+from roomkin.stages.config.inputs import INPUT_FILES
+from roomkin.stages.config.model import load, merge_mappings, with_defaults
+from roomkin.stages.contracts import InputError
 from tests.packages import needs
 from tests.refusals import refused
 
@@ -253,12 +253,12 @@ CASES = [
 OF_PACKAGES = [
     (
         ("diffusion",),
-        "{plugins: [plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {gmm_modes: 9}}}}}",
+        "{plugins: [roomkin.plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {gmm_modes: 9}}}}}",
         "training.configs.lite.kwargs.gmm_modes: unknown key. Fix: there are: cloud, cloud_frame",
     ),
     (
         ("diffusion",),
-        "{plugins: [plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {n_action_step: 9}}}}}",
+        "{plugins: [roomkin.plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {n_action_step: 9}}}}}",
         "training.configs.lite.kwargs.n_action_step: unknown key. Fix: did you mean 'n_action_steps'?",
     ),
     (

@@ -9,11 +9,11 @@ import pytest
 import yaml
 from pydantic import BaseModel
 
-from stages.config.matching import MatchingConfig, matching_model
-from stages.config.model import complete, load, merge_mappings, read_files, with_defaults
-from stages.config.packages import find_packages, home_of
-from stages.config.reads import READS, options_of, section_name, stores
-from stages.config.weights import DINOV2, is_there
+from roomkin.stages.config.matching import MatchingConfig, matching_model
+from roomkin.stages.config.model import complete, load, merge_mappings, read_files, with_defaults
+from roomkin.stages.config.packages import find_packages, home_of
+from roomkin.stages.config.reads import READS, options_of, section_name, stores
+from roomkin.stages.config.weights import DINOV2, is_there
 from tests.commands import list_rule_files
 from tests.packages import needs
 

@@ -4,7 +4,7 @@ import json
 import subprocess
 import sys
 
-from stages.cli import find_module
+from roomkin.stages.cli import find_module
 from tests.commands import list_commands
 from tests.packages import needs
 from tests.workflow.workspace import ROOT
@@ -27,8 +27,8 @@ import contextlib, importlib, io, json, os, re, runpy, sys
 groups = json.load(sys.stdin)
 large = {name for names in groups for name in names.split()}
 loaded = lambda: " ".join(sorted(large & sys.modules.keys()))
-import plugins.api
-from plugins.api import make_library, make_scenes
+import roomkin.plugins.api
+from roomkin import make_library, make_scenes
 megabytes = int(re.search(r"VmHWM:\\s+(\\d+)", open("/proc/self/status").read())[1]) >> 10
 found = {"the API": loaded()}
 for module in groups.pop("--help"):
@@ -60,11 +60,11 @@ def test_a_command_and_the_api_load_what_is_listed_and_no_more() -> None:
     commands = {f"{folder.partition('/')[2]}.{name}": folder for folder, name in list_commands()}
     modules = {one: f"{home.replace('/', '.')}.{find_module(one.partition('.')[2])}" for one, home in commands.items()}
     groups = {large: [modules.pop(one) for one in names.split() if one in modules] for large, names in LOADS.items()}
-    groups["torch"].append("plugins.api:load_policy")
-    groups["mani_skill matplotlib open3d sapien torch"].append("plugins.api:write_film")
+    groups["torch"].append("roomkin.plugins.api:load_policy")
+    groups["mani_skill matplotlib open3d sapien torch"].append("roomkin.plugins.api:write_film")
     groups[""] = sorted(modules.values())
     groups["--help"] = sorted({home.replace("/", ".") for home in commands.values()})
-    groups["--help"] += ["roomkin", "stages.config", "stages.contracts", "plugins.ops.doctor"]
+    groups["--help"] += ["roomkin", "roomkin.stages.config", "roomkin.stages.contracts", "roomkin.plugins.ops.doctor"]
     looked = subprocess.run(
         [sys.executable, "-c", LOOK], input=json.dumps(groups), cwd=ROOT, capture_output=True, text=True
     )

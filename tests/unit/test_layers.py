@@ -101,8 +101,8 @@ def test_packages_import_no_other() -> None:
 
 
 def test_every_import_is_seen(tmp_path: Path) -> None:
-    text = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from stages.a.b import C\n"
-    (tmp_path / "m.py").write_text(text + "def f():\n    import stages.d\n    from stages import e\n")
+    text = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from roomkin.stages.a.b import C\n"
+    (tmp_path / "m.py").write_text(text + "def f():\n    import roomkin.stages.d\n    from roomkin.stages import e\n")
     assert imports(tmp_path / "m.py") == {"stages.a.b", "stages.d", "stages.e"}
 
 

@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 from pydantic import BaseModel
 
-from stages.config.evaluation import RolloutOptions
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json, read_rows, write_json
-from stages.contracts.kinds import KINDS
-from stages.contracts.library import Asset
-from stages.contracts.library_folder import write_part
-from stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
-from stages.evaluation import choose, merge, rollout, selection_rollout, vector_env
-from stages.evaluation.episodes import roll_out
-from stages.evaluation.simulators import maniskill
-from stages.evaluation.states import Purpose, Start, initial_states, share_states, starts_of
-from stages.policies.checkpoint import save_weights
-from stages.tasks.api import Observation, StepResult
-from stages.tasks.observation import Sensing
-from stages.training.train import run as train
+from roomkin.stages.config.evaluation import RolloutOptions
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json, read_rows, write_json
+from roomkin.stages.contracts.kinds import KINDS
+from roomkin.stages.contracts.library import Asset
+from roomkin.stages.contracts.library_folder import write_part
+from roomkin.stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
+from roomkin.stages.evaluation import choose, merge, rollout, selection_rollout, vector_env
+from roomkin.stages.evaluation.episodes import roll_out
+from roomkin.stages.evaluation.simulators import maniskill
+from roomkin.stages.evaluation.states import Purpose, Start, initial_states, share_states, starts_of
+from roomkin.stages.policies.checkpoint import save_weights
+from roomkin.stages.tasks.api import Observation, StepResult
+from roomkin.stages.tasks.observation import Sensing
+from roomkin.stages.training.train import run as train
 from tests.refusals import refused
 from tests.toy_reach import Float, ToyReach, write_store
 from tests.unit.demo_assets import an_asset

@@ -73,7 +73,7 @@ def test_a_mistake_is_a_line(
 
 def test_every_stage_and_package_with_commands_is_there() -> None:
     homes = {folder.replace("/", ".") for folder, _ in list_commands()}
-    assert {*list_homes().values()} == homes | {"stages.config", "stages.contracts"}
+    assert {*list_homes().values()} == homes | {"roomkin.stages.config", "roomkin.stages.contracts"}
     assert not {*list_homes()} & {*COMMANDS}
 
 
@@ -88,7 +88,7 @@ def become(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The words of the Snakemake that a command becomes; weights are fetched by nobody."""
     said: list[str] = []
     monkeypatch.setattr("os.execv", lambda program, words: said.extend(words))
-    monkeypatch.setattr("stages.perception.fetch.run", lambda: said.append("fetched"))
+    monkeypatch.setattr("roomkin.stages.perception.fetch.run", lambda: said.append("fetched"))
     return said
 
 
@@ -119,14 +119,16 @@ def test_the_demo_is_made_in_its_folder(become: list[str], monkeypatch: pytest.M
 
 def test_without_snakemake_it_says_what_brings_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
-    monkeypatch.setattr("stages.perception.fetch.run", lambda: None)
+    monkeypatch.setattr("roomkin.stages.perception.fetch.run", lambda: None)
     with refused("E-COMMAND-MISSING", "needs Snakemake. Fix: pip install 'roomkin[workflow]'"):
         picture.run(tmp_path)
 
 
 def test_the_scene_of_a_picture_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[tuple[Path, str]] = []
-    monkeypatch.setattr("plugins.annotator.annotate.run", lambda folder, **said: opened.append((folder, said["scene"])))
+    monkeypatch.setattr(
+        "roomkin.plugins.annotator.annotate.run", lambda folder, **said: opened.append((folder, said["scene"]))
+    )
     frame, hall = Path("results/scenes/kitchen/frame"), Path("results/photo/hall")
     for name in ("rgb.png", "camera.json", "depth.npz", "masks.png", "annotations.json"):
         put(frame / name)

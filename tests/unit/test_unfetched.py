@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from stages.config import contradictions, unfetched
-from stages.config.model import load, with_defaults
-from stages.config.weights import DINOV2
+from roomkin.stages.config import contradictions, unfetched
+from roomkin.stages.config.model import load, with_defaults
+from roomkin.stages.config.weights import DINOV2
 from tests.packages import needs
 from tests.refusals import refused
 

@@ -1,4 +1,4 @@
-"""`plugins.api` gives what the workflow gives, byte for byte, and the lines of the pages run."""
+"""`roomkin.plugins.api` gives what the workflow gives, byte for byte, and the lines of the pages run."""
 
 import json
 import os
@@ -15,8 +15,8 @@ import pytest
 import yaml
 from PIL import Image
 
-from plugins import api
-from stages.contracts import GeneratedScene, read_json
+from roomkin.plugins import api
+from roomkin.stages.contracts import GeneratedScene, read_json
 from tests.refusals import refused
 from tests.workflow.workspace import ROOT
 
@@ -42,7 +42,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     run_lines(
         folder,
         f"""
-from plugins.api import make_library, make_room, make_scenes
+from roomkin import make_library, make_room, make_scenes
 library = make_library("library", {SMALL!r})
 picture = make_room("room_1", library, "rooms", {SMALL!r})
 make_scenes(picture, library, "scenes", {SMALL!r})
@@ -75,7 +75,7 @@ def test_the_same_config_gives_the_same_bytes(run: Path, made: Path, ours: str) 
 def test_a_picture_of_yours_comes_out_in_its_colors_and_is_the_same_otherwise(made: Path, tmp_path: Path) -> None:
     shutil.copytree(made / "rooms/room_1/input", tmp_path / "room_1")
     library = str(made / "library/library.json")
-    run_lines(tmp_path, f"from plugins.api import make_scenes\nmake_scenes('room_1', {library!r}, 'scenes', {SMALL!r})")
+    run_lines(tmp_path, f"from roomkin import make_scenes\nmake_scenes('room_1', {library!r}, 'scenes', {SMALL!r})")
     for path in sorted((tmp_path / "scenes").glob("scene_?.json")):
         ours, theirs = (read_json(GeneratedScene, folder / path.name) for folder in (path.parent, made / "scenes"))
         assert any(each.finish for each in ours.objects) and not any(each.finish for each in theirs.objects)
@@ -121,7 +121,7 @@ def test_scenes_of_another_picture_are_not_replaced(
     made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     library = made / "library/library.json"
-    monkeypatch.setattr("stages.extraction.extract.run", Mock(side_effect=InterruptedError))  # it begins
+    monkeypatch.setattr("roomkin.stages.extraction.extract.run", Mock(side_effect=InterruptedError))  # it begins
     for folder, noise in (("a/kitchen", 0), ("b/kitchen", 1)):
         shutil.copytree(made / "rooms/room_1/input", tmp_path / folder)
         with (tmp_path / folder / "rgb.png").open("ab") as picture:

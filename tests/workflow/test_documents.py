@@ -13,10 +13,10 @@ import pytest
 import yaml
 
 from roomkin.homes import COMMANDS, ELSEWHERE, list_homes
-from stages.config.inputs import INPUT_FILES
-from stages.config.model import load, merge_mappings, with_defaults
-from stages.config.packages import home_of
-from stages.config.weights import DINOV2, is_there
+from roomkin.stages.config.inputs import INPUT_FILES
+from roomkin.stages.config.model import load, merge_mappings, with_defaults
+from roomkin.stages.config.packages import home_of
+from roomkin.stages.config.weights import DINOV2, is_there
 from tests.commands import list_passed_flags, read_flags
 from tests.workflow.workspace import ROOT, make, plan, put
 
@@ -117,7 +117,7 @@ def check_flags(package: str, words: list[str]) -> None:
     if not folder.is_dir():  # doctor
         assert folder.with_suffix(".py").is_file() and words in ([], ["--slurm"])
         return
-    if package in ("stages.config", "stages.contracts"):
+    if package in ("roomkin.stages.config", "roomkin.stages.contracts"):
         return
     given = {word for word in words if word.startswith("--")}
     known, needed = read_flags(folder, words[0])

@@ -7,7 +7,7 @@ from collections import defaultdict
 
 import pytest
 
-from stages.cli import find_module
+from roomkin.stages.cli import find_module
 from tests.commands import list_commands, list_rule_files
 from tests.workflow.workspace import ROOT
 

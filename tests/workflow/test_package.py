@@ -22,9 +22,9 @@ from pathlib import Path
 
 sys.modules["snakemake"] = None  # an import of it fails
 import gymnasium
-import stages
-from plugins.api import load_policy, models_of
-from stages.contracts import TaskAssets, read_json
+import roomkin.stages
+from roomkin import load_policy, models_of
+from roomkin.stages.contracts import TaskAssets, read_json
 
 results = Path(sys.argv[1])
 plan = read_json(TaskAssets, next(results.glob("experiment/*/door/assets.json")))

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from plugins.report import overview, picture, report
-from stages.contracts import Camera, write_json
+from roomkin.plugins.report import overview, picture, report
+from roomkin.stages.contracts import Camera, write_json
 from tests.unit.tables_results import CAMERA, VIEWER, declared, write_run
 from tests.workflow.test_documents import check_flags, check_roomkin, check_snakemake, folder  # noqa: F401
 from tests.workflow.workspace import ROOT

@@ -12,8 +12,8 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from stages.contracts.files import read_json
-from stages.contracts.policies import ChosenRuns
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.policies import ChosenRuns
 from tests.packages import needs
 from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, overlay, planned, snakemake
 

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.annotator.session import Session
-from plugins.annotator.tests.annotate_page import Hand, TrueRoom, watched
-from plugins.report.tests.test_report_browser import CONTRAST, FLAGS
-from stages.contracts import Annotations, Camera, Objects, read_json, write_json
-from stages.contracts.hand import PROJECT
-from stages.extraction.extract import run as extract
-from stages.geometry.frames import invert_transform, transform_points
-from stages.perception.drawing.project import Project
-from stages.perception.read.photo import read_photo
+from roomkin.plugins.annotator.session import Session
+from roomkin.plugins.annotator.tests.annotate_page import Hand, TrueRoom, watched
+from roomkin.plugins.report.tests.test_report_browser import CONTRAST, FLAGS
+from roomkin.stages.contracts import Annotations, Camera, Objects, read_json, write_json
+from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.extraction.extract import run as extract
+from roomkin.stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.perception.drawing.project import Project
+from roomkin.stages.perception.read.photo import read_photo
 
 WIDE = """
 () => [...document.querySelectorAll('main *, header *')]

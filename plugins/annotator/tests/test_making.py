@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plugins.annotator import after
-from plugins.annotator.correcting import Correcting
-from plugins.annotator.making import Making
-from plugins.annotator.tests.annotate_page import serve, watched
-from plugins.annotator.tests.corrected_scene import write_run
-from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
-from plugins.annotator.tests.test_correcting import BOXES
+from roomkin.plugins.annotator import after
+from roomkin.plugins.annotator.correcting import Correcting
+from roomkin.plugins.annotator.making import Making
+from roomkin.plugins.annotator.tests.annotate_page import serve, watched
+from roomkin.plugins.annotator.tests.corrected_scene import write_run
+from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
+from roomkin.plugins.annotator.tests.test_correcting import BOXES
 from tests.refusals import refused
 from tests.unit.synthetic_room import write_room
 
@@ -59,7 +59,7 @@ def test_progress_is_read_off_the_lines_of_a_run(monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_stop_ends_all_that_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("plugins.annotator.making.PATIENCE", 0.5)
+    monkeypatch.setattr("roomkin.plugins.annotator.making.PATIENCE", 0.5)
     making = Making()
     making.stop()
     made = tmp_path / "pid"

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from plugins.api import load_policy, make_library, make_room, make_scenes, models_of
-from plugins.api.making import _features, _settings
-from stages.config.assets import COUNTS
+from roomkin import load_policy, make_library, make_room, make_scenes, models_of
+from roomkin.plugins.api.making import _features, _settings
+from roomkin.stages.config.assets import COUNTS
 from tests.refusals import refused
 
 

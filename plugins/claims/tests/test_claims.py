@@ -6,17 +6,17 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plugins.claims import assets, claims, power
-from plugins.claims.tables import claims_table, stability_table
-from plugins.report.page.result import sentences
-from stages.config.tables import PolicyTables, TablesConfig
-from stages.contracts.policies import Rollout
-from stages.tables import table3
-from stages.tables.intervals import PLACE, POLICY, Side, score_interval, unit_rates
-from stages.tables.markup import markdown
-from stages.tables.methods import join_published
-from stages.tables.rows import published_policies, published_runs
-from stages.tables.text import percent
+from roomkin.plugins.claims import assets, claims, power
+from roomkin.plugins.claims.tables import claims_table, stability_table
+from roomkin.plugins.report.page.result import sentences
+from roomkin.stages.config.tables import PolicyTables, TablesConfig
+from roomkin.stages.contracts.policies import Rollout
+from roomkin.stages.tables import table3
+from roomkin.stages.tables.intervals import PLACE, POLICY, Side, score_interval, unit_rates
+from roomkin.stages.tables.markup import markdown
+from roomkin.stages.tables.methods import join_published
+from roomkin.stages.tables.rows import published_policies, published_runs
+from roomkin.stages.tables.text import percent
 from tests.unit.tables_results import rollout
 
 PUBLISHED = Path(__file__).parents[3] / "report" / "published"

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 import torch
 
-from plugins.exports.bc_rnn_gmm.loader import PortablePolicy
-from plugins.exports.policy import run
-from stages.contracts.policy_config import PolicyConfig
-from stages.contracts.task_options import TaskConfig
-from stages.policies.base import make_rollout_policy
-from stages.policies.checkpoint import load_network, save_weights
-from stages.policies.handle_points import segment_handles
+from roomkin.plugins.exports.bc_rnn_gmm.loader import PortablePolicy
+from roomkin.plugins.exports.policy import run
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.policies.base import make_rollout_policy
+from roomkin.stages.policies.checkpoint import load_network, save_weights
+from roomkin.stages.policies.handle_points import segment_handles
 from tests.refusals import refused
 from tests.unit.trained_policy import trained
 

@@ -8,25 +8,25 @@ import pytest
 import trimesh
 import yaml
 
-from plugins.furniture.cabinet import Cabinet
-from plugins.furniture.catalogue import ALL, CATEGORIES, sample
-from plugins.furniture.facts import categories_text, counts_text, describe_category
-from plugins.furniture.finishes import finish_of
-from plugins.furniture.folder import build, generate, make_model
-from plugins.furniture.front_cells import cells
-from plugins.furniture.model import bounds
-from plugins.furniture.real_sizes import REAL_SIZES
-from plugins.furniture.robot import mass_properties
-from plugins.furniture.shapes import bounds_of, cushion, rod, shell_pieces, slab
-from stages.articulated.asset_folder import Description, checksum
-from stages.articulated.forward_kinematics import link_frames, measure_closed_box
-from stages.articulated.urdf_reader import read_urdf
-from stages.config import categories as counts
-from stages.config.assets import COUNTS
-from stages.contracts import categories
-from stages.contracts.category import describe_unusual
-from stages.contracts.errors import InputError
-from stages.contracts.library import Recipe
+from roomkin.plugins.furniture.cabinet import Cabinet
+from roomkin.plugins.furniture.catalogue import ALL, CATEGORIES, sample
+from roomkin.plugins.furniture.facts import categories_text, counts_text, describe_category
+from roomkin.plugins.furniture.finishes import finish_of
+from roomkin.plugins.furniture.folder import build, generate, make_model
+from roomkin.plugins.furniture.front_cells import cells
+from roomkin.plugins.furniture.model import bounds
+from roomkin.plugins.furniture.real_sizes import REAL_SIZES
+from roomkin.plugins.furniture.robot import mass_properties
+from roomkin.plugins.furniture.shapes import bounds_of, cushion, rod, shell_pieces, slab
+from roomkin.stages.articulated.asset_folder import Description, checksum
+from roomkin.stages.articulated.forward_kinematics import link_frames, measure_closed_box
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.config import categories as counts
+from roomkin.stages.config.assets import COUNTS
+from roomkin.stages.contracts import categories
+from roomkin.stages.contracts.category import describe_unusual
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.library import Recipe
 from tests.refusals import refused
 from tests.unit.demo_assets import PARAMETERS
 
@@ -203,7 +203,7 @@ def test_handles_are_on_the_free_side_and_keep_their_size() -> None:
 
 
 def test_mass_properties_of_a_known_solid() -> None:
-    from plugins.furniture.model import part
+    from roomkin.plugins.furniture.model import part
 
     halves = [part(slab((0, y, 0.5), (2, 1, 1)), (1, 1, 1), 100.0) for y in (-0.5, 0.5)]
     mass, center, inertia = mass_properties(halves)

@@ -9,9 +9,9 @@ import pytest
 import trimesh
 from trimesh import Scene, Trimesh
 
-from plugins.importing.import_ import run
-from plugins.importing.imports import Notes
-from plugins.importing.single_body import find_ground, read_mesh
+from roomkin.plugins.importing.import_ import run
+from roomkin.plugins.importing.imports import Notes
+from roomkin.plugins.importing.single_body import find_ground, read_mesh
 
 LEGS = [(x, y) for x in (-0.55, 0.55) for y in (-0.3, 0.3)]
 Y_UP = trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0])

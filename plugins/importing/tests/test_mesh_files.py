@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plugins.importing.importers.dae import read_dae
-from stages.articulated.mesh_files.polygons import split, triangles_of
-from stages.articulated.mesh_reader import has_texture, load_meshes
-from stages.articulated.urdf_reader import read_urdf
+from roomkin.plugins.importing.importers.dae import read_dae
+from roomkin.stages.articulated.mesh_files.polygons import split, triangles_of
+from roomkin.stages.articulated.mesh_reader import has_texture, load_meshes
+from roomkin.stages.articulated.urdf_reader import read_urdf
 from tests.refusals import refused
 
 U_SHAPE = np.array([[0, 0], [3, 0], [3, 3], [2, 3], [2, 1], [1, 1], [1, 3], [0, 3]], dtype=float)  # 7 square metres

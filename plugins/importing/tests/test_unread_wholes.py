@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from plugins.importing.discover import discover
-from plugins.importing.import_ import run
+from roomkin.plugins.importing.discover import discover
+from roomkin.plugins.importing.import_ import run
 from tests.refusals import refused
 
 KINDS = [".urdf", ".glb", ".obj"]

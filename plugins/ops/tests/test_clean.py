@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from plugins.ops.clean import run
+from roomkin.plugins.ops.clean import run
 from tests.refusals import refused
 
 BY_HAND, FOUND = json.dumps({"version": 1, "objects": []}), json.dumps({"untouched": True})

@@ -6,12 +6,12 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from plugins.pretrained.dinov2 import load_dinov2
-from stages.config.matching import EncoderOptions
-from stages.config.weights import DINOV2, weights_sha256
-from stages.contracts import InputError
-from stages.geometry.crop import View, cut, foreground, masked_square, patch_positions
-from stages.matching.encoders import Patches
+from roomkin.plugins.pretrained.dinov2 import load_dinov2
+from roomkin.stages.config.matching import EncoderOptions
+from roomkin.stages.config.weights import DINOV2, weights_sha256
+from roomkin.stages.contracts import InputError
+from roomkin.stages.geometry.crop import View, cut, foreground, masked_square, patch_positions
+from roomkin.stages.matching.encoders import Patches
 
 MEAN, STD = np.array([0.485, 0.456, 0.406], np.float32), np.array([0.229, 0.224, 0.225], np.float32)  # ImageNet's
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plugins.pretrained.dinov2 import load_dinov2, read_fetched
-from stages.config.matching import MatchingConfig
-from stages.config.weights import DINOV2, FOLDER
-from stages.matching.encoders import make_encoder
-from stages.matching.ranking import make_query
-from stages.matching.text_encoders import find_nearest_categories, make_text_encoder
+from roomkin.plugins.pretrained.dinov2 import load_dinov2, read_fetched
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.config.weights import DINOV2, FOLDER
+from roomkin.stages.matching.encoders import make_encoder
+from roomkin.stages.matching.ranking import make_query
+from roomkin.stages.matching.text_encoders import find_nearest_categories, make_text_encoder
 from tests.refusals import refused
 from tests.unit.matching_data import view_of_box
 from tests.unit.perception.conftest import published  # noqa: F401

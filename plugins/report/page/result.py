@@ -6,14 +6,14 @@ from typing import Any, NamedTuple
 import pandas as pd
 from markupsafe import Markup
 
-from plugins.claims.claims import FAILS, HOLDS
-from plugins.claims.tables import count_lacking_runs, evidence, title_of
-from plugins.report.page.charts import success_chart
-from stages.tables.methods import Kinds
-from stages.tables.order import SKILL, set_key, target_title, title
-from stages.tables.rows import records
-from stages.tables.table2 import TOTAL
-from stages.tables.text import number, percent
+from roomkin.plugins.claims.claims import FAILS, HOLDS
+from roomkin.plugins.claims.tables import count_lacking_runs, evidence, title_of
+from roomkin.plugins.report.page.charts import success_chart
+from roomkin.stages.tables.methods import Kinds
+from roomkin.stages.tables.order import SKILL, set_key, target_title, title
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.table2 import TOTAL
+from roomkin.stages.tables.text import number, percent
 
 
 class Result(NamedTuple):

@@ -14,17 +14,17 @@ import pytest
 import yaml
 from PIL import Image
 
-from plugins.report import report
-from plugins.report.album import Album
-from plugins.report.page import charts
-from plugins.report.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
-from plugins.report.page.charts import line_chart
-from plugins.report.page.files import RunFiles
-from plugins.report.page.policies import losses
-from plugins.report.snapshots import Snapshots
-from stages.config.model import Config
-from stages.contracts.images import read_narrow
-from stages.tables import policies, scenes
+from roomkin.plugins.report import report
+from roomkin.plugins.report.album import Album
+from roomkin.plugins.report.page import charts
+from roomkin.plugins.report.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
+from roomkin.plugins.report.page.charts import line_chart
+from roomkin.plugins.report.page.files import RunFiles
+from roomkin.plugins.report.page.policies import losses
+from roomkin.plugins.report.snapshots import Snapshots
+from roomkin.stages.config.model import Config
+from roomkin.stages.contracts.images import read_narrow
+from roomkin.stages.tables import policies, scenes
 from tests.refusals import refused
 from tests.unit.tables_results import MADE, VIEWER, declared, picture, write_run
 
@@ -46,7 +46,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def write_policies(root: Path, out: Path, figures: Path) -> None:
     rolled = tuple(sorted((root / "results/evaluation/policies").glob("*/rollouts.csv")))
-    more = ("plugins.claims.more",)
+    more = ("roomkin.plugins.claims.more",)
     policies.run(out=out, figures=figures, rollouts=rolled, more=more, published=PUBLISHED, options=OPTIONS)
 
 
@@ -176,7 +176,7 @@ def test_page_and_figures_are_the_same_bytes_again(made: Path, tmp_path: Path) -
 
 
 def test_figures_without_results_are_drawn_as_not_run(tmp_path: Path) -> None:
-    policies.run(out=tmp_path, more=("plugins.claims.more",), published=PUBLISHED)
+    policies.run(out=tmp_path, more=("roomkin.plugins.claims.more",), published=PUBLISHED)
     scenes.run(out=tmp_path, published=PUBLISHED)
     assert sorted(path.name for path in tmp_path.glob("figure*")) == sorted(
         f"figure{n}.{suffix}" for n in (4, 6, 9) for suffix in ("png", "svg")

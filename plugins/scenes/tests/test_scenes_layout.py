@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 import yaml
 
-from plugins.scenes.casting import CastRoom, cast
-from plugins.scenes.chance import EYE, are_all_seen, draw_room, redraw_recipe
-from plugins.scenes.config import ScenesConfig
-from plugins.scenes.framing import frame
-from plugins.scenes.layout import arrange, scale_of
-from plugins.scenes.recipe import Against, Beside, Floor, Item, On, Room
-from plugins.scenes.room_files import read_room, room_files, series
-from stages.contracts import InputError
-from stages.geometry.boxes import UprightBox, corners, footprint
-from stages.geometry.cameras import look_at, project
-from stages.geometry.frames import invert_transform, transform_points
+from roomkin.plugins.scenes.casting import CastRoom, cast
+from roomkin.plugins.scenes.chance import EYE, are_all_seen, draw_room, redraw_recipe
+from roomkin.plugins.scenes.config import ScenesConfig
+from roomkin.plugins.scenes.framing import frame
+from roomkin.plugins.scenes.layout import arrange, scale_of
+from roomkin.plugins.scenes.recipe import Against, Beside, Floor, Item, On, Room
+from roomkin.plugins.scenes.room_files import read_room, room_files, series
+from roomkin.stages.contracts import InputError
+from roomkin.stages.geometry.boxes import UprightBox, corners, footprint
+from roomkin.stages.geometry.cameras import look_at, project
+from roomkin.stages.geometry.frames import invert_transform, transform_points
 from tests.refusals import refused
 from tests.unit.scene_models import default_models
 from tests.unit.synthetic_room import hit_box

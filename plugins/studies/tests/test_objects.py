@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from plugins.studies import objects
+from roomkin.plugins.studies import objects
 from tests.refusals import refused
 from tests.unit.tables_results import rollout, write_rows
 

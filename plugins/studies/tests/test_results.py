@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from plugins.studies import results
-from stages.config.model import Config, load
-from stages.contracts.files import read_json, write_json
-from stages.contracts.policies import ChosenRuns, RunScore, TaskAssets
+from roomkin.plugins.studies import results
+from roomkin.stages.config.model import Config, load
+from roomkin.stages.contracts.files import read_json, write_json
+from roomkin.stages.contracts.policies import ChosenRuns, RunScore, TaskAssets
 from tests.refusals import refused
 from tests.unit.tables_results import over_assets, picture, rollout, score, write_rows, write_run
 

@@ -13,9 +13,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from stages.config.weights import CLIP, FOLDER, is_there
-from stages.geometry.crop import GREY
-from stages.geometry.masks import pixel_bounds
+from roomkin.stages.config.weights import CLIP, FOLDER, is_there
+from roomkin.stages.geometry.crop import GREY
+from roomkin.stages.geometry.masks import pixel_bounds
 
 SIZE, PATCH, WIDTH, LAYERS, HEADS, EMBEDDED = 224, 16, 768, 12, 12, 512
 MEAN, SPREAD = (0.48145466, 0.4578275, 0.40821073), (0.26862954, 0.26130258, 0.27577711)

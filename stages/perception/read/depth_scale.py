@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.contracts import InputError
-from stages.contracts.depth import DEPTH_UNITS, NEAREST, UNSTRETCH
-from stages.contracts.types import LARGEST
-from stages.perception.read.camera_files import load, simplify_name
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.depth import DEPTH_UNITS, NEAREST, UNSTRETCH
+from roomkin.stages.contracts.types import LARGEST
+from roomkin.stages.perception.read.camera_files import load, simplify_name
 
 PER_METRE, METRES, MILLIMETRES, MICROMETRES = "units to a metre", "metres a unit", "mm a unit", "micrometres a unit"
 ANY = (PER_METRE, METRES, MILLIMETRES)

@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError
-from stages.contracts.arrays import explain_unreadable
-from stages.contracts.categories import category_in, known_categories
-from stages.contracts.category import find_category
-from stages.contracts.files import decode_file
-from stages.contracts.images import read_masks, read_upright
-from stages.perception.read.frame import Labelled, surface_of
-from stages.perception.read.mask_json import read_coco, read_labelme
-from stages.perception.read.mask_names import NAMES_OPTION, choose_named, read_names
-from stages.perception.read.mask_outlines import OUTLINES, read_folder, read_yolo
-from stages.perception.read.mask_shapes import NO_PIXELS, check_size, lay_shapes, list_remarks
-from stages.perception.read.numpy_files import ARRAYS, read_array
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.categories import category_in, known_categories
+from roomkin.stages.contracts.category import find_category
+from roomkin.stages.contracts.files import decode_file
+from roomkin.stages.contracts.images import read_masks, read_upright
+from roomkin.stages.perception.read.frame import Labelled, surface_of
+from roomkin.stages.perception.read.mask_json import read_coco, read_labelme
+from roomkin.stages.perception.read.mask_names import NAMES_OPTION, choose_named, read_names
+from roomkin.stages.perception.read.mask_outlines import OUTLINES, read_folder, read_yolo
+from roomkin.stages.perception.read.mask_shapes import NO_PIXELS, check_size, lay_shapes, list_remarks
+from roomkin.stages.perception.read.numpy_files import ARRAYS, read_array
 
 OWN_NAMES = ("class_name", "category_name", "label", "phrase")  # of an annotation, in the place of a category's number
 SIZES = ("img_width", "img_height", "image_width", "image_height", "width", "height")

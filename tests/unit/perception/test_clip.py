@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import torch
 
-from stages.config.weights import CLIP, FOLDER
-from stages.geometry.crop import GREY
-from stages.perception.classification import propose
-from stages.perception.classification.clip import SIZE, Tower, embed, load_tower, read_published, show
-from stages.perception.classification.propose import (
+from roomkin.stages.config.weights import CLIP, FOLDER
+from roomkin.stages.geometry.crop import GREY
+from roomkin.stages.perception.classification import propose
+from roomkin.stages.perception.classification.clip import SIZE, Tower, embed, load_tower, read_published, show
+from roomkin.stages.perception.classification.propose import (
     WITHOUT_LOOKS,
     Observed,
     gather,

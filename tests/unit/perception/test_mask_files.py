@@ -11,9 +11,9 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.perception.read.frame import Labelled
-from stages.perception.read.mask_files import read_labelled
-from stages.perception.write import make_annotations
+from roomkin.stages.perception.read.frame import Labelled
+from roomkin.stages.perception.read.mask_files import read_labelled
+from roomkin.stages.perception.write import make_annotations
 from tests.refusals import refused
 
 WIDTH, HEIGHT = 64, 48

@@ -14,21 +14,21 @@ import numpy as np
 import pytest
 import yaml
 
-from stages.config.extraction import ExtractionConfig
-from stages.contracts import Camera, InputError, read_json
-from stages.contracts.corrections import Correction
-from stages.contracts.scene_input import read_scene_input
-from stages.extraction.corrected_masks import Cutter, correct_masks
-from stages.extraction.observation import read_folder
-from stages.extraction.reconstruct import reconstruct
-from stages.geometry.boxes import UprightBox
-from stages.perception import from_rgbd
-from stages.perception.classification.propose import Proposal
-from stages.perception.read.depth_files import convert_to_metres, read_raw
-from stages.perception.read.frame import Labelled
-from stages.perception.read.mask_files import read_labelled
-from stages.perception.read.views import find_view, list_frames
-from stages.perception.write import make_annotations
+from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.contracts import Camera, InputError, read_json
+from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.scene_input import read_scene_input
+from roomkin.stages.extraction.corrected_masks import Cutter, correct_masks
+from roomkin.stages.extraction.observation import read_folder
+from roomkin.stages.extraction.reconstruct import reconstruct
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.perception import from_rgbd
+from roomkin.stages.perception.classification.propose import Proposal
+from roomkin.stages.perception.read.depth_files import convert_to_metres, read_raw
+from roomkin.stages.perception.read.frame import Labelled
+from roomkin.stages.perception.read.mask_files import read_labelled
+from roomkin.stages.perception.read.views import find_view, list_frames
+from roomkin.stages.perception.write import make_annotations
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
 
