@@ -3,7 +3,7 @@
     python -m benchmarks.matching
 
 Naive: in each of the top-k rounds a fresh `faiss.IndexFlatL2` of all patches of all candidates that remain, searched
-with k = 1 (paper A.6, read literally). Ours: `distance_table` and `vote`, as `roomkin.stages.matching` calls them. Both in turn
+with k = 1 (paper A.6, read literally). Ours: `distance_table` and `vote`, as `matching match` calls them. Both in turn
 in one process, one thread, on the same synthetic features with many near ties: patches of all pictures crowd around
 shared centers.
 """

@@ -1,6 +1,10 @@
 """Command `demo`: a first look."""
 
-from roomkin.workflow import HOME, run_snakemake
+from pathlib import Path
+
+from roomkin.workflow import run_snakemake
+
+CONFIG = Path(__file__).with_name("demo.yaml")
 
 
 def run(*, cores: int = 2) -> None:
@@ -11,4 +15,4 @@ def run(*, cores: int = 2) -> None:
     Args:
         cores: jobs at a time; each takes up to 2 GB.
     """
-    run_snakemake(cores, "--directory", "demo", "--configfile", str(HOME / "config/demo.yaml"), "--", "pages")
+    run_snakemake(cores, "--directory", "demo", "--configfile", str(CONFIG), "--", "pages")

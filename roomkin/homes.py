@@ -21,11 +21,11 @@ def list_homes() -> dict[str, str]:
     """Python packages with a command line, by the names of their stages and packages."""
     folders = [PACKAGES.parent / "stages", PACKAGES]
     found = [file.parent for folder in folders for file in sorted(folder.glob("*/__main__.py"))]
-    return {folder.name: f"{folder.parent.name}.{folder.name}" for folder in found}
+    return {folder.name: f"roomkin.{folder.parent.name}.{folder.name}" for folder in found}
 
 
 def list_commands(home: str) -> list[str]:
-    """The commands of a package, `main("roomkin.stages.matching", {"match": ...})`; none: it has a command line of its own."""
+    """The commands of a package, the keys of `main(package, {"match": ...})`; none: its command line is its own."""
     calls = ast.walk(ast.parse(_read(home, "__main__.py")))
     tables = [node.args[1] for node in calls if isinstance(node, ast.Call) and len(node.args) == 2]
     return [name for table in tables if isinstance(table, ast.Dict) for name in ast.literal_eval(table)]
@@ -34,8 +34,8 @@ def list_commands(home: str) -> list[str]:
 def describe(home: str) -> str:
     """The first sentence of a package's docstring."""
     text = (ast.get_docstring(ast.parse(_read(home, "__init__.py"))) or "").partition("\n")[0]
-    return re.split(r"\.(?: |$)| \(", text.removeprefix(f"Stage `{home.partition('.')[2]}`: "))[0]
+    return re.split(r"\.(?: |$)| \(", text.removeprefix(f"Stage `{home.rpartition('.')[2]}`: "))[0]
 
 
 def _read(home: str, name: str) -> str:
-    return Path(PACKAGES.parent, *home.split("."), name).read_text(encoding="utf-8")
+    return Path(PACKAGES.parent, *home.split(".")[1:], name).read_text(encoding="utf-8")

@@ -113,7 +113,7 @@ def find(kind: str, name: str, packages: Sequence[str] | None = None, key: str =
     if name in known.values():
         return name
     if name not in known:
-        package = _list_ours(kind).get(name, "").partition(".")[2].partition(".")[0]
+        package = "".join(_list_ours(kind).get(name, "").split(".")[2:3])
         mend = (
             f"packages: {{{package}: true}}, or one of {', '.join(known)}" if package else suggest_nearest(name, known)
         )

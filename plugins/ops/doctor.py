@@ -47,7 +47,8 @@ def _probe(code: str) -> str:
 
 
 def _as_root(script: str) -> str:
-    return f"bash {script}" if os.geteuid() == 0 else f"run as root: bash {script}"
+    line = f"bash {ROOT / 'envs' / script}"
+    return line if os.geteuid() == 0 else f"run as root: {line}"
 
 
 def _read_pins(requirements: Path) -> dict[str, str]:
@@ -118,14 +119,14 @@ def check_vulkan() -> Check:
     if not device and (gone := [(name, path) for name, path in stale if not Path(path).exists()]):
         name, path = gone[0]
         return Check("vulkan", False, f"{name} names {path}, which is not there", f"unset {name}")
-    return Check("vulkan", bool(device), device or "SAPIEN finds no rendering device", _as_root("envs/vulkan.sh"))
+    return Check("vulkan", bool(device), device or "SAPIEN finds no rendering device", _as_root("vulkan.sh"))
 
 
 def check_open3d() -> Check:
     """Open3D and the system libraries it links to."""
     version = _probe(OPEN3D_PROBE)
     what = version or "cannot be imported: a system library is missing (libGL, libEGL, libX11, libusb)"
-    return Check("open3d", bool(version), what, _as_root("envs/open3d.sh"))
+    return Check("open3d", bool(version), what, _as_root("open3d.sh"))
 
 
 def check_cuda() -> Check:

@@ -13,7 +13,7 @@ from roomkin.stages.contracts.errors import InputError, escape_control
 from roomkin.stages.contracts.kinds import KINDS
 from roomkin.stages.contracts.system import line_of
 
-CHECK = re.compile(r"python -m roomkin\.stages\.contracts --refuse ([^&|)]+)")
+CHECK = re.compile(r"python -m (?:roomkin\.)?stages\.contracts --refuse ([^&|)]+)")  # without: of older runs
 
 
 def run(*, results: Path = Path("results")) -> None:

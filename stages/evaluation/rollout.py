@@ -48,7 +48,7 @@ def run(
         out: rollouts.csv.
         selection: rollouts.csv of its selection rollouts, if there were some; `checkpoint: rollouts` goes by it.
         options: the `evaluation` section as JSON, or a JSON file.
-        films: modules whose `RolloutFilms` film a success and a failure per test asset, e.g. roomkin.plugins.films.rollouts.
+        films: modules whose `RolloutFilms` film a success and a failure per test asset, e.g. of the package films.
         seed: of the initial states; the same for every policy that is to be compared.
         device: where the policy runs.
     """

@@ -97,7 +97,7 @@ def run(
         out: folder to write the tables into.
         figures: folder to write the figures into; that of the tables if left out.
         rollouts: rollouts.csv files of policies and of the skill.
-        more: modules whose `add_tables` adds tables and panels, e.g. roomkin.plugins.claims.more (success over unseen assets,
+        more: modules whose `add_tables` adds tables and panels, e.g. of the package claims (success over unseen assets,
             claims, stability of training).
         trainings: trainings.csv, for these: they name below the tables which trainings failed.
         published: folder with the paper's values, table3.csv.

@@ -355,7 +355,7 @@ def test_rooms_that_import_no_simulator(room: str) -> None:
 
 def module_name(path: Path, home: Path) -> str:
     inside = path.relative_to(home.parents[1]).with_suffix("").parts
-    return ".".join([home.parents[1].name, *(part for part in inside if part != "__init__")])
+    return ".".join(["roomkin", home.parents[1].name, *(part for part in inside if part != "__init__")])
 
 
 def imported(path: Path) -> set[str]:

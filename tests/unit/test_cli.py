@@ -17,8 +17,8 @@ from tests.refusals import refused
 
 def seeded() -> list[Callable[..., None]]:
     """The commands with a seed among their flags."""
-    root = Path(cli.__file__).parents[1]
-    paths = [path for home in ("stages", "plugins") for path in (root / home).glob("*/*.py")]
+    root = Path(cli.__file__).parents[2]
+    paths = [path for home in ("stages", "plugins") for path in (root / "roomkin" / home).glob("*/*.py")]
     files = [path for path in paths if "\ndef run(" in path.read_text("utf-8")]
     commands = (path for path in files if re.search(r"\bseed: int", path.read_text("utf-8")))
     runs = [importlib.import_module(".".join(path.relative_to(root).with_suffix("").parts)).run for path in commands]

@@ -23,8 +23,7 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(PLUGINS, folder.with_name("plugins"), ignore=shutil.ignore_patterns("__pycache__", "tests"))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(code.ROOTS, "stages", folder)
-        patch.setitem(code.ROOTS, "plugins", folder.with_name("plugins"))
+        patch.setitem(code.ROOTS, "roomkin", folder.parent)
         code.forget()
         yield folder
     code.forget()

@@ -108,7 +108,7 @@ def test_snakemake_says_so_in_a_line(tmp_path: Path, words: tuple[str, ...], say
 
 
 def test_a_snakemake_that_does_not_find_the_package_says_how_to(tmp_path: Path) -> None:
-    code = "import sys; sys.modules['stages'] = None; from snakemake.cli import main; main(['-n'])"
+    code = "import sys; sys.modules['roomkin'] = None; from snakemake.cli import main; main(['-n'])"
     folder = make(tmp_path / "clone")
     done = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True)
     assert done.returncode == 1 and "Fix: source .venv/bin/activate" in done.stderr.splitlines()[-1], done.stderr

@@ -253,12 +253,14 @@ CASES = [
 OF_PACKAGES = [
     (
         ("diffusion",),
-        "{plugins: [roomkin.plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {gmm_modes: 9}}}}}",
+        "plugins: [roomkin.plugins.diffusion]\n"
+        "training: {configs: {lite: {policy: diffusion, kwargs: {gmm_modes: 9}}}}",
         "training.configs.lite.kwargs.gmm_modes: unknown key. Fix: there are: cloud, cloud_frame",
     ),
     (
         ("diffusion",),
-        "{plugins: [roomkin.plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {n_action_step: 9}}}}}",
+        "plugins: [roomkin.plugins.diffusion]\n"
+        "training: {configs: {lite: {policy: diffusion, kwargs: {n_action_step: 9}}}}",
         "training.configs.lite.kwargs.n_action_step: unknown key. Fix: did you mean 'n_action_steps'?",
     ),
     (

@@ -27,7 +27,6 @@ import contextlib, importlib, io, json, os, re, runpy, sys
 groups = json.load(sys.stdin)
 large = {name for names in groups for name in names.split()}
 loaded = lambda: " ".join(sorted(large & sys.modules.keys()))
-import roomkin.plugins.api
 from roomkin import make_library, make_scenes
 megabytes = int(re.search(r"VmHWM:\\s+(\\d+)", open("/proc/self/status").read())[1]) >> 10
 found = {"the API": loaded()}
@@ -58,12 +57,14 @@ print(json.dumps([megabytes, found]))
 @needs("api", "films")
 def test_a_command_and_the_api_load_what_is_listed_and_no_more() -> None:
     commands = {f"{folder.partition('/')[2]}.{name}": folder for folder, name in list_commands()}
-    modules = {one: f"{home.replace('/', '.')}.{find_module(one.partition('.')[2])}" for one, home in commands.items()}
+    modules = {
+        one: f"roomkin.{home.replace('/', '.')}.{find_module(one.partition('.')[2])}" for one, home in commands.items()
+    }
     groups = {large: [modules.pop(one) for one in names.split() if one in modules] for large, names in LOADS.items()}
-    groups["torch"].append("roomkin.plugins.api:load_policy")
-    groups["mani_skill matplotlib open3d sapien torch"].append("roomkin.plugins.api:write_film")
+    groups["torch"].append("roomkin:load_policy")
+    groups["mani_skill matplotlib open3d sapien torch"].append("roomkin:write_film")
     groups[""] = sorted(modules.values())
-    groups["--help"] = sorted({home.replace("/", ".") for home in commands.values()})
+    groups["--help"] = sorted({f"roomkin.{home.replace('/', '.')}" for home in commands.values()})
     groups["--help"] += ["roomkin", "roomkin.stages.config", "roomkin.stages.contracts", "roomkin.plugins.ops.doctor"]
     looked = subprocess.run(
         [sys.executable, "-c", LOOK], input=json.dumps(groups), cwd=ROOT, capture_output=True, text=True

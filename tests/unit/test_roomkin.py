@@ -72,7 +72,7 @@ def test_a_mistake_is_a_line(
 
 
 def test_every_stage_and_package_with_commands_is_there() -> None:
-    homes = {folder.replace("/", ".") for folder, _ in list_commands()}
+    homes = {f"roomkin.{folder.replace('/', '.')}" for folder, _ in list_commands()}
     assert {*list_homes().values()} == homes | {"roomkin.stages.config", "roomkin.stages.contracts"}
     assert not {*list_homes()} & {*COMMANDS}
 

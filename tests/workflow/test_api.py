@@ -1,4 +1,4 @@
-"""`roomkin.plugins.api` gives what the workflow gives, byte for byte, and the lines of the pages run."""
+"""`roomkin` gives what the workflow gives, byte for byte, and the lines of the pages run."""
 
 import json
 import os
@@ -15,7 +15,7 @@ import pytest
 import yaml
 from PIL import Image
 
-from roomkin.plugins import api
+import roomkin
 from roomkin.stages.contracts import GeneratedScene, read_json
 from tests.refusals import refused
 from tests.workflow.workspace import ROOT
@@ -109,9 +109,9 @@ def test_the_lines_of_a_page_make_scenes(
         pytest.skip("it shows none")
     (tmp_path / "kitchen").symlink_to(made / "rooms/room_1/input")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(api, "make_library", lambda out: made / "library/library.json")
-    monkeypatch.setattr(api, "make_room", partial(api.make_room, config=SMALL))
-    monkeypatch.setattr(api, "make_scenes", partial(api.make_scenes, config=SMALL))
+    monkeypatch.setattr(roomkin, "make_library", lambda out: made / "library/library.json")
+    monkeypatch.setattr(roomkin, "make_room", partial(roomkin.make_room, config=SMALL))
+    monkeypatch.setattr(roomkin, "make_scenes", partial(roomkin.make_scenes, config=SMALL))
     exec(texts[0], {})
     assert (tmp_path / "scenes/scene_2.glb").is_file()
     assert json.loads((tmp_path / "scenes/scene_1.json").read_text())["scene"] in ("kitchen", "room_1")
@@ -130,10 +130,10 @@ def test_scenes_of_another_picture_are_not_replaced(
     shutil.copytree(made / "scenes", objects.parent)
     before = objects.read_bytes()
     with refused("E-PICTURE-OTHER", f"{objects}: is of another picture. Fix: choose another folder"):
-        api.make_scenes(tmp_path / "b/kitchen", library, tmp_path / "scenes", SMALL)
+        roomkin.make_scenes(tmp_path / "b/kitchen", library, tmp_path / "scenes", SMALL)
     assert objects.read_bytes() == before
     with pytest.raises(InterruptedError):  # the same picture
-        api.make_scenes(tmp_path / "a/kitchen", library, tmp_path / "scenes", SMALL)
+        roomkin.make_scenes(tmp_path / "a/kitchen", library, tmp_path / "scenes", SMALL)
     objects.write_text("{")
     with pytest.raises(InterruptedError):  # broken: made anew
-        api.make_scenes(tmp_path / "b/kitchen", library, tmp_path / "scenes", SMALL)
+        roomkin.make_scenes(tmp_path / "b/kitchen", library, tmp_path / "scenes", SMALL)

@@ -26,7 +26,7 @@ PAGES = [ROOT / "README.md", ROOT / "config/README.md", *GUIDES]
 FENCE = re.compile(
     r"(?:^ *<!-- not run: (?P<why>[^\n]+) -->\n)?^ *```(?P<kind>\w*)\n(?P<text>.*?)^ *```", re.DOTALL | re.MULTILINE
 )
-OURS = re.compile(r"^(\.venv/bin/)?(snakemake|roomkin |python -m stages\.|make |source )")
+OURS = re.compile(r"^(\.venv/bin/)?(snakemake|roomkin |make |source )")
 # The package of docs/extending.md is run by tests/unit/test_extending.py; a page's room file by the test of that room.
 PACKAGE = re.compile("my_package|colors")
 

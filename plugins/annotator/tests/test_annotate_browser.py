@@ -26,7 +26,7 @@ WIDE = """
   .map((e) => e.outerHTML.slice(0, 80))
 """
 
-ROOM = Path(__file__).parents[3] / "tests/data/photographed_room"
+ROOM = Path(__file__).resolve().parents[3] / "tests/data/photographed_room"
 NOISE = 1.5  # pixels: how far clicks are beside the truth
 NEAR = 0.05  # of the distance from the camera: how far a box's center may be off
 

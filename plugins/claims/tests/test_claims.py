@@ -19,7 +19,7 @@ from roomkin.stages.tables.rows import published_policies, published_runs
 from roomkin.stages.tables.text import percent
 from tests.unit.tables_results import rollout
 
-PUBLISHED = Path(__file__).parents[3] / "report" / "published"
+PUBLISHED = Path(__file__).resolve().parents[3] / "report" / "published"
 OPTIONS = TablesConfig(bootstrap_samples=400)
 ROLES = ("cousin_2", "cousin_6", "dissimilar")
 STATES, ASSETS = 60, 60

@@ -19,7 +19,7 @@ from roomkin.stages.tables.policy_figures import figure4
 from roomkin.stages.tables.rows import published_policies
 from tests.unit.tables_results import ABOUT, UNSEEN, over_assets, rollout
 
-PUBLISHED = Path(__file__).parents[3] / "report" / "published"
+PUBLISHED = Path(__file__).resolve().parents[3] / "report" / "published"
 OPTIONS = TablesConfig(bootstrap_samples=400)
 KINDS = {"lite": "64-wide network", "lite_handle": "handle flagged"}
 FIRST = {"door": "lite"}

@@ -17,7 +17,7 @@ from roomkin.stages.tables import policies
 from roomkin.stages.tables.markup import markdown
 from tests.unit.tables_results import declared, rollout, rollouts, write_rows, write_run
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).resolve().parents[3]
 PUBLISHED = ROOT / "report" / "published"
 STUCK = "Door opening, lite, 4 cousins: seed 1 did not learn: validation loss -3.5, others -7.1"
 

@@ -22,7 +22,7 @@ from roomkin.stages.demonstrations.store import RecordedEpisode, write_episodes
 from roomkin.stages.tasks.api import EnvWrapper
 from tests.unit.test_demonstrations import experiment
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).resolve().parents[3]
 READERS = ROOT / ".venv-readers" / "bin" / "python"
 OPTIONS = TaskConfig(points=64)
 LENGTHS = {"cab": (6, 4), "fridge": (5,)}

@@ -80,7 +80,7 @@ def test_written_files_fill_the_promised_box(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("overlay", [None, "study/table2", "study/table3", "paper/scenes"])
 def test_libraries_are_as_large_as_promised(overlay: str | None) -> None:
-    file = Path(__file__).parents[3] / f"config/{overlay}.yaml"
+    file = Path(__file__).resolve().parents[3] / f"config/{overlay}.yaml"
     counts = COUNTS | (yaml.safe_load(file.read_text())["assets"]["counts"] if overlay else {})
     given = {name: count for name, count in counts.items() if count}  # without categories that came later
     assert all(count >= (CATEGORIES[name].further or [COUNTS[name]])[0] for name, count in given.items())

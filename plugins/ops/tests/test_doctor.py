@@ -20,7 +20,7 @@ def test_what_is_missing_is_named_with_the_command_that_mends_it(
     monkeypatch.setattr(doctor, probe, "raise OSError('libGL.so.1: cannot open shared object file')")
     outcome = check()
     assert not outcome.good and outcome.needed and outcome.found
-    assert outcome.fix.endswith(f"bash {script}")
+    assert outcome.fix.endswith(f"bash {doctor.ROOT / script}")
     assert (doctor.ROOT / script).is_file() and doctor.MENDS[check][1] == script.removeprefix("envs/")
 
 

@@ -26,7 +26,7 @@ class LeftOut(NamedTuple):
 
 def draw_again(image: Path) -> str:
     """The command that opens the drawing in the folder of a picture."""
-    return shlex.join(["python", "-m", "roomkin.plugins.annotator", "annotate", str(image), "--out", str(image.parent)])
+    return shlex.join(["roomkin", "annotator", "annotate", str(image), "--out", str(image.parent)])
 
 
 def read_said(folder: Path) -> Matched:

@@ -21,7 +21,7 @@ from roomkin.stages.tables import policies, scenes
 from tests.unit.demo_assets import cabinet
 from tests.unit.tables_results import VIEWER, declared, write_run
 
-PUBLISHED = Path(__file__).parents[3] / "report" / "published"
+PUBLISHED = Path(__file__).resolve().parents[3] / "report" / "published"
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"]
 FLAGS += ["--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 WIDE = """

@@ -29,7 +29,7 @@ from tests.refusals import refused
 from tests.unit.tables_results import MADE, VIEWER, declared, picture, write_run
 
 OPTIONS = '{"bootstrap_samples": 400}'
-PUBLISHED = Path(__file__).parents[3] / "report" / "published"
+PUBLISHED = Path(__file__).resolve().parents[3] / "report" / "published"
 
 
 @pytest.fixture(scope="module")

@@ -25,7 +25,7 @@ from tests.unit.synthetic_room import hit_box
 
 TABLE_2 = [(5, 3.68), (6, 3.42), (6, 2.91), (5, 3.54), (6, 3.24), (8, 4.17), (12, 6.89), (15, 10.23)]
 MIN_PIXELS = 100  # per object at 800 x 600
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).resolve().parents[3]
 ROOMS = [read_room(path) for path in series()]
 NOWHERE = Path("library.json")
 

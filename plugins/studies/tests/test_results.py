@@ -15,7 +15,7 @@ from roomkin.stages.contracts.policies import ChosenRuns, RunScore, TaskAssets
 from tests.refusals import refused
 from tests.unit.tables_results import over_assets, picture, rollout, score, write_rows, write_run
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).resolve().parents[3]
 PUBLISHED = ROOT / "report" / "published"
 STUDY = """
 seed: 7
