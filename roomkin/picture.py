@@ -1,5 +1,7 @@
 """Command `picture`: from a picture of the user's to scenes."""
 
+import sys
+from functools import partial
 from pathlib import Path
 
 from roomkin.stages.config.packages import load_command
@@ -19,7 +21,7 @@ def run(
     """Find what a picture shows and where, its cousins in the library, and make simulated scenes of them.
 
     Works in this folder, and goes on where it stopped: results/report/scenes/<name>.html shows picture and scenes, and
-    what is doubtful; `roomkin correct <name>` puts it right. Weights of networks are fetched once, 300 MB.
+    what is doubtful; `roomkin correct <name>` puts it right. Where there is a browser it ends with that page. Weights of networks are fetched once, 300 MB.
 
     Args:
         image: photograph (JPEG, PNG, HEIC), or a folder that is a recording with depth.
@@ -33,10 +35,15 @@ def run(
         if not path.exists():
             raise file_missing(path)
     load_command("perception", "fetch")()
+    then = partial(_show, image, depth, intrinsics) if sys.stdout.isatty() else None
     files = ["--configfile", *map(str, config)] if config else []
-    run_snakemake(
-        cores, "photo", *files, "--config", *(f"{key}={_as_text(path)}" for key, path in named.items() if path)
-    )
+    given = [f"{key}={_as_text(path)}" for key, path in named.items() if path]
+    run_snakemake(cores, "photo", *files, "--config", *given, then=then)
+
+
+def _show(image: Path, depth: Path | None, intrinsics: Path | None) -> None:
+    """The page of the scene, where somebody sits before it."""
+    load_command("annotator", "after")(image, depth=depth, camera=intrinsics and str(intrinsics))
 
 
 def _as_text(path: Path) -> str:

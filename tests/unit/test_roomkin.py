@@ -1,5 +1,6 @@
 """The one command: what it runs, in what words, what it completes, and what it says of mistakes."""
 
+import contextlib
 import importlib
 import os
 import subprocess
@@ -13,6 +14,7 @@ import yaml
 
 from roomkin import __main__, completion, correct, picture
 from roomkin.homes import COMMANDS, list_homes
+from roomkin.workflow import run_snakemake
 from tests.commands import list_commands
 from tests.packages import needs
 from tests.refusals import refused
@@ -166,3 +168,17 @@ def test_the_tab_key(capsys: pytest.CaptureFixture[str], typed: str, offered: se
     done = subprocess.run(["bash", "-c", f"COMP_WORDS=({words})\n{script}"], capture_output=True, text=True, check=True)
     assert {*done.stdout.split()} == offered and not done.stderr
     assert "complete -o default -F _roomkin roomkin" in script and os.linesep in script
+
+
+@pytest.mark.parametrize("code", [0, 3])
+def test_what_follows_a_run_follows_only_if_it_ended_well(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: int
+) -> None:
+    program = tmp_path / "snakemake"
+    program.write_text(f"#!/bin/sh\necho $* >{tmp_path}/asked\nexit {code}\n")
+    program.chmod(0o755)
+    monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
+    followed: list[str] = []
+    with contextlib.suppress(SystemExit) if code else contextlib.nullcontext():
+        run_snakemake(3, "photo", then=lambda: followed.append("page"))
+    assert (tmp_path / "asked").read_text().endswith("--cores 3 photo\n") and len(followed) == (code == 0)
