@@ -21,7 +21,8 @@ def run(
     """Find what a picture shows and where, its cousins in the library, and make simulated scenes of them.
 
     Works in this folder, and goes on where it stopped: results/report/scenes/<name>.html shows picture and scenes, and
-    what is doubtful; `roomkin correct <name>` puts it right. Where there is a browser it ends with that page. Weights of networks are fetched once, 300 MB.
+    what is doubtful; `roomkin correct <name>` puts it right: with that page it ends where there is
+    a browser. Weights of networks are fetched once, 300 MB.
 
     Args:
         image: photograph (JPEG, PNG, HEIC), or a folder that is a recording with depth.

@@ -32,9 +32,10 @@ def run_snakemake(cores: int, *words: str, then: Callable[[], None] | None = Non
     sys.stdout.flush()
     if then is None:
         os.execv(program, line)
-    before = signal.signal(signal.SIGINT, lambda *_: None)  # Ctrl-C is Snakemake's, which gets it, too
-    code = subprocess.run(line).returncode
-    signal.signal(signal.SIGINT, before)
-    if code:
-        sys.exit(code if code > 0 else 128 - code)
-    then()
+    else:
+        before = signal.signal(signal.SIGINT, lambda *_: None)  # Ctrl-C is Snakemake's, which gets it, too
+        code = subprocess.run(line).returncode
+        signal.signal(signal.SIGINT, before)
+        if code:
+            sys.exit(code if code > 0 else 128 - code)
+        then()
