@@ -52,5 +52,5 @@ def doubt_unit(items: Iterable[SceneObject]) -> str:
     unit = min(DEPTH_UNITS, key=lambda one: abs(np.log(one / (1000 / times))))
     fits = f"{unit:g}" if abs(np.log(unit * times / 1000)) < USUAL_SPREAD / 2 else f"{float(f'{1000 / times:.2g}'):g}"
     much, what = (times, "small") if times > 1 else (1 / times, "large")
-    factor = f"{unusual} of {len(ranges)} things are {much:.1f} times too {what}"
-    return f"{factor}: --unit {fits} if depth was read as mm, {float(fits) / 1000:g} if as m"
+    told = f"{unusual} of {len(ranges)} things are {much:.1f} times too {what}"
+    return f"{told}: --unit {fits} if depth was read as mm, {float(fits) / 1000:g} if as m"

@@ -9,6 +9,7 @@ from markupsafe import Markup
 from roomkin.plugins.claims.claims import FAILS, HOLDS
 from roomkin.plugins.claims.tables import count_lacking_runs, evidence, title_of
 from roomkin.plugins.report.page.charts import success_chart
+from roomkin.stages.contracts.words import count
 from roomkin.stages.tables.methods import Kinds
 from roomkin.stages.tables.order import SKILL, set_key, target_title, title
 from roomkin.stages.tables.rows import records
@@ -76,6 +77,9 @@ def sentences(claims: pd.DataFrame | None, target: str, names: dict[str, str]) -
         f"{what} on {over} succeeds {percent(first['ours'])} of the time after training on "
         f"{title(first['training_set'])}, {percent(first['theirs'])} after training on the twin: {evidence(first)}"
     )
+    if count_lacking_runs(first):
+        runs = count(min(first["runs"], first["baseline_runs"]), "training")
+        line += f"; {runs} a side, and another may turn out otherwise"
     again = [AGAIN] if any(map(count_lacking_runs, rows)) else []
     verdicts = [_verdict(row, names[row["policy"]]) for row in rows if not count_lacking_runs(row)]
     return line, [*(one[0].upper() + one[1:] for one in verdicts), *again]

@@ -21,6 +21,7 @@ from roomkin.plugins.report.page.benchmarks import by_stage, duration, longest_t
 from roomkin.plugins.report.page.charts import line_chart
 from roomkin.plugins.report.page.files import RunFiles
 from roomkin.plugins.report.page.policies import losses
+from roomkin.plugins.report.page.result import sentences
 from roomkin.plugins.report.snapshots import Snapshots
 from roomkin.stages.config.model import Config
 from roomkin.stages.contracts.images import read_narrow
@@ -144,6 +145,14 @@ def test_page_tells_what_happened(made: Path) -> None:
         assert words in text, words
     assert text.count("only 12 points") == 2  # once per room: a failure is told where it happened first
     assert "no cloud" not in text
+
+
+def test_a_headline_of_one_training_a_side_says_so(made: Path) -> None:
+    (path,) = (made / "results/tables").glob("*claims*.csv")
+    claims = pd.read_csv(path, keep_default_na=False, na_values=[""])
+    names = dict.fromkeys(claims["policy"], "a policy")
+    told = [sentences(claims.assign(runs=runs, baseline_runs=2), "door", names)[0] for runs in (1, 2)]
+    assert told[0] == f"{told[1]}; 1 training a side, and another may turn out otherwise" and told[1]
 
 
 def test_first_screen_shows_unseen_assets_and_the_roles_stand_below(made: Path, tmp_path: Path) -> None:
