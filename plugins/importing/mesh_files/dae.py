@@ -68,7 +68,7 @@ def _parse_file(path: Path) -> ET.Element:
         ValueError: it is no XML, or declares a DOCTYPE, which may hold more than the file.
     """
     data = path.read_bytes()
-    if b"<!DOCTYPE" in data:
+    if b"<!DOCTYPE" in data.replace(b"\0", b""):  # UTF-16, too
         raise ValueError("it declares a DOCTYPE, which COLLADA does not need")
     try:
         root = ET.fromstring(data)

@@ -234,6 +234,13 @@ def test_broken_collada_is_one_line(tmp_path: Path, old: str, new: str, says: st
         read(tmp_path / "a.dae", tmp_path)
 
 
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
+def test_a_doctype_of_collada_is_seen_in_any_encoding(tmp_path: Path, encoding: str) -> None:
+    (tmp_path / "a.dae").write_text(f"<!DOCTYPE a>{dae('polylist')}", encoding=encoding)
+    with refused("E-MESH-BROKEN", "declares a DOCTYPE"):
+        read(tmp_path / "a.dae", tmp_path)
+
+
 def test_one_scale_is_that_of_all_axes(tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_text(u_obj())
     text = '<robot name="r"><link name="a"><visual><geometry><mesh filename="a.obj" scale="{}"/></geometry>'
