@@ -112,7 +112,7 @@ def test_no_module_is_loaded_under_a_second_name() -> None:
     folders = ("roomkin", "stages", "plugins", "rules", "reference", "benchmarks", "tests")
     files = [path for folder in folders for path in (ROOT / folder).rglob("*") if path.suffix in (".py", ".smk")]
     second = re.compile(r"^\s*(from|import) (stages|plugins)\b", re.MULTILINE)
-    assert len(files) > 1000
+    assert len(files) > 600
     assert [path.name for path in files if second.search(path.read_text(encoding="utf-8"))] == []
 
 
