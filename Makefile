@@ -9,33 +9,33 @@ COMMIT ?= $(shell git describe --always --dirty --exclude "*")
 BIN := .venv/bin
 STAMP := .venv/.installed
 
-# One word for the shell, whatever is in it; a variable's value as it was typed, as text for Snakemake's YAML in such a word.
+# One word for the shell, whatever is in it; a flag with a variable's value as it was typed, if it was given.
 quoted = '$(subst ','\'',$(1))'
-text = $(call quoted, '$(subst ','',$(value $(1)))' )
+typed = $(if $(value $(2)),$(1) $(call quoted,$(value $(2))))
 HERE := $(call quoted,$(CURDIR))
 FOLDER := $(call quoted,$(IN))
 
 # A study in a folder that holds results/ (IN), which finds committed assets in config/; its tables, with the commit that they name.
 RUN := $(BIN)/snakemake --cores $(CORES) --keep-going --directory $(FOLDER) --configfile config.yaml
-RESULTS := $(BIN)/python -m plugins.studies results --results $(FOLDER)/results --benchmarks $(FOLDER)/benchmarks --commit "$(COMMIT)" --configs config.yaml
+RESULTS := $(BIN)/python -m roomkin.plugins.studies results --results $(FOLDER)/results --benchmarks $(FOLDER)/benchmarks --commit "$(COMMIT)" --configs config.yaml
 # Table 3 by config/study/roles.yaml, on and on after what fails.
 STUDY := -$(RUN) config/study/table3.yaml config/study/roles.yaml --
 SETS := twin cousins_8 cousins_2 cousins_4 all
 cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(policy)/$(set)/rollouts.csv))
 
-.PHONY: help setup site wheel demo all table3 unseen registered table2 paper folder weights picture test verify slurm test-cluster lint types config reference lock containers clean
+.PHONY: help setup site wheel demo all table3 table3-object unseen registered table2 paper folder weights picture test verify slurm test-cluster lint types config reference lock containers clean
 help: ## list the commands
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
 setup: $(STAMP) ## create .venv from the pinned requirements, make sure a Vulkan device exists
-	@$(BIN)/python -m plugins.ops.doctor --mend
+	@$(BIN)/python -m roomkin.plugins.ops.doctor --mend
 
 $(STAMP): envs/requirements.txt envs/setup.sh pyproject.toml
 	@bash envs/setup.sh
 	@touch $@
 
 demo: setup ## a picture, its cousins and a scene to turn, in two minutes
-	$(BIN)/snakemake --cores $(CORES) --directory demo --configfile config/demo.yaml -- pages
+	@$(BIN)/python -m roomkin demo --cores $(CORES)
 
 all: setup ## run the default workflow: library, scenes, policies, tables, report
 	$(BIN)/snakemake --cores $(CORES) all
@@ -46,6 +46,10 @@ table3: setup folder ## Table 3, Figures 4 and 9 as the paper has them, in four 
 	$(STUDY) table3
 	$(RESULTS) config/study/table3.yaml config/study/roles.yaml --out docs/results
 
+table3-object: setup folder ## the same where policies see the whole object, as the paper's do, in a folder of its own (IN): six hours
+	-$(RUN) config/study/table3.yaml config/study/roles.yaml config/study/object_cloud.yaml -- table3
+	$(RESULTS) config/study/table3.yaml config/study/roles.yaml config/study/object_cloud.yaml --out docs/results/object
+
 unseen: setup folder ## success over unseen assets, in an hour or two on two cores
 	$(RUN) config/study/table3.yaml config/study/over_assets.yaml -- table3
 	$(RESULTS) config/study/table3.yaml config/study/over_assets.yaml --out docs/results/unseen
@@ -53,7 +57,7 @@ unseen: setup folder ## success over unseen assets, in an hour or two on two cor
 registered: setup ## the registered study of docs/results/design.md: two nights of two cores; it goes on where it stopped
 	PATH=$(HERE)/$(BIN):$$PATH CORES=$(CORES) bash config/study/registered.sh
 
-table2: setup folder ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
+table2: setup weights folder ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
 	$(RUN) config/study/table2.yaml -- table2 table2_robustness
 	$(RESULTS) config/study/table2.yaml --table 2 --variants b ours-geometry --out docs/results
 
@@ -63,11 +67,11 @@ paper: setup ## every figure of docs/results by one commit, but what is pinned i
 folder:
 	@[ $(FOLDER) = . ] || { mkdir -p $(FOLDER) && ln -sfn $(HERE)/config $(FOLDER)/config; }
 
-weights: $(STAMP) ## fetch the weights of the three networks that look at pictures, 200 MB, once; a line says if that fails
-	@$(BIN)/python -m stages.perception fetch
+weights: $(STAMP) ## fetch the weights of the four networks that look at pictures, 300 MB, once; a line says if that fails
+	@$(BIN)/python -m roomkin.stages.perception fetch
 
-picture: setup weights ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
-	$(BIN)/snakemake --cores $(CORES) photo --config image=$(call text,RGB) $(if $(DEPTH),depth=$(call text,DEPTH)) $(if $(INTRINSICS),camera=$(call text,INTRINSICS))
+picture: setup ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
+	@$(BIN)/python -m roomkin picture --cores $(CORES) $(call typed,,RGB) $(call typed,--depth,DEPTH) $(call typed,--intrinsics,INTRINSICS)
 
 test: setup lint types ## lint, types and all tests; Chromium for those of the report page
 	@bash envs/chromium.sh
@@ -87,7 +91,7 @@ test-cluster: setup slurm ## the workflow on a real SLURM of two nodes on this m
 	$(BIN)/python -m pytest -m cluster $(CLUSTER)
 
 verify: $(STAMP) ## are all files of results/ as the run left them? what is broken, and what makes it anew; IN: another folder
-	@$(BIN)/python -m plugins.ops verify --results $(FOLDER)/results
+	@$(BIN)/python -m roomkin.plugins.ops verify --results $(FOLDER)/results
 
 lint: $(STAMP) ## ruff, snakefmt, snakemake --lint
 	$(BIN)/ruff check .
@@ -99,7 +103,7 @@ types: $(STAMP) ## mypy
 	$(BIN)/mypy
 
 config: $(STAMP) ## write config/schema.json and docs/config.md from the typed models
-	$(BIN)/python -m stages.config
+	$(BIN)/python -m roomkin.stages.config
 
 reference: $(STAMP) ## write docs/architecture.md and its pictures from the code
 	$(BIN)/python -m reference
@@ -111,4 +115,4 @@ containers: $(STAMP) ## build an image with podman and run a real rule in it
 	bash containers/check.sh
 
 clean: ## delete everything a run wrote; the environment stays, and what you drew and corrected (hand/)
-	@$(BIN)/python -m plugins.ops clean
+	@$(BIN)/python -m roomkin.plugins.ops clean

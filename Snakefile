@@ -15,23 +15,24 @@ min_version("9.27")
 configfile: next(filter(Path.exists, map(Path, ["config.yaml", "config/config.yaml"])), workflow.source_path("config.yaml"))
 
 
+# Sections of the paper that a file follows.
 include: "rules/common.smk"
 include: "rules/resources.smk"
 include: "rules/inputs.smk"
 include: "rules/implementations.smk"
-include: "rules/assets.smk"
-include: "rules/frames.smk"
-include: "rules/perception.smk"
-include: "rules/extraction.smk"
-include: "rules/matching.smk"
-include: "rules/generation.smk"
-include: "rules/experiment.smk"
-include: "rules/demonstrations.smk"
-include: "rules/training.smk"
-include: "rules/selection.smk"
-include: "rules/scores.smk"
-include: "rules/evaluation.smk"
-include: "rules/tables.smk"
+include: "rules/assets.smk"  # A.1: models and their snapshots
+include: "rules/frames.smk"  # A.2: pictures with depth
+include: "rules/perception.smk"  # A.2: what a picture shows
+include: "rules/extraction.smk"  # A.2, A.7: objects in space
+include: "rules/matching.smk"  # A.6, A.7: digital cousins
+include: "rules/generation.smk"  # A.3, A.7: scenes
+include: "rules/experiment.smk"  # B.3, B.4: twin, cousins, test assets
+include: "rules/demonstrations.smk"  # A.4, A.5
+include: "rules/training.smk"  # B.3: policies
+include: "rules/selection.smk"  # B.3, B.4: by rollouts on the twin
+include: "rules/scores.smk"  # B.1: scenes, Table 2
+include: "rules/evaluation.smk"  # B.3, B.4: rollouts, Table 3
+include: "rules/tables.smk"  # tables and figures beside the paper's
 
 
 for file in rule_files(CONFIG.packages):

@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from stages.config.matching import EncoderOptions
-from stages.config.model import read_files
-from stages.contracts.policy_config import PolicyConfig
-from stages.geometry.crop import View
-from stages.matching.encoders import make_encoder
-from stages.policies.base import make_policy
-from stages.training import train
+from roomkin.stages.config.matching import EncoderOptions
+from roomkin.stages.config.model import read_files
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.geometry.crop import View
+from roomkin.stages.matching.encoders import make_encoder
+from roomkin.stages.policies.base import make_policy
+from roomkin.stages.training import train
 
 ROOT = Path(__file__).resolve().parents[1]
 UPDATES = {

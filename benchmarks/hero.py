@@ -17,18 +17,18 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
-from plugins.films.writing import write_film
-from plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
-from plugins.in_scene.room import GeneratedRoom, read_room
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.contracts import read_json
-from stages.contracts.images import read_rgb
-from stages.contracts.look import Look
-from stages.contracts.task_options import TaskConfig
-from stages.demonstrations.attempt import Recorder
-from stages.plugins import load
-from stages.simulation.film_renderer import FilmRenderer, Image, Moment, Recording
-from stages.tasks.api import EnvWrapper
+from roomkin.plugins.films.writing import write_film
+from roomkin.plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
+from roomkin.plugins.in_scene.room import GeneratedRoom, read_room
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.contracts import read_json
+from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.contracts.look import Look
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.demonstrations.attempt import Recorder
+from roomkin.stages.plugins import load
+from roomkin.stages.simulation.film_renderer import FilmRenderer, Image, Moment, Recording
+from roomkin.stages.tasks.api import EnvWrapper
 
 SMALL, LARGE = (320, 240), (640, 480)  # pixels: input and scene, the robot beside them
 FREQUENCY, BETWEEN = 10, 2  # moments per second, and pictures to a moment

@@ -14,12 +14,12 @@ import numpy as np
 
 from benchmarks.open_rooms.pairs import FOUND, overlaps
 from benchmarks.open_rooms.pictures import folders, read
-from stages.config.perception import SeeSection
-from stages.contracts import InputError
-from stages.perception.read.frame import Frame
-from stages.perception.see import look
-from stages.perception.segmentation.choosing import choose
-from stages.perception.segmentation.proposal import list_proposals
+from roomkin.stages.config.perception import SeeSection
+from roomkin.stages.contracts import InputError
+from roomkin.stages.perception.read.frame import Frame
+from roomkin.stages.perception.see import look
+from roomkin.stages.perception.segmentation.choosing import choose
+from roomkin.stages.perception.segmentation.proposal import list_proposals
 
 SMALL, LARGE = 0.005, 0.05  # shares of the picture
 

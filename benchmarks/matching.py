@@ -3,7 +3,7 @@
     python -m benchmarks.matching
 
 Naive: in each of the top-k rounds a fresh `faiss.IndexFlatL2` of all patches of all candidates that remain, searched
-with k = 1 (paper A.6, read literally). Ours: `distance_table` and `vote`, as `stages.matching` calls them. Both in turn
+with k = 1 (paper A.6, read literally). Ours: `distance_table` and `vote`, as `matching match` calls them. Both in turn
 in one process, one thread, on the same synthetic features with many near ties: patches of all pictures crowd around
 shared centers.
 """
@@ -24,10 +24,10 @@ import torch
 from numpy.typing import NDArray
 
 from benchmarks.tables import table
-from stages.matching.search import distance_table
-from stages.matching.searches.torch import affine
-from stages.matching.voting import vote
-from stages.plugins import load
+from roomkin.stages.matching.search import distance_table
+from roomkin.stages.matching.searches.torch import affine
+from roomkin.stages.matching.voting import vote
+from roomkin.stages.plugins import load
 
 CENTERS, SPREAD = 500, 0.6
 Features = NDArray[np.float32]

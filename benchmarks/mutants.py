@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from stages.config.code import ROOTS, closure
+from roomkin.stages.config.code import ROOTS, closure
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 300  # seconds for the tests of one mutant, also beside other work
@@ -98,7 +98,7 @@ def find_tests(root: Path) -> dict[str, list[Path]]:
     words of its name, then those that reach least else. Tests of whole workflows are left out."""
     ROOTS["tests"] = root / "tests"
     found: dict[str, list[tuple[int, int, Path]]] = {}
-    for path in sorted([*(root / "tests/unit").rglob("test_*.py"), *root.glob("plugins/*/tests/test_*.py")]):
+    for path in sorted([*(root / "tests/unit").rglob("test_*.py"), *root.glob("roomkin/plugins/*/tests/test_*.py")]):
         name, text = ".".join(path.relative_to(root).with_suffix("").parts), path.read_text(encoding="utf-8")
         words, reached = set(path.stem.split("_")), closure(name)
         for module in reached:
@@ -152,10 +152,10 @@ def main() -> None:
         tracked = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
         for name in tracked.split("\0")[:-1]:
             Path(place, name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(ROOT / name, Path(place, name))
+            shutil.copy(ROOT / name, Path(place, name), follow_symlinks=False)
         for mutant in draw(ROOT / asked.folder, asked.count, asked.seed):
             where = mutant.path.relative_to(ROOT)
-            near = tests.get(".".join(where.with_suffix("").parts).removesuffix(".__init__"), [])[:MOST]
+            near = tests.get(".".join(["roomkin", *where.with_suffix("").parts]).removesuffix(".__init__"), [])[:MOST]
             found = judge(mutant, [str(path.relative_to(ROOT)) for path in near], Path(place))
             counts[found] += 1
             old = " ".join(ast.unparse(mutant.node).split())

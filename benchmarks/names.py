@@ -19,7 +19,7 @@ from scipy.optimize import minimize
 from benchmarks.name_training.looks import share_out_of_fold
 from benchmarks.name_training.outlines import EXACT, FAULTY, OWN, join, see_outlines
 from benchmarks.open_rooms.pictures import folders
-from stages.perception.classification.propose import Weights, combine, read_head, read_network
+from roomkin.stages.perception.classification.propose import Weights, combine, read_head, read_network
 
 Array = NDArray[np.float64]
 SAMPLES = 2000  # of the bootstrap

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from safetensors.numpy import save_file
 
 from benchmarks.open_rooms.pictures import folders, read, read_masks
-from stages.cli import progress
-from stages.config.perception import SeeSection
-from stages.contracts import write_atomically
-from stages.contracts.images import read_rgb
-from stages.perception.layout.things import (
+from roomkin.stages.cli import progress
+from roomkin.stages.config.perception import SeeSection
+from roomkin.stages.contracts import write_atomically
+from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.perception.layout.things import (
     FLOOR,
     HANGS,
     KINDS,
@@ -33,8 +33,8 @@ from stages.perception.layout.things import (
     make_view,
     measure_outline,
 )
-from stages.perception.segmentation.choosing import choose
-from stages.perception.segmentation.proposal import list_proposals
+from roomkin.stages.perception.segmentation.choosing import choose
+from roomkin.stages.perception.segmentation.proposal import list_proposals
 
 Array = NDArray[np.float64]
 OF_ROOM, SAME = 0.7, 0.5  # share of an outline that is wall or floor; IoU from which on it shows a thing

@@ -16,18 +16,18 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from benchmarks.hero import BETWEEN, FREQUENCY, add_title, smooth
-from plugins.api import load_policy
-from plugins.api.loaded import LoadedPolicy
-from plugins.films.writing import write_film
-from plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
-from plugins.in_scene.room import GeneratedRoom, read_room
-from stages.contracts import TaskAssets, read_json
-from stages.contracts.images import read_rgb
-from stages.contracts.look import Look
-from stages.evaluation.states import initial_states
-from stages.simulation.film_renderer import FilmRenderer, Image
-from stages.simulation.recording import Recording
-from stages.tasks.api import EnvWrapper
+from roomkin import load_policy
+from roomkin.plugins.api.loaded import LoadedPolicy
+from roomkin.plugins.films.writing import write_film
+from roomkin.plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
+from roomkin.plugins.in_scene.room import GeneratedRoom, read_room
+from roomkin.stages.contracts import TaskAssets, read_json
+from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.contracts.look import Look
+from roomkin.stages.evaluation.states import initial_states
+from roomkin.stages.simulation.film_renderer import FilmRenderer, Image
+from roomkin.stages.simulation.recording import Recording
+from roomkin.stages.tasks.api import EnvWrapper
 
 SMALL, LARGE = (239, 134), (480, 320)  # pixels: photograph and scene, below them the robot
 GAP, WHITE, QUALITY = 2, 255, 85

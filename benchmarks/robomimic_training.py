@@ -27,12 +27,12 @@ from robomimic.models.obs_core import EncoderCore
 from robomimic.utils import obs_utils
 from torch import Tensor, nn
 
-from stages.contracts.episode_store import ACTION, PROPRIO
-from stages.contracts.policy_config import PolicyConfig
-from stages.plugins import parse_kwargs
-from stages.policies.bc_rnn_gmm import Policy
-from stages.policies.bc_rnn_gmm_options import Options
-from stages.training.loop import GRADIENT_CLIP
+from roomkin.stages.contracts.episode_store import ACTION, PROPRIO
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.plugins import parse_kwargs
+from roomkin.stages.policies.bc_rnn_gmm import Policy
+from roomkin.stages.policies.bc_rnn_gmm_options import Options
+from roomkin.stages.training.loop import GRADIENT_CLIP
 
 RUNS = yaml.safe_load(Path("config/paper/policies.yaml").read_text(encoding="utf-8"))["training"]["configs"]
 PAPER = PolicyConfig.model_validate(RUNS["paper"])

@@ -18,12 +18,12 @@ START = time.process_time()
 
 import torch  # noqa: E402
 
-from plugins.furniture.library import make  # noqa: E402
-from stages.config.training import TrainingSection  # noqa: E402
-from stages.contracts.task_options import TaskConfig  # noqa: E402
-from stages.policies.base import TrainablePolicy, make_policy  # noqa: E402
-from stages.policies.checkpoint import load_network  # noqa: E402
-from stages.tasks.api import EnvWrapper  # noqa: E402
+from roomkin.plugins.furniture.library import make  # noqa: E402
+from roomkin.stages.config.training import TrainingSection  # noqa: E402
+from roomkin.stages.contracts.task_options import TaskConfig  # noqa: E402
+from roomkin.stages.policies.base import TrainablePolicy, make_policy  # noqa: E402
+from roomkin.stages.policies.checkpoint import load_network  # noqa: E402
+from roomkin.stages.tasks.api import EnvWrapper  # noqa: E402
 
 
 def time_calls(what: Callable[[], object], times: int) -> float:

@@ -21,16 +21,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.tables import table
-from stages.config.matching import MatchingConfig
-from stages.contracts import Library, Objects, read_json
-from stages.contracts.library import LibraryEntry
-from stages.matching.candidates import find_candidates
-from stages.matching.codec import Codec, learn
-from stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
-from stages.matching.ranking import make_query, rank_models, rank_orientations
-from stages.matching.scene import Scene
-from stages.matching.store import FeatureStore, Snapshot
-from stages.matching.text_encoders import make_text_encoder
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts import Library, Objects, read_json
+from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.matching.candidates import find_candidates
+from roomkin.stages.matching.codec import Codec, learn
+from roomkin.stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
+from roomkin.stages.matching.ranking import make_query, rank_models, rank_orientations
+from roomkin.stages.matching.scene import Scene
+from roomkin.stages.matching.store import FeatureStore, Snapshot
+from roomkin.stages.matching.text_encoders import make_text_encoder
 
 
 class Repeated:

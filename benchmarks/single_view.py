@@ -19,15 +19,15 @@ from numpy.typing import NDArray
 from benchmarks.open_rooms import packs
 from benchmarks.open_rooms.pairs import overlaps, pair_pieces
 from benchmarks.open_rooms.pictures import folders, read, read_masks
-from stages.config.perception import DrawOptions
-from stages.contracts import InputError
-from stages.contracts.categories import category_in
-from stages.contracts.images import read_rgb
-from stages.perception.camera.perspective import angles_of
-from stages.perception.draw import draw_picture
-from stages.perception.layout.ends import FLOOR, find_open, measure_all
-from stages.perception.layout.room import Room, Spread, arrange, build_room, see_camera
-from stages.perception.segmentation.proposal import find_border
+from roomkin.stages.config.perception import DrawOptions
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.categories import category_in
+from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.perception.camera.perspective import angles_of
+from roomkin.stages.perception.draw import draw_picture
+from roomkin.stages.perception.layout.ends import FLOOR, find_open, measure_all
+from roomkin.stages.perception.layout.room import Room, Spread, arrange, build_room, see_camera
+from roomkin.stages.perception.segmentation.proposal import find_border
 
 ROOM = {"floor", "wall"}
 HEIGHT, TILT, SIZE = 0.12, 3.0, 0.2  # goals: of the camera's height, degrees, of the cube root of the volume

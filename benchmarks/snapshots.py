@@ -22,11 +22,11 @@ import h5py
 import numpy as np
 
 from benchmarks.tables import table
-from stages.articulated.asset_folder import read_asset
-from stages.assets.snapshots import PACKED, Turntable, largest_extent
-from stages.config.assets import SnapshotOptions
-from stages.contracts.library_folder import AssetFolders
-from stages.simulation.loading import load_visual, move, remove, root_pose
+from roomkin.stages.articulated.asset_folder import read_asset
+from roomkin.stages.assets.snapshots import PACKED, Turntable, largest_extent
+from roomkin.stages.config.assets import SnapshotOptions
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.simulation.loading import load_visual, move, remove, root_pose
 
 PARTS = ["SAPIEN: loading", "SAPIEN: pictures", "ours: `photograph`", "ours: packing"]
 

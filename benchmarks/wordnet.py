@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from stages.matching.text_encoders.lexical import KNOWN, MEANINGS_FILE, split_words
+from roomkin.stages.matching.text_encoders.lexical import KNOWN, MEANINGS_FILE, split_words
 
 # Categories and words of lexical.py, each with words of WordNet for it; `bowl#3`: its third sense, not its first as an
 # artefact.

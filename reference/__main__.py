@@ -3,12 +3,12 @@
 import sys
 from pathlib import Path
 
-from reference import data, rooms
+from reference import data, rooms, sections
 
 ARCHITECTURE = """\
 # Architecture
 
-A stage is a command line, `python -m stages.<stage> <command>`, that reads files and writes files. Snakemake calls it
+A stage is a command line, `roomkin <stage> <command>`, that reads files and writes files. Snakemake calls it
 by a rule; it knows nothing of Snakemake, and of other stages only their files. This page is written from the code by
 `make reference`.
 
@@ -30,13 +30,19 @@ package and runs without any; `packages` in the [config](config.md) says which a
 ![The folders and their imports](images/rooms.svg)
 
 {table}
+
+## From the paper to the code
+
+Files and functions that follow a section of its appendix, by the first lines of their docstrings.
+
+{sections}
 """
 
 
 def generate(root: Path) -> dict[str, str]:
     """Contents of the written files by their path."""
     return {
-        "docs/architecture.md": ARCHITECTURE.format(table=rooms.table(root)),
+        "docs/architecture.md": ARCHITECTURE.format(table=rooms.table(root), sections=sections.table(root)),
         "docs/images/data.svg": data.picture(root),
         "docs/images/rooms.svg": rooms.picture(root),
     }

@@ -50,4 +50,4 @@ def _imported(file: Path) -> Iterator[str]:
             names = [f"{node.module}.{alias.name}" for alias in node.names]
         else:
             continue
-        yield from (name.split(".")[1] for name in names if name.startswith("stages."))
+        yield from (name.split(".")[2] for name in names if name.startswith("roomkin.stages."))

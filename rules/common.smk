@@ -9,16 +9,17 @@ from hashlib import sha256
 from itertools import product
 from pathlib import Path
 
-from stages.config.code import cover, files_digest, path_of_jobs
-from stages.config.commands import check_line, command_digest, command_line, replacement
-from stages.config.files import read_file
-from stages.config.model import load, with_defaults
-from stages.config.packages import check_rules, check_targets, list_drawers, rule_files, shards_of
-from stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, describe_picture, options_of, stores
-from stages.config.sizes import fill_counts
-from stages.contracts.errors import InputError
-from stages.contracts.system import check_writable
-from stages.contracts.training_sets import ROLE_NAME, SET_NAME
+from roomkin.stages.config.code import cover, files_digest, path_of_jobs
+from roomkin.stages.config.commands import check_line, command_digest, command_line, replacement
+from roomkin.stages.config.files import read_file
+from roomkin.stages.config.model import load, with_defaults
+from roomkin.stages.config.packages import check_rules, check_targets, list_drawers, rule_files, shards_of
+from roomkin.stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, describe_picture, options_of, stores
+from roomkin.stages.config.sizes import fill_counts
+from roomkin.stages.config.unfetched import tell_left_out
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.system import check_writable
+from roomkin.stages.contracts.training_sets import ROLE_NAME, SET_NAME
 
 # `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
@@ -30,6 +31,8 @@ try:
     check_writable(Path.cwd(), *map(Path, ("results", "logs", "benchmarks", ".snakemake")))
     list(map(read_file, map(Path, workflow.configfiles)))
     CONFIG = load(with_defaults(config))
+    if workflow.is_main_process and (line := tell_left_out(with_defaults(config), CONFIG)):
+        print(line, file=sys.stderr)
     check_targets(sys.argv, CONFIG.packages)
     check_rules(sys.argv if workflow.is_main_process else [], workflow.main_snakefile)
     if "photo" in sys.argv and not CONFIG.image:
@@ -42,7 +45,7 @@ try:
     LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN_SHARDS.values())
     CONFIG = fill_counts(CONFIG, LIBRARY_SIZE)
     if workflow.is_main_process and len(CONFIG.experiment.rooms) == 1 and "perception" not in CONFIG.stages:
-        from stages.perception.read.early import check_pictures
+        from roomkin.stages.perception.read.early import check_pictures
 
         check_pictures(CONFIG.experiment)
 except InputError as error:

@@ -1,6 +1,6 @@
 # Helpers: implementations whose code counts beside that of a command, as modules. Functions of a job's wildcards. No rules.
-from stages.config.names import modules
-from stages.plugins import qualify_module
+from roomkin.stages.config.names import modules
+from roomkin.stages.plugins import qualify_module
 
 
 def store_modules(wildcards):

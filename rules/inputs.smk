@@ -2,11 +2,11 @@
 from snakemake.io import IOFile
 from snakemake.persistence import RECORD_FORMAT_VERSION
 from snakemake.settings.types import RerunTrigger
-from stages.config.targets import Cell
-from stages.config.code import code_digest
-from stages.config.hand_files import are_taken_back, describe_corrections, drawing_of, hand_file
-from stages.contracts.corrections import CORRECTIONS
-from stages.plugins import find, qualify_module
+from roomkin.stages.config.targets import Cell
+from roomkin.stages.config.code import code_digest
+from roomkin.stages.config.hand_files import are_taken_back, describe_corrections, drawing_of, hand_file
+from roomkin.stages.contracts.corrections import CORRECTIONS
+from roomkin.stages.plugins import find, qualify_module
 
 
 def input_file(name):

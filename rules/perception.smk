@@ -3,7 +3,7 @@
 #         they are here (`make weights`).
 # Writes: results/scenes/<scene>/frame/, or results/photo/<scene>/ of a picture without depth, there with project.json, which the
 #         page opens; things.json in both: what was found, placed or not. What a person draws and corrects stands in hand/<scene>/.
-from stages.config.weights import ALL as PUBLISHED_WEIGHTS, FOLDER as WEIGHTS_FOLDER
+from roomkin.stages.config.weights import ALL as PUBLISHED_WEIGHTS, FOLDER as WEIGHTS_FOLDER
 
 WEIGHTS = [file for file in (WEIGHTS_FOLDER / one.name for one in PUBLISHED_WEIGHTS) if file.is_file()]
 PROPOSERS = modules(CONFIG.perception, "proposers"), modules(CONFIG.perception.for_measured(), "proposers")

@@ -40,7 +40,8 @@ def episodes_of(wildcards):
 def test_episodes():
     """How many episodes one policy is rolled out for."""
     options = CONFIG.evaluation
-    return len(options.test_assets) * options.rollouts + options.assets * options.asset_rollouts
+    more = (options.twin_rollouts or options.rollouts) - options.rollouts
+    return len(options.test_assets) * options.rollouts + more + options.assets * options.asset_rollouts
 
 
 def selection_episodes(wildcards):

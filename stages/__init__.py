@@ -1,7 +1,7 @@
 """ACDC (Dai et al., CoRL 2024) as stages: from one RGB image to digital cousins to policies.
 
 Each sub-package named after a rule file is a stage: a command line
-(``python -m stages.<stage> <command> --flags``) that reads and writes files and knows
+(``roomkin <stage> <command> --flags``) that reads and writes files and knows
 nothing of Snakemake. `contracts`, `config`, `geometry`, `procedural` and `simulation`
 are the rooms that stages share; stages never import each other.
 

@@ -1,4 +1,4 @@
-"""The command line of every stage and package: `python -m stages.<stage> <command> --flag value ...`.
+"""The command line of every stage and package: `roomkin <stage> <command> --flag value ...`.
 
 A command is a module `<command>.py` of the package (`-` is `_` there; `import`, a keyword of Python, is `import_`) with
 a typed function `run`; its keyword arguments are the flags. Only the chosen one is imported: start-up stays cheap.
@@ -15,38 +15,45 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
-from stages.contracts.section import SEEDS
+from roomkin.stages.contracts.section import SEEDS
 
 T = TypeVar("T")
 SECONDS = 5.0  # from one line of progress to the next
 
 
-def main(package: str, commands: dict[str, str]) -> None:
-    """Run the command in `sys.argv[1]`; `InputError`s and what the system refuses become a line and exit code 1."""
-    from stages.contracts.errors import InputError, suggest_nearest
-    from stages.contracts.system import line_of, start_job
+def main(package: str, commands: dict[str, str], more: str = "", also: Iterable[str] = ()) -> None:
+    """Run the command in `sys.argv[1]`; `InputError`s and what the system refuses become a line and exit code 1.
 
-    usage = f"usage: python -m {package} COMMAND --help\n" + "".join(
-        f"  {command:<12} {text}\n" for command, text in commands.items()
-    )
+    Args:
+        package: where the commands are modules.
+        commands: what each does, by its name.
+        more: what --help says below them.
+        also: words beside the commands that a misspelt one may have meant.
+    """
+    from roomkin.stages.contracts.errors import InputError, suggest_nearest
+    from roomkin.stages.contracts.system import line_of, start_job
+
+    program = " ".join(dict.fromkeys(["roomkin", package.rpartition(".")[2]]))
+    lines = (f"  {command:<12} {text}\n" for command, text in commands.items())
+    usage = f"usage: {program} COMMAND --help\n{''.join(lines)}{more}"
     argv = sys.argv[1:]
-    if not argv or argv[0] not in commands:
-        asked_for_help = bool(argv) and argv[0] in ("-h", "--help")
-        if argv and not asked_for_help:
-            fix = suggest_nearest(argv[0], commands)
-            print(f"error: {package} has no command '{argv[0]}'. Fix: {fix}", file=sys.stderr)
-        print(usage, file=sys.stdout if asked_for_help else sys.stderr)
-        sys.exit(0 if asked_for_help else 2)
+    if not argv or argv[0] in ("-h", "--help"):
+        print(usage, file=sys.stdout if argv else sys.stderr)
+        sys.exit(0 if argv else 2)
+    if argv[0] not in commands:
+        fix = suggest_nearest(argv[0], [*commands, *also])
+        print(f"error: {program} has no command '{argv[0]}'. Fix: {fix}", file=sys.stderr)
+        sys.exit(2)
 
     if fault := find_wrong_flag(f"{package}.{find_module(argv[0])}", argv[1:]):
-        print(f"error: {package} {argv[0]}: {fault}", file=sys.stderr)
+        print(f"error: {program} {argv[0]}: {fault}", file=sys.stderr)
         sys.exit(2)
     import tyro
 
     start_job()
     run = with_seeds_checked(importlib.import_module(f"{package}.{find_module(argv[0])}").run)
     try:
-        tyro.cli(run, args=argv[1:], prog=f"python -m {package} {argv[0]}")
+        tyro.cli(run, args=argv[1:], prog=f"{program} {argv[0]}")
     except InputError as error:
         print(f"error: {error} [{error.code}]", file=sys.stderr)
         sys.exit(1)
@@ -64,25 +71,32 @@ def find_module(command: str) -> str:
 
 
 def find_wrong_flag(module: str, given: list[str]) -> str:
-    """A flag that a command does not have, or one that it lacks; "" if there is none, or help is wanted.
+    """A flag that a command does not have, or one that it lacks; "" if there is none, or help is wanted."""
+    from roomkin.stages.contracts.errors import suggest_nearest
 
-    By the text of the module, as what it imports may take seconds.
-    """
-    from stages.contracts.errors import suggest_nearest
-
-    spec = importlib.util.find_spec(module)
-    text = Path(spec.origin).read_text(encoding="utf-8") if spec and spec.origin else ""
-    runs = [each for each in ast.parse(text).body if isinstance(each, ast.FunctionDef) and each.name == "run"]
-    if not runs or runs[0].args.args or {"-h", "--help"}.intersection(given):
+    flags = list_flags(module)
+    if not flags or {"-h", "--help"}.intersection(given):
         return ""
-    arguments = zip(runs[0].args.kwonlyargs, runs[0].args.kw_defaults, strict=True)
-    flags = {f"--{argument.arg.replace('_', '-')}": default for argument, default in arguments}
     known = flags.keys() | {flag.replace("--", "--no-", 1) for flag in flags}
     words = [word.partition("=")[0].replace("_", "-") for word in given if word.startswith("--")]
     if strange := [word for word in words if word not in known]:
         return f"there is no {strange[0]}. Fix: {suggest_nearest(strange[0], flags)}"
-    lacking = [flag for flag, default in flags.items() if default is None and flag not in words]
+    lacking = [flag for flag, needed in flags.items() if needed and flag not in words]
     return f"{', '.join(lacking)} not given. Fix: --help says what they are" if lacking else ""
+
+
+def list_flags(module: str) -> dict[str, bool]:
+    """The flags of a command, each with whether it must be given; none, where others than keywords are.
+
+    By the text of the module, as what it imports may take seconds.
+    """
+    spec = importlib.util.find_spec(module)
+    text = Path(spec.origin).read_text(encoding="utf-8") if spec and spec.origin else ""
+    runs = [each.args for each in ast.parse(text).body if isinstance(each, ast.FunctionDef) and each.name == "run"]
+    if not runs or runs[0].args:
+        return {}
+    arguments = zip(runs[0].kwonlyargs, runs[0].kw_defaults, strict=True)
+    return {f"--{argument.arg.replace('_', '-')}": default is None for argument, default in arguments}
 
 
 def with_seeds_checked(run: Callable[..., None]) -> Callable[..., None]:
@@ -90,7 +104,7 @@ def with_seeds_checked(run: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(run)
     def run_checked(*args: Any, **flags: Any) -> None:
-        from stages.contracts.errors import InputError
+        from roomkin.stages.contracts.errors import InputError
 
         for name, value in flags.items():
             if name.endswith("seed") and value is not None and not 0 <= value < SEEDS:

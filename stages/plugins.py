@@ -15,9 +15,9 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from stages.contracts.errors import InputError, suggest_nearest
-from stages.contracts.files import first_error
-from stages.contracts.section import Section
+from roomkin.stages.contracts.errors import InputError, suggest_nearest
+from roomkin.stages.contracts.files import first_error
+from roomkin.stages.contracts.section import Section
 
 S = TypeVar("S", bound=Section)
 
@@ -32,7 +32,7 @@ class PluginKind:
     @property
     def home(self) -> str:
         """The package of our implementations."""
-        return f"stages.{self.place}"
+        return f"roomkin.stages.{self.place}"
 
 
 KINDS = {
@@ -61,7 +61,7 @@ PACKAGES = Path(__file__).resolve().parents[1] / "plugins"  # those beside the c
 @cache
 def list_shipped() -> tuple[str, ...]:
     """The packages beside the core that are in this checkout, as modules."""
-    return tuple(f"plugins.{file.parent.name}" for file in sorted(PACKAGES.glob("*/__init__.py")))
+    return tuple(f"roomkin.plugins.{file.parent.name}" for file in sorted(PACKAGES.glob("*/__init__.py")))
 
 
 def folder(package: str) -> Path:
@@ -113,7 +113,7 @@ def find(kind: str, name: str, packages: Sequence[str] | None = None, key: str =
     if name in known.values():
         return name
     if name not in known:
-        package = _list_ours(kind).get(name, "").partition(".")[2].partition(".")[0]
+        package = "".join(_list_ours(kind).get(name, "").split(".")[2:3])
         mend = (
             f"packages: {{{package}: true}}, or one of {', '.join(known)}" if package else suggest_nearest(name, known)
         )

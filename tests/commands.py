@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from stages.cli import find_module
+from roomkin.stages.cli import find_module
 
 ROOT = Path(__file__).resolve().parents[1]
 

@@ -20,7 +20,8 @@ def pytest_ignore_collect(collection_path: Path) -> bool | None:
     """Leave out tests of packages beside the core that are not here: the core is tested without them, too."""
     if collection_path.suffix != ".py":
         return None
-    named = re.findall(r"^\s*(?:from|import) plugins\.(\w+)", collection_path.read_text(encoding="utf-8"), re.MULTILINE)
+    text = collection_path.read_text(encoding="utf-8")
+    named = re.findall(r"^\s*(?:from|import) roomkin\.plugins\.(\w+)", text, re.MULTILINE)
     return True if any(not (PLUGINS / name).is_dir() for name in named) else None
 
 

@@ -9,7 +9,7 @@ cd "$work/my projects/roomkin"
 make demo
 cp -r "${MICRO_RUN:-demo}"/{results,logs,.snakemake} . # MICRO_RUN: as .ci/run has it; its links stay behind
 touch "$work/before"
-mapfile -t files < <(grep -rlE 'subprocess|dry_run\(ROOT' --include='test_*.py' tests plugins)
+mapfile -t files < <(grep -rlE 'subprocess|dry_run\(ROOT' --include='test_*.py' tests roomkin/plugins)
 PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 .venv/bin/python -m pytest -p xdist -p no:cacheprovider -n "${CORES:-2}" --dist loadfile "${files[@]}" "$@"
 written=$(find results logs demo .snakemake hand weights -newer "$work/before" -type f 2>/dev/null || true)
 [ -z "$written" ] || { echo "error: tests have written into the clone: $written" >&2; exit 1; }

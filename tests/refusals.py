@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from stages.contracts import InputError
+from roomkin.stages.contracts import InputError
 
 
 @contextmanager

@@ -1,6 +1,6 @@
 """`python -m benchmarks.name_training learn` and `looks`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
     main(

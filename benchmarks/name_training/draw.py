@@ -13,11 +13,11 @@ from benchmarks.name_training.dirt import OTHER, SAME, Mask, cut_patch, share_ow
 from benchmarks.name_training.pictures import BACKGROUND, NOTHING, Picture, pictures_in, sense_depth, tilt_frame
 from benchmarks.name_training.rooms import Room, furnish, make_pool
 from benchmarks.name_training.solids import Rng
-from plugins.furniture.catalogue import CATEGORIES
-from stages.geometry.cameras import back_project
-from stages.geometry.frames import transform_points
-from stages.perception.classification.network import NUMBERS
-from stages.perception.classification.propose import AROUND, POINTS, Shape, measure_shape
+from roomkin.plugins.furniture.catalogue import CATEGORIES
+from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.perception.classification.network import NUMBERS
+from roomkin.stages.perception.classification.propose import AROUND, POINTS, Shape, measure_shape
 
 MIN_PIXELS = 60  # pixels of a mask in a picture of 320 x 240
 VIEWS = 7  # of a room

@@ -9,9 +9,9 @@ from torch import Tensor, set_num_threads
 from torch.nn import functional
 
 from benchmarks.name_training.draw import Examples, draw_examples, list_names
-from stages.contracts.files import write_atomically
-from stages.perception.classification.network import ShapeNetwork
-from stages.perception.classification.propose import FAR, NETWORK
+from roomkin.stages.contracts.files import write_atomically
+from roomkin.stages.perception.classification.network import ShapeNetwork
+from roomkin.stages.perception.classification.propose import FAR, NETWORK
 
 STRETCH, STRETCH_SIDE, TURN, JITTER, RAISE = 0.08, 0.06, 0.15, 0.004, 0.015  # log, log, radians, metres, metres; chosen
 SMOOTHING = 0.05  # of labels; chosen

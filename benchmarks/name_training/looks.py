@@ -13,9 +13,9 @@ from tqdm import tqdm
 from benchmarks.name_training.learn import write_network
 from benchmarks.name_training.outlines import Outlines, join, see_outlines
 from benchmarks.open_rooms.pictures import folders
-from stages.contracts import write_atomically
-from stages.perception.classification.clip import embed, load_tower, show
-from stages.perception.classification.propose import HEAD, read_network
+from roomkin.stages.contracts import write_atomically
+from roomkin.stages.perception.classification.clip import embed, load_tower, show
+from roomkin.stages.perception.classification.propose import HEAD, read_network
 
 SCALE = 10.0  # of embeddings, so that weights are near 1
 DECAY = 1e-3  # of squared weights; chosen by `benchmarks.names`

@@ -13,14 +13,14 @@ from benchmarks.masks import frame_of
 from benchmarks.name_training.dirt import OTHER, SAME, Mask, cut_patch, share_owner, soil
 from benchmarks.open_rooms import packs
 from benchmarks.open_rooms.pictures import read, read_masks
-from stages.config.perception import SeeSection
-from stages.contracts import InputError, write_atomically
-from stages.geometry.masks import pixel_bounds
-from stages.perception.classification.propose import gather, observe, read_network
-from stages.perception.see import look
-from stages.perception.segmentation.choosing import choose
-from stages.perception.segmentation.proposal import RoomView, list_proposals
-from stages.perception.segmentation.ssd import ONE_THING, find_boxes, overlap
+from roomkin.stages.config.perception import SeeSection
+from roomkin.stages.contracts import InputError, write_atomically
+from roomkin.stages.geometry.masks import pixel_bounds
+from roomkin.stages.perception.classification.propose import gather, observe, read_network
+from roomkin.stages.perception.see import look
+from roomkin.stages.perception.segmentation.choosing import choose
+from roomkin.stages.perception.segmentation.proposal import RoomView, list_proposals
+from roomkin.stages.perception.segmentation.ssd import ONE_THING, find_boxes, overlap
 
 EXACT, FAULTY, OWN = range(3)  # outlines: of the truth, with faults, as the pipeline finds them
 NONE = "other"

@@ -9,11 +9,11 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.name_training.rooms import FLOOR, Room, triangles
 from benchmarks.name_training.solids import Array, Rng, cast_rays, cast_scene
-from stages.config.extraction import DepthNoiseConfig
-from stages.extraction.noise import noisy_depth, smooth_field
-from stages.geometry.cameras import back_project, look_at, make_intrinsics
-from stages.geometry.frames import make_transform, transform_points
-from stages.geometry.room_planes import Plane, make_floor_frame
+from roomkin.stages.config.extraction import DepthNoiseConfig
+from roomkin.stages.extraction.noise import noisy_depth, smooth_field
+from roomkin.stages.geometry.cameras import back_project, look_at, make_intrinsics
+from roomkin.stages.geometry.frames import make_transform, transform_points
+from roomkin.stages.geometry.room_planes import Plane, make_floor_frame
 
 WIDTH, HEIGHT = 320, 240  # pixels
 GROUND, BACKGROUND, NOTHING = 0, 1, 255  # in `owner`; things are numbered from 2 on

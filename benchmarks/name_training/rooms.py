@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from shapely import Polygon
 
 from benchmarks.name_training.solids import JUNK, Array, Rng, Solid, make_junk, make_solid
-from plugins.furniture.catalogue import CATEGORIES
-from plugins.furniture.shapes import CUBE
-from stages.contracts.categories import known_categories
-from stages.contracts.library import Placement
-from stages.geometry.boxes import UprightBox, footprint
-from stages.geometry.frames import yaw_matrix
+from roomkin.plugins.furniture.catalogue import CATEGORIES
+from roomkin.plugins.furniture.shapes import CUBE
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.library import Placement
+from roomkin.stages.geometry.boxes import UprightBox, footprint
+from roomkin.stages.geometry.frames import yaw_matrix
 
 FLOOR, WALL = 0, 1  # owners; things are numbered from 2 on
 THINGS, TRIES = 45, 8  # in a room at most, and places that are tried for one; chosen

@@ -8,10 +8,10 @@ import numpy as np
 import open3d as o3d
 from numpy.typing import NDArray
 
-from plugins.furniture.catalogue import CATEGORIES
-from plugins.furniture.model import Model, Part, fit_model, part, parts_of
-from plugins.furniture.shapes import cushion, hull, lathe, rod, slab
-from stages.contracts.library import Placement
+from roomkin.plugins.furniture.catalogue import CATEGORIES
+from roomkin.plugins.furniture.model import Model, Part, fit_model, part, parts_of
+from roomkin.plugins.furniture.shapes import cushion, hull, lathe, rod, slab
+from roomkin.stages.contracts.library import Placement
 
 Array = NDArray[np.float64]
 Rng = np.random.Generator

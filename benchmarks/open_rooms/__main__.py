@@ -16,7 +16,7 @@ from pathlib import Path
 from benchmarks.open_rooms import packs
 from benchmarks.open_rooms.fetch import fetch
 from benchmarks.open_rooms.pictures import MASKS
-from stages.contracts import InputError
+from roomkin.stages.contracts import InputError
 
 
 def main() -> None:

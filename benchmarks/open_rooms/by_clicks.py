@@ -25,13 +25,13 @@ from numpy.typing import NDArray
 
 from benchmarks.open_rooms import packs, pictures
 from benchmarks.open_rooms.pairs import FOUND, overlaps, pair_pieces
-from stages.contracts import Objects, read_json
-from stages.contracts.corrections import Correction
-from stages.contracts.images import read_rgb
-from stages.contracts.scene_input import read_annotations
-from stages.contracts.scenes import Annotation
-from stages.extraction.corrected_masks import Cutter
-from stages.geometry.masks import pixel_bounds
+from roomkin.stages.contracts import Objects, read_json
+from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.contracts.scene_input import read_annotations
+from roomkin.stages.contracts.scenes import Annotation
+from roomkin.stages.extraction.corrected_masks import Cutter
+from roomkin.stages.geometry.masks import pixel_bounds
 
 OFF = 4.0  # pixels that an outline may be off, as those of `drawn` are
 BOX = 3  # clicks

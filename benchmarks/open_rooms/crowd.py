@@ -8,10 +8,10 @@ import numpy as np
 
 from benchmarks.name_training.solids import JUNK, ON_WALLS
 from benchmarks.open_rooms import packs
-from plugins.furniture.catalogue import CATEGORIES
-from plugins.furniture.model import Model as Built
-from plugins.furniture.model import Part, fit_model, parts_of
-from stages.contracts.categories import known_categories
+from roomkin.plugins.furniture.catalogue import CATEGORIES
+from roomkin.plugins.furniture.model import Model as Built
+from roomkin.plugins.furniture.model import Part, fit_model, parts_of
+from roomkin.stages.contracts.categories import known_categories
 
 OURS, COUNT = "ours", 12  # the pack of our own models, and so many of a category; chosen
 MODELS = 4_000_037  # added to their seeds: no library has them, nor has the network of shapes

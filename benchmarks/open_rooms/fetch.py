@@ -12,7 +12,7 @@ import zipfile
 from pathlib import Path
 
 from benchmarks.open_rooms.packs import HALVES, HERE, OBJS, models
-from stages.contracts import InputError
+from roomkin.stages.contracts import InputError
 
 # Version, digest of the file, and what is unpacked further; the rest is read where it lies.
 DEBIAN = {

@@ -8,9 +8,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from benchmarks.open_rooms import pictures
-from plugins.pictures.painting import draw_side_by_side, resize_to
-from plugins.pictures.scenes import run as draw_scenes
-from stages.contracts.images import read_rgb
+from roomkin.plugins.pictures.painting import draw_side_by_side, resize_to
+from roomkin.plugins.pictures.scenes import run as draw_scenes
+from roomkin.stages.contracts.images import read_rgb
 
 HALF, WIDTH = "held_out", 427  # the set that is shown, pixels of a picture
 PANELS = {"drawn": "told outlines and names", "unaided": "no hand"}

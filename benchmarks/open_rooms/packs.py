@@ -18,7 +18,7 @@ from trimesh.visual.material import SimpleMaterial
 
 from benchmarks.name_training.solids import JUNK
 from benchmarks.open_rooms.blend import Piece, read_pieces
-from stages.contracts.categories import known_categories
+from roomkin.stages.contracts.categories import known_categories
 
 HERE = Path(__file__).parent
 HALVES = {

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchmarks.open_rooms import crowd, packs, rooms, sensor, views
 from benchmarks.open_rooms.render import photograph
-from stages.contracts import write_atomically
+from roomkin.stages.contracts import write_atomically
 
 MIN_PIXELS, MIN_SEEN = 250, 0.15  # of a thing that a person would outline and name
 BY_HAND = ("exact", "drawn")  # masks whose values are the numbers of things

@@ -13,7 +13,7 @@ from benchmarks.open_rooms.packs import FLOORS, WALLS, Part, texture
 from benchmarks.open_rooms.rooms import HEIGHT, Room
 from benchmarks.open_rooms.sensor import GLASS, MIRROR, Floats
 from benchmarks.open_rooms.views import HEIGHT_PX, WIDTH, Surface, intrinsics, surfaces
-from stages.contracts import InputError
+from roomkin.stages.contracts import InputError
 
 DEPTH = 5  # bounces
 TILE = {"floor": 1.2, "wall": 1.6}  # metres that a texture covers

@@ -11,8 +11,8 @@ import yaml
 from numpy.typing import NDArray
 from shapely import Polygon
 
-from stages.geometry.boxes import UprightBox, footprint
-from stages.geometry.frames import wrap_angle
+from roomkin.stages.geometry.boxes import UprightBox, footprint
+from roomkin.stages.geometry.frames import wrap_angle
 
 TRIES = 25
 CROWD, CROWDS = "crowd", 10  # a kind that is there to learn from alone; times as many of it

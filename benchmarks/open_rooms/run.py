@@ -12,14 +12,14 @@ from typing import Any
 from benchmarks.open_rooms import pictures
 from benchmarks.open_rooms.by_clicks import plan_corrections
 from benchmarks.open_rooms.pictures import ALONE, BY_HAND
-from stages.config.model import Config
-from stages.config.reads import options_of, stores
-from stages.contracts import Annotations, InputError, read_json, write_json
-from stages.contracts.corrections import CORRECTIONS, Corrections
-from stages.extraction import extract
-from stages.generation import generate
-from stages.matching import match
-from stages.perception import draw, from_rgbd, see
+from roomkin.stages.config.model import Config
+from roomkin.stages.config.reads import options_of, stores
+from roomkin.stages.contracts import Annotations, InputError, read_json, write_json
+from roomkin.stages.contracts.corrections import CORRECTIONS, Corrections
+from roomkin.stages.extraction import extract
+from roomkin.stages.generation import generate
+from roomkin.stages.matching import match
+from roomkin.stages.perception import draw, from_rgbd, see
 
 # Who chooses: the default judge, the default encoder alone, and nobody who looks (docs/matching.md).
 ROWS: dict[str, dict[str, Any]] = {

@@ -14,18 +14,24 @@ from numpy.typing import NDArray
 from benchmarks.open_rooms import packs, pictures
 from benchmarks.open_rooms.by_clicks import find_things, list_steps
 from benchmarks.open_rooms.shapes import ROOT, find_model, measure_chamfer
-from plugins.report.doubts import collect_doubts
-from stages.contracts import Cousins, GeneratedScene, Objects, read_json
-from stages.contracts.categories import find_usual_size
-from stages.contracts.doubt import Doubt
-from stages.contracts.generated import RIGHT_MIN, RIGHT_SHARE, PlacedObject, measure_place_sureness, measure_sureness
-from stages.contracts.library import Asset
-from stages.contracts.library_folder import AssetFolders
-from stages.contracts.parts import HingeSide
-from stages.evaluation.scoring import box_in_world, world_from_floor
-from stages.generation.settling import OVERLAP
-from stages.geometry.boxes import UprightBox, axis_aligned_iou, corners, oriented_iou
-from stages.geometry.frames import angle_difference, wrap_angle
+from roomkin.plugins.report.doubts import collect_doubts
+from roomkin.stages.contracts import Cousins, GeneratedScene, Objects, read_json
+from roomkin.stages.contracts.categories import find_usual_size
+from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.generated import (
+    RIGHT_MIN,
+    RIGHT_SHARE,
+    PlacedObject,
+    measure_place_sureness,
+    measure_sureness,
+)
+from roomkin.stages.contracts.library import Asset
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.contracts.parts import HingeSide
+from roomkin.stages.evaluation.scoring import box_in_world, world_from_floor
+from roomkin.stages.generation.settling import OVERLAP
+from roomkin.stages.geometry.boxes import UprightBox, axis_aligned_iou, corners, oriented_iou
+from roomkin.stages.geometry.frames import angle_difference, wrap_angle
 
 JUDGES = ("geometry", "hog", "no-image")
 PLACE = 0.05  # metres between true and found center

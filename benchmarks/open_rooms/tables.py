@@ -7,8 +7,8 @@ import pandas as pd
 
 from benchmarks.open_rooms.pictures import MASKS
 from benchmarks.open_rooms.sureness import JUDGED, judge_sureness
-from stages.config.tables import TablesConfig
-from stages.tables.intervals import pair_sides, quantiles, rate_interval, rate_of, resample_rates, side_of
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.tables.intervals import pair_sides, quantiles, rate_interval, rate_of, resample_rates, side_of
 
 MEASURES = ["sensible", "size", "place", "yaw", "facing", "carrier", "stable", "panels", "hinges", "handles"]
 FACING = 45  # degrees, modulo the thing's symmetry, within which a thing faces where it should

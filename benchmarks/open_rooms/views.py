@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from benchmarks.open_rooms.packs import Model, Part
 from benchmarks.open_rooms.rooms import HEIGHT, WALLS, Room, Thing
 from benchmarks.open_rooms.sensor import DARK, GLASS, MATT, MIRROR, Floats, Seen
-from stages.geometry.frames import make_transform, yaw_matrix
+from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 
 WIDTH, HEIGHT_PX = 640, 480
 SCREENS = {"tv", "computer", "laptop"}

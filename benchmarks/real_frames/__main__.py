@@ -31,11 +31,11 @@ from benchmarks.open_rooms.run import (
     shelves,
 )
 from benchmarks.open_rooms.tables import table
-from stages.config.model import Config
-from stages.contracts import Cousins, GeneratedScene, Objects, read_json
-from stages.contracts.scene_input import read_annotations
-from stages.contracts.things import THINGS, Things
-from stages.perception import draw, from_rgbd, see
+from roomkin.stages.config.model import Config
+from roomkin.stages.contracts import Cousins, GeneratedScene, Objects, read_json
+from roomkin.stages.contracts.scene_input import read_annotations
+from roomkin.stages.contracts.things import THINGS, Things
+from roomkin.stages.perception import draw, from_rgbd, see
 
 HERE = Path(__file__).parent
 NAMES: dict[str, dict[str, list[str]]] = json.loads((HERE / "names.json").read_text())  # sensible, by frame and mask

@@ -32,7 +32,7 @@ run policies lite_blind "cousins_8 twin" lite_blind "0 1 2"
 run policies diffusion "$PRIMARY twin" diffusion "0 1 2"
 for set in random_8 all cousins_4 cousins_2; do run policies lite "$set" lite "$SEEDS"; done
 workflow table3
-python -m plugins.studies results --configs "${CONFIGS[@]}" --out docs/results/registered
+python -m roomkin.plugins.studies results --configs "${CONFIGS[@]}" --out docs/results/registered
 CONFIGS+=(config/study/registered_addendum.yaml)
 for seed in $SEEDS; do run policies lite_warm "twin_randomised cousins_8 cousins_8_randomised twin" lite_warm "$seed"; done
-python -m plugins.studies results --configs "${CONFIGS[@]}" --out docs/results/registered_addendum
+python -m roomkin.plugins.studies results --configs "${CONFIGS[@]}" --out docs/results/registered_addendum

@@ -5,20 +5,20 @@ import webbrowser
 from dataclasses import replace
 from pathlib import Path
 
-from plugins.annotator.correcting import Correcting
-from plugins.annotator.server import PageServer
-from plugins.annotator.session import Session
-from plugins.annotator.shown import is_bare, name_drawn
-from stages.config.inputs import scene_of_folder
-from stages.contracts import Camera, InputError, Library, read_json
-from stages.contracts.categories import known_categories
-from stages.contracts.corrections import CORRECTIONS
-from stages.contracts.depth import read_depth
-from stages.contracts.errors import suggest_nearest
-from stages.contracts.hand import PROJECT
-from stages.contracts.images import orientation_of
-from stages.perception.drawing.write import at_size
-from stages.perception.read.photo import Photo, read_photo
+from roomkin.plugins.annotator.correcting import Correcting
+from roomkin.plugins.annotator.server import PageServer
+from roomkin.plugins.annotator.session import Session
+from roomkin.plugins.annotator.shown import is_bare, name_drawn
+from roomkin.stages.config.inputs import scene_of_folder
+from roomkin.stages.contracts import Camera, InputError, Library, read_json
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.corrections import CORRECTIONS
+from roomkin.stages.contracts.depth import read_depth
+from roomkin.stages.contracts.errors import suggest_nearest
+from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.contracts.images import orientation_of
+from roomkin.stages.perception.drawing.write import at_size
+from roomkin.stages.perception.read.photo import Photo, read_photo
 
 
 def _categories(library: Path | None) -> list[str]:
@@ -95,6 +95,7 @@ def run(
     except KeyboardInterrupt:
         print()
     finally:
+        server.making.stop()
         server.server_close()
     folder = session.folder
     if isinstance(session, Correcting) and is_bare(folder):

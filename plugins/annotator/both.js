@@ -1,5 +1,6 @@
 // What both pages have: buttons above the picture, writing and closing, and keys that are the same on both.
 import { fit, zoom } from './canvas.js';
+import { bindMaking } from './making.js';
 import { ask, changed, edit, find, hurry, loses, onChange, redo, save, state, undo } from './state.js';
 
 const get = (id) => document.getElementById(id);
@@ -37,7 +38,8 @@ export function order(item, by) {
   edit(() => { item.layer = by > 0 ? Math.max(0, ...layers) + 1 : Math.min(0, ...layers) - 1; });
 }
 
-export function bindFrame() {
+// `made`: what follows a run that ended well.
+export function bindFrame(made) {
   get('undo').addEventListener('click', undo);
   get('redo').addEventListener('click', redo);
   get('closer').addEventListener('click', () => zoom(0.8));
@@ -50,6 +52,7 @@ export function bindFrame() {
   for (const one of document.querySelectorAll('[data-layer]')) one.addEventListener('click', () => order(find(state.chosen), Number(one.dataset.layer)));
   get('object').addEventListener('submit', (event) => event.preventDefault());
   get('write').addEventListener('click', write);
+  bindMaking(write, made);
   get('close').addEventListener('click', async () => {
     if (!await write()) return;
     try {

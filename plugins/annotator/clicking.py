@@ -9,19 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter
 
-from stages.config.weights import ALL, is_there
-from stages.contracts import InputError
-from stages.contracts.files import Contract
-from stages.contracts.parts import says_opening
-from stages.contracts.types import Outline, Pixel, PixelCoordinate
-from stages.geometry.masks import PIECES, Mask, outline_pieces, pixel_bounds, polygons
-from stages.perception.classification.naming import name_outline
-from stages.perception.classification.propose import Names, observe_looks, propose_names
-from stages.perception.segmentation.choosing import ON_WALL, share
-from stages.perception.segmentation.mobile_sam import Embedded, MobileSam, Outlines
-from stages.perception.segmentation.proposal import RoomView
-from stages.perception.segmentation.ssd import Box, find_boxes
-from stages.perception.segmentation.ssd import overlap as overlap_boxes
+from roomkin.stages.config.weights import list_lacking
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.files import Contract
+from roomkin.stages.contracts.parts import says_opening
+from roomkin.stages.contracts.types import Outline, Pixel, PixelCoordinate
+from roomkin.stages.geometry.masks import PIECES, Mask, outline_pieces, pixel_bounds, polygons
+from roomkin.stages.perception.classification.naming import name_outline
+from roomkin.stages.perception.classification.propose import Names, observe_looks, propose_names
+from roomkin.stages.perception.segmentation.choosing import ON_WALL, share
+from roomkin.stages.perception.segmentation.mobile_sam import Embedded, MobileSam, Outlines
+from roomkin.stages.perception.segmentation.proposal import RoomView
+from roomkin.stages.perception.segmentation.ssd import Box, find_boxes
+from roomkin.stages.perception.segmentation.ssd import overlap as overlap_boxes
 
 LACKING = "a click outlines things once the networks' weights are there: make weights"
 LIKE_BEST = 0.1  # by which the score of a larger outline may lie below the best: wholes before parts; on 26 things
@@ -187,10 +187,10 @@ class Clicked:
 
     def begin_looking(self) -> None:
         """Look at the picture in the background, or print what lacks."""
-        if all(is_there(weights) for weights in ALL):
-            self.clicker = Clicker(self.rgb, self.room)
-        else:
+        if list_lacking():
             print(LACKING)
+        else:
+            self.clicker = Clicker(self.rgb, self.room)
 
     def ready(self) -> dict[str, Any]:
         """Answer once the picture is looked at."""

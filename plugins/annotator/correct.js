@@ -280,7 +280,7 @@ document.addEventListener('keydown', (event) => {
 
 function bind() {
   for (const tool of document.querySelectorAll('[data-tool]')) tool.addEventListener('click', () => { if (tool.dataset.tool === 'box') state.chosen = null; choose(tool.dataset.tool); });
-  bindFrame();
+  bindFrame(() => { location.hash = 'made'; location.reload(); });
   get('made').addEventListener('click', swap);
   get('label').addEventListener('change', ({ target }) => { clicks.end(); edit(() => { chosen().label = target.value.trim() || null; }); });
   get('by-clicks').addEventListener('click', () => { choose('click'); clicks.go(chosen()); changed(); });
@@ -312,6 +312,8 @@ async function start() {
   onChange(panel);
   onChange(draw);
   await solve();
+  if (location.hash === '#made' && answer.pictured) swap();
+  location.hash = '';
   clicks.offer(answer.clicks);
 }
 start().catch((error) => { get('trouble').textContent = error.message; get('trouble').hidden = false; });

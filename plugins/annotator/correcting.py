@@ -9,25 +9,25 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.annotator.clicking import Clicked
-from plugins.annotator.cures import Cure, find_beneath, list_cures, match_walls
-from plugins.annotator.fronts import jpeg, rectify_front
-from plugins.annotator.kept import Kept
-from plugins.annotator.last_run import LastRun, describe_doubt, read_last_run
-from plugins.annotator.said import Said, find_changes
-from plugins.annotator.session import Answer
-from plugins.annotator.shown import Drawing, Thing, is_bare, name_drawn, read_bare, view_room, write_masks
-from stages.contracts import InputError
-from stages.contracts.corrections import Correction, Corrections
-from stages.contracts.doubt import Doubt
-from stages.contracts.hand import PROJECT, hand_folder
-from stages.contracts.objects import Wall, object_ids
-from stages.contracts.parts import says_opening
-from stages.contracts.scene_input import read_scene_input
-from stages.contracts.scenes import Held
-from stages.contracts.things import read_things
-from stages.contracts.types import FLOOR, WALL
-from stages.extraction.corrected_masks import (
+from roomkin.plugins.annotator.clicking import Clicked
+from roomkin.plugins.annotator.cures import Cure, find_beneath, list_cures, match_walls
+from roomkin.plugins.annotator.fronts import jpeg, rectify_front
+from roomkin.plugins.annotator.kept import Kept
+from roomkin.plugins.annotator.last_run import LastRun, describe_doubt, read_last_run
+from roomkin.plugins.annotator.said import Said, find_changes
+from roomkin.plugins.annotator.session import Answer
+from roomkin.plugins.annotator.shown import Drawing, Thing, is_bare, name_drawn, read_bare, view_room, write_masks
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.corrections import Correction, Corrections
+from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.hand import PROJECT, hand_folder
+from roomkin.stages.contracts.objects import Wall, object_ids
+from roomkin.stages.contracts.parts import says_opening
+from roomkin.stages.contracts.scene_input import read_scene_input
+from roomkin.stages.contracts.scenes import Held
+from roomkin.stages.contracts.things import read_things
+from roomkin.stages.contracts.types import FLOOR, WALL
+from roomkin.stages.extraction.corrected_masks import (
     ROOM,
     Cutter,
     Painted,
@@ -38,11 +38,11 @@ from stages.extraction.corrected_masks import (
     list_losses,
     paint_masks,
 )
-from stages.geometry.boxes import extents
-from stages.geometry.masks import outline_mask
-from stages.perception.drawing.write import tint_picture
-from stages.perception.segmentation.proposal import RoomView
-from stages.perception.write import is_clone, to_run
+from roomkin.stages.geometry.boxes import extents
+from roomkin.stages.geometry.masks import outline_mask
+from roomkin.stages.perception.drawing.write import tint_picture
+from roomkin.stages.perception.segmentation.proposal import RoomView
+from roomkin.stages.perception.write import is_clone, to_run
 
 STILL = (0.0, 0.0)  # metres: not moved by hand
 
@@ -199,15 +199,9 @@ class Correcting(Clicked):
         """The picture as JPEG."""
         return jpeg(self.given.rgb)
 
-    def read_last_picture(self) -> bytes:
-        """The scene of rank 1 as PNG.
-
-        Raises:
-            InputError: it was not drawn.
-        """
-        if self.made.picture is None:
-            raise InputError(self.scene, "has no picture of its scene.", "make its page", code="E-PICTURE-MISSING")
-        return self.made.picture.read_bytes()
+    def find_last_picture(self) -> Path | None:
+        """The scene of rank 1, as the last run made it."""
+        return self.made.picture
 
     def preview(self) -> bytes:
         """The saved masks over the picture, as JPEG."""

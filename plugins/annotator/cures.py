@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.doubt import Doubt, DoubtKind
-from stages.contracts.generated import PlacedObject
-from stages.contracts.objects import Objects, Wall
-from stages.contracts.types import FLOOR, WALL
-from stages.geometry.cameras import PointMap
-from stages.geometry.masks import look_below
+from roomkin.stages.contracts.doubt import Doubt, DoubtKind
+from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.objects import Objects, Wall
+from roomkin.stages.contracts.types import FLOOR, WALL
+from roomkin.stages.geometry.cameras import PointMap
+from roomkin.stages.geometry.masks import look_below
 
 NEAR = 0.02  # share of the picture's height within which something lies just below a thing; chosen
 APART = 0.3  # metres: a mask whose points lie farther from every wall of the run shows another one; chosen

@@ -4,8 +4,8 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from stages.contracts.files import as_json, write_text
-from stages.contracts.system import lock_folder
+from roomkin.stages.contracts.files import as_json, write_text
+from roomkin.stages.contracts.system import lock_folder
 
 
 class OutdatedError(Exception):

@@ -10,20 +10,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.annotator.cures import Cure
-from plugins.report.doubts import collect_doubts, measure_side
-from plugins.report.snapshots import Snapshots, views_of
-from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
-from stages.contracts.corrections import Correction
-from stages.contracts.cousins import ObjectCousins
-from stages.contracts.doubt import Doubt, DoubtKind
-from stages.contracts.generated import PlacedObject
-from stages.contracts.objects import SceneObject, Wall
-from stages.contracts.types import Pixel
-from stages.extraction.reflections import NICHE
-from stages.geometry.boxes import FACES, UprightBox, corners, extents, front_corners, is_behind
-from stages.geometry.cameras import project
-from stages.geometry.frames import invert_transform, transform_points
+from roomkin.plugins.annotator.cures import Cure
+from roomkin.plugins.report.doubts import collect_doubts, measure_side
+from roomkin.plugins.report.snapshots import Snapshots, views_of
+from roomkin.stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
+from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.cousins import ObjectCousins
+from roomkin.stages.contracts.doubt import Doubt, DoubtKind
+from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.objects import SceneObject, Wall
+from roomkin.stages.contracts.types import Pixel
+from roomkin.stages.extraction.reflections import NICHE
+from roomkin.stages.geometry.boxes import FACES, UprightBox, corners, extents, front_corners, is_behind
+from roomkin.stages.geometry.cameras import project
+from roomkin.stages.geometry.frames import invert_transform, transform_points
 
 MAX_MODELS = 24  # models that can be chosen, nearest first
 
@@ -216,10 +216,15 @@ def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[in
         {masks[one.id]: one for one in matched if one.id in masks},
         {masks[one.id]: one for each in scenes if each.rank == 1 for one in each.objects if one.id in masks},
         Snapshots(sorted((results / "assets/snapshots").glob("shard_*.h5"))),
-        next(iter(place.glob("scene_1.png")), None),
+        find_picture(place.parents[1], scene, variant),
         _sizes(results / "assets/library/library.json"),
         {mask: views_of(scenes, name) for name, mask in masks.items()},
     )
+
+
+def find_picture(made: Path, scene: str, variant: str = "*") -> Path | None:
+    """A scene's picture of rank 1, of the first variant that has one; `made`: the folder results/generation."""
+    return min(made.glob(f"{variant}/{scene}/scene_1.png"), default=None)
 
 
 def _sizes(path: Path) -> dict[str, list[float]]:

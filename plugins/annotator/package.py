@@ -1,5 +1,5 @@
 """What the core must know of this package: nothing, no rule calls it."""
 
-from stages.config.packages import Package
+from roomkin.stages.config.packages import Package
 
 PACKAGE = Package()

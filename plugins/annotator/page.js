@@ -129,7 +129,7 @@ function field(id, change) {
 function bind() {
   for (const tab of document.querySelectorAll('[data-step]')) tab.addEventListener('click', () => step(tab.dataset.step));
   for (const tool of document.querySelectorAll('[data-tool]')) tool.addEventListener('click', () => choose(tool.dataset.tool));
-  bindFrame();
+  bindFrame(() => { showResult(); get('result').onload = ({ target }) => target.scrollIntoView({ block: 'end' }); });
   get('grid').addEventListener('change', (event) => { state.grid = event.target.checked; draw(); });
   field('across', (project, target) => {
     const degrees = number(target);
@@ -173,6 +173,11 @@ function bind() {
   get('delete').addEventListener('click', () => remove(state.chosen));
 }
 
+function showResult() {
+  get('result').src = `made.png?${Date.now()}`;
+  get('result').hidden = false;
+}
+
 async function start() {
   const answer = await ask('start');
   Object.assign(state, { project: answer.project, fresh: answer.fresh, depth: answer.depth });
@@ -184,6 +189,7 @@ async function start() {
   bind();
   onChange(panel);
   onChange(draw);
+  if (answer.pictured) showResult();
   await solve();
   clicks.offer(answer.clicks);
   if (answer.notes.length) get('saved').textContent = answer.notes.join(' ');

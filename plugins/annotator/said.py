@@ -8,10 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.annotator.shown import Thing, UnmatchedLine
-from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections, Unmatched, read_corrections
-from stages.contracts.hand import digest_of_picture, find_hand_file
-from stages.contracts.matched import digest_masks, match_corrections, show_masks
+from roomkin.plugins.annotator.shown import Thing, UnmatchedLine
+from roomkin.stages.contracts.corrections import (
+    CORRECTIONS,
+    MEASURED,
+    Correction,
+    Corrections,
+    Unmatched,
+    read_corrections,
+)
+from roomkin.stages.contracts.hand import digest_of_picture, find_hand_file
+from roomkin.stages.contracts.matched import digest_masks, match_corrections, show_masks
 
 
 class Said:

@@ -12,12 +12,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from plugins.annotator.correcting import Correcting
-from plugins.annotator.kept import OutdatedError
-from plugins.annotator.session import Session
-from stages.contracts.errors import InputError, explain
-from stages.contracts.files import first_error
-from stages.contracts.system import line_of
+from roomkin.plugins.annotator.correcting import Correcting
+from roomkin.plugins.annotator.kept import OutdatedError
+from roomkin.plugins.annotator.making import Making
+from roomkin.plugins.annotator.session import Session
+from roomkin.stages.contracts.errors import InputError, explain
+from roomkin.stages.contracts.files import first_error
+from roomkin.stages.contracts.system import line_of
 
 HERE = Path(__file__).resolve().parent
 SCRIPTS = tuple(sorted(path.name for path in HERE.glob("*.js")))
@@ -25,7 +26,7 @@ PAGES = {
     "page.css": ("page.css", "text/css; charset=utf-8"),
     **{name: (name, "text/javascript; charset=utf-8") for name in SCRIPTS},
 }
-NEWEST = {"save", "write", "close"}  # what only the newest page may ask for
+NEWEST = {"save", "write", "close", "make", "stop"}  # what only the newest page may ask for
 OPENED_AGAIN = "this drawing was opened again in another tab: go on there, or reload this one"
 MAX_REQUEST = 2_000_000  # bytes of a request: no drawing comes near
 POLICY = (
@@ -88,10 +89,12 @@ class Handler(BaseHTTPRequestHandler):
                 self._reply(200, kind, (HERE / file).read_bytes())
             elif name == "picture.jpg":
                 self._reply(200, "image/jpeg", session.picture())
-            elif name == "made.png" and isinstance(session, Correcting):
-                self._reply(200, "image/png", session.read_last_picture())
+            elif name == "made.png" and (made := session.find_last_picture()):
+                self._reply(200, "image/png", made.read_bytes())
             elif name == "start":
                 self._json(200, self.server.open_page())
+            elif name == "making":
+                self._json(200, self.server.making.describe())
             elif name == "ready":
                 self._json(200, session.ready())
             elif name == "preview.jpg":
@@ -108,7 +111,7 @@ class Handler(BaseHTTPRequestHandler):
         """One of the session's commands, with a JSON body."""
         name = self._name()
         session = self.server.session
-        if name not in session.posts:
+        if name not in (*session.posts, "make", "stop"):
             return self._refuse(404, "no such page")
         length = self.headers.get("Content-Length", "")
         if not re.fullmatch("[0-9]{1,18}", length):
@@ -143,6 +146,10 @@ class Handler(BaseHTTPRequestHandler):
                     raise OutdatedError(OPENED_AGAIN)
                 if name == "close":
                     return session.close(body)
+                if name == "make":
+                    server.making.start(session.command())
+                if name in ("make", "stop"):
+                    return server.making.stop() if name == "stop" else {}
                 edits = int(self.headers.get("X-Edits", server.edits))
                 if edits >= server.edits:  # else it was overtaken by a newer one
                     session.save(body)
@@ -163,11 +170,14 @@ class PageServer(ThreadingHTTPServer):
         self.session = session
         self.token = secrets.token_urlsafe(24)
         self.lock = Lock()
+        self.making = Making()
         self.opened = 0  # pages: only the newest may write
         self.edits = 0  # of the newest page, that are saved
 
     def open_page(self) -> dict[str, Any]:
         """What a page begins with, which is the newest from now on."""
+        if self.making.is_new() and isinstance(self.session, Correcting):
+            self.session.__post_init__()  # it shows what was made
         with self.session.kept.lock:
             self.opened, self.edits = self.opened + 1, 0
             self.session.kept.look()

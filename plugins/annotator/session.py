@@ -10,28 +10,29 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
-from plugins.annotator.clicking import OUTLINES, Clicked
-from plugins.annotator.fronts import jpeg, rectify_front
-from plugins.annotator.kept import Kept
-from stages.contracts import Camera, InputError, read_json
-from stages.contracts.hand import PROJECT, find_hand_file
-from stages.contracts.types import Pixel
-from stages.geometry.boxes import FACES, UprightBox, corners, extents, front_corners
-from stages.perception.camera.metrology import View, WallPlane
-from stages.perception.camera.perspective import find_weak_lines, horizon, propose, usual_focal, vanishing_point
-from stages.perception.classification.propose import Names
-from stages.perception.drawing.outlined import propose_box, support_at, weigh_names
-from stages.perception.drawing.paint import find_hidden, paint
-from stages.perception.drawing.project import DrawnObject, Project
-from stages.perception.drawing.solve import Solved
-from stages.perception.drawing.write import finish_drawing, side_angle, tint_picture, write_folder
-from stages.perception.read.photo import Photo
-from stages.perception.write import check_folder, is_clone, to_run
+from roomkin.plugins.annotator.clicking import OUTLINES, Clicked
+from roomkin.plugins.annotator.described import describe_room
+from roomkin.plugins.annotator.fronts import jpeg, rectify_front
+from roomkin.plugins.annotator.kept import Kept
+from roomkin.plugins.annotator.last_run import find_picture
+from roomkin.stages.config.inputs import scene_of_folder
+from roomkin.stages.contracts import Camera, InputError, read_json
+from roomkin.stages.contracts.hand import PROJECT, find_hand_file
+from roomkin.stages.contracts.types import Pixel
+from roomkin.stages.geometry.boxes import extents, front_corners
+from roomkin.stages.perception.camera.perspective import propose, usual_focal
+from roomkin.stages.perception.classification.propose import Names
+from roomkin.stages.perception.drawing.outlined import propose_box, support_at, weigh_names
+from roomkin.stages.perception.drawing.paint import find_hidden, paint
+from roomkin.stages.perception.drawing.project import DrawnObject, Project
+from roomkin.stages.perception.drawing.solve import Solved
+from roomkin.stages.perception.drawing.write import finish_drawing, side_angle, tint_picture, write_folder
+from roomkin.stages.perception.read.photo import Photo
+from roomkin.stages.perception.write import check_folder, is_clone, to_run
 
 UNSEEN = "nothing of it would be seen in the picture: it lies behind something, or outside; it is left out"
 UNCOUNTED = "opens: how many doors and drawers has it?"
 NEW = "new"  # id of what is not drawn yet
-GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
 Answer = dict[str, Any]
 
 
@@ -116,6 +117,7 @@ class Session(Clicked):
             "notes": notes,
             "depth": self.depth is not None,
             "clicks": self.clicker is not None,
+            "pictured": self.find_last_picture() is not None,
         }
 
     def picture(self) -> bytes:
@@ -185,11 +187,18 @@ class Session(Clicked):
         """Write the input folder of a drawing that was saved."""
         project, solved = finish_drawing(self._project(body), self.depth)
         written = write_folder(self.folder, self.photo.rgb, project, solved, self.depth)
-        config = (self.folder if is_clone() else self.folder.resolve()) / "config.yaml"
-        command = to_run(f"--cores 2 --configfile {config} -- pages")
         uncounted = [f"{written.ids[name]}: {UNCOUNTED}" for name in find_uncounted(project) if name in written.ids]
         notes = [*written.notes, *uncounted]
-        return {"ids": written.ids, "notes": notes, "command": command, "folder": str(self.folder)}
+        return {"ids": written.ids, "notes": notes, "command": self.command(), "folder": str(self.folder)}
+
+    def command(self) -> str:
+        """The command that makes scenes of the folder that was written."""
+        config = (self.folder if is_clone() else self.folder.resolve()) / "config.yaml"
+        return to_run(f"--cores 2 --configfile {config} -- pages")
+
+    def find_last_picture(self) -> Path | None:
+        """The scene of rank 1, as it was made of the folder."""
+        return find_picture(Path("results/generation"), scene_of_folder(self.folder))
 
     def close(self, _: Any) -> Answer:
         """The page is done with."""
@@ -213,79 +222,3 @@ def find_carriers(project: Project, solved: Solved, doubted: Collection[str]) ->
             if on in solved.boxes and on != item.on:
                 found[item.id] = on
     return found
-
-
-def _lines(view: View, ends: NDArray[np.float64]) -> list[list[list[float]]]:
-    """Pixels of lines (N, 2, 3) of the room, as far as they are before the camera."""
-    lines = []
-    eye, forward = np.array([0, 0, view.above]), view.rotation[:, 2]
-    near = 0.05 * view.above
-    for a, b in ends:
-        da, db = (a - eye) @ forward, (b - eye) @ forward
-        if max(da, db) <= near:
-            continue
-        if min(da, db) < near:
-            cut = a + (b - a) * (near - da) / (db - da)
-            a, b = (cut, b) if da < db else (a, cut)
-        lines.append(np.round(view.project([a, b]), 1).tolist())
-    return lines
-
-
-def _box(view: View, box: UprightBox) -> Answer:
-    """A box in pixels: its corners (null behind the camera), which faces are seen, and its size and distance."""
-    points = corners(box)
-    pixels = view.project(points)
-    eye = np.array([0, 0, view.above])
-    faces = []
-    for face in FACES:
-        middle = points[list(face)].mean(axis=0)
-        if (middle - box.center) @ (eye - middle) > 0 and np.isfinite(pixels[list(face)]).all():
-            faces.append(np.round(pixels[list(face)], 1).tolist())
-    foot = view.project(points[[3, 2]] * [1, 1, 0])  # where a wall behind it meets the floor
-    known = [bool(np.isfinite(pixel).all()) for pixel in pixels]
-    return {
-        "corners": [np.round(pixel, 1).tolist() if ok else None for pixel, ok in zip(pixels, known, strict=True)],
-        "faces": faces,
-        "foot": np.round(foot, 1).tolist() if np.isfinite(foot).all() else None,
-        "size": [round(float(value), 4) for value in box.size],
-        "distance": round(float(np.linalg.norm(box.center - eye)), 3),
-    }
-
-
-def _wall(view: View, wall: WallPlane) -> list[list[list[float]]]:
-    """A wall's foot from end to end, as lines of pixels."""
-    foot = wall.offset * wall.normal
-    reach = 4 * REACH * max(view.above, 0.1)
-    low, high = np.clip(wall.ends, -reach, reach)
-    return _lines(view, np.array([[foot + low * wall.along, foot + high * wall.along]]))
-
-
-def _grid(view: View) -> list[list[list[float]]]:
-    """Lines on the floor every half metre."""
-    steps = np.arange(-REACH, REACH + GRID / 2, GRID)
-    lines = [((x, 0, 0), (x, REACH, 0)) for x in steps] + [((-REACH, y, 0), (REACH, y, 0)) for y in steps[steps >= 0]]
-    return _lines(view, np.array(lines, dtype=float))
-
-
-def describe_room(project: Project, solved: Solved) -> Answer:
-    """The solved room for the page."""
-    view = solved.view
-    up, forward = view.rotation[2], view.rotation[:, 2]
-    return {
-        "camera": {
-            "focal": round(view.focal, 1),
-            "across": round(float(np.rad2deg(2 * np.arctan(view.width / 2 / view.focal))), 1),
-            "pitch": round(float(np.rad2deg(np.arcsin(np.clip(forward[2], -1, 1)))), 2),
-            "roll": round(float(np.rad2deg(np.arctan2(up[0], -up[1]))), 2),
-            "above": round(view.above, 3),
-            "factor": solved.factor,
-        },
-        "horizon": horizon(view),
-        "vanishing": {name: vanishing_point(view, axis) for axis, name in enumerate("xyz")},
-        "weak": find_weak_lines(view, project.perspective.guides),
-        "grid": _grid(view),
-        "walls": {name: _wall(view, wall) for name, wall in solved.walls.items()},
-        "boxes": {name: _box(view, box) for name, box in solved.boxes.items()},
-        "notes": solved.notes,
-        "usual": solved.usual,
-    }

@@ -6,18 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from stages.contracts import Annotations, Camera, read_json
-from stages.contracts.corrections import Correction
-from stages.contracts.depth import read_depth
-from stages.contracts.files import Contract
-from stages.contracts.images import read_rgb
-from stages.contracts.scene_input import SceneInput, write_scene_input
-from stages.contracts.types import Id
-from stages.perception.camera.surfaces import find_surfaces
-from stages.perception.read.frame import TILT
-from stages.perception.read.mask_pieces import remove_edges
-from stages.perception.segmentation.proposal import RoomView
-from stages.perception.write import FRAME_OPTIONS, write_config
+from roomkin.stages.contracts import Annotations, Camera, read_json
+from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.depth import read_depth
+from roomkin.stages.contracts.files import Contract
+from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.contracts.scene_input import SceneInput, write_scene_input
+from roomkin.stages.contracts.types import Id
+from roomkin.stages.perception.camera.surfaces import find_surfaces
+from roomkin.stages.perception.read.frame import TILT
+from roomkin.stages.perception.read.mask_pieces import remove_edges
+from roomkin.stages.perception.segmentation.proposal import RoomView
+from roomkin.stages.perception.write import FRAME_OPTIONS, write_config
 
 
 class Thing(Correction):

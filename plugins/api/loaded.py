@@ -6,12 +6,12 @@ from typing import Any
 
 import torch
 
-from stages.contracts.errors import InputError
-from stages.contracts.policy_folder import read_config
-from stages.contracts.task_options import TaskConfig
-from stages.plugins import load
-from stages.policies.base import ActionMode, Float, RolloutPolicy, TrainablePolicy, make_rollout_policy
-from stages.policies.checkpoint import load_network
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.policy_folder import read_config
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.plugins import load
+from roomkin.stages.policies.base import ActionMode, Float, RolloutPolicy, TrainablePolicy, make_rollout_policy
+from roomkin.stages.policies.checkpoint import load_network
 
 
 class LoadedPolicy:

@@ -5,8 +5,8 @@ from typing import Protocol, runtime_checkable
 
 import trimesh
 
-from plugins.bowl.region import Region
-from stages.simulation.kinematics import Array
+from roomkin.plugins.bowl.region import Region
+from roomkin.stages.simulation.kinematics import Array
 
 
 @dataclass(frozen=True)

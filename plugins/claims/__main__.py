@@ -1,6 +1,6 @@
-"""`python -m plugins.claims trainings --help`."""
+"""`roomkin claims trainings --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
-    main("plugins.claims", {"trainings": "how every training ended, and which failed"})
+    main("roomkin.plugins.claims", {"trainings": "how every training ended, and which failed"})

@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from plugins.claims.assets import find_judged_set, of_splits
-from stages.config.tables import TablesConfig
-from stages.tables.cells import ROW, rates
-from stages.tables.drawing import color, draw_rates, mark_not_run, marker, rate_axis
-from stages.tables.order import SKILL, row_title, set_key
-from stages.tables.rows import records
-from stages.tables.text import distance_from_twin
+from roomkin.plugins.claims.assets import find_judged_set, of_splits
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.tables.cells import ROW, rates
+from roomkin.stages.tables.drawing import color, draw_rates, mark_not_run, marker, rate_axis
+from roomkin.stages.tables.order import SKILL, row_title, set_key
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.text import distance_from_twin
 
 AXES = ["feature_distance", "handle_length"]
 

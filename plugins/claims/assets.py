@@ -9,11 +9,11 @@ from typing import get_args
 import numpy as np
 import pandas as pd
 
-from stages.config.tables import MethodTables, TablesConfig
-from stages.contracts.library import HandleKind
-from stages.tables.cells import CELL, RATE, in_order, rates, tabulate_gains
-from stages.tables.order import SKILL, SPLITS
-from stages.tables.table3 import BASELINE, RANDOMISED
+from roomkin.stages.config.tables import MethodTables, TablesConfig
+from roomkin.stages.contracts.library import HandleKind
+from roomkin.stages.tables.cells import CELL, RATE, in_order, rates, tabulate_gains
+from roomkin.stages.tables.order import SKILL, SPLITS
+from roomkin.stages.tables.table3 import BASELINE, RANDOMISED
 
 FIRST = ""  # stands for the first policy of a target
 ENDS = ["difference", "low", "high"]

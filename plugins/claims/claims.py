@@ -2,7 +2,8 @@
 
 Every claim compares one number of the policies trained on most cousins with that of a baseline's policies. It holds if
 the interval of the difference lies on its side, it does not hold if it lies on the other, else it cannot be said. With
-one run a side it cannot be said either: that interval is over assets and states, about these policies alone.
+one run a side it cannot be said either: that interval is over assets and states, about these policies alone. Where its
+assets are so few that even a large effect would not show (`power`), that is what is said.
 """
 
 from collections.abc import Iterable, Mapping
@@ -12,22 +13,33 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from plugins.claims.assets import find_judged_set
-from stages.config.tables import TablesConfig
-from stages.tables.cells import ROW
-from stages.tables.intervals import Side, pair_sides, quantiles, resample_rates, score_interval, side_of, unit_rates
-from stages.tables.order import SKILL, SPLITS, set_key
-from stages.tables.statistics import Interval
-from stages.tables.table3 import BASELINE, RANDOMISED, TRAINED, UNSEEN
+from roomkin.plugins.claims import power
+from roomkin.plugins.claims.assets import find_judged_set
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.tables.cells import ROW
+from roomkin.stages.tables.intervals import (
+    Side,
+    pair_sides,
+    quantiles,
+    resample_rates,
+    score_interval,
+    side_of,
+    unit_rates,
+)
+from roomkin.stages.tables.order import SKILL, SPLITS, set_key
+from roomkin.stages.tables.statistics import Interval
+from roomkin.stages.tables.table3 import BASELINE, RANDOMISED, TRAINED, UNSEEN
 
 NOT_WORSE = 0.10  # as well as the twin on the twin: not worse by more than this
 MIN_RUNS = 2  # seeds of a method, a side; one run shows nothing about training again
 MIN_SPREAD_RUNS = 3  # runs, seeds or cells that tell how such differ
 COLLAPSED = 0.25  # a run is collapsed if it succeeds less often than this share of the best run of its task
 HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot be said"
+TOO_FEW = "too few {} to decide"
+POWER_SAMPLES = 200  # of the bootstrap of made-up results, of which there are many
 COLUMNS = [
     *ROW, "claim", "training_set", "baseline", "over", "assets", "verdict", "difference", "low", "high", "ours",
-    "theirs", "runs", "baseline_runs", "published_difference", "published_ours", "published_theirs",
+    "theirs", "shows", "runs", "baseline_runs", "published_difference", "published_ours", "published_theirs",
 ]  # fmt: skip
 STABILITY = [*ROW, "training_set", "runs", "collapsed", "spread"]
 STABILITY += ["published_runs", "published_collapsed", "published_spread"]
@@ -125,6 +137,27 @@ def compare(name: str, ours: Sides, theirs: Sides, options: TablesConfig) -> dic
     }  # fmt: skip
 
 
+def find_shown(name: str, ours: Sides, theirs: Sides, options: TablesConfig) -> float:
+    """The smallest effect that a claim can show with these policies and places, in [0, 1]; NaN: none."""
+    claim, quick = CLAIMS[name], options.model_copy(update={"bootstrap_samples": POWER_SAMPLES})
+    if min(times_trained(next(iter(side.values()))) for side in (ours, theirs)) < claim.runs:
+        return float("nan")
+
+    def holds(one: Sides, other: Sides) -> bool:
+        return bool(compare(name, one, other, quick)["verdict"] == HOLDS)
+
+    return power.find_smallest(ours, theirs, claim.plus, claim.margin, holds, options.seed)
+
+
+def call_undecidable(row: dict[str, Any]) -> str:
+    """The verdict of a row; an open one says what there is too little of if `shows` is no effect, or a large one."""
+    lacks_runs = min(row["runs"], row["baseline_runs"]) < CLAIMS[row["claim"]].runs
+    if row["verdict"] != OPEN or lacks_runs or row["shows"] <= power.LARGE:
+        return str(row["verdict"])
+    lacking = "runs" if row["claim"] == "steady" else "starts" if row["over"] == BASELINE else "assets"
+    return TOO_FEW.format(lacking)
+
+
 def _by_run(side: Side) -> pd.Series:
     """The rate of every run, assets alike."""
     return side.T.groupby(level=["family", "asset"]).mean().mean()
@@ -184,7 +217,8 @@ def answer(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfi
             row = {"target": target, "task": task, "policy": policy, "claim": name, "training_set": most}
             row |= {"baseline": claim.baseline, "over": BASELINE if main == BASELINE else find_judged_set(mine)}
             row["assets"] = ours[main].columns.get_level_values("asset").nunique()
-            row |= compare(name, ours, theirs, options)
+            row |= compare(name, ours, theirs, options) | {"shows": find_shown(name, ours, theirs, options)}
+            row["verdict"] = call_undecidable(row)
             known = [paper.get((str(target), str(policy), side)) for side in (most, claim.baseline)]
             if known[0] and known[1]:
                 ends = [float(claim.measure(published_sides(side))) for side in known if side]

@@ -8,15 +8,15 @@ from typing import NamedTuple
 import pandas as pd
 from matplotlib.axes import Axes
 
-from plugins.claims import asset_panels, assets, claims, tables
-from plugins.claims.assets import first_policies
-from plugins.claims.trainings import failed_note, read_trainings
-from stages.config.tables import PolicyTables
-from stages.tables.markup import Table
-from stages.tables.methods import Kinds, kinds_of
-from stages.tables.policies import More, PolicyResults
-from stages.tables.policy_figures import Panels, Row, of_row
-from stages.tables.policy_notes import policy_notes
+from roomkin.plugins.claims import asset_panels, assets, claims, tables
+from roomkin.plugins.claims.assets import first_policies
+from roomkin.plugins.claims.trainings import failed_note, read_trainings
+from roomkin.stages.config.tables import PolicyTables
+from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.methods import Kinds, kinds_of
+from roomkin.stages.tables.policies import More, PolicyResults
+from roomkin.stages.tables.policy_figures import Panels, Row, of_row
+from roomkin.stages.tables.policy_notes import policy_notes
 
 
 class MoreResults(NamedTuple):

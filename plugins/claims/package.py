@@ -1,5 +1,5 @@
 """The package as the core knows it."""
 
-from stages.config.packages import Package
+from roomkin.stages.config.packages import Package
 
-PACKAGE = Package(commands={"trainings": None}, draws={"tables": "plugins.claims.more"})
+PACKAGE = Package(commands={"trainings": None}, draws={"tables": "roomkin.plugins.claims.more"})

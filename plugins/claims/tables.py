@@ -5,18 +5,19 @@ from typing import Any
 
 import pandas as pd
 
-from plugins.claims.claims import COLLAPSED, MIN_RUNS, MIN_SPREAD_RUNS, NOT_WORSE
-from stages.config.tables import TablesConfig
-from stages.contracts.words import count
-from stages.tables.markup import Table, read_notes
-from stages.tables.methods import Kinds
-from stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title
-from stages.tables.rows import records
-from stages.tables.scene_tables import format_confidence
-from stages.tables.table3 import BASELINE, RANDOMISED
-from stages.tables.text import NOT_RUN, NOTHING, cell, interval, number, percent, points
+from roomkin.plugins.claims import power
+from roomkin.plugins.claims.claims import COLLAPSED, MIN_RUNS, MIN_SPREAD_RUNS, NOT_WORSE
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts.words import count
+from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.methods import Kinds
+from roomkin.stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.scene_tables import format_confidence
+from roomkin.stages.tables.table3 import BASELINE, RANDOMISED
+from roomkin.stages.tables.text import NOT_RUN, NOTHING, cell, interval, number, percent, points
 
-PACKAGE = "plugins.claims"  # has their notes
+PACKAGE = "roomkin.plugins.claims"  # has their notes
 SENTENCES = {
     "equal": "On the twin itself, {ours} do as well as {theirs}",
     "unseen": "On unseen assets, {ours} do better than {theirs}",
@@ -149,6 +150,15 @@ def count_lacking_runs(row: dict[str, Any]) -> str:
     return "" if few >= needed else f"{count(few, 'run')} a side, {needed} needed to judge"
 
 
+def describe_shown(row: dict[str, Any]) -> str:
+    """The smallest effect that a claim can show with its assets, starts and runs."""
+    if row["claim"] == "equal":
+        return "" if row["shows"] == 0 else "could not hold even if nobody ever failed"
+    if pd.isna(row["shows"]):
+        return "could show no effect"
+    return f"could show {100 * row['shows']:.0f} points"
+
+
 def evidence(row: dict[str, Any]) -> str:
     """The difference of a claim with its interval; deviations of a single run have none."""
     if pd.isna(row["difference"]):
@@ -166,7 +176,10 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
             paper = f"{points(row['published_difference'])}, {sides}"
         few, sides = count_lacking_runs(row), _sides(row["claim"], row["ours"], row["theirs"])
         difference = cell(evidence(row), sides + ", of these policies" * bool(few and sides), paper)
-        verdict, runs = cell(row["verdict"], few), f"{row['runs']} against {row['baseline_runs']}"
+        verdict, runs = (
+            cell(row["verdict"], few or describe_shown(row)),
+            f"{row['runs']} against {row['baseline_runs']}",
+        )
         rows.append([row_title(row), claim_sentence(row), verdict, difference, _describe_judged(row), runs])
     return Table(
         name="table3_claims",
@@ -182,6 +195,7 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
             not_worse=NOT_WORSE,
             min_runs=MIN_RUNS,
             min_spread_runs=MIN_SPREAD_RUNS,
+            power=power,
         ),
     )
 

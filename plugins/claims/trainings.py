@@ -7,17 +7,17 @@ from typing import Any
 
 import pandas as pd
 
-from plugins.claims.claims import MIN_SPREAD_RUNS
-from stages.contracts import read_json, trained
-from stages.contracts.trained import TrainedPolicy
-from stages.contracts.words import count
-from stages.plugins import shorten_name
-from stages.tables.cells import in_order
-from stages.tables.markup import Table, read_notes
-from stages.tables.order import row_title, title
-from stages.tables.rows import read_table, records
-from stages.tables.text import NOTHING, cell, number
-from stages.tables.writing import write
+from roomkin.plugins.claims.claims import MIN_SPREAD_RUNS
+from roomkin.stages.contracts import read_json, trained
+from roomkin.stages.contracts.trained import TrainedPolicy
+from roomkin.stages.contracts.words import count
+from roomkin.stages.plugins import shorten_name
+from roomkin.stages.tables.cells import in_order
+from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.order import row_title, title
+from roomkin.stages.tables.rows import read_table, records
+from roomkin.stages.tables.text import NOTHING, cell, number
+from roomkin.stages.tables.writing import write
 
 ALIKE = ["target", "policy", "run"]  # trainings whose losses can be compared: one target's assets, one method
 COLUMNS = [
@@ -135,7 +135,12 @@ def trainings_table(table: pd.DataFrame) -> Table:
         ],
         headers=3,
         notes=read_notes(
-            "trainings", "plugins.claims", late=trained.LATE, part=PART, far=f"{FAR:g}", min_spread_runs=MIN_SPREAD_RUNS
+            "trainings",
+            "roomkin.plugins.claims",
+            late=trained.LATE,
+            part=PART,
+            far=f"{FAR:g}",
+            min_spread_runs=MIN_SPREAD_RUNS,
         ),
     )
 

@@ -1,10 +1,10 @@
-"""`python -m plugins.exports COMMAND --help`."""
+"""`roomkin exports COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
     main(
-        "plugins.exports",
+        "roomkin.plugins.exports",
         {
             "scenes": "generated scenes as GLB, URDF, MJCF or USD",
             "demonstrations": "episode stores in the formats of robomimic, lerobot and ManiSkill",

@@ -4,7 +4,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Literal
 
-from stages.contracts.episode_store import read_episodes
+from roomkin.stages.contracts.episode_store import read_episodes
 
 
 def run(
@@ -22,7 +22,7 @@ def run(
         format: robomimic: one HDF5 file; lerobot: a LeRobotDataset v3.0; maniskill: trajectories, a file per asset.
         library: library.json that the assets come from; maniskill alone needs it.
     """
-    import_module(f"plugins.exports.episode_formats.{format}").write(episodes, out, library)
+    import_module(f"roomkin.plugins.exports.episode_formats.{format}").write(episodes, out, library)
     if format != "maniskill":  # which says itself how many succeed again
         kept = sum(len(read_episodes(path).assets) for path in episodes)
         print(f"exported: {kept} episodes of {len(episodes)} stores to {out}")

@@ -4,11 +4,11 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from stages.config.code import source
-from stages.config.mistakes import Mistake
-from stages.config.packages import Package
-from stages.contracts.policy_config import PolicyConfig, has_eyes
-from stages.plugins import qualify_module
+from roomkin.stages.config.code import source
+from roomkin.stages.config.mistakes import Mistake
+from roomkin.stages.config.packages import Package
+from roomkin.stages.contracts.policy_config import PolicyConfig, has_eyes
+from roomkin.stages.plugins import qualify_module
 
 
 def find_mistakes(config: Any) -> Iterator[Mistake]:
@@ -29,7 +29,7 @@ def has_portable_form(run: PolicyConfig) -> bool:
 def find_portable_form(policy: str) -> str | None:
     """Module of the portable form of a kind of policy: of this package, or beside the policy; None: there is none."""
     module = qualify_module("policies", policy)
-    forms = (f"plugins.exports.{policy}.portable", f"{module}.portable")
+    forms = (f"roomkin.plugins.exports.{policy}.portable", f"{module}.portable")
     return next((form for form in forms if source(form)), None)
 
 

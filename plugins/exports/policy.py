@@ -4,16 +4,16 @@ import importlib
 import shutil
 from pathlib import Path
 
-from plugins.exports.package import find_portable_form
-from stages.config.code import cover
-from stages.contracts.errors import InputError
-from stages.contracts.files import write_atomically, write_json
-from stages.contracts.policy_config import has_eyes
-from stages.contracts.policy_folder import read_config
-from stages.plugins import qualify_module
-from stages.policies import handle_points
-from stages.policies.base import ActionMode
-from stages.policies.checkpoint import load_network, save_weights
+from roomkin.plugins.exports.package import find_portable_form
+from roomkin.stages.config.code import cover
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import write_atomically, write_json
+from roomkin.stages.contracts.policy_config import has_eyes
+from roomkin.stages.contracts.policy_folder import read_config
+from roomkin.stages.plugins import qualify_module
+from roomkin.stages.policies import handle_points
+from roomkin.stages.policies.base import ActionMode
+from roomkin.stages.policies.checkpoint import load_network, save_weights
 
 LAYOUT = {
     "point_cloud": "(P, 4) float32: x, y, z in metres in the robot base frame, then 1 on the fingers and 0 elsewhere",

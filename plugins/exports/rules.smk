@@ -7,7 +7,7 @@
 container: CONFIG.containers.simulation
 
 
-from plugins.exports.package import with_portable_form
+from roomkin.plugins.exports.package import with_portable_form
 
 
 rule export_scenes:
@@ -26,7 +26,9 @@ rule export_scenes:
     resources:
         **needs(2000, 30),
     params:
-        **command("exports", "scenes", uses=lambda wildcards: [f"plugins.exports.scene_formats.{wildcards.format}"]),
+        **command(
+            "exports", "scenes", uses=lambda wildcards: [f"roomkin.plugins.exports.scene_formats.{wildcards.format}"]
+        ),
     shell:
         "{params.command} --scenes {input.scenes:q} --library {input.library:q} --format {wildcards.format} "
         "--look {input.look:q} --out {output.folder:q} 2>&1 | tee {log:q}"

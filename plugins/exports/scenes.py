@@ -5,12 +5,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Literal
 
-from plugins.pictures import glb
-from stages.contracts import GeneratedScene, read_json
-from stages.contracts.library_folder import AssetFolders
-from stages.contracts.look import Look
-from stages.generation.scene_file import read_items
-from stages.generation.scene_models import room_of
+from roomkin.plugins.pictures import glb
+from roomkin.stages.contracts import GeneratedScene, read_json
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.contracts.look import Look
+from roomkin.stages.generation.scene_file import read_items
+from roomkin.stages.generation.scene_models import room_of
 
 
 def run(
@@ -32,7 +32,7 @@ def run(
         look: look.json of the picture, for the colors of floor and walls and the light; default: grey.
     """
     folders = AssetFolders(library)
-    writer = glb if format == "glb" else import_module(f"plugins.exports.scene_formats.{format}")
+    writer = glb if format == "glb" else import_module(f"roomkin.plugins.exports.scene_formats.{format}")
     looks = read_json(Look, look) if look else None
     with TemporaryDirectory(prefix="acdc-sized-") as cache:
         for path in scenes:

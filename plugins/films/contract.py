@@ -5,9 +5,9 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from stages.contracts.errors import InputError
-from stages.contracts.files import Contract, read_json
-from stages.contracts.types import Count, Finite, Id, Seed, check_unique
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import Contract, read_json
+from roomkin.stages.contracts.types import Count, Finite, Id, Seed, check_unique
 
 
 class Film(Contract):

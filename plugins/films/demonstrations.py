@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.films.contract import Film
-from plugins.films.writing import FRAMES, TILE, make_film_strip, write_films, write_png
-from stages.demonstrations.attempt import FilmedAttempt
-from stages.simulation.film_renderer import FilmRenderer, Image, pick_evenly
+from roomkin.plugins.films.contract import Film
+from roomkin.plugins.films.writing import FRAMES, TILE, make_film_strip, write_films, write_png
+from roomkin.stages.demonstrations.attempt import FilmedAttempt
+from roomkin.stages.simulation.film_renderer import FilmRenderer, Image, pick_evenly
 
 
 def plot_cloud(cloud: NDArray[np.floating]) -> Image:

@@ -1,5 +1,5 @@
 """How files of this package are checked."""
 
-from plugins.films.contract import read_films
+from roomkin.plugins.films.contract import read_films
 
 CHECKS = {"films": read_films}

@@ -1,7 +1,7 @@
 """The package as the core knows it."""
 
-from stages.config.packages import Package
+from roomkin.stages.config.packages import Package
 
 PACKAGE = Package(
-    draws={"demonstrations": "plugins.films.demonstrations", "evaluation": "plugins.films.rollouts"},
+    draws={"demonstrations": "roomkin.plugins.films.demonstrations", "evaluation": "roomkin.plugins.films.rollouts"},
 )

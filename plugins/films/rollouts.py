@@ -7,10 +7,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from plugins.films.contract import Film
-from plugins.films.writing import FRAMES, make_film_strip, write_films, write_png
-from stages.evaluation.episodes import RolloutEpisode
-from stages.simulation.film_renderer import FilmRenderer, Image
+from roomkin.plugins.films.contract import Film
+from roomkin.plugins.films.writing import FRAMES, make_film_strip, write_films, write_png
+from roomkin.stages.evaluation.episodes import RolloutEpisode
+from roomkin.stages.simulation.film_renderer import FilmRenderer, Image
 
 CAPTION = 40  # pixels of the line above a strip: read where the strip is shown at half its size
 

@@ -10,12 +10,12 @@ import numpy as np
 import torch
 from PIL import Image as Pillow
 
-from plugins.films.contract import Film, Films
-from stages.contracts.archives import pack
-from stages.contracts.errors import InputError
-from stages.contracts.files import write_atomically, write_json
-from stages.contracts.images import TILE
-from stages.simulation.film_renderer import Image, pick_evenly
+from roomkin.plugins.films.contract import Film, Films
+from roomkin.stages.contracts.archives import pack
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import write_atomically, write_json
+from roomkin.stages.contracts.images import TILE
+from roomkin.stages.simulation.film_renderer import Image, pick_evenly
 
 FRAMES = 8  # pictures on a strip; a film has twice as many
 LAST = 1200  # milliseconds that the last picture stays

@@ -1,10 +1,10 @@
-"""`python -m plugins.furniture COMMAND --help`."""
+"""`roomkin furniture COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
     main(
-        "plugins.furniture",
+        "roomkin.plugins.furniture",
         {
             "library": "make the procedural models",
             "facts": "write what others know of the categories: names, likes, usual sizes",

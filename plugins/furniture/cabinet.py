@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from plugins.furniture.cabinet_recipe import CabinetRecipe
-from plugins.furniture.front_cells import CellKind, FrontCell, Span, cells
-from plugins.furniture.handles import STYLES
-from plugins.furniture.model import Model, Moving, Part, Parts, Size, part
-from plugins.furniture.panels import Front, control_panel, make_pulled_panel
-from plugins.furniture.shapes import box, rod
+from roomkin.plugins.furniture.cabinet_recipe import CabinetRecipe
+from roomkin.plugins.furniture.front_cells import CellKind, FrontCell, Span, cells
+from roomkin.plugins.furniture.handles import STYLES
+from roomkin.plugins.furniture.model import Model, Moving, Part, Parts, Size, part
+from roomkin.plugins.furniture.panels import Front, control_panel, make_pulled_panel
+from roomkin.plugins.furniture.shapes import box, rod
 
 GAP = 0.004  # between neighbouring fronts: siblings collide in PhysX
 SWING = 2.9  # so much more does a door swing out that is stretched by 1.25 in depth and by 0.75 in width

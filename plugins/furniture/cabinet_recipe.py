@@ -4,12 +4,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from plugins.furniture.colors import METALS, WOODS
-from plugins.furniture.front_cells import CellKind
-from plugins.furniture.handles import Style
-from plugins.furniture.model import WOOD
-from plugins.furniture.recipe import Coating, Generator, between, chance, fixed, of, one_of, whole, zero_or
-from stages.contracts.library import Placement
+from roomkin.plugins.furniture.colors import METALS, WOODS
+from roomkin.plugins.furniture.front_cells import CellKind
+from roomkin.plugins.furniture.handles import Style
+from roomkin.plugins.furniture.model import WOOD
+from roomkin.plugins.furniture.recipe import Coating, Generator, between, chance, fixed, of, one_of, whole, zero_or
+from roomkin.stages.contracts.library import Placement
 
 Weight = Annotated[float, Field(gt=0)]
 Length = Annotated[float, Field(gt=0, le=10)]

@@ -7,10 +7,10 @@ from functools import cache
 
 import numpy as np
 
-from plugins.furniture import categories, families
-from plugins.furniture.category import Category
-from plugins.furniture.recipe import Generator, Sampled
-from stages.contracts.library import Recipe, model_name
+from roomkin.plugins.furniture import categories, families
+from roomkin.plugins.furniture.category import Category
+from roomkin.plugins.furniture.recipe import Generator, Sampled
+from roomkin.stages.contracts.library import Recipe, model_name
 
 _FOUND = [value for module in categories.modules() for value in vars(module).values()]
 ALL: dict[str, Category] = {

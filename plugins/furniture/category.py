@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from plugins.furniture.model import Size
-from plugins.furniture.recipe import Generator, Rng, Sampled, round_size
+from roomkin.plugins.furniture.model import Size
+from roomkin.plugins.furniture.recipe import Generator, Rng, Sampled, round_size
 
 Sampler = Callable[[Rng, int], Sampled]
 Fronts = tuple[str, list[list[str]]]  # columns or rows of cells, as in a cabinet's recipe
@@ -24,7 +24,7 @@ class Category:
         like: words for similar things: a label that says so is nearest to it.
         kin: kinds of things that it is one of: a label of no category is nearest to its kin.
         places: where its things are: floor, top (of what carries things), wall.
-        carries: where its things carry others (`stages.contracts.category.Carries`).
+        carries: where its things carry others (`roomkin.stages.contracts.category.Carries`).
         further: numbers of later models that are sampled freely as well, in styles that templates lack: those before
             them stay as they were drawn, and rooms are not furnished with them.
         varied: later models vary a template's recipe (cabinets) in place of being sampled anew in its style.

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plugins.furniture.finishes import MATERIALS, Finish
+from roomkin.plugins.furniture.finishes import MATERIALS, Finish
 
 Palette = list[Finish]
 

@@ -2,13 +2,13 @@
 
 import json
 
-from plugins.furniture.catalogue import ALL, CATEGORIES, has_fronts, leaves, sample
-from plugins.furniture.category import Category
-from plugins.furniture.real_sizes import REAL_SIZES
-from stages.config import categories as counts
-from stages.contracts import categories
-from stages.contracts.category import Category as Row
-from stages.contracts.files import write_text
+from roomkin.plugins.furniture.catalogue import ALL, CATEGORIES, has_fronts, leaves, sample
+from roomkin.plugins.furniture.category import Category
+from roomkin.plugins.furniture.real_sizes import REAL_SIZES
+from roomkin.stages.config import categories as counts
+from roomkin.stages.contracts import categories
+from roomkin.stages.contracts.category import Category as Row
+from roomkin.stages.contracts.files import write_text
 
 SAMPLES = 8  # models of a category that say how large it usually is: more than have templates
 
@@ -42,13 +42,13 @@ def _split(words: str) -> list[str]:
 
 
 def categories_text() -> str:
-    """The file of `stages.contracts.categories`: a row per category of the default library."""
+    """The file of `roomkin.stages.contracts.categories`: a row per category of the default library."""
     rows = [describe_category(record).model_dump_json(exclude_defaults=True) for record in CATEGORIES.values()]
     return "[\n" + ",\n".join(rows) + "\n]\n"
 
 
 def counts_text() -> str:
-    """The file of `stages.config.categories`: models in the default library, and what they open."""
+    """The file of `roomkin.stages.config.categories`: models in the default library, and what they open."""
     lines = [f'"{name}": {json.dumps([record.count, *has_fronts(name)])}' for name, record in ALL.items()]
     return "{\n" + ",\n".join(lines) + "\n}\n"
 

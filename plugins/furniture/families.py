@@ -8,13 +8,13 @@ all else are sampled anew in their template's style.
 import math
 from typing import Any, get_args
 
-from plugins.furniture.cabinet import Cabinet
-from plugins.furniture.cabinet_recipe import PanelStyle
-from plugins.furniture.category import Category, Fronts
-from plugins.furniture.colors import APPLIANCE, METALS, PAINTS, WOODS, pick
-from plugins.furniture.finishes import shade
-from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
-from plugins.furniture.recipe import Rng, Sampled, round_size, uniform
+from roomkin.plugins.furniture.cabinet import Cabinet
+from roomkin.plugins.furniture.cabinet_recipe import PanelStyle
+from roomkin.plugins.furniture.category import Category, Fronts
+from roomkin.plugins.furniture.colors import APPLIANCE, METALS, PAINTS, WOODS, pick
+from roomkin.plugins.furniture.finishes import shade
+from roomkin.plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
+from roomkin.plugins.furniture.recipe import Rng, Sampled, round_size, uniform
 
 IN_TURN = 24  # models of a category that vary its templates in turn, at least
 ABOUT = 2  # doors and drawers more or less, as matching's count_threshold (A.7)

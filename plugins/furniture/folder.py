@@ -7,16 +7,16 @@ import numpy as np
 from pydantic import ValidationError
 from scipy.spatial import QhullError
 
-from plugins.furniture.model import Model, Size, bounds, fit_model, parts_of
-from plugins.furniture.recipe import Generator
-from plugins.furniture.robot import robot_of
-from stages.articulated.asset_folder import Description, write_asset
-from stages.articulated.resizing import SizedModel
-from stages.articulated.urdf_tree import THIN
-from stages.contracts.errors import InputError, ObjectError, explain
-from stages.contracts.files import first_error
-from stages.contracts.library import Asset, Recipe
-from stages.contracts.types import LARGEST
+from roomkin.plugins.furniture.model import Model, Size, bounds, fit_model, parts_of
+from roomkin.plugins.furniture.recipe import Generator
+from roomkin.plugins.furniture.robot import robot_of
+from roomkin.stages.articulated.asset_folder import Description, write_asset
+from roomkin.stages.articulated.resizing import SizedModel
+from roomkin.stages.articulated.urdf_tree import THIN
+from roomkin.stages.contracts.errors import InputError, ObjectError, explain
+from roomkin.stages.contracts.files import first_error
+from roomkin.stages.contracts.library import Asset, Recipe
+from roomkin.stages.contracts.types import LARGEST
 
 LICENCE = "CC0-1.0"
 ROOM = (0.0, 0.05, 0.1, 0.2, 0.4)  # metres: extents in which ever more boards fit
@@ -54,7 +54,7 @@ def generate(recipe: Recipe, size: Size | None = None) -> Model:
         InputError: no such generator, a bad size, or a parameter that is missing, unknown or out of bounds.
         ObjectError: they make no model of that size.
     """
-    from plugins.furniture.catalogue import GENERATORS
+    from roomkin.plugins.furniture.catalogue import GENERATORS
 
     if recipe.generator not in GENERATORS:
         names = f"one of {', '.join(sorted(GENERATORS))}"

@@ -4,10 +4,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from plugins.furniture.finishes import Surface
-from plugins.furniture.model import METAL, Part, part
-from plugins.furniture.shapes import hull, lathe, rod, rotate, slab, translate
-from stages.contracts.library import HandleKind
+from roomkin.plugins.furniture.finishes import Surface
+from roomkin.plugins.furniture.model import METAL, Part, part
+from roomkin.plugins.furniture.shapes import hull, lathe, rod, rotate, slab, translate
+from roomkin.stages.contracts.library import HandleKind
 
 Style = Literal["bar", "square_bar", "knob", "arch", "edge", "none"]
 

@@ -3,14 +3,14 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from plugins.furniture.catalogue import ALL, sample
-from plugins.furniture.folder import build
-from stages.cli import progress
-from stages.config.assets import LibraryOptions
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_options
-from stages.contracts.library import Asset, model_name
-from stages.contracts.library_folder import write_part
+from roomkin.plugins.furniture.catalogue import ALL, sample
+from roomkin.plugins.furniture.folder import build
+from roomkin.stages.cli import progress
+from roomkin.stages.config.assets import LibraryOptions
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_options
+from roomkin.stages.contracts.library import Asset, model_name
+from roomkin.stages.contracts.library_folder import write_part
 
 
 def run(*, out: Path, shard: int = 0, shards: int = 1, options: str = "{}", seed: int = 0) -> None:

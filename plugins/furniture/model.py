@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 from trimesh import Trimesh
 
-from plugins.furniture.finishes import RGB, Finish, Surface, finish_of
-from plugins.furniture.shapes import bounds_of
-from stages.contracts.library import HandleKind, Placement, Symmetry
-from stages.contracts.parts import PARTS, PartType
-from stages.geometry.frames import ROUNDING
-from stages.geometry.solids import DENSITY as WOOD
+from roomkin.plugins.furniture.finishes import RGB, Finish, Surface, finish_of
+from roomkin.plugins.furniture.shapes import bounds_of
+from roomkin.stages.contracts.library import HandleKind, Placement, Symmetry
+from roomkin.stages.contracts.parts import PARTS, PartType
+from roomkin.stages.geometry.frames import ROUNDING
+from roomkin.stages.geometry.solids import DENSITY as WOOD
 
 Size = tuple[float, float, float]
 Array = NDArray[np.float64]

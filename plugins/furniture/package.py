@@ -1,6 +1,6 @@
 """The package as the core knows it."""
 
-from stages.config.assets import LibraryOptions
-from stages.config.packages import Package
+from roomkin.stages.config.assets import LibraryOptions
+from roomkin.stages.config.packages import Package
 
-PACKAGE = Package(commands={"library": LibraryOptions}, section="assets", facts="plugins.furniture facts")
+PACKAGE = Package(commands={"library": LibraryOptions}, section="assets", facts="roomkin.plugins.furniture facts")

@@ -2,11 +2,11 @@
 
 from typing import Literal, NamedTuple
 
-from plugins.furniture.cabinet_recipe import CabinetRecipe
-from plugins.furniture.finishes import DARK, Surface
-from plugins.furniture.handles import handle_parts
-from plugins.furniture.model import GLASS, METAL, PLASTIC, WOOD, Part, Parts, part
-from plugins.furniture.shapes import box, rim, rod
+from roomkin.plugins.furniture.cabinet_recipe import CabinetRecipe
+from roomkin.plugins.furniture.finishes import DARK, Surface
+from roomkin.plugins.furniture.handles import handle_parts
+from roomkin.plugins.furniture.model import GLASS, METAL, PLASTIC, WOOD, Part, Parts, part
+from roomkin.plugins.furniture.shapes import box, rim, rod
 
 RELIEF = 0.006  # height of a frame above its field
 EDGE_INSET = 0.036  # of a profile from the free edge: a finger fits between it and what is beside the panel

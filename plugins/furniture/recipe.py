@@ -8,9 +8,9 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from plugins.furniture.colors import Palette, pick
-from plugins.furniture.finishes import finish_of
-from plugins.furniture.model import Model, Size
+from roomkin.plugins.furniture.colors import Palette, pick
+from roomkin.plugins.furniture.finishes import finish_of
+from roomkin.plugins.furniture.model import Model, Size
 
 Rng = np.random.Generator
 

@@ -8,13 +8,13 @@ import numpy as np
 import open3d as o3d
 from trimesh import Trimesh
 
-from plugins.furniture.colors import ALTERNATIVES, pick
-from plugins.furniture.finishes import RGB, Finish, Surface, finish_of
-from plugins.furniture.folder import generate
-from plugins.furniture.model import parts_of
-from plugins.furniture.shapes import bounds_of
-from stages.contracts.library import Recipe
-from stages.contracts.types import LARGEST
+from roomkin.plugins.furniture.colors import ALTERNATIVES, pick
+from roomkin.plugins.furniture.finishes import RGB, Finish, Surface, finish_of
+from roomkin.plugins.furniture.folder import generate
+from roomkin.plugins.furniture.model import parts_of
+from roomkin.plugins.furniture.shapes import bounds_of
+from roomkin.stages.contracts.library import Recipe
+from roomkin.stages.contracts.types import LARGEST
 
 FIXED = {"screen_colour", "panel_colour", "inside_colour"}  # the same on every model
 OTHER = 0.12  # distance from the old color from which a color is another one

@@ -3,14 +3,14 @@
 import numpy as np
 from trimesh import Trimesh
 
-from plugins.furniture.model import Model, Moving, Part
-from plugins.furniture.textures import texture_of
-from stages.articulated.mesh_writer import is_box
-from stages.articulated.model import JointModel, Link, Matrix, RobotModel, Visual
-from stages.contracts.images import GOLDEN
-from stages.contracts.parts import PARTS
-from stages.geometry.frames import make_transform
-from stages.geometry.solids import MINIMUM_INERTIA
+from roomkin.plugins.furniture.model import Model, Moving, Part
+from roomkin.plugins.furniture.textures import texture_of
+from roomkin.stages.articulated.mesh_writer import is_box
+from roomkin.stages.articulated.model import JointModel, Link, Matrix, RobotModel, Visual
+from roomkin.stages.contracts.images import GOLDEN
+from roomkin.stages.contracts.parts import PARTS
+from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.geometry.solids import MINIMUM_INERTIA
 
 BASE = "base"
 SLIM = 0.03  # metres: a part that is no wider in two directions shows its color alone

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from plugins.furniture.finishes import MATERIALS, Finish
-from stages.articulated.model import Texture
+from roomkin.plugins.furniture.finishes import MATERIALS, Finish
+from roomkin.stages.articulated.model import Texture
 
 Array = NDArray[np.float64]
 Rng = np.random.Generator

@@ -1,10 +1,10 @@
-"""`python -m plugins.importing COMMAND --help`."""
+"""`roomkin importing COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
     main(
-        "plugins.importing",
+        "roomkin.plugins.importing",
         {
             "import": "look at a folder of models: what each is taken for, to correct, and a page of pictures",
             "own": "import some models of a user's folder",

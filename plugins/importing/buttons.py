@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from plugins.importing.inside import is_inside, read_inside
-from stages.articulated.attributes import list_moved_links, merge_visuals
-from stages.articulated.model import JointModel, Matrix, RobotModel
-from stages.contracts.category import split_words
-from stages.contracts.files import MAX_TEXT
-from stages.contracts.parts import PARTS
+from roomkin.plugins.importing.inside import is_inside, read_inside
+from roomkin.stages.articulated.attributes import list_moved_links, merge_visuals
+from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel
+from roomkin.stages.contracts.category import split_words
+from roomkin.stages.contracts.files import MAX_TEXT
+from roomkin.stages.contracts.parts import PARTS
 
 WORDS = {"button", "buttons", "key", "keys", "switch", "pushbutton"}  # PartNet-Mobility's, of links that are pushed
 SEMANTICS = "semantics.txt"  # of PartNet-Mobility: <link> <kind of joint> <what the link is>, a line each

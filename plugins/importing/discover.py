@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from plugins.importing.inside import read_text_inside
-from plugins.importing.mjcf_file import root_tag
-from plugins.importing.naming import is_common, name_model, read_category, strip_name
-from plugins.importing.sandbox import run_in_fork
-from stages.contracts.categories import category_in
-from stages.contracts.errors import escape_control
-from stages.contracts.words import count, list_plain_words
+from roomkin.plugins.importing.inside import read_text_inside
+from roomkin.plugins.importing.mjcf_file import root_tag
+from roomkin.plugins.importing.naming import is_common, name_model, read_category, strip_name
+from roomkin.plugins.importing.sandbox import run_in_fork
+from roomkin.stages.contracts.categories import category_in
+from roomkin.stages.contracts.errors import escape_control
+from roomkin.stages.contracts.words import count, list_plain_words
 
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")
@@ -21,8 +21,8 @@ PAGE, PACK = "index.html", "pack.yaml"  # of the command `import`, in the folder
 WHOLE = {".urdf", ".xml"}  # models that name the meshes that they are made of
 UNREAD = {".sdf", ".world", ".xacro", ".usda"}  # likewise, of kinds that are not read: their meshes are parts, too
 FOREIGN = (  # all kinds that are not read
-    ".3ds", ".blend", ".fbx", ".kinbody.xml", ".sdf", ".skp", ".usd", ".usda", ".usdc", ".usdz", ".world", ".wrl",
-    ".xacro",
+    ".3ds", ".3mf", ".blend", ".c4d", ".fbx", ".iges", ".igs", ".kinbody.xml", ".ma", ".max", ".mb", ".off", ".sdf",
+    ".skp", ".step", ".stp", ".usd", ".usda", ".usdc", ".usdz", ".world", ".wrl", ".x3d", ".xacro",
 )  # fmt: skip
 # What parts are called, and the folders that they lie in, beside a model that is not read.
 PART_WORDS = {"body", "collider", "collision", "door", "drawer", "hull", "link", "ucx"}
@@ -106,9 +106,7 @@ def find_unread_end(path: Path, folder: Path) -> str | None:
 def _is_beside(path: Path, whole: Path, folder: Path) -> bool:
     """Whether a mesh is a part of a model that is not read, which lies beside or above it: by where it lies, or what it
     is called."""
-    place = whole.parent
-    while place != folder and is_common(place.name):
-        place = place.parent
+    place = _find_place(whole, folder)
     if path.suffix.lower() in WHOLE or not path.is_relative_to(place):
         return False
     inner = {name.lower() for name in path.relative_to(place).parts[:-1]}
@@ -194,13 +192,32 @@ def _numbered_model(folder: Path) -> Path | None:
 
 
 def _find_named_meshes(folder: Path) -> set[Path]:
-    """The files below a folder whose name (without folders) is used by a file of a model in it."""
+    """The meshes below a folder that a file of a model in it uses: by name below where the model lies (its folder, or
+    the next above that says something), elsewhere by the name of their folder, too."""
     files = [path for path in folder.rglob("*") if is_utf8(str(path)) and path.is_file()]
-    texts = (read_text_inside(path, folder) for path in files if path.suffix.lower() in WHOLE | UNREAD)
-    found = (b"".join(forms) for text in texts for forms in NAMES.findall(text))
-    used = (name.decode(errors="replace").replace("\\", "/") for name in found)
-    names = {name.rpartition("/")[2].lower() for name in used}
-    return {path for path in files if path.suffix.lower() not in WHOLE and path.name.lower() in names}
+    meshes: dict[str, list[Path]] = {}
+    for path in files:
+        if path.suffix.lower() not in WHOLE:
+            meshes.setdefault(path.name.lower(), []).append(path)
+    named = set()
+    for whole in files:
+        if whole.suffix.lower() not in WHOLE | UNREAD:
+            continue
+        place = _find_place(whole, folder)
+        for form in NAMES.findall(read_text_inside(whole, folder)):
+            *above, name = b"".join(form).decode(errors="replace").replace("\\", "/").lower().split("/")
+            for mesh in meshes.get(name, ()):
+                if mesh.is_relative_to(place) or [mesh.parent.name.lower()] == above[-1:]:
+                    named.add(mesh)
+    return named
+
+
+def _find_place(whole: Path, folder: Path) -> Path:
+    """The folder that is a model's: that of its file, or the next above whose name says something."""
+    place = whole.parent
+    while place != folder and is_common(place.name):
+        place = place.parent
+    return place
 
 
 def is_utf8(name: str) -> bool:

@@ -6,16 +6,16 @@ from typing import TypeVar
 
 import numpy as np
 
-from plugins.importing.fronts import align_to_axes, front_direction
-from plugins.importing.hinges import Hinge, Slide, find_hinges, find_slides
-from plugins.importing.importers import Axis, Importer
-from plugins.importing.imports import guess_front, in_file, turn_to_axes
-from plugins.importing.single_body import find_ground
-from plugins.importing.upright import CLEAR, FITS, FOOT, UPS, Up, choose_up, number, weigh_hinges, weigh_slides
-from stages.articulated.forward_kinematics import measure_closed_box
-from stages.articulated.model import Matrix, RobotModel
-from stages.contracts.categories import find_usual_size
-from stages.contracts.files import Contract
+from roomkin.plugins.importing.fronts import align_to_axes, front_direction
+from roomkin.plugins.importing.hinges import Hinge, Slide, find_hinges, find_slides
+from roomkin.plugins.importing.importers import Axis, Importer
+from roomkin.plugins.importing.imports import guess_front, in_file, turn_to_axes
+from roomkin.plugins.importing.single_body import find_ground
+from roomkin.plugins.importing.upright import CLEAR, FITS, FOOT, UPS, Up, choose_up, number, weigh_hinges, weigh_slides
+from roomkin.stages.articulated.forward_kinematics import measure_closed_box
+from roomkin.stages.articulated.model import Matrix, RobotModel
+from roomkin.stages.contracts.categories import find_usual_size
+from roomkin.stages.contracts.files import Contract
 
 T = TypeVar("T")
 UNITS = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres", 0.0254: "inches"}

@@ -12,22 +12,30 @@ import numpy as np
 from PIL import Image
 from pydantic import ConfigDict, Field, TypeAdapter
 
-from plugins.importing.discover import NUMBERED, Found
-from plugins.importing.evidence import UNITS, Evidence, Shared, collect_evidence
-from plugins.importing.importers import Importer
-from plugins.importing.importers.urdf import IMPORTER as URDF
-from plugins.importing.imports import ModelFile, Notes, guess_front, import_file, in_one_line, read_model, with_notes
-from plugins.importing.naming import snake_case
-from plugins.importing.sandbox import run_in_fork
-from stages.articulated.asset_folder import atomic_folder
-from stages.articulated.model import RobotModel
-from stages.articulated.urdf_writer import write_urdf
-from stages.contracts.categories import find_usual_size, known_categories
-from stages.contracts.category import describe_unusual
-from stages.contracts.errors import InputError, escape_control
-from stages.contracts.files import read_json, write_json
-from stages.contracts.library import Asset, Joint
-from stages.contracts.types import LARGEST
+from roomkin.plugins.importing.discover import NUMBERED, Found
+from roomkin.plugins.importing.evidence import UNITS, Evidence, Shared, collect_evidence
+from roomkin.plugins.importing.importers import Importer
+from roomkin.plugins.importing.importers.urdf import IMPORTER as URDF
+from roomkin.plugins.importing.imports import (
+    ModelFile,
+    Notes,
+    guess_front,
+    import_file,
+    in_one_line,
+    read_model,
+    with_notes,
+)
+from roomkin.plugins.importing.naming import snake_case
+from roomkin.plugins.importing.sandbox import run_in_fork
+from roomkin.stages.articulated.asset_folder import atomic_folder
+from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.urdf_writer import write_urdf
+from roomkin.stages.contracts.categories import find_usual_size, known_categories
+from roomkin.stages.contracts.category import describe_unusual
+from roomkin.stages.contracts.errors import InputError, escape_control
+from roomkin.stages.contracts.files import read_json, write_json
+from roomkin.stages.contracts.library import Asset, Joint
+from roomkin.stages.contracts.types import LARGEST
 
 NOTES = "asset.json"
 TINY = 0.03  # metres: smaller things are in no room that is rebuilt; most are in another unit than they say
@@ -157,8 +165,8 @@ def _examine_model(
         model.doubts.append(describe_unknown(asset.category))
     if odd := describe_unusual(known_categories().get(asset.category), asset.size):
         ground = tells.grounds.get(model.notes.up or importer.up, "")
-        mend = f". Leave out its ground, '{ground}'? asset.json: \"without\": {json.dumps([ground])}" if ground else ""
-        model.doubts.append(odd + mend)
+        leave = f"Leave out its ground, '{ground}'? asset.json: \"without\": {json.dumps([ground])}"
+        model.doubts.append(f"{odd}. {leave if ground else 'Is the unit right? asset.json: scale'}")
     elif asset.category not in known_categories() and max(asset.size) < TINY:
         model.doubts.append(f"is at most {100 * max(asset.size):.2g} cm large: is the unit right (scale)?")
     return model

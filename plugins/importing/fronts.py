@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plugins.importing.buttons import explain_unpushable
-from plugins.importing.hinges import (
+from roomkin.plugins.importing.buttons import explain_unpushable
+from roomkin.plugins.importing.hinges import (
     ALONG,
     MIN_OUT,
     MIN_TURN,
@@ -16,11 +16,11 @@ from plugins.importing.hinges import (
     seen_points,
     slides_from_narrower,
 )
-from stages.articulated.attributes import list_moved_links, merge_visuals
-from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
-from stages.articulated.model import JointModel, Matrix, RobotModel
-from stages.contracts.parts import PARTS
-from stages.geometry.frames import make_transform, yaw_matrix
+from roomkin.stages.articulated.attributes import list_moved_links, merge_visuals
+from roomkin.stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
+from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel
+from roomkin.stages.contracts.parts import PARTS
+from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 
 SHORTEST = PARTS["drawer"].motion[0]  # metres; and extents of the smallest front
 WIDEST = np.deg2rad(200)  # that a door turns: beyond it, nobody has set its limits

@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stages.articulated.forward_kinematics import link_frames, measure_closed_box
-from stages.articulated.model import JointModel, Matrix, RobotModel
-from stages.contracts.parts import PARTS
-from stages.geometry.frames import transform_points
+from roomkin.stages.articulated.forward_kinematics import link_frames, measure_closed_box
+from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel
+from roomkin.stages.contracts.parts import PARTS
+from roomkin.stages.geometry.frames import transform_points
 
 ALONG = 0.9  # cosine: a slide goes along a direction, a panel's hinge across it
 MIN_TURN = PARTS["door"].motion[0]  # radians

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
-from plugins.importing.discover import (
+from roomkin.plugins.importing.discover import (
     PACK,
     PAGE,
     Found,
@@ -16,20 +16,20 @@ from plugins.importing.discover import (
     is_model,
     is_part,
 )
-from plugins.importing.evidence import Evidence, find_shared_facts
-from plugins.importing.examine import Examined, examine_model, explain, read
-from plugins.importing.import_page import write_page
-from plugins.importing.imports import IMPORTERS, by_suffix, in_one_line
-from plugins.importing.naming import number_names, snake_case
-from plugins.importing.pack import complete_pack, read_pack, write_pack
-from plugins.importing.portrait import Portraits
-from plugins.importing.reach import list_unreachable
-from stages.assets.snapshots import VisibilityCheck
-from stages.cli import progress
-from stages.contracts.errors import InputError, escape_control
+from roomkin.plugins.importing.evidence import Evidence, find_shared_facts
+from roomkin.plugins.importing.examine import Examined, examine_model, explain, read
+from roomkin.plugins.importing.import_page import write_page
+from roomkin.plugins.importing.imports import IMPORTERS, by_suffix, in_one_line
+from roomkin.plugins.importing.naming import number_names, snake_case
+from roomkin.plugins.importing.pack import complete_pack, read_pack, write_pack
+from roomkin.plugins.importing.portrait import Portraits
+from roomkin.plugins.importing.reach import list_unreachable
+from roomkin.stages.assets.snapshots import VisibilityCheck
+from roomkin.stages.cli import progress
+from roomkin.stages.contracts.errors import InputError, escape_control
 
 
-def run(folder: Path, /, *, out: Path) -> None:
+def run(folder: Path, /, *, out: Path | None = None) -> None:
     """Look at the models of a folder; `assets.folders: [<out>]` then uses them.
 
     Writes <out>/<category>/<name>/ per model: a URDF in the file's own frame and unit, and asset.json; and
@@ -37,8 +37,9 @@ def run(folder: Path, /, *, out: Path) -> None:
 
     Args:
         folder: with models, <category>/<model> or PartNet-Mobility's <number>/, or one model's file; it stays as it is.
-        out: folder to write.
+        out: folder to write; default: imported/<name of the folder>.
     """
+    out = out or Path("imported", folder.stem)
     kinds = by_suffix(IMPORTERS)
     found = models_of(folder, out, list(kinds))
     pack = read_pack(out / PACK)

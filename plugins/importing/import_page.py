@@ -8,14 +8,14 @@ from typing import get_args
 
 from PIL import Image
 
-from plugins.importing.discover import PACK
-from plugins.importing.evidence import UNITS
-from plugins.importing.examine import NOTES, Examined
-from plugins.importing.importers import Axis
-from plugins.importing.pack import Pack
-from stages.contracts.categories import known_categories
-from stages.contracts.files import write_text
-from stages.tables.markup import environment
+from roomkin.plugins.importing.discover import PACK
+from roomkin.plugins.importing.evidence import UNITS
+from roomkin.plugins.importing.examine import NOTES, Examined
+from roomkin.plugins.importing.importers import Axis
+from roomkin.plugins.importing.pack import Pack
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.files import write_text
+from roomkin.stages.tables.markup import environment
 
 
 def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack, counts: Mapping[str, str]) -> None:
@@ -26,7 +26,7 @@ def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack,
         counts: by suffix, how many models tell what.
     """
     page = (
-        environment("plugins.importing")
+        environment("roomkin.plugins.importing")
         .get_template("import_page.html.jinja")
         .render(
             source=source.name,

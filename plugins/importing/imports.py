@@ -12,35 +12,35 @@ from typing import NamedTuple, get_args
 import numpy as np
 from pydantic import Field, ValidationError
 
-from plugins.importing.discover import WHOLE, Found, discover
-from plugins.importing.fronts import align_to_axes, doors_and_drawers, front_direction
-from plugins.importing.importers import IMPORTERS, Axis, Importer
-from plugins.importing.inertia_repair import repair_inertias, with_mass
-from plugins.importing.inside import check_inside
-from plugins.importing.naming import number_names, snake_case
-from plugins.importing.proposal import Proposal
-from plugins.importing.pushing import find_touching_links, stuck_joints
-from plugins.importing.sandbox import run_in_fork
-from plugins.importing.shut import shut_where_smallest
-from plugins.importing.single_body import leave_out
-from plugins.importing.solid_handle import with_solid_handles
-from stages.articulated.asset_folder import Description, read_asset, write_asset
-from stages.articulated.attributes import explain_ungraspable
-from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
-from stages.articulated.mesh_reader import thicken_piece
-from stages.articulated.model import Matrix, RobotModel
-from stages.articulated.part_types import assign_part_types
-from stages.articulated.stretching import stretch_model
-from stages.articulated.urdf_tree import THIN
-from stages.assets.snapshots import VisibilityCheck
-from stages.cli import progress
-from stages.contracts.errors import InputError, escape_control, explain
-from stages.contracts.files import read_json
-from stages.contracts.library import Asset, Placement, Symmetry
-from stages.contracts.types import LARGEST, Mass
-from stages.geometry.frames import make_transform, yaw_matrix
-from stages.geometry.solids import board_mass
-from stages.plugins import load, shorten_name
+from roomkin.plugins.importing.discover import WHOLE, Found, discover
+from roomkin.plugins.importing.fronts import align_to_axes, doors_and_drawers, front_direction
+from roomkin.plugins.importing.importers import IMPORTERS, Axis, Importer
+from roomkin.plugins.importing.inertia_repair import repair_inertias, with_mass
+from roomkin.plugins.importing.inside import check_inside
+from roomkin.plugins.importing.naming import number_names, snake_case
+from roomkin.plugins.importing.proposal import Proposal
+from roomkin.plugins.importing.pushing import find_touching_links, stuck_joints
+from roomkin.plugins.importing.sandbox import run_in_fork
+from roomkin.plugins.importing.shut import shut_where_smallest
+from roomkin.plugins.importing.single_body import leave_out
+from roomkin.plugins.importing.solid_handle import with_solid_handles
+from roomkin.stages.articulated.asset_folder import Description, read_asset, write_asset
+from roomkin.stages.articulated.attributes import explain_ungraspable
+from roomkin.stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
+from roomkin.stages.articulated.mesh_reader import thicken_piece
+from roomkin.stages.articulated.model import Matrix, RobotModel
+from roomkin.stages.articulated.part_types import assign_part_types
+from roomkin.stages.articulated.stretching import stretch_model
+from roomkin.stages.articulated.urdf_tree import THIN
+from roomkin.stages.assets.snapshots import VisibilityCheck
+from roomkin.stages.cli import progress
+from roomkin.stages.contracts.errors import InputError, escape_control, explain
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.library import Asset, Placement, Symmetry
+from roomkin.stages.contracts.types import LARGEST, Mass
+from roomkin.stages.geometry.frames import make_transform, yaw_matrix
+from roomkin.stages.geometry.solids import board_mass
+from roomkin.stages.plugins import load, shorten_name
 
 
 class Notes(Proposal):

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.articulated.attributes import list_moved_links
-from stages.articulated.forward_kinematics import measure_closed_box
-from stages.articulated.model import Link, RobotModel
-from stages.geometry.solids import board_mass, box_inertia
+from roomkin.stages.articulated.attributes import list_moved_links
+from roomkin.stages.articulated.forward_kinematics import measure_closed_box
+from roomkin.stages.articulated.model import Link, RobotModel
+from roomkin.stages.geometry.solids import board_mass, box_inertia
 
 HEAVY = 5.0  # times what boards weigh: a door is no solid block, and the water in its hull is ten times as heavy
 LIGHTEST, HEAVIEST = 1 / 15, 20.0  # times what boards weigh, of a whole thing: thin sheets, and solid stone or steel

@@ -3,9 +3,9 @@
 import stat
 from pathlib import Path
 
-from stages.contracts.arrays import MAX_BYTES
-from stages.contracts.errors import InputError, explain, file_missing
-from stages.contracts.files import MAX_TEXT
+from roomkin.stages.contracts.arrays import MAX_BYTES
+from roomkin.stages.contracts.errors import InputError, explain, file_missing
+from roomkin.stages.contracts.files import MAX_TEXT
 
 
 def check_inside(path: Path, folder: Path) -> None:

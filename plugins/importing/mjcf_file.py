@@ -9,10 +9,10 @@ from typing import Any
 
 import mujoco
 
-from plugins.importing.inside import is_inside
-from plugins.importing.mjcf_sources import Sources, parse_root
-from stages.contracts.errors import InputError
-from stages.geometry.solids import MINIMUM_INERTIA, MINIMUM_MASS
+from roomkin.plugins.importing.inside import is_inside
+from roomkin.plugins.importing.mjcf_sources import Sources, parse_root
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.geometry.solids import MINIMUM_INERTIA, MINIMUM_MASS
 
 
 def compile_model(path: Path, folder: Path) -> tuple[Any, Any]:

@@ -8,10 +8,10 @@ from itertools import product
 from math import prod
 from pathlib import Path
 
-from plugins.importing.inside import read_inside
-from stages.articulated.inside import explain_missing
-from stages.articulated.urdf_tree import AROUND, MOST_SHAPES
-from stages.contracts.errors import InputError
+from roomkin.plugins.importing.inside import read_inside
+from roomkin.stages.articulated.inside import explain_missing
+from roomkin.stages.articulated.urdf_tree import AROUND, MOST_SHAPES
+from roomkin.stages.contracts.errors import InputError
 
 DIRECTORIES = ("assetdir", "meshdir", "texturedir")  # of a compiler element
 

@@ -7,10 +7,10 @@ from collections.abc import Iterable
 from itertools import chain, count
 from pathlib import Path
 
-from plugins.importing.inside import read_text_inside
-from stages.contracts.categories import known_categories
-from stages.contracts.category import by_joined_name, split_words
-from stages.contracts.words import plain_letters
+from roomkin.plugins.importing.inside import read_text_inside
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.category import by_joined_name, split_words
+from roomkin.stages.contracts.words import plain_letters
 
 COMMON = {  # words that say nothing of what a model is
     "asset", "base", "collision", "data", "description", "export", "glb", "main", "mesh", "meshes", "misc", "mjcf",

@@ -3,12 +3,12 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from plugins.importing.discover import Found, discover
-from plugins.importing.imports import by_suffix, import_models
-from stages.config.assets import OwnOptions
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_options
-from stages.contracts.library_folder import write_part
+from roomkin.plugins.importing.discover import Found, discover
+from roomkin.plugins.importing.imports import by_suffix, import_models
+from roomkin.stages.config.assets import OwnOptions
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_options
+from roomkin.stages.contracts.library_folder import write_part
 
 
 def run(*, folder: Path, models: tuple[str, ...], out: Path, options: str = "{}") -> None:

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 from sapien.physx import PhysxArticulation
 
-from plugins.importing.hinges import seen_points
-from stages.articulated.asset_folder import read_asset, read_model
-from stages.articulated.forward_kinematics import link_frames
-from stages.simulation.framing import frame_all, intrinsics_of
-from stages.simulation.loading import load_visual, remove
-from stages.simulation.rendering import RenderCamera, make_scene
+from roomkin.plugins.importing.hinges import seen_points
+from roomkin.stages.articulated.asset_folder import read_asset, read_model
+from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.simulation.framing import frame_all, intrinsics_of
+from roomkin.stages.simulation.loading import load_visual, remove
+from roomkin.stages.simulation.rendering import RenderCamera, make_scene
 
 WIDTH, HEIGHT = 360, 288
 OPEN = 0.6  # of its range

@@ -5,7 +5,7 @@ from typing import Self
 
 from pydantic import Field
 
-from stages.contracts.files import Contract
+from roomkin.stages.contracts.files import Contract
 
 
 class Proposal(Contract):

@@ -6,9 +6,9 @@ import numpy as np
 import sapien
 from sapien.physx import PhysxArticulation
 
-from stages.articulated.asset_folder import read_asset
-from stages.contracts.library import Joint
-from stages.simulation.loading import load_asset, physics_scene
+from roomkin.stages.articulated.asset_folder import read_asset
+from roomkin.stages.contracts.library import Joint
+from roomkin.stages.simulation.loading import load_asset, physics_scene
 
 TOUCH = 0.002  # metres: parts that are as near when closed would rub
 MOST_PAIRS = 31  # that SAPIEN tells apart

@@ -6,18 +6,18 @@ import numpy as np
 import sapien
 from sapien.physx import PhysxArticulation
 
-from stages.articulated.asset_folder import read_asset
-from stages.contracts.library import Asset
-from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import invert_transform, make_transform
-from stages.planning.articulation import choose_open_goals
-from stages.planning.clearance import Surroundings
-from stages.simulation.kinematics import Array
-from stages.simulation.loading import load_asset, physics_scene
-from stages.simulation.robot import REST
-from stages.simulation.target import read_target
-from stages.tasks.base_placement import MOTION, can_follow, find_success_opening, reachable_base
-from stages.tasks.initial_state import (
+from roomkin.stages.articulated.asset_folder import read_asset
+from roomkin.stages.contracts.library import Asset
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.geometry.frames import invert_transform, make_transform
+from roomkin.stages.planning.articulation import choose_open_goals
+from roomkin.stages.planning.clearance import Surroundings
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.loading import load_asset, physics_scene
+from roomkin.stages.simulation.robot import REST
+from roomkin.stages.simulation.target import read_target
+from roomkin.stages.tasks.base_placement import MOTION, can_follow, find_success_opening, reachable_base
+from roomkin.stages.tasks.initial_state import (
     InitialState,
     base_pose,
     nominal_root,

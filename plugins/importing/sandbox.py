@@ -10,7 +10,7 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from stages.contracts.errors import InputError
+from roomkin.stages.contracts.errors import InputError
 
 FORK = multiprocessing.get_context("fork")
 SECONDS = 150  # of CPU time; a mesh of 1.3 million triangles takes 35

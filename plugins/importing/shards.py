@@ -5,13 +5,13 @@ from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
-from plugins.importing.discover import NUMBERED, PACK, PAGE, is_utf8
-from plugins.importing.imports import by_suffix, named_models
-from plugins.importing.inside import is_inside
-from stages.config.assets import AssetsConfig
-from stages.config.code import files_digest
-from stages.contracts.files import MAX_TEXT
-from stages.contracts.library import model_name
+from roomkin.plugins.importing.discover import NUMBERED, PACK, PAGE, is_utf8
+from roomkin.plugins.importing.imports import by_suffix, named_models
+from roomkin.plugins.importing.inside import is_inside
+from roomkin.stages.config.assets import AssetsConfig
+from roomkin.stages.config.code import files_digest
+from roomkin.stages.contracts.files import MAX_TEXT
+from roomkin.stages.contracts.library import model_name
 
 MEAN = 8  # models per shard: few enough to make them anew for one of them, enough to pay for Python's start
 TEXT = {".urdf", ".xml", ".gltf", ".dae", ".obj", ".mtl"}

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from plugins.importing.hinges import list_carried_links, seen_points
-from stages.articulated.forward_kinematics import frames_of
-from stages.articulated.model import JointModel, Matrix, RobotModel
-from stages.articulated.urdf_tree import THIN
+from roomkin.plugins.importing.hinges import list_carried_links, seen_points
+from roomkin.stages.articulated.forward_kinematics import frames_of
+from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel
+from roomkin.stages.articulated.urdf_tree import THIN
 
 SMALLER = 0.9  # share of the boxes' volume, chosen: handles that turn away make less
 STEADY = 0.5  # of what the first half of a way makes smaller, what the second does at least: sunk handles make less

@@ -6,12 +6,15 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from stages.articulated.mesh_reader import convex_pieces, load_meshes
-from stages.articulated.model import Link, Matrix, RobotModel, Visual
-from stages.contracts.errors import InputError
-from stages.geometry.solids import MINIMUM_INERTIA, board_mass
+from roomkin.stages.articulated.mesh_reader import convex_pieces, load_meshes
+from roomkin.stages.articulated.model import Link, Matrix, RobotModel, Visual
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.geometry.solids import MINIMUM_INERTIA, board_mass
 
-GROUND_HEIGHT, GROUND_AREA = 0.1, 2.0  # of what stands on it: a ground is lower than this share, and so much larger
+GROUND_HEIGHT, GROUND_AREA = (
+    0.1,
+    2.0,
+)  # a ground is lower than this share of its sides, and so much larger than the rest
 FLAT_SHARE = 1e-5  # of its largest extent: what is thinner, whichever way it lies, has no inside
 
 
@@ -78,7 +81,7 @@ def find_ground(robot: RobotModel, height: int) -> str:
         rest = np.concatenate([box for other in corners if other != name for box in corners[other]])
         low, (sides, extents) = rest[:, height].min(), (np.ptp(points, axis=0) for points in (ground, rest))
         areas = [float(np.delete(each, height).prod()) for each in (sides, extents)]
-        flat = sides[height] < GROUND_HEIGHT * extents[height]
+        flat = sides[height] < GROUND_HEIGHT * np.delete(sides, height).min()
         if flat and ground[:, height].min() <= low and areas[0] > GROUND_AREA * areas[1]:
             return name
     return ""

@@ -6,11 +6,11 @@ import numpy as np
 import trimesh
 from trimesh import Trimesh
 
-from stages.articulated.attributes import list_moved_links, merge_visuals
-from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.handle import GRID, Handle, find_handle
-from stages.articulated.model import RobotModel, transform_mesh
-from stages.articulated.urdf_tree import THIN
+from roomkin.stages.articulated.attributes import list_moved_links, merge_visuals
+from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.articulated.handle import GRID, Handle, find_handle
+from roomkin.stages.articulated.model import RobotModel, transform_mesh
+from roomkin.stages.articulated.urdf_tree import THIN
 
 # VHACD's: 32 pieces show the handle of a drawer with its box and keep a gripper's clearance; one thread, so that the
 # same mesh gives the same pieces.

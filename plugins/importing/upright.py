@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plugins.importing.hinges import Hinge, Slide
-from plugins.importing.importers import Axis
-from stages.articulated.model import Matrix
-from stages.contracts.categories import known_categories
-from stages.contracts.category import split_words
+from roomkin.plugins.importing.hinges import Hinge, Slide
+from roomkin.plugins.importing.importers import Axis
+from roomkin.stages.articulated.model import Matrix
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.category import split_words
 
 UPS: tuple[Axis, ...] = ("+z", "+y", "+x")
 COMMON: tuple[Axis, ...] = ("+z", "+y")  # directions that kinds of files without an agreed one call up

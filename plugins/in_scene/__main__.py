@@ -1,6 +1,6 @@
-"""`python -m plugins.in_scene demonstrate --help`."""
+"""`roomkin in_scene demonstrate --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
-    main("plugins.in_scene", {"demonstrate": "a demonstration in every generated scene, with a film of it"})
+    main("roomkin.plugins.in_scene", {"demonstrate": "a demonstration in every generated scene, with a film of it"})

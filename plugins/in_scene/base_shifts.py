@@ -4,12 +4,12 @@ import numpy as np
 from sapien.physx import PhysxArticulationLinkComponent
 from scipy.spatial import cKDTree
 
-from plugins.in_scene.room import GeneratedRoom
-from stages.articulated.asset_folder import read_asset
-from stages.geometry.frames import invert_transform, transform_points
-from stages.planning.clearance import BASE, arm_spheres
-from stages.simulation.robot import GRIPPER_OPEN
-from stages.tasks.api import EnvWrapper
+from roomkin.plugins.in_scene.room import GeneratedRoom
+from roomkin.stages.articulated.asset_folder import read_asset
+from roomkin.stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.planning.clearance import BASE, arm_spheres
+from roomkin.stages.simulation.robot import GRIPPER_OPEN
+from roomkin.stages.tasks.api import EnvWrapper
 
 # Metres that are tried, towards the handle and sideways; chosen.
 TOWARDS, SIDEWAYS = (0.0, -0.05, 0.08, -0.1, 0.15), (0.0, 0.12, -0.12, 0.25, -0.25)

@@ -4,10 +4,10 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from plugins.films.contract import Film
-from stages.contracts.files import Contract, Document
-from stages.contracts.objects import check_status
-from stages.contracts.types import Count, Id, Rank, SceneName, Text, check_unique
+from roomkin.plugins.films.contract import Film
+from roomkin.stages.contracts.files import Contract, Document
+from roomkin.stages.contracts.objects import check_status
+from roomkin.stages.contracts.types import Count, Id, Rank, SceneName, Text, check_unique
 
 
 class SceneDemonstration(Contract):

@@ -8,25 +8,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plugins.films.contract import Film
-from plugins.films.demonstrations import FilmedAttempt, make_strip, plot_cloud
-from plugins.films.writing import FRAMES, write_films, write_png
-from plugins.in_scene.base_shifts import find_obstacle, find_touched, list_base_shifts
-from plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
-from plugins.in_scene.room import read_room
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.contracts import GeneratedScene, InputError, read_json, read_options, write_json
-from stages.contracts.archives import pack
-from stages.contracts.errors import ObjectError
-from stages.contracts.look import ROOM_LIGHT
-from stages.contracts.task_options import TaskConfig
-from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.collect import attempt_seeds
-from stages.demonstrations.store import write_episodes
-from stages.plugins import load
-from stages.simulation.film_renderer import FilmRenderer
-from stages.tasks.api import EnvWrapper
-from stages.tasks.task import Task
+from roomkin.plugins.films.contract import Film
+from roomkin.plugins.films.demonstrations import FilmedAttempt, make_strip, plot_cloud
+from roomkin.plugins.films.writing import FRAMES, write_films, write_png
+from roomkin.plugins.in_scene.base_shifts import find_obstacle, find_touched, list_base_shifts
+from roomkin.plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
+from roomkin.plugins.in_scene.room import read_room
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.contracts import GeneratedScene, InputError, read_json, read_options, write_json
+from roomkin.stages.contracts.archives import pack
+from roomkin.stages.contracts.errors import ObjectError
+from roomkin.stages.contracts.look import ROOM_LIGHT
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.demonstrations.attempt import Recorder
+from roomkin.stages.demonstrations.collect import attempt_seeds
+from roomkin.stages.demonstrations.store import write_episodes
+from roomkin.stages.plugins import load
+from roomkin.stages.simulation.film_renderer import FilmRenderer
+from roomkin.stages.tasks.api import EnvWrapper
+from roomkin.stages.tasks.task import Task
 
 SCENE_TRIES = 10  # attempts in one scene; chosen for time
 

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from plugins.in_scene.contract import SceneDemonstrations
-from stages.contracts.files import read_json
+from roomkin.plugins.in_scene.contract import SceneDemonstrations
+from roomkin.stages.contracts.files import read_json
 
 CHECKS = {"in_scene": partial(read_json, SceneDemonstrations)}

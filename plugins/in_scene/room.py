@@ -11,18 +11,18 @@ import trimesh
 from mani_skill.utils.geometry.trimesh_utils import get_component_meshes
 from sapien.physx import PhysxArticulation, PhysxRigidBaseComponent
 
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json
-from stages.contracts.generated import GeneratedScene
-from stages.contracts.library_folder import AssetFolders
-from stages.contracts.look import Look
-from stages.generation.placed import Placed
-from stages.generation.scene_file import read_items
-from stages.geometry.frames import invert_transform, make_transform, transform_points, yaw_matrix
-from stages.simulation.backdrop import add_backdrop
-from stages.simulation.kinematics import Array
-from stages.simulation.loading import load_asset, physics_scene, root_pose
-from stages.simulation.room import Body
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.generated import GeneratedScene
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.contracts.look import Look
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.scene_file import read_items
+from roomkin.stages.geometry.frames import invert_transform, make_transform, transform_points, yaw_matrix
+from roomkin.stages.simulation.backdrop import add_backdrop
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.loading import load_asset, physics_scene, root_pose
+from roomkin.stages.simulation.room import Body
 
 AGAIN = "generate the scenes again"
 OBSTACLES_WITHIN = 1.6  # metres around the target within which furniture counts as an obstacle

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.errors import InputError
+from roomkin.stages.contracts.errors import InputError
 
 
 class DepthCamera:

@@ -12,8 +12,8 @@ import numpy as np
 import sapien
 from numpy.typing import NDArray
 
-from plugins.mujoco.camera import DepthCamera
-from plugins.mujoco.world import (
+from roomkin.plugins.mujoco.camera import DepthCamera
+from roomkin.plugins.mujoco.world import (
     ARM_JOINTS,
     CAMERA,
     FINGER_JOINTS,
@@ -23,23 +23,23 @@ from plugins.mujoco.world import (
     ModelFiles,
     build,
 )
-from stages.articulated.asset_folder import write_asset
-from stages.articulated.resizing import resize_model
-from stages.contracts import Asset, InputError, read_json
-from stages.geometry.frames import invert_transform
-from stages.planning.clearance import Surroundings
-from stages.simulation.controller import apply_delta, scale_action
-from stages.simulation.kinematics import IK_DAMPING, LIMIT_MARGIN, MAX_JOINT_STEP, Array
-from stages.simulation.loading import load_asset, physics_scene
-from stages.simulation.observation import CAMERA_FROM_IMAGE
-from stages.simulation.recording import Moment, Recording
-from stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
-from stages.simulation.target import Target, read_target
-from stages.tasks.api import EnvWrapper, Float
-from stages.tasks.base_placement import OFFICIAL_SUCCESS_FRACTION, find_success_opening, place_robot_and_asset
-from stages.tasks.cameras import shoulder
-from stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
-from stages.tasks.observation import CameraRig, Observation
+from roomkin.stages.articulated.asset_folder import write_asset
+from roomkin.stages.articulated.resizing import resize_model
+from roomkin.stages.contracts import Asset, InputError, read_json
+from roomkin.stages.geometry.frames import invert_transform
+from roomkin.stages.planning.clearance import Surroundings
+from roomkin.stages.simulation.controller import apply_delta, scale_action
+from roomkin.stages.simulation.kinematics import IK_DAMPING, LIMIT_MARGIN, MAX_JOINT_STEP, Array
+from roomkin.stages.simulation.loading import load_asset, physics_scene
+from roomkin.stages.simulation.observation import CAMERA_FROM_IMAGE
+from roomkin.stages.simulation.recording import Moment, Recording
+from roomkin.stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
+from roomkin.stages.simulation.target import Target, read_target
+from roomkin.stages.tasks.api import EnvWrapper, Float
+from roomkin.stages.tasks.base_placement import OFFICIAL_SUCCESS_FRACTION, find_success_opening, place_robot_and_asset
+from roomkin.stages.tasks.cameras import shoulder
+from roomkin.stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
+from roomkin.stages.tasks.observation import CameraRig, Observation
 
 SHOWN_ID = np.array([1], np.int16)  # entity id of what the cloud shows; everything else has 0
 

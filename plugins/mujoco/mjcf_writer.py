@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from PIL import Image
 
-from stages.articulated import mesh_writer
-from stages.articulated.asset_folder import atomic_folder
-from stages.articulated.model import JointModel, Link, Matrix, RobotModel
-from stages.articulated.surfaces import ColoredMesh, surfaces, write_obj
-from stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION
-from stages.contracts.parts import PARTS
-from stages.contracts.system import sync
-from stages.geometry.frames import quaternion_from_matrix
+from roomkin.stages.articulated import mesh_writer
+from roomkin.stages.articulated.asset_folder import atomic_folder
+from roomkin.stages.articulated.model import JointModel, Link, Matrix, RobotModel
+from roomkin.stages.articulated.surfaces import ColoredMesh, surfaces, write_obj
+from roomkin.stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION
+from roomkin.stages.contracts.parts import PARTS
+from roomkin.stages.contracts.system import sync
+from roomkin.stages.geometry.frames import quaternion_from_matrix
 
 TOUCHED = f"{SURFACE_FRICTION} 0.005 0.0001"  # friction: sliding, and MuJoCo's own of twisting and rolling
 

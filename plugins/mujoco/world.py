@@ -12,10 +12,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.mujoco.mjcf_writer import write_model
-from stages.articulated.asset_folder import read_model
-from stages.geometry.frames import quaternion_from_matrix
-from stages.simulation.robot import TCP, low_poly_urdf
+from roomkin.plugins.mujoco.mjcf_writer import write_model
+from roomkin.stages.articulated.asset_folder import read_model
+from roomkin.stages.geometry.frames import quaternion_from_matrix
+from roomkin.stages.simulation.robot import TCP, low_poly_urdf
 
 Array = NDArray[np.float64]
 

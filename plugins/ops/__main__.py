@@ -1,10 +1,10 @@
-"""`python -m plugins.ops COMMAND --help`."""
+"""`roomkin ops COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
     main(
-        "plugins.ops",
+        "roomkin.plugins.ops",
         {
             "clean": "delete what runs wrote, and nothing that a person made",
             "cluster": "what a SLURM cluster has and lacks, from one of its login nodes",

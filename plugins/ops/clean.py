@@ -1,11 +1,14 @@
 """Command `clean`: delete what runs wrote, and nothing that a person made."""
 
 import shutil
+import sys
 from pathlib import Path
 
-from stages.contracts import InputError
-from stages.contracts.corrections import CORRECTIONS
-from stages.contracts.hand import MADE, PROJECT, find_hand_file, is_by_hand
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.corrections import CORRECTIONS
+from roomkin.stages.contracts.errors import escape_control
+from roomkin.stages.contracts.hand import MADE, PROJECT, find_hand_file, is_by_hand
+from roomkin.stages.contracts.words import count
 
 WRITTEN = ("results", "logs", ".snakemake")  # by a run, in its folder; and tables of times in benchmarks/
 
@@ -27,11 +30,18 @@ def run(*, folder: Path = Path()) -> None:
     if left := [str(path) for path in found if path.exists()]:
         what = f"a person made {', '.join(left)}."
         raise InputError(folder / "results", what, "move it away, then clean", code="E-HAND-WORK")
+    gone = []
     for place in places:
-        for name in WRITTEN:
-            shutil.rmtree(place / name, ignore_errors=True)
+        for path in (place / name for name in WRITTEN if (place / name).exists()):
+            files = sum(1 for one in path.rglob("*") if one.is_file())
+            shutil.rmtree(path, ignore_errors=True)
+            gone.append(f"{path}/ ({count(files, 'file')})")
         for table in (place / "benchmarks").glob("*/*.tsv"):
             table.unlink()
+            gone.append(str(table))
+    kept = [str(place / "hand/") for place in places if (place / "hand").exists()]
+    stays = f"; kept {', '.join(kept)}" if kept else ""
+    print(escape_control(f"deleted {', '.join(gone) or 'nothing'}{stays}"), file=sys.stderr)
 
 
 def list_hand_work(results: Path) -> list[Path]:

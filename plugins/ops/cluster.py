@@ -11,7 +11,7 @@ import tempfile
 from importlib import metadata
 from pathlib import Path
 
-from plugins.ops.doctor import Check, report
+from roomkin.plugins.ops.doctor import Check, report
 
 PLUGIN = "snakemake-executor-plugin-slurm"
 MIN_AGE = 60  # seconds that a finished job must stay in the queue for squeue to tell how it ended

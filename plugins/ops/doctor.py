@@ -1,4 +1,4 @@
-"""Say what this machine has and lacks: `python -m plugins.ops.doctor [--mend]`.
+"""Say what this machine has and lacks: `roomkin check [--mend]`.
 
 Every line is a check; a failed one comes with the command that mends it. `--mend` runs the
 mends that are safe to run unasked: a Vulkan driver and the libraries of Open3D, where we are root
@@ -47,7 +47,8 @@ def _probe(code: str) -> str:
 
 
 def _as_root(script: str) -> str:
-    return f"bash {script}" if os.geteuid() == 0 else f"run as root: bash {script}"
+    line = f"bash {ROOT / 'envs' / script}"
+    return line if os.geteuid() == 0 else f"run as root: {line}"
 
 
 def _read_pins(requirements: Path) -> dict[str, str]:
@@ -118,14 +119,14 @@ def check_vulkan() -> Check:
     if not device and (gone := [(name, path) for name, path in stale if not Path(path).exists()]):
         name, path = gone[0]
         return Check("vulkan", False, f"{name} names {path}, which is not there", f"unset {name}")
-    return Check("vulkan", bool(device), device or "SAPIEN finds no rendering device", _as_root("envs/vulkan.sh"))
+    return Check("vulkan", bool(device), device or "SAPIEN finds no rendering device", _as_root("vulkan.sh"))
 
 
 def check_open3d() -> Check:
     """Open3D and the system libraries it links to."""
     version = _probe(OPEN3D_PROBE)
     what = version or "cannot be imported: a system library is missing (libGL, libEGL, libX11, libusb)"
-    return Check("open3d", bool(version), what, _as_root("envs/open3d.sh"))
+    return Check("open3d", bool(version), what, _as_root("open3d.sh"))
 
 
 def check_cuda() -> Check:
@@ -159,21 +160,19 @@ def _answers(name: str) -> bool:
 def check_weights() -> list[Check]:
     """The published weights that look at pictures, at their default places: optional."""
     try:
-        from stages.config.perception import PerceptionSection
-        from stages.config.weights import list_lacking
+        from roomkin.stages.config.perception import PerceptionSection
+        from roomkin.stages.config.weights import list_lacking
     except ImportError:
         return [Check("packages", False, "not to be imported", needed=False)]
     section, lacking = PerceptionSection(), list_lacking()
-    found = f"no {', '.join(lacking)}: python -m stages.perception fetch (200 MB)"
+    found = f"no {', '.join(lacking)}: roomkin perception fetch (200 MB)"
     small = Check("weights", not lacking, found if lacking else "MobileSAM, SSD MobileNet v2, CLIP", needed=False)
     lacking = section.list_lacking()
     files = {key: Path(folder, "model.safetensors") for key, folder in section.networks().items() if key not in lacking}
     said = [f"{key} {file.stat().st_size / 1e9:.1f} GB" for key, file in files.items()]
     told = [f"weights: {', '.join(said)}, one in memory at a time"] if said else []
     if lacking:
-        told.append(
-            f"no weights of {', '.join(lacking)}: python -m stages.perception fetch --networks, or draw by hand"
-        )
+        told.append(f"no weights of {', '.join(lacking)}: roomkin perception fetch --networks, or draw by hand")
     return [small, Check("networks", not lacking, "; ".join(told), needed=False)]
 
 

@@ -1,6 +1,6 @@
 """Stopping and starting: one workflow per folder, and no job that outlives its workflow, however it was killed.
 
-`python -m plugins.ops.guard COMMAND ...` runs any other program with the same promise.
+`python -m roomkin.plugins.ops.guard COMMAND ...` runs any other program with the same promise.
 """
 
 import contextlib
@@ -14,11 +14,11 @@ import sys
 from pathlib import Path
 from typing import IO
 
-from plugins.ops.lock import LOCK, WORKFLOW, Holder, is_taken_over, start_time, stop_if_taken_over
-from plugins.ops.queue import cancel_left_over
-from stages.contracts.errors import InputError
-from stages.contracts.files import BEFORE_WRITING, PARTIAL
-from stages.contracts.system import JOB_START
+from roomkin.plugins.ops.lock import LOCK, WORKFLOW, Holder, is_taken_over, start_time, stop_if_taken_over
+from roomkin.plugins.ops.queue import cancel_left_over
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import BEFORE_WRITING, PARTIAL
+from roomkin.stages.contracts.system import JOB_START
 
 # Options with which Snakemake runs no job: they may be used while a workflow is running.
 LOOKS = {"--report", "--lint", "-l", "--list-rules", "--list", "--summary", "-S", "--detailed-summary", "-D", "--dag",
@@ -71,7 +71,7 @@ def hold_folder(results: Path = Path("results")) -> IO[str]:
     file.truncate(0)
     file.write(Holder.this_process().text)
     file.flush()
-    os.environ.update({WORKFLOW: Holder.this_process().text, JOB_START: "plugins.ops.guard:end_with_workflow"})
+    os.environ.update({WORKFLOW: Holder.this_process().text, JOB_START: "roomkin.plugins.ops.guard:end_with_workflow"})
     if locked:
         shutil.rmtree(LOCK.parent / "locks", ignore_errors=True)
         cancel_left_over(Path.cwd())

@@ -5,7 +5,7 @@ import socket
 from pathlib import Path
 from typing import NamedTuple
 
-from stages.contracts.errors import InputError
+from roomkin.stages.contracts.errors import InputError
 
 WORKFLOW = "ACDC_WORKFLOW"  # environment variable of all jobs: the line of the workflow that started them
 LOCK = Path(".snakemake/acdc.lock")  # on a filesystem that all jobs of a workflow share

@@ -3,10 +3,10 @@
 from collections import Counter
 from pathlib import Path
 
-from stages import plugins
-from stages.config.matching import MatchingConfig
-from stages.config.model import Config
-from stages.config.packages import packages_on
+from roomkin.stages import plugins
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.config.model import Config
+from roomkin.stages.config.packages import packages_on
 
 MANY = 8  # files in one folder: containers see it whole then
 

@@ -1,5 +1,5 @@
 """The package as the core knows it."""
 
-from stages.config.packages import Package
+from roomkin.stages.config.packages import Package
 
-PACKAGE = Package(guard="plugins.ops.guard")
+PACKAGE = Package(guard="roomkin.plugins.ops.guard")

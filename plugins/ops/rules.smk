@@ -5,10 +5,10 @@ import sys
 from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
 
-from plugins.ops.finished import list_for_run, warn_of_changed
-from plugins.ops.guard import asks_for_run, hold_folder
-from plugins.ops.outside import container_environment
-from stages.contracts.errors import InputError
+from roomkin.plugins.ops.finished import list_for_run, warn_of_changed
+from roomkin.plugins.ops.guard import asks_for_run, hold_folder
+from roomkin.plugins.ops.outside import container_environment
+from roomkin.stages.contracts.errors import InputError
 
 os.environ.pop("ACDC_ONLINE", None)
 os.environ.update(container_environment(CONFIG, PUBLISHED))

@@ -6,14 +6,14 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from plugins.ops.finished import METADATA, find_changed, list_files, mend, read_metadata
-from stages.contracts.__main__ import parse
-from stages.contracts.checksums import read_recorded
-from stages.contracts.errors import InputError, escape_control
-from stages.contracts.kinds import KINDS
-from stages.contracts.system import line_of
+from roomkin.plugins.ops.finished import METADATA, find_changed, list_files, mend, read_metadata
+from roomkin.stages.contracts.__main__ import parse
+from roomkin.stages.contracts.checksums import read_recorded
+from roomkin.stages.contracts.errors import InputError, escape_control
+from roomkin.stages.contracts.kinds import KINDS
+from roomkin.stages.contracts.system import line_of
 
-CHECK = re.compile(r"python -m stages\.contracts --refuse ([^&|)]+)")
+CHECK = re.compile(r"python -m (?:roomkin\.)?stages\.contracts --refuse ([^&|)]+)")  # without: of older runs
 
 
 def run(*, results: Path = Path("results")) -> None:
@@ -21,11 +21,13 @@ def run(*, results: Path = Path("results")) -> None:
     against their contracts. Prints what is broken and the command that makes it anew.
 
     Args:
-        results: the folder `results` of a run.
+        results: the folder `results` of a run; if it has nothing, that of `make demo` beside it.
 
     Raises:
         InputError: something is broken, or there is nothing to look at.
     """
+    places = results, results.parent / "demo" / results.name
+    results = next((place for place in places if any(list_files(place))), results)
     known, lost = read_metadata(results.parent / METADATA)
     files, faults = list_files(results)
     if not files and not faults:

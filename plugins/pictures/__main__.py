@@ -1,10 +1,10 @@
-"""`python -m plugins.pictures COMMAND --help`."""
+"""`roomkin pictures COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
     main(
-        "plugins.pictures",
+        "roomkin.plugins.pictures",
         {
             "snapshots": "contact sheets of the snapshots",
             "objects": "the picture with what was found in it",

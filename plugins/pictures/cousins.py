@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from stages.contracts import Cousins, InputError, read_json, write_atomically
-from stages.contracts.cousins import Cousin
-from stages.contracts.images import LETTERS, TILE
-from stages.contracts.objects import SceneObject
-from stages.contracts.words import count
-from stages.geometry.crop import View, darken_rest
-from stages.matching.scene import Scene
-from stages.matching.snapshots import Snapshots
+from roomkin.stages.contracts import Cousins, InputError, read_json, write_atomically
+from roomkin.stages.contracts.cousins import Cousin
+from roomkin.stages.contracts.images import LETTERS, TILE
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.contracts.words import count
+from roomkin.stages.geometry.crop import View, darken_rest
+from roomkin.stages.matching.scene import Scene
+from roomkin.stages.matching.snapshots import Snapshots
 
 
 def run(

@@ -8,12 +8,12 @@ import trimesh
 from trimesh import Trimesh
 from trimesh.exchange.gltf import export_glb
 
-from stages.articulated.model import JointModel
-from stages.articulated.surfaces import ColoredMesh, surfaces
-from stages.contracts import GeneratedScene, write_atomically
-from stages.generation.scene_models import CAMERA, Body, Room, surface_of
-from stages.geometry.cameras import OPENGL
-from stages.geometry.frames import Y_UP, make_transform, yaw_matrix
+from roomkin.stages.articulated.model import JointModel
+from roomkin.stages.articulated.surfaces import ColoredMesh, surfaces
+from roomkin.stages.contracts import GeneratedScene, write_atomically
+from roomkin.stages.generation.scene_models import CAMERA, Body, Room, surface_of
+from roomkin.stages.geometry.cameras import OPENGL
+from roomkin.stages.geometry.frames import Y_UP, make_transform, yaw_matrix
 
 
 def write(room: Room, out: Path, largest: int | None = None) -> None:

@@ -10,18 +10,18 @@ import trimesh
 from numpy.typing import NDArray
 from trimesh import Trimesh
 
-from plugins.pictures.painting import furnish
-from stages.contracts.generated import GeneratedScene
-from stages.contracts.look import GAMMA, ROOM_LIGHT, Look, Surface
-from stages.contracts.objects import Objects
-from stages.contracts.types import LARGEST
-from stages.generation.models import read_collisions
-from stages.generation.placed import Placed
-from stages.geometry.cameras import back_project
-from stages.geometry.frames import SAMPLED, transform_points
-from stages.geometry.masks import MIN_PIXELS
-from stages.simulation.backdrop import WALL_HEIGHT
-from stages.simulation.rendering import RenderCamera, instance_id
+from roomkin.plugins.pictures.painting import furnish
+from roomkin.stages.contracts.generated import GeneratedScene
+from roomkin.stages.contracts.look import GAMMA, ROOM_LIGHT, Look, Surface
+from roomkin.stages.contracts.objects import Objects
+from roomkin.stages.contracts.types import LARGEST
+from roomkin.stages.generation.models import read_collisions
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.frames import SAMPLED, transform_points
+from roomkin.stages.geometry.masks import MIN_PIXELS
+from roomkin.stages.simulation.backdrop import WALL_HEIGHT
+from roomkin.stages.simulation.rendering import RenderCamera, instance_id
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]

@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from stages.contracts import Objects, read_json, write_atomically
-from stages.contracts.extracted import read_object_masks
-from stages.contracts.images import Color, check_size, color_of, read_rgb
-from stages.contracts.objects import SceneObject
-from stages.contracts.words import count
-from stages.geometry.boxes import UprightBox, corners
-from stages.geometry.cameras import project
-from stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.contracts import Objects, read_json, write_atomically
+from roomkin.stages.contracts.extracted import read_object_masks
+from roomkin.stages.contracts.images import Color, check_size, color_of, read_rgb
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.contracts.words import count
+from roomkin.stages.geometry.boxes import UprightBox, corners
+from roomkin.stages.geometry.cameras import project
+from roomkin.stages.geometry.frames import invert_transform, transform_points
 
 WIDTH = 1280  # pixels to which every picture is drawn: pages show it at about half of that, whatever its own size
 LINE, PADDING = 3, 5  # pixels

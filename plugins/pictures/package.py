@@ -1,5 +1,5 @@
 """The package as the core knows it."""
 
-from stages.config.packages import Package
+from roomkin.stages.config.packages import Package
 
 PACKAGE = Package(commands=dict.fromkeys(["snapshots", "objects", "cousins", "scenes"]))

@@ -5,13 +5,13 @@ import sapien
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from stages.contracts.generated import GeneratedScene
-from stages.contracts.look import Look
-from stages.generation.placed import Placed
-from stages.generation.settling import load_items
-from stages.geometry.boxes import corners
-from stages.simulation.backdrop import BEYOND, add_backdrop
-from stages.simulation.rendering import RenderCamera, make_scene
+from roomkin.stages.contracts.generated import GeneratedScene
+from roomkin.stages.contracts.look import Look
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.settling import load_items
+from roomkin.stages.geometry.boxes import corners
+from roomkin.stages.simulation.backdrop import BEYOND, add_backdrop
+from roomkin.stages.simulation.rendering import RenderCamera, make_scene
 
 
 def furnish(generated: GeneratedScene, items: list[Placed], look: Look) -> sapien.Scene:

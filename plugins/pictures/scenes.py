@@ -6,17 +6,17 @@ from tempfile import TemporaryDirectory
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from plugins.pictures import glb
-from plugins.pictures.look import estimate_look
-from plugins.pictures.painting import draw_preview, draw_side_by_side, draw_thumbnail, furnish, resize_to
-from stages.cli import progress
-from stages.config.code import code_digest
-from stages.contracts import GeneratedScene, Objects, read_json, write_atomically, write_json
-from stages.contracts.extracted import read_metres, read_object_masks
-from stages.contracts.images import check_size, read_rgb
-from stages.contracts.library_folder import AssetFolders
-from stages.generation.scene_file import read_items
-from stages.generation.scene_models import room_of
+from roomkin.plugins.pictures import glb
+from roomkin.plugins.pictures.look import estimate_look
+from roomkin.plugins.pictures.painting import draw_preview, draw_side_by_side, draw_thumbnail, furnish, resize_to
+from roomkin.stages.cli import progress
+from roomkin.stages.config.code import code_digest
+from roomkin.stages.contracts import GeneratedScene, Objects, read_json, write_atomically, write_json
+from roomkin.stages.contracts.extracted import read_metres, read_object_masks
+from roomkin.stages.contracts.images import check_size, read_rgb
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.generation.scene_file import read_items
+from roomkin.stages.generation.scene_models import room_of
 
 VIEW_TEXTURE = 128  # pixels: textures of the scenes that pages let turn; chosen
 
@@ -72,6 +72,6 @@ def run(
 def _text(origins: dict[str, str]) -> PngInfo:
     """Text chunks of a picture: what its scenes were made of, by file, and the code that drew them."""
     chunks = PngInfo()
-    for name, text in ({"code": code_digest("plugins.pictures.scenes")} | origins).items():
+    for name, text in ({"code": code_digest("roomkin.plugins.pictures.scenes")} | origins).items():
         chunks.add_text(name, text)
     return chunks

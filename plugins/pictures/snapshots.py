@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from stages.contracts.arrays import explain_unreadable
-from stages.contracts.files import write_atomically
-from stages.contracts.images import COLUMNS, LETTERS, TILE
-from stages.contracts.snapshot_file import AGAIN, open_snapshots
+from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.files import write_atomically
+from roomkin.stages.contracts.images import COLUMNS, LETTERS, TILE
+from roomkin.stages.contracts.snapshot_file import AGAIN, open_snapshots
 
 
 def run(*, snapshots: tuple[Path, ...]) -> None:

@@ -20,10 +20,10 @@ from transformers import (
     Sam2Model,
 )
 
-from plugins.pretrained.weights import load_pretrained
-from stages.config.perception import MeasureOptions, OutlineSection
-from stages.contracts import InputError
-from stages.contracts.depth import NEAREST, SKY
+from roomkin.plugins.pretrained.weights import load_pretrained
+from roomkin.stages.config.perception import MeasureOptions, OutlineSection
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.depth import NEAREST, SKY
 
 Picture = NDArray[np.uint8]
 IMAGENET = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stages.config.packages import Package
+from roomkin.stages.config.packages import Package
 
 
 def list_needed_files(config: Any) -> list[str]:

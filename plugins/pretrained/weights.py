@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from stages.config.weights import check_folder
-from stages.contracts import InputError
-from stages.contracts.errors import explain
+from roomkin.stages.config.weights import check_folder
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.errors import explain
 
 
 def load_pretrained(model_class: Any, folder: str, key: str) -> Any:

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from stages.contracts.section import Section
+from roomkin.stages.contracts.section import Section
 
 
 class GeometryConfig(Section):

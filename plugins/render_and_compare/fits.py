@@ -5,20 +5,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plugins.render_and_compare.config import GeometryConfig
-from plugins.render_and_compare.fitting import Measured, lay_over, measure
-from plugins.render_and_compare.noisy_cloud import NoisyCloud
-from plugins.render_and_compare.observation import observe
-from plugins.render_and_compare.rendering import Rendering, render
-from plugins.render_and_compare.solid import ColoredSolid
-from plugins.render_and_compare.terms import Terms, compare, line_field
-from plugins.render_and_compare.yaws import aligned_yaws, is_front_known, touched_walls
-from stages.contracts import Objects
-from stages.contracts.objects import SceneObject
-from stages.geometry.boxes import UprightBox
-from stages.geometry.crop import View
-from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
-from stages.geometry.viewing import view_angle, view_yaw
+from roomkin.plugins.render_and_compare.config import GeometryConfig
+from roomkin.plugins.render_and_compare.fitting import Measured, lay_over, measure
+from roomkin.plugins.render_and_compare.noisy_cloud import NoisyCloud
+from roomkin.plugins.render_and_compare.observation import observe
+from roomkin.plugins.render_and_compare.rendering import Rendering, render
+from roomkin.plugins.render_and_compare.solid import ColoredSolid
+from roomkin.plugins.render_and_compare.terms import Terms, compare, line_field
+from roomkin.plugins.render_and_compare.yaws import aligned_yaws, is_front_known, touched_walls
+from roomkin.stages.contracts import Objects
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
+from roomkin.stages.geometry.viewing import view_angle, view_yaw
 
 SAME_YAW = np.deg2rad(2)  # ways to stand that differ by less are one; chosen
 

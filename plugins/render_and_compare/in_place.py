@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.render_and_compare.config import GeometryConfig
-from plugins.render_and_compare.workbench import Workbench
-from stages.contracts.cousins import Cousin
-from stages.contracts.objects import SceneObject
-from stages.matching.question import AbstainedError, Question
-from stages.matching.scene import Scene
-from stages.matching.snapshots import Snapshots
+from roomkin.plugins.render_and_compare.config import GeometryConfig
+from roomkin.plugins.render_and_compare.workbench import Workbench
+from roomkin.stages.contracts.cousins import Cousin
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.matching.question import AbstainedError, Question
+from roomkin.stages.matching.scene import Scene
+from roomkin.stages.matching.snapshots import Snapshots
 
 
 class InPlace:

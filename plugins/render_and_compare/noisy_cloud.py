@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.frames import yaw_matrix
+from roomkin.stages.geometry.frames import yaw_matrix
 
 MAX_INSET = 0.25  # share of the length that is taken off an end at most; chosen
 Array = NDArray[np.float64]

@@ -7,12 +7,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.objects import DepthError
-from stages.geometry.cameras import FloorCamera, back_project
-from stages.geometry.crop import View
-from stages.geometry.estimate import REACH
-from stages.geometry.frames import transform_points
-from stages.geometry.masks import OUTLINE, pixel_bounds
+from roomkin.stages.contracts.objects import DepthError
+from roomkin.stages.geometry.cameras import FloorCamera, back_project
+from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.estimate import REACH
+from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.masks import OUTLINE, pixel_bounds
 
 SAMPLES = 2  # rays per cell and direction: thin lines do not break; chosen
 SURROUNDINGS = 0.12  # of the object's longer side, around its mask; chosen

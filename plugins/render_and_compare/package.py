@@ -2,8 +2,8 @@
 
 from pydantic import Field
 
-from plugins.render_and_compare.config import GeometryConfig
-from stages.config.packages import Package
+from roomkin.plugins.render_and_compare.config import GeometryConfig
+from roomkin.stages.config.packages import Package
 
 PACKAGE = Package(
     judges=True,
@@ -15,5 +15,5 @@ PACKAGE = Package(
             ),
         )
     },
-    draws={"matching": "plugins.render_and_compare.in_place"},
+    draws={"matching": "roomkin.plugins.render_and_compare.in_place"},
 )

@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.render_and_compare.observation import Observation
-from plugins.render_and_compare.solid import ColoredSolid
-from stages.contracts.look import GAMMA, ROOM_LIGHT
-from stages.geometry.boxes import UprightBox
-from stages.geometry.crop import View
+from roomkin.plugins.render_and_compare.observation import Observation
+from roomkin.plugins.render_and_compare.solid import ColoredSolid
+from roomkin.stages.contracts.look import GAMMA, ROOM_LIGHT
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.crop import View
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,12 @@ import numpy as np
 import open3d as o3d
 from numpy.typing import NDArray
 
-from stages.articulated.mesh_reader import texture_of
-from stages.articulated.model import Visual
-from stages.contracts.look import GAMMA
-from stages.generation.solid import Solid
-from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import yaw_matrix
+from roomkin.stages.articulated.mesh_reader import texture_of
+from roomkin.stages.articulated.model import Visual
+from roomkin.stages.contracts.look import GAMMA
+from roomkin.stages.generation.solid import Solid
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.frames import yaw_matrix
 
 UNPAINTED = (0.6, 0.6, 0.6)  # linear; chosen
 Array = NDArray[np.float64]

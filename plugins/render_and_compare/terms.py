@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plugins.render_and_compare.observation import Observation
-from plugins.render_and_compare.rendering import Rendering
-from stages.geometry.estimate import REACH
-from stages.matching.colors import LIGHTNESS
+from roomkin.plugins.render_and_compare.observation import Observation
+from roomkin.plugins.render_and_compare.rendering import Rendering
+from roomkin.stages.geometry.estimate import REACH
+from roomkin.stages.matching.colors import LIGHTNESS
 
 DEPTH_SCALE = 0.06  # of the diagonal, beyond the noise of depth: a difference that counts as wholly wrong; chosen
 LINE_DIRECTIONS, LINE_BLUR, LINE_WINDOW = 6, 1.2, 4.0  # of half a turn; cells: lines may be off, are compared within

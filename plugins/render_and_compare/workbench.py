@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from plugins.render_and_compare.fits import Fitter
-from plugins.render_and_compare.solid import ColoredSolid
-from stages.contracts.library_folder import AssetFolders
-from stages.geometry.masks import MIN_PIXELS
-from stages.matching.question import AbstainedError, Question
+from roomkin.plugins.render_and_compare.fits import Fitter
+from roomkin.plugins.render_and_compare.solid import ColoredSolid
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.geometry.masks import MIN_PIXELS
+from roomkin.stages.matching.question import AbstainedError, Question
 
 MODELS = 300  # kept in memory; chosen
 

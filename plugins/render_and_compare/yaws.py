@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from stages.contracts import Objects
-from stages.contracts.objects import SceneObject, Wall
-from stages.geometry.frames import wrap_angle
+from roomkin.stages.contracts import Objects
+from roomkin.stages.contracts.objects import SceneObject, Wall
+from roomkin.stages.geometry.frames import wrap_angle
 
 
 def touched_walls(item: SceneObject, scene: Objects) -> list[Wall]:

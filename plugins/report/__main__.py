@@ -1,10 +1,10 @@
-"""`python -m plugins.report COMMAND --help`."""
+"""`roomkin report COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
     main(
-        "plugins.report",
+        "roomkin.plugins.report",
         {
             "viewer": "the script by which pages turn a scene",
             "report": "one page about the whole run",

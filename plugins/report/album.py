@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from PIL import Image
 
-from stages.contracts.errors import InputError, explain
-from stages.contracts.images import read_narrow
+from roomkin.stages.contracts.errors import InputError, explain
+from roomkin.stages.contracts.images import read_narrow
 
 THUMBNAIL = 150  # pixels: small pictures of objects and assets
 

@@ -1,16 +1,16 @@
 """Doubts about a scene, and mere notes, from its files: for the pages of the report and of corrections.
 
-A doubt is what a person can mend: `stages.contracts.doubt` has all of them with their limits.
+A doubt is what a person can mend: `roomkin.stages.contracts.doubt` has all of them with their limits.
 """
 
 import math
 from collections.abc import Collection
 from typing import NamedTuple
 
-from stages.contracts.cousins import ObjectCousins
-from stages.contracts.doubt import MEND, Cause, Doubt, DoubtKind, sort_by_chance
-from stages.contracts.generated import PlacedObject
-from stages.contracts.objects import Objects, SceneObject
+from roomkin.stages.contracts.cousins import ObjectCousins
+from roomkin.stages.contracts.doubt import MEND, Cause, Doubt, DoubtKind, sort_by_chance
+from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.objects import Objects, SceneObject
 
 AS_NEAR = 0.05  # share by which a second model is farther than the first
 ANOTHER_SIZE = 0.3  # share by which an extent differs from the cloud's

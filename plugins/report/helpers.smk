@@ -6,7 +6,7 @@ import time
 
 from snakemake.settings.types import ExecMode
 
-from plugins.report.made import list_causes, name_pages
+from roomkin.plugins.report.made import list_causes, name_pages
 
 STARTED = time.time()
 
@@ -21,9 +21,9 @@ def own_pages(scenes):
 
 
 def tell_of_pages():
-    """After a run: where to look."""
+    """After a run, as its last line: where to look."""
     if workflow.exec_mode == ExecMode.DEFAULT and (line := name_pages(Path.cwd() / ROOT, STARTED)):
-        print(line, file=sys.stderr)
+        atexit.register(print, line, file=sys.stderr)
 
 
 def tell_of_failures(log):

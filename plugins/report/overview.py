@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from plugins.report.page.overview import Layout, count_failures, row
-from plugins.report.report import link_there_and_back, render
-from stages.contracts.files import write_text
-from stages.tables.order import sort_key
-from stages.tables.text import NOT_RUN
+from roomkin.plugins.report.page.overview import Layout, count_failures, row
+from roomkin.plugins.report.report import link_there_and_back, render
+from roomkin.stages.contracts.files import write_text
+from roomkin.stages.tables.order import sort_key
+from roomkin.stages.tables.text import NOT_RUN
 
 
 def run(

@@ -2,17 +2,17 @@
 
 from pathlib import Path
 
-from plugins.report.album import Album
-from plugins.report.page import rooms, single
-from plugins.report.page.files import RunFiles
-from plugins.report.page.root import draw_again, list_left_out, read_said
-from plugins.report.report import link_to, render
-from stages.config.tables import TablesConfig
-from stages.contracts import InputError
-from stages.contracts.files import read_json, read_options, write_text
-from stages.contracts.hand import PROJECT, hand_folder
-from stages.contracts.scenes import Camera
-from stages.contracts.things import read_things
+from roomkin.plugins.report.album import Album
+from roomkin.plugins.report.page import rooms, single
+from roomkin.plugins.report.page.files import RunFiles
+from roomkin.plugins.report.page.root import draw_again, list_left_out, read_said
+from roomkin.plugins.report.report import link_to, render
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.files import read_json, read_options, write_text
+from roomkin.stages.contracts.hand import PROJECT, hand_folder
+from roomkin.stages.contracts.scenes import Camera
+from roomkin.stages.contracts.things import read_things
 
 
 def run(

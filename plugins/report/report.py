@@ -11,33 +11,33 @@ import pandas as pd
 import yaml
 from markupsafe import Markup
 
-from plugins.claims import assets, claims
-from plugins.claims import tables as claim_tables
-from plugins.claims.trainings import failed, failed_note, read_trainings, trainings_table
-from plugins.report.album import Album
-from plugins.report.doubts import mountings_agree
-from plugins.report.page import policies, result, rooms
-from plugins.report.page.benchmarks import by_stage, longest_table, read_jobs, times_table
-from plugins.report.page.charts import embed_svg
-from plugins.report.page.files import RunFiles
-from plugins.report.page.objects import measure_extents
-from plugins.report.roles import role_title
-from plugins.robustness import rows as robustness
-from plugins.robustness.table import robustness_table
-from stages.config.tables import PolicyTables
-from stages.contracts.files import read_json, read_options, read_text, write_text
-from stages.contracts.generated import measure_place_sureness, measure_sureness
-from stages.contracts.library import Library
-from stages.contracts.words import count, describe_size
-from stages.tables import policy_tables, scene_tables, table2
-from stages.tables.cells import CELL, RATE
-from stages.tables.markup import Table, environment
-from stages.tables.methods import join_published, kinds_of
-from stages.tables.order import title as title_of
-from stages.tables.policy_notes import policy_notes
-from stages.tables.rows import published_policies, read_table, records
-from stages.tables.scenes import parse_comparisons
-from stages.tables.text import number, percent
+from roomkin.plugins.claims import assets, claims
+from roomkin.plugins.claims import tables as claim_tables
+from roomkin.plugins.claims.trainings import failed, failed_note, read_trainings, trainings_table
+from roomkin.plugins.report.album import Album
+from roomkin.plugins.report.doubts import mountings_agree
+from roomkin.plugins.report.page import policies, result, rooms
+from roomkin.plugins.report.page.benchmarks import by_stage, longest_table, read_jobs, times_table
+from roomkin.plugins.report.page.charts import embed_svg
+from roomkin.plugins.report.page.files import RunFiles
+from roomkin.plugins.report.page.objects import measure_extents
+from roomkin.plugins.report.roles import role_title
+from roomkin.plugins.robustness import rows as robustness
+from roomkin.plugins.robustness.table import robustness_table
+from roomkin.stages.config.tables import PolicyTables
+from roomkin.stages.contracts.files import read_json, read_options, read_text, write_text
+from roomkin.stages.contracts.generated import measure_place_sureness, measure_sureness
+from roomkin.stages.contracts.library import Library
+from roomkin.stages.contracts.words import count, describe_size
+from roomkin.stages.tables import policy_tables, scene_tables, table2
+from roomkin.stages.tables.cells import CELL, RATE
+from roomkin.stages.tables.markup import Table, environment
+from roomkin.stages.tables.methods import join_published, kinds_of
+from roomkin.stages.tables.order import title as title_of
+from roomkin.stages.tables.policy_notes import policy_notes
+from roomkin.stages.tables.rows import published_policies, read_table, records
+from roomkin.stages.tables.scenes import parse_comparisons
+from roomkin.stages.tables.text import number, percent
 
 TIMES_PAGE, CONFIG_PAGE = "times.html", "config.yaml"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
@@ -64,7 +64,9 @@ WORDS: dict[str, Any] = {"title_of": title_of} | {
 def render(template: str, scripts: tuple[str, ...] = (), **values: Any) -> str:
     """A page of the package, its scripts written into it."""
     script = Markup("\n".join(read_text(Path(__file__).with_name("page") / name) for name in scripts))
-    return environment("plugins.report").get_template(f"page/{template}").render(script=script, **WORDS, **values)
+    return (
+        environment("roomkin.plugins.report").get_template(f"page/{template}").render(script=script, **WORDS, **values)
+    )
 
 
 def link_to(viewer: Path | None, page: Path) -> str:

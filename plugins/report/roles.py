@@ -3,11 +3,11 @@
 from collections import Counter
 from collections.abc import Iterable
 
-from stages.contracts.policies import TaskAsset, TaskAssets
-from stages.contracts.training_sets import DRAW, DRAWN, RANDOMISED, SetName, is_set, read_set, strip_randomised
-from stages.tables.markup import Table, read_notes
-from stages.tables.order import title
-from stages.tables.text import cell, number
+from roomkin.stages.contracts.policies import TaskAsset, TaskAssets
+from roomkin.stages.contracts.training_sets import DRAW, DRAWN, RANDOMISED, SetName, is_set, read_set, strip_randomised
+from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.order import title
+from roomkin.stages.tables.text import cell, number
 
 
 def role_title(role: str) -> str:
@@ -64,7 +64,7 @@ def roles_table(chosen: TaskAssets, demonstrated: Iterable[str], name: str, capt
         caption=caption,
         columns=["Role", "Model", "Family", "Distance", "Handle", "Panel", "Demonstrated", "Handle known"],
         rows=rows,
-        notes=read_notes("roles", "plugins.report"),
+        notes=read_notes("roles", "roomkin.plugins.report"),
     )
 
 
@@ -85,4 +85,4 @@ def lists_table(chosen: TaskAssets, name: str, caption: str) -> list[Table]:
             families = len({asset.family for asset in assets})
             rows.append([heading, str(len(assets)), str(families), kinds, f"{lengths[0]:.0f}-{lengths[-1]:.0f} cm"])
     columns = ["Set", "Assets", "Families", "By kind of handle", "Length of handles"]
-    return [Table(name, caption, columns, rows, notes=read_notes("lists", "plugins.report"))] if rows else []
+    return [Table(name, caption, columns, rows, notes=read_notes("lists", "roomkin.plugins.report"))] if rows else []

@@ -7,14 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.contracts.arrays import explain_unreadable
-from stages.contracts.files import read_json
-from stages.contracts.generated import GeneratedScene
-from stages.contracts.library import SnapshotShard
-from stages.contracts.snapshot_file import AGAIN, open_snapshots
-from stages.geometry.cameras import MARGIN
-from stages.geometry.frames import angle_difference
-from stages.geometry.viewing import view_angle
+from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.generated import GeneratedScene
+from roomkin.stages.contracts.library import SnapshotShard
+from roomkin.stages.contracts.snapshot_file import AGAIN, open_snapshots
+from roomkin.stages.geometry.cameras import MARGIN
+from roomkin.stages.geometry.frames import angle_difference
+from roomkin.stages.geometry.viewing import view_angle
 
 
 class Snapshots:

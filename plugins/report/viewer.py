@@ -3,7 +3,7 @@
 from importlib.resources import files
 from pathlib import Path
 
-from stages.contracts.files import write_text
+from roomkin.stages.contracts.files import write_text
 
 
 def run(*, out: Path) -> None:
@@ -12,4 +12,4 @@ def run(*, out: Path) -> None:
     Args:
         out: the file.
     """
-    write_text(out, (files("plugins.report.page.three") / "three.min.js").read_text(encoding="utf-8"))
+    write_text(out, (files("roomkin.plugins.report.page.three") / "three.min.js").read_text(encoding="utf-8"))

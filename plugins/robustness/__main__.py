@@ -1,10 +1,10 @@
-"""`python -m plugins.robustness COMMAND --help`."""
+"""`roomkin robustness COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
     main(
-        "plugins.robustness",
+        "roomkin.plugins.robustness",
         {
             "leave_out": "name the true models of a room, for matching to do without",
             "table": "the companion of Table 2: the rooms changed, and drawn anew",

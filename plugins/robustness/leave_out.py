@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from stages.contracts import LeftOut, Truth, read_json, write_json
-from stages.contracts.library_folder import AssetFolders
+from roomkin.stages.contracts import LeftOut, Truth, read_json, write_json
+from roomkin.stages.contracts.library_folder import AssetFolders
 
 
 def run(*, truth: Path, library: Path, out: Path) -> None:

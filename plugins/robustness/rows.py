@@ -5,8 +5,8 @@ from typing import Any
 
 import pandas as pd
 
-from stages.tables.table2 import COUNTS, first_rank, judge
-from stages.tables.table2 import METRICS as SCENE_METRICS
+from roomkin.stages.tables.table2 import COUNTS, first_rank, judge
+from roomkin.stages.tables.table2 import METRICS as SCENE_METRICS
 
 METRICS = [name for name in SCENE_METRICS if name != "l2_cm"]
 SHAPES = ["chamfer", "shape_iou"]

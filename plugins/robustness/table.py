@@ -5,15 +5,15 @@ from typing import Any
 
 import pandas as pd
 
-from plugins.robustness.rows import AFFORDANCES, build
-from stages.contracts.policies import SceneScore
-from stages.tables.markup import Table, read_notes
-from stages.tables.order import title
-from stages.tables.rows import ONE_SCENE, read_rows, records
-from stages.tables.scene_tables import add_given, digits
-from stages.tables.table2 import COUNTS
-from stages.tables.text import NOT_RUN, NOTHING, cell, spread
-from stages.tables.writing import write
+from roomkin.plugins.robustness.rows import AFFORDANCES, build
+from roomkin.stages.contracts.policies import SceneScore
+from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.order import title
+from roomkin.stages.tables.rows import ONE_SCENE, read_rows, records
+from roomkin.stages.tables.scene_tables import add_given, digits
+from roomkin.stages.tables.table2 import COUNTS
+from roomkin.stages.tables.text import NOT_RUN, NOTHING, cell, spread
+from roomkin.stages.tables.writing import write
 
 ROBUST = ["l2_cm", "worst_room_l2_cm", "orientation_rad", "oriented_iou", "fallen", "largest_shift_cm"]
 ROBUST += ["penetration_cm", "chamfer", "shape_iou"]
@@ -43,7 +43,7 @@ def robustness_table(table: pd.DataFrame) -> Table:
         columns=columns,
         rows=rows,
         headers=3,
-        notes=[*read_notes("robustness", "plugins.robustness"), *add_given(table)],
+        notes=[*read_notes("robustness", "roomkin.plugins.robustness"), *add_given(table)],
     )
 
 

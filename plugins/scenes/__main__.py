@@ -1,5 +1,5 @@
-"""`python -m plugins.scenes render --help`."""
+"""`roomkin scenes render --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
-main("plugins.scenes", {"render": "furnish and photograph one room"})
+main("roomkin.plugins.scenes", {"render": "furnish and photograph one room"})

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from plugins.scenes.layout import Layout, arrange
-from plugins.scenes.recipe import Room
-from stages.contracts import Asset, InputError
+from roomkin.plugins.scenes.layout import Layout, arrange
+from roomkin.plugins.scenes.recipe import Room
+from roomkin.stages.contracts import Asset, InputError
 
 ATTEMPTS = 400  # draws of a room before it is refused as one that does not fit; chosen for time
 SALT = 0x5CE7E  # keeps this draw apart from others with the same seed

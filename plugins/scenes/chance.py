@@ -8,14 +8,26 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.scenes.casting import ATTEMPTS, CastRoom, choose_models, templates
-from plugins.scenes.config import ScenesConfig
-from plugins.scenes.framing import frame
-from plugins.scenes.layout import arrange
-from plugins.scenes.recipe import Against, Beside, CameraStand, Color, Floor, Hung, Item, On, Place, Room, WallName
-from stages.contracts import Asset, InputError
-from stages.geometry.boxes import UprightBox, corners, distances_along
-from stages.geometry.cameras import MARGIN
+from roomkin.plugins.scenes.casting import ATTEMPTS, CastRoom, choose_models, templates
+from roomkin.plugins.scenes.config import ScenesConfig
+from roomkin.plugins.scenes.framing import frame
+from roomkin.plugins.scenes.layout import arrange
+from roomkin.plugins.scenes.recipe import (
+    Against,
+    Beside,
+    CameraStand,
+    Color,
+    Floor,
+    Hung,
+    Item,
+    On,
+    Place,
+    Room,
+    WallName,
+)
+from roomkin.stages.contracts import Asset, InputError
+from roomkin.stages.geometry.boxes import UprightBox, corners, distances_along
+from roomkin.stages.geometry.cameras import MARGIN
 
 ALONG, ON_FLOOR, HEIGHT = 0.35, 0.4, 0.12  # metres by which things move at most
 TURN = 25.0  # degrees by which free furniture turns at most

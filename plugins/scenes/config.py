@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from stages.contracts.section import Section
+from roomkin.stages.contracts.section import Section
 
 
 class ScenesConfig(Section):

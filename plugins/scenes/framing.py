@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from plugins.scenes.recipe import CameraStand
-from stages.geometry.cameras import intrinsics_from_fov, look_at, project
-from stages.geometry.frames import invert_transform, transform_points
+from roomkin.plugins.scenes.recipe import CameraStand
+from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at, project
+from roomkin.stages.geometry.frames import invert_transform, transform_points
 
 Matrix = NDArray[np.float64]
 

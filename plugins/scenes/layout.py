@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from shapely import Polygon
 
-from plugins.scenes.recipe import Against, Beside, Floor, Hung, Item, Room, WallName
-from stages.geometry.boxes import UprightBox, footprint
-from stages.geometry.frames import yaw_matrix
+from roomkin.plugins.scenes.recipe import Against, Beside, Floor, Hung, Item, Room, WallName
+from roomkin.stages.geometry.boxes import UprightBox, footprint
+from roomkin.stages.geometry.frames import yaw_matrix
 
 WALL_YAW: dict[WallName, float] = {"back": 0.0, "left": np.pi / 2, "right": -np.pi / 2}
 STRETCH = (0.3, 3.0)

@@ -7,12 +7,12 @@ from typing import Any
 
 from pydantic import Field
 
-from plugins.scenes.config import ScenesConfig
-from plugins.scenes.room_files import count_models, list_objects, room_files, series
-from stages.config.categories import CATEGORIES
-from stages.config.mistakes import Mistake
-from stages.config.packages import Package
-from stages.contracts.errors import InputError, suggest_nearest
+from roomkin.plugins.scenes.config import ScenesConfig
+from roomkin.plugins.scenes.room_files import count_models, list_objects, room_files, series
+from roomkin.stages.config.categories import CATEGORIES
+from roomkin.stages.config.mistakes import Mistake
+from roomkin.stages.config.packages import Package
+from roomkin.stages.contracts.errors import InputError, suggest_nearest
 
 
 def rooms_of(config: Any) -> Mapping[str, Callable[[], Mapping[str, Mapping[str, bool]]]]:

@@ -10,13 +10,13 @@ import numpy as np
 import sapien
 from numpy.typing import NDArray
 
-from plugins.scenes.casting import CastRoom
-from plugins.scenes.config import ScenesConfig
-from plugins.scenes.recipe import Room
-from plugins.scenes.repaint import AS_IS, Appearance
-from stages.simulation.backdrop import THICKNESS
-from stages.simulation.loading import load_asset, root_pose
-from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
+from roomkin.plugins.scenes.casting import CastRoom
+from roomkin.plugins.scenes.config import ScenesConfig
+from roomkin.plugins.scenes.recipe import Room
+from roomkin.plugins.scenes.repaint import AS_IS, Appearance
+from roomkin.stages.simulation.backdrop import THICKNESS
+from roomkin.stages.simulation.loading import load_asset, root_pose
+from roomkin.stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
 
 PLANK = 0.24  # metres
 PLANK_TONE = 0.035  # standard deviation of the planks' brightness

@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
-from stages.contracts.library import Asset
-from stages.contracts.look import Color
-from stages.contracts.section import Positive, check_range
+from roomkin.stages.contracts.library import Asset
+from roomkin.stages.contracts.look import Color
+from roomkin.stages.contracts.section import Positive, check_range
 
 WallName = Literal["back", "left", "right"]
 Range = Annotated[tuple[float, float], AfterValidator(check_range)]

@@ -5,20 +5,20 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from plugins.scenes.casting import CastRoom, cast
-from plugins.scenes.chance import draw_room
-from plugins.scenes.config import ScenesConfig
-from plugins.scenes.framing import frame
-from plugins.scenes.layout import scale_of
-from plugins.scenes.photograph import photograph
-from plugins.scenes.repaint import AS_IS, repaint_room
-from plugins.scenes.room_files import read_room, room_files, series
-from stages.contracts import Annotations, Camera, InputError, Truth, read_options, write_json
-from stages.contracts.library_folder import AssetFolders
-from stages.contracts.scene_input import write_scene_input
-from stages.contracts.scenes import Annotation, TrueObject
-from stages.geometry.boxes import corners
-from stages.geometry.cameras import MARGIN
+from roomkin.plugins.scenes.casting import CastRoom, cast
+from roomkin.plugins.scenes.chance import draw_room
+from roomkin.plugins.scenes.config import ScenesConfig
+from roomkin.plugins.scenes.framing import frame
+from roomkin.plugins.scenes.layout import scale_of
+from roomkin.plugins.scenes.photograph import photograph
+from roomkin.plugins.scenes.repaint import AS_IS, repaint_room
+from roomkin.plugins.scenes.room_files import read_room, room_files, series
+from roomkin.stages.contracts import Annotations, Camera, InputError, Truth, read_options, write_json
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.contracts.scene_input import write_scene_input
+from roomkin.stages.contracts.scenes import Annotation, TrueObject
+from roomkin.stages.geometry.boxes import corners
+from roomkin.stages.geometry.cameras import MARGIN
 
 
 def mask_values(cast_room: CastRoom) -> dict[str, int]:

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.scenes.casting import ATTEMPTS, CastRoom
-from plugins.scenes.chance import colors
-from plugins.scenes.layout import arrange
-from stages.articulated.asset_folder import write_asset
-from stages.articulated.resizing import load_maker, resize_model
-from stages.contracts import Asset, InputError
-from stages.contracts.library import Vector
+from roomkin.plugins.scenes.casting import ATTEMPTS, CastRoom
+from roomkin.plugins.scenes.chance import colors
+from roomkin.plugins.scenes.layout import arrange
+from roomkin.stages.articulated.asset_folder import write_asset
+from roomkin.stages.articulated.resizing import load_maker, resize_model
+from roomkin.stages.contracts import Asset, InputError
+from roomkin.stages.contracts.library import Vector
 
 CHANGE, TINT = 0.15, 0.06  # largest relative change of an extent or of all colors, and of one color channel
 SALT = 0xF1715

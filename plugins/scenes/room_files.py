@@ -8,14 +8,14 @@ from pathlib import Path
 import yaml
 from pydantic import ValidationError
 
-from plugins.scenes.recipe import Room
-from stages.config.categories import CATEGORIES, Known
-from stages.contracts.errors import InputError
-from stages.contracts.files import first_error, read_text
-from stages.contracts.objects import object_ids
-from stages.contracts.parts import FRONTS
-from stages.contracts.yaml_files import fault_of, line_of
-from stages.plugins import data_file, list_available
+from roomkin.plugins.scenes.recipe import Room
+from roomkin.stages.config.categories import CATEGORIES, Known
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import first_error, read_text
+from roomkin.stages.contracts.objects import object_ids
+from roomkin.stages.contracts.parts import FRONTS
+from roomkin.stages.contracts.yaml_files import fault_of, line_of
+from roomkin.stages.plugins import data_file, list_available
 
 Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # five times as fast where it is there
 

@@ -1,6 +1,6 @@
-"""`python -m plugins.scripted skill --help`."""
+"""`roomkin scripted skill --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
-    main("plugins.scripted", {"skill": "do a task by the scripted skill on the test assets of its policies"})
+    main("roomkin.plugins.scripted", {"skill": "do a task by the scripted skill on the test assets of its policies"})

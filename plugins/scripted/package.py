@@ -1,6 +1,6 @@
 """The package as the core knows it."""
 
-from stages.config.evaluation import SkillOptions
-from stages.config.packages import Package
+from roomkin.stages.config.evaluation import SkillOptions
+from roomkin.stages.config.packages import Package
 
 PACKAGE = Package(commands={"skill": SkillOptions}, section="evaluation")

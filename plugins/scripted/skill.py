@@ -3,18 +3,18 @@
 import sys
 from pathlib import Path
 
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.evaluation import SkillOptions
-from stages.contracts.files import read_options
-from stages.contracts.policies import Rollout
-from stages.contracts.task_options import TaskConfig
-from stages.evaluation.episodes import RolloutEpisode
-from stages.evaluation.rows import write_rows
-from stages.evaluation.states import Start, starts_of
-from stages.evaluation.vector_env import Acting, VectorEnv
-from stages.skills import FAR, Float
-from stages.skills.chain import SkillChain
-from stages.tasks.api import EnvWrapper
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.config.evaluation import SkillOptions
+from roomkin.stages.contracts.files import read_options
+from roomkin.stages.contracts.policies import Rollout
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.evaluation.episodes import RolloutEpisode
+from roomkin.stages.evaluation.rows import write_rows
+from roomkin.stages.evaluation.states import Start, starts_of
+from roomkin.stages.evaluation.vector_env import Acting, VectorEnv
+from roomkin.stages.skills import FAR, Float
+from roomkin.stages.skills.chain import SkillChain
+from roomkin.stages.tasks.api import EnvWrapper
 
 
 def run(

@@ -7,16 +7,16 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from plugins.claims.assets import of_splits
-from stages.config.tables import TablesConfig
-from stages.contracts.policies import TaskAsset
-from stages.contracts.words import count
-from stages.tables.cells import ROW, in_order
-from stages.tables.intervals import PLACE, place_weights, quantiles
-from stages.tables.markup import Table
-from stages.tables.order import SKILL, row_title, set_key, title
-from stages.tables.rows import records
-from stages.tables.text import cell
+from roomkin.plugins.claims.assets import of_splits
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts.policies import TaskAsset
+from roomkin.stages.contracts.words import count
+from roomkin.stages.tables.cells import ROW, in_order
+from roomkin.stages.tables.intervals import PLACE, place_weights, quantiles
+from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.order import SKILL, row_title, set_key, title
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.text import cell
 
 TRAITS = {
     "feature_distance": "distance to the twin",

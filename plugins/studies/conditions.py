@@ -5,19 +5,19 @@ from pathlib import Path
 
 import pandas as pd
 
-from plugins.claims.assets import BASELINES
-from stages.config.evaluation import USUAL
-from stages.config.tables import MethodTables, TablesConfig
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_options
-from stages.contracts.words import count
-from stages.tables.cells import CELL, in_order, rates, tabulate_gains
-from stages.tables.markup import Table
-from stages.tables.methods import read_pooled
-from stages.tables.order import SKILL, row_title, title
-from stages.tables.rows import records
-from stages.tables.text import cell, percent, points, span
-from stages.tables.writing import write
+from roomkin.plugins.claims.assets import BASELINES
+from roomkin.stages.config.evaluation import USUAL
+from roomkin.stages.config.tables import MethodTables, TablesConfig
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_options
+from roomkin.stages.contracts.words import count
+from roomkin.stages.tables.cells import CELL, in_order, rates, tabulate_gains
+from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.methods import read_pooled
+from roomkin.stages.tables.order import SKILL, row_title, title
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.text import cell, percent, points, span
+from roomkin.stages.tables.writing import write
 
 ENDS = {"difference": "difference", "low": "difference_low", "high": "difference_high"}
 COLUMNS = [*CELL, "task", "condition", "assets", "runs", "episodes", "successes", "mean", "low", "high", *ENDS.values()]

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from stages.config.code import files_digest
+from roomkin.stages.config.code import files_digest
 
 
 def digest_of(*files: str) -> Callable[[Any], str]:

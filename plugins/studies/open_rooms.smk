@@ -2,7 +2,7 @@
 # `snakemake open_rooms` in a clone of this repository, no part of `all`: 1 GB of models, Mitsuba 3, three hours of one core.
 # Reads:  the default library and its features.
 # Writes: results/open_rooms/{packs,pictures,results}/, results/open_rooms/open.md, open.csv.xz, clicks.csv.
-from plugins.studies.open_rooms import digest_of, picture_names
+from roomkin.plugins.studies.open_rooms import digest_of, picture_names
 
 
 container: CONFIG.containers.simulation

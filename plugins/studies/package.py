@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from typing import Any
 
-from plugins.studies.pinned_assets import pinned_assets
-from stages.config.mistakes import Mistake
-from stages.config.packages import Package
-from stages.config.tables import MethodTables
+from roomkin.plugins.studies.pinned_assets import pinned_assets
+from roomkin.stages.config.mistakes import Mistake
+from roomkin.stages.config.packages import Package
+from roomkin.stages.config.tables import MethodTables
 
 
 def find_mistakes(config: Any) -> Iterator[Mistake]:

@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from plugins.studies.pinned_file import read_pinned, write_pinned
-from stages.contracts import Asset, InputError, write_json
-from stages.contracts.library_folder import AssetFolders
-from stages.contracts.policies import TaskAsset
-from stages.plugins import load
-from stages.tasks.task import Task
+from roomkin.plugins.studies.pinned_file import read_pinned, write_pinned
+from roomkin.stages.contracts import Asset, InputError, write_json
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.contracts.policies import TaskAsset
+from roomkin.stages.plugins import load
+from roomkin.stages.tasks.task import Task
 
 MEND = "set seed and section assets as when the file was written, or choose anew: experiment.tasks.<task>.assets: null"
 

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plugins.studies.pinned_file import read_pinned
-from stages.config.mistakes import Mistake
-from stages.contracts.errors import InputError
-from stages.contracts.training_sets import DRAWN, read_set
+from roomkin.plugins.studies.pinned_file import read_pinned
+from roomkin.stages.config.mistakes import Mistake
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.training_sets import DRAWN, read_set
 
 if TYPE_CHECKING:
-    from stages.config.model import Config
+    from roomkin.stages.config.model import Config
 
 
 def pinned_assets(config: "Config") -> Iterator[Mistake]:

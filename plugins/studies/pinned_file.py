@@ -7,10 +7,10 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, ValidationError
 
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json, read_rows, refusal, write_text
-from stages.contracts.policies import TaskAsset, TaskAssets
-from stages.contracts.types import Extent, Id, Rank, SceneName, Size, Text
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json, read_rows, refusal, write_text
+from roomkin.stages.contracts.policies import TaskAsset, TaskAssets
+from roomkin.stages.contracts.types import Extent, Id, Rank, SceneName, Size, Text
 
 LISTS = ("all", "random", "cover", "validation", "test")  # roles whose assets stand in a list of that name
 HEAD = ("task", "scene", "object", "encoder", "held_out", "draws")  # the same in all rows

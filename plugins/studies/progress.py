@@ -5,16 +5,16 @@ from pathlib import Path
 
 import pandas as pd
 
-from stages.config.evaluation import USUAL
-from stages.config.model import Config
-from stages.config.policy_kinds import policy_tables
-from stages.config.targets import Cell
-from stages.contracts.files import read_json
-from stages.contracts.policies import ChosenRuns
-from stages.tables.markup import Table
-from stages.tables.order import row_title, set_key, title
-from stages.tables.pooling import pool_of
-from stages.tables.text import NOT_RUN
+from roomkin.stages.config.evaluation import USUAL
+from roomkin.stages.config.model import Config
+from roomkin.stages.config.policy_kinds import policy_tables
+from roomkin.stages.config.targets import Cell
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.policies import ChosenRuns
+from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.order import row_title, set_key, title
+from roomkin.stages.tables.pooling import pool_of
+from roomkin.stages.tables.text import NOT_RUN
 
 KEYS = ["target", "policy", "condition", "training_set"]
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import yaml
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 
-from stages.contracts.errors import InputError
-from stages.contracts.files import write_text
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import write_text
 
 QUOTED = Path(__file__).with_name("quoted.yaml")
 PLACE = re.compile(r"\{([^{}]+?)(?::([^{}:]+))?\}")  # {column} or {column:form}

@@ -7,37 +7,37 @@ from typing import Literal, NamedTuple
 
 import pandas as pd
 
-from plugins.claims import more, trainings
-from plugins.claims.assets import of_splits
-from plugins.report.roles import list_demonstrated_assets, lists_table, roles_table
-from plugins.robustness import rows as robustness
-from plugins.robustness.table import robustness_table
-from plugins.studies import conditions
-from plugins.studies.associations import Shown, associations_table, traits
-from plugins.studies.associations import build as associate
-from plugins.studies.progress import list_counting_runs, policy_file, progress_table
-from plugins.studies.study import cost, facts, fold_table, split_totals
-from stages.config.evaluation import USUAL
-from stages.config.model import Config, read_files
-from stages.config.policy_kinds import policy_tables
-from stages.config.targets import Cell
-from stages.contracts.files import read_json, write_text
-from stages.contracts.library import Library
-from stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
-from stages.contracts.training_sets import is_randomised
-from stages.tables import policy_tables as table3_text
-from stages.tables import table2, table3
-from stages.tables.drawing import save, style
-from stages.tables.markup import Table
-from stages.tables.methods import kinds_of, read_pooled, read_rollouts
-from stages.tables.order import SKILL, SPLITS, target_title, title
-from stages.tables.policies import collect, write_figures
-from stages.tables.policy_notes import policy_notes
-from stages.tables.pooling import pool_of, pool_rollouts
-from stages.tables.rows import ONE_SCENE, published_scenes, read_rows
-from stages.tables.scene_figure import figure6
-from stages.tables.scene_tables import scenes_table
-from stages.tables.writing import write_csv
+from roomkin.plugins.claims import more, trainings
+from roomkin.plugins.claims.assets import of_splits
+from roomkin.plugins.report.roles import list_demonstrated_assets, lists_table, roles_table
+from roomkin.plugins.robustness import rows as robustness
+from roomkin.plugins.robustness.table import robustness_table
+from roomkin.plugins.studies import conditions
+from roomkin.plugins.studies.associations import Shown, associations_table, traits
+from roomkin.plugins.studies.associations import build as associate
+from roomkin.plugins.studies.progress import list_counting_runs, policy_file, progress_table
+from roomkin.plugins.studies.study import cost, facts, fold_table, split_totals
+from roomkin.stages.config.evaluation import USUAL
+from roomkin.stages.config.model import Config, read_files
+from roomkin.stages.config.policy_kinds import policy_tables
+from roomkin.stages.config.targets import Cell
+from roomkin.stages.contracts.files import read_json, write_text
+from roomkin.stages.contracts.library import Library
+from roomkin.stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
+from roomkin.stages.contracts.training_sets import is_randomised
+from roomkin.stages.tables import policy_tables as table3_text
+from roomkin.stages.tables import table2, table3
+from roomkin.stages.tables.drawing import save, style
+from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.methods import kinds_of, read_pooled, read_rollouts
+from roomkin.stages.tables.order import SKILL, SPLITS, target_title, title
+from roomkin.stages.tables.policies import collect, write_figures
+from roomkin.stages.tables.policy_notes import policy_notes
+from roomkin.stages.tables.pooling import pool_of, pool_rollouts
+from roomkin.stages.tables.rows import ONE_SCENE, published_scenes, read_rows
+from roomkin.stages.tables.scene_figure import figure6
+from roomkin.stages.tables.scene_tables import scenes_table
+from roomkin.stages.tables.writing import write_csv
 
 SCENE_STAGES = ["assets", "scenes", "extraction", "matching", "generation", "evaluation", "tables"]
 POLICY_STAGES = ["demonstrations", "training", "evaluation"]
@@ -276,7 +276,7 @@ def run(
         benchmarks: folder of its benchmark files.
         published: folder with the paper's values.
         machine: what it ran on; this machine if left out.
-        commit: of the code, to be named.
+        commit: of the code, to be named on the page and in a column of every CSV file.
         variants: variants of matching in Figure 6; all if left out.
     """
     config = read_files(configs)
@@ -290,5 +290,5 @@ def run(
     reference = os.path.relpath("docs/tables.md", out)
     text.append(f"All columns: {', '.join(f'`{name}.csv`' for name in found.frames)} ([reference]({reference})).\n")
     for name, frame in found.frames.items():
-        write_csv(out / f"{name}.csv", frame)
+        write_csv(out / f"{name}.csv", frame.assign(commit=commit) if commit else frame)
     write_text(out / f"table{table}.md", "\n".join(text))

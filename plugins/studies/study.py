@@ -5,8 +5,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from plugins.report.page.benchmarks import by_stage, read_jobs, times_table
-from stages.tables.markup import Table, markdown
+from roomkin.plugins.report.page.benchmarks import by_stage, read_jobs, times_table
+from roomkin.stages.tables.markup import Table, markdown
 
 FOLDED = 15  # rows; a longer table is closed until it is clicked
 

@@ -4,8 +4,8 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from stages.contracts.files import first_error
-from stages.contracts.types import Count
+from roomkin.stages.contracts.files import first_error
+from roomkin.stages.contracts.types import Count
 
 LONGEST = 20_000  # characters of an answer
 COUNTED = TypeAdapter(Count)

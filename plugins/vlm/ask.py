@@ -6,12 +6,12 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from plugins.vlm.answers import LONGEST, UnusableError, parse_answer, response_format, text_of, usage_of
-from plugins.vlm.config import VlmConfig
-from plugins.vlm.endpoint import MAX_QUOTED, Endpoint, RefusedError, UnreachedError
-from plugins.vlm.ledger import AGAIN, Entry, Exchange, Ledger
-from plugins.vlm.prompt import DETAIL, TOKENS, Prompt, digest
-from stages.contracts.errors import InputError
+from roomkin.plugins.vlm.answers import LONGEST, UnusableError, parse_answer, response_format, text_of, usage_of
+from roomkin.plugins.vlm.config import VlmConfig
+from roomkin.plugins.vlm.endpoint import MAX_QUOTED, Endpoint, RefusedError, UnreachedError
+from roomkin.plugins.vlm.ledger import AGAIN, Entry, Exchange, Ledger
+from roomkin.plugins.vlm.prompt import DETAIL, TOKENS, Prompt, digest
+from roomkin.stages.contracts.errors import InputError
 
 A = TypeVar("A", bound=BaseModel)
 FORMATS = ("json_schema", "json_object", "words")  # the next where a server refuses one

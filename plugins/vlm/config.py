@@ -6,7 +6,7 @@ from urllib.parse import urlsplit
 
 from pydantic import Field, field_validator
 
-from stages.contracts.section import NotNegative, Section, unfit
+from roomkin.stages.contracts.section import NotNegative, Section, unfit
 
 VARIABLE = "[A-Za-z_][A-Za-z0-9_]*"  # name of one of the environment
 OURS = {"model", "messages", "response_format", "stream", "n"}  # of a request

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from plugins.vlm.answers import UnusableError
-from plugins.vlm.config import VlmConfig
-from plugins.vlm.hiding import holds_key
-from stages.contracts.errors import InputError, escape_control
+from roomkin.plugins.vlm.answers import UnusableError
+from roomkin.plugins.vlm.config import VlmConfig
+from roomkin.plugins.vlm.hiding import holds_key
+from roomkin.stages.contracts.errors import InputError, escape_control
 
 if TYPE_CHECKING:
     import openai

@@ -6,9 +6,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from stages.contracts.errors import InputError
-from stages.contracts.files import Contract, Document, read_json, write_json
-from stages.contracts.types import Count, NonNegative, Text
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import Contract, Document, read_json, write_json
+from roomkin.stages.contracts.types import Count, NonNegative, Text
 
 AGAIN = "delete the file, and it is asked again"
 

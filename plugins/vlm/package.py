@@ -4,8 +4,8 @@ from typing import Any
 
 from pydantic import Field
 
-from plugins.vlm.config import VlmConfig
-from stages.config.packages import Package
+from roomkin.plugins.vlm.config import VlmConfig
+from roomkin.stages.config.packages import Package
 
 
 def list_models_asked(config: Any) -> list[VlmConfig]:

@@ -4,9 +4,9 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 
-from stages.articulated.asset_folder import read_asset
-from stages.contracts.library import Asset, FrontPanel, HandleKind, Joint
-from stages.contracts.parts import PARTS, HingeSide, PartType
+from roomkin.stages.articulated.asset_folder import read_asset
+from roomkin.stages.contracts.library import Asset, FrontPanel, HandleKind, Joint
+from roomkin.stages.contracts.parts import PARTS, HingeSide, PartType
 
 LARGE = 0.5  # a panel with at least this share of the largest panel's area is as good a target
 FLAPS: tuple[HingeSide, ...] = ("bottom",)

@@ -8,17 +8,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from stages.articulated.forward_kinematics import measure_closed_box
-from stages.articulated.model import RobotModel
-from stages.articulated.part_types import contract_joints, copy_part_types, count_parts
-from stages.articulated.urdf_reader import read_urdf
-from stages.articulated.urdf_writer import write_urdf
-from stages.contracts import checksums
-from stages.contracts.errors import InputError
-from stages.contracts.files import as_json, ask_before_writing, make_partial_path, read_json
-from stages.contracts.library import Asset, Placement, Recipe, Symmetry
-from stages.contracts.parts import PARTS
-from stages.contracts.system import name_file_in_errors
+from roomkin.stages.articulated.forward_kinematics import measure_closed_box
+from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.part_types import contract_joints, copy_part_types, count_parts
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.articulated.urdf_writer import write_urdf
+from roomkin.stages.contracts import checksums
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import as_json, ask_before_writing, make_partial_path, read_json
+from roomkin.stages.contracts.library import Asset, Placement, Recipe, Symmetry
+from roomkin.stages.contracts.parts import PARTS
+from roomkin.stages.contracts.system import name_file_in_errors
 
 
 @dataclass(frozen=True)

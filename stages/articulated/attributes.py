@@ -5,8 +5,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import trimesh
 
-from stages.articulated.forward_kinematics import visual_bounds
-from stages.articulated.handle import (
+from roomkin.stages.articulated.forward_kinematics import visual_bounds
+from roomkin.stages.articulated.handle import (
     GRID,
     PROTRUSION,
     SURFACE_GAP,
@@ -16,9 +16,9 @@ from stages.articulated.handle import (
     find_handle,
     front_hits,
 )
-from stages.articulated.model import JointModel, Matrix, RobotModel, Visual
-from stages.contracts.library import FrontPanel, HandleKind
-from stages.contracts.parts import HingeSide
+from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel, Visual
+from roomkin.stages.contracts.library import FrontPanel, HandleKind
+from roomkin.stages.contracts.parts import HingeSide
 
 ROOM = 0.5  # metres before a handle that a hand and its forearm need
 AT_EDGE = 0.06  # metres from a side of the panel within which a profile counts as its edge

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 from trimesh import Trimesh
 
-from stages.articulated.model import JointModel, Matrix, RobotModel, Visual
-from stages.geometry.frames import transform_points
+from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel, Visual
+from roomkin.stages.geometry.frames import transform_points
 
 
 def link_frames(robot: RobotModel, opened: float = 0.0) -> dict[str, Matrix]:

@@ -4,14 +4,14 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.articulated.asset_folder import urdf_of
-from stages.articulated.attributes import list_moved_links
-from stages.articulated.forward_kinematics import frames_of
-from stages.articulated.model import Matrix
-from stages.articulated.urdf_reader import UrdfReader
-from stages.articulated.urdf_tree import THIN
-from stages.contracts.library import Asset
-from stages.geometry.frames import transform_points
+from roomkin.stages.articulated.asset_folder import urdf_of
+from roomkin.stages.articulated.attributes import list_moved_links
+from roomkin.stages.articulated.forward_kinematics import frames_of
+from roomkin.stages.articulated.model import Matrix
+from roomkin.stages.articulated.urdf_reader import UrdfReader
+from roomkin.stages.articulated.urdf_tree import THIN
+from roomkin.stages.contracts.library import Asset
+from roomkin.stages.geometry.frames import transform_points
 
 COVERED = 0.4  # share of the front's area: more than a handle covers, less than its panel
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from itertools import product
 from pathlib import Path
 
-from stages.contracts.errors import InputError
+from roomkin.stages.contracts.errors import InputError
 
 
 class OutsideError(Exception):

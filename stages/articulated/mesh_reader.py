@@ -11,11 +11,11 @@ import trimesh
 from PIL import Image
 from trimesh import Scene, Trimesh
 
-from stages.articulated.mesh_files import MeshReader
-from stages.articulated.mesh_resolver import MeshResolver
-from stages.articulated.urdf_tree import MAX_NUMBER, THIN
-from stages.contracts.errors import InputError, explain
-from stages.plugins import list_available, load
+from roomkin.stages.articulated.mesh_files import MeshReader
+from roomkin.stages.articulated.mesh_resolver import MeshResolver
+from roomkin.stages.articulated.urdf_tree import MAX_NUMBER, THIN
+from roomkin.stages.contracts.errors import InputError, explain
+from roomkin.stages.plugins import list_available, load
 
 NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 MOST_PIECES = 64

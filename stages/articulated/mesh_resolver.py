@@ -9,8 +9,8 @@ from urllib.parse import unquote
 from PIL import EpsImagePlugin, Image
 from trimesh.resolvers import Resolver
 
-from stages.articulated.inside import OutsideError, find_inside, is_link_out
-from stages.contracts.errors import explain
+from roomkin.stages.articulated.inside import OutsideError, find_inside, is_link_out
+from roomkin.stages.contracts.errors import explain
 
 EpsImagePlugin.gs_binary = False  # PostScript is a program, and Pillow would have Ghostscript run it
 PICTURES = {".bmp", ".gif", ".jpeg", ".jpg", ".png", ".tga", ".tif", ".tiff", ".webp"}

@@ -11,8 +11,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from trimesh import Trimesh
 
-from stages.articulated.mesh_reader import TEXTURES, has_texture
-from stages.articulated.model import Texture, Visual
+from roomkin.stages.articulated.mesh_reader import TEXTURES, has_texture
+from roomkin.stages.articulated.model import Texture, Visual
 
 SHARP = np.radians(35)  # edges sharper than this stay sharp
 MOST_TEXELS = 1024  # along a side of a picture: renderers hold all of them in memory, per part

@@ -11,9 +11,9 @@ import trimesh
 from numpy.typing import NDArray
 from trimesh import Trimesh
 
-from stages.contracts.library import HandleKind
-from stages.contracts.parts import PartType
-from stages.geometry.frames import make_transform, transform_points
+from roomkin.stages.contracts.library import HandleKind
+from roomkin.stages.contracts.parts import PartType
+from roomkin.stages.geometry.frames import make_transform, transform_points
 
 Matrix = NDArray[np.float64]
 RGBA = tuple[float, float, float, float]  # linear, 0 to 1

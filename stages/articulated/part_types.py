@@ -3,11 +3,11 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from stages.articulated.attributes import front_panel, measure_handle
-from stages.articulated.forward_kinematics import link_frames, measure_closed_box
-from stages.articulated.model import JointModel, RobotModel
-from stages.contracts.library import Joint
-from stages.contracts.parts import FRONTS, PARTS, PartType
+from roomkin.stages.articulated.attributes import front_panel, measure_handle
+from roomkin.stages.articulated.forward_kinematics import link_frames, measure_closed_box
+from roomkin.stages.articulated.model import JointModel, RobotModel
+from roomkin.stages.contracts.library import Joint
+from roomkin.stages.contracts.parts import FRONTS, PARTS, PartType
 
 HANDLE_NAMES = ("handle", "knob", "nob", "pull", "grip")
 

@@ -8,13 +8,13 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
-from stages.articulated.model import RobotModel
-from stages.articulated.stretching import stretch_model
-from stages.contracts.errors import InputError, ObjectError
-from stages.contracts.library import Asset, Finish, Recipe, Vector
-from stages.contracts.types import LARGEST
-from stages.plugins import load_all
+from roomkin.stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
+from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.stretching import stretch_model
+from roomkin.stages.contracts.errors import InputError, ObjectError
+from roomkin.stages.contracts.library import Asset, Finish, Recipe, Vector
+from roomkin.stages.contracts.types import LARGEST
+from roomkin.stages.plugins import load_all
 
 SAME_SIZE = 5e-4  # metres: a size this near to the native one is left alone
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.model import Link, Matrix, RobotModel
-from stages.geometry.frames import make_transform
+from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.articulated.model import Link, Matrix, RobotModel
+from roomkin.stages.geometry.frames import make_transform
 
 
 def stretch_model(robot: RobotModel, scale: tuple[float, float, float]) -> RobotModel:

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.articulated.mesh_reader import has_texture
-from stages.articulated.mesh_writer import split_sharp_edges
-from stages.articulated.model import RGBA, Link, Visual
-from stages.contracts.look import GAMMA
+from roomkin.stages.articulated.mesh_reader import has_texture
+from roomkin.stages.articulated.mesh_writer import split_sharp_edges
+from roomkin.stages.articulated.model import RGBA, Link, Visual
+from roomkin.stages.contracts.look import GAMMA
 
 Array = NDArray[np.float64]
 

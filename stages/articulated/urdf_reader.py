@@ -10,12 +10,12 @@ import numpy as np
 import trimesh
 from trimesh import Trimesh
 
-from stages.articulated.inside import OutsideError, explain_missing, find_inside
-from stages.articulated.mesh_reader import convex_pieces, find_reader, has_texture, load_meshes
-from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, transform_mesh
-from stages.articulated.urdf_tree import UrdfTree
-from stages.contracts.errors import InputError
-from stages.geometry.solids import MINIMUM_MASS, board_mass, box_around, box_inertia
+from roomkin.stages.articulated.inside import OutsideError, explain_missing, find_inside
+from roomkin.stages.articulated.mesh_reader import convex_pieces, find_reader, has_texture, load_meshes
+from roomkin.stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, transform_mesh
+from roomkin.stages.articulated.urdf_tree import UrdfTree
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.geometry.solids import MINIMUM_MASS, board_mass, box_around, box_inertia
 
 
 def read_urdf(path: Path, folder: Path) -> RobotModel:

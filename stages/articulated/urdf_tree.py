@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from stages.articulated.model import JointModel, Matrix
-from stages.contracts.errors import InputError, explain
-from stages.contracts.files import decode_file
-from stages.contracts.types import RIGID_TOLERANCE
-from stages.geometry.frames import make_transform
+from roomkin.stages.articulated.model import JointModel, Matrix
+from roomkin.stages.contracts.errors import InputError, explain
+from roomkin.stages.contracts.files import decode_file
+from roomkin.stages.contracts.types import RIGID_TOLERANCE
+from roomkin.stages.geometry.frames import make_transform
 
 MOST_LINKS = 1000
 MOST_SHAPES = 10_000  # of all links together: MuJoCo takes 3 s for so many, and four times that for twice as many

@@ -16,7 +16,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
-from stages.articulated.mesh_writer import (
+from roomkin.stages.articulated.mesh_writer import (
     Surface,
     is_box,
     split_sharp_edges,
@@ -24,9 +24,9 @@ from stages.articulated.mesh_writer import (
     write_obj,
     write_texture,
 )
-from stages.articulated.model import JointModel, Link, Matrix, RobotModel
-from stages.contracts.parts import PARTS
-from stages.geometry.frames import ROUNDING, make_transform
+from roomkin.stages.articulated.model import JointModel, Link, Matrix, RobotModel
+from roomkin.stages.contracts.parts import PARTS
+from roomkin.stages.geometry.frames import ROUNDING, make_transform
 
 DAMPING, FRICTION = 2.0, 0.1  # N m s or N s / m, and SAPIEN's friction coefficient
 SURFACE_FRICTION = 0.6  # coefficient of what collides, which URDF cannot say

@@ -1,9 +1,9 @@
 """Command line of the stage."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 main(
-    "stages.assets",
+    "roomkin.stages.assets",
     {
         "join": "one library of both",
         "part": "index the models of some categories",

@@ -4,11 +4,11 @@ from collections.abc import Iterable
 from itertools import chain
 from pathlib import Path
 
-from stages.contracts.categories import known_categories
-from stages.contracts.category import Category
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json, write_json
-from stages.contracts.library import Library, LibraryEntry, LibraryPart
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.category import Category
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json, write_json
+from roomkin.stages.contracts.library import Library, LibraryEntry, LibraryPart
 
 
 def run(*, own: tuple[Path, ...], out: Path, library: tuple[Path, ...] = ()) -> None:

@@ -7,13 +7,13 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.cli import progress
-from stages.config.assets import SnapshotOptions
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_options, write_atomically, write_json
-from stages.contracts.library import Asset, SnapshotShard
-from stages.contracts.library_folder import AssetFolders
-from stages.geometry.cameras import intrinsics_from_fov, look_at
+from roomkin.stages.cli import progress
+from roomkin.stages.config.assets import SnapshotOptions
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_options, write_atomically, write_json
+from roomkin.stages.contracts.library import Asset, SnapshotShard
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
 
 BOX_TOLERANCE = 0.02  # of the largest extent
 DEPTH_RANGE = 30.0  # metres: the camera measures in whole millimetres, 32 m at most
@@ -57,7 +57,7 @@ class Turntable:
     """A scene with one camera before which assets turn, each as large as the camera's range allows."""
 
     def __init__(self, config: SnapshotOptions) -> None:
-        from stages.simulation.rendering import RenderCamera, make_scene
+        from roomkin.stages.simulation.rendering import RenderCamera, make_scene
 
         self.scene = make_scene(shadows=False, light=(-1.0, 0.5, -1.2))
         side = config.image_size
@@ -70,8 +70,8 @@ class Turntable:
 
     def photograph(self, folder: Path, yaws: list[float]) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
         """Pictures at the given turns: rgb (V, H, W, 3), depth (V, H, W) in thousandths of the largest extent."""
-        from stages.articulated.asset_folder import read_asset
-        from stages.simulation.loading import load_visual, measure_bounds, move, remove, root_pose
+        from roomkin.stages.articulated.asset_folder import read_asset
+        from roomkin.stages.simulation.loading import load_visual, measure_bounds, move, remove, root_pose
 
         asset = read_asset(folder)
         scale = self.unit / largest_extent(asset)

@@ -1,4 +1,4 @@
-"""`python -m stages.config`: write config/schema.json and docs/config.md in a clone; `show [FILE ...]`: print all keys.
+"""`roomkin config`: write config/schema.json and docs/config.md in a clone; `show [FILE ...]`: print all keys.
 
 `show` prints the default run with what the files change, later ones over earlier ones.
 """
@@ -8,14 +8,14 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from stages.config.packages import find_packages
+from roomkin.stages.config.packages import find_packages
 
 
 def show(files: Sequence[str]) -> int:
     """Print the whole config of a run with these files; a mistake is a line. Returns the exit code."""
-    from stages.config.model import read_files
-    from stages.config.reference import write_yaml
-    from stages.contracts.errors import InputError
+    from roomkin.stages.config.model import read_files
+    from roomkin.stages.config.reference import write_yaml
+    from roomkin.stages.contracts.errors import InputError
 
     try:
         print(write_yaml(read_files([Path(file) for file in files])), end="")
@@ -35,6 +35,6 @@ if __name__ == "__main__":
     for package in find_packages().values():
         if package.facts:
             subprocess.run([sys.executable, "-m", *package.facts.split()], check=True)
-    from stages.config.reference import write
+    from roomkin.stages.config.reference import write
 
     write(Path.cwd())

@@ -4,8 +4,8 @@ from typing import Any, ClassVar
 
 from pydantic import Field, model_validator
 
-from stages.config.categories import CATEGORIES
-from stages.contracts.section import Count, Section
+from roomkin.stages.config.categories import CATEGORIES
+from roomkin.stages.contracts.section import Count, Section
 
 COUNTS = {name: known.models for name, known in CATEGORIES.items() if known.models}
 

@@ -9,9 +9,9 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-from stages import plugins
+from roomkin.stages import plugins
 
-ROOTS = {"stages": Path(__file__).resolve().parents[1], "plugins": plugins.PACKAGES}  # whose code counts
+ROOTS = {"roomkin": plugins.PACKAGES.parent}  # whose code counts
 MODULE_NAME = re.compile(r"""["'](\w+(?:\.\w+)+)(?::\w+)?["']""")  # as text: "stages.x.y" or "stages.x.y:Class"
 EVERY = re.compile(r"""load_all\(["'](\w+)["']\)""")  # all implementations of a kind
 # Import statements are cut out before they are parsed: whole modules take a second more at every start of the workflow.
@@ -25,7 +25,8 @@ def cover(packages: Iterable[str]) -> None:
     forget()
     for package in packages:
         head = package.partition(".")[0]
-        ROOTS[head] = plugins.folder(head)
+        if head != "roomkin":
+            ROOTS[head] = plugins.folder(head)
 
 
 def path_of_jobs(packages: Iterable[str], here: Path) -> str:

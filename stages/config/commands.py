@@ -3,10 +3,10 @@
 import shlex
 from collections.abc import Mapping
 
-from stages.config.code import code_digest, files_digest
-from stages.config.model import Config
-from stages.config.packages import home_of, packages_on
-from stages.config.replaced import ReplacementCommand
+from roomkin.stages.config.code import code_digest, files_digest
+from roomkin.stages.config.model import Config
+from roomkin.stages.config.packages import home_of, packages_on
+from roomkin.stages.config.replaced import ReplacementCommand
 
 
 def replacement(config: Config, stage: str, command: str) -> ReplacementCommand | None:
@@ -34,7 +34,7 @@ def command_digest(config: Config, stage: str, command: str, *used: str) -> str:
 def check_line(outputs: Mapping[str, str | list[str]]) -> str:
     """The command that refuses files that break their contract, and keeps them aside; `outputs`: by contract."""
     named = [word for contract, files in outputs.items() for word in (contract, *_as_list(files))]
-    return shlex.join(["python", "-m", "stages.contracts", "--refuse", *named])
+    return shlex.join(["python", "-m", "roomkin.stages.contracts", "--refuse", *named])
 
 
 def _as_list(files: str | list[str]) -> list[str]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pydantic import Field, field_validator
 
-from stages.contracts.section import Section
+from roomkin.stages.contracts.section import Section
 
 ROOT = Path(__file__).resolve().parents[2]
 LOCAL = "localhost/"  # of images that podman or docker built here

@@ -8,21 +8,21 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stages.config import experiment_contradictions as experiment
-from stages.config import other_pictures
-from stages.config.categories import CATEGORIES
-from stages.config.evaluation import USUAL
-from stages.config.hand_files import hand_file
-from stages.config.inputs import NAME, is_scene, suggest_scene
-from stages.config.mistakes import Mistake
-from stages.config.packages import packages_on
-from stages.config.weights import list_lacking
-from stages.contracts.corrections import CORRECTIONS, read_corrections
-from stages.contracts.errors import InputError, suggest_nearest
-from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
+from roomkin.stages.config import experiment_contradictions as experiment
+from roomkin.stages.config import other_pictures
+from roomkin.stages.config.categories import CATEGORIES
+from roomkin.stages.config.evaluation import USUAL
+from roomkin.stages.config.hand_files import hand_file
+from roomkin.stages.config.inputs import NAME, is_scene, suggest_scene
+from roomkin.stages.config.mistakes import Mistake
+from roomkin.stages.config.packages import packages_on
+from roomkin.stages.config.weights import DINOV2, FOLDER, list_lacking
+from roomkin.stages.contracts.corrections import CORRECTIONS, read_corrections
+from roomkin.stages.contracts.errors import InputError, suggest_nearest
+from roomkin.stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 
 if TYPE_CHECKING:
-    from stages.config.model import Config
+    from roomkin.stages.config.model import Config
 
 
 def contradictions(config: "Config") -> list[Mistake]:
@@ -76,10 +76,10 @@ def _perception(config: "Config") -> Iterator[Mistake]:
     if not pictures or "draw" in config.stages.get("perception", {}):
         return
     key = "image" if config.image else "experiment.inputs"
-    by_hand = f"draw it: python -m plugins.annotator annotate {shlex.quote(pictures[0])}"
+    by_hand = f"draw it: roomkin annotator annotate {shlex.quote(pictures[0])}"
     if config.perception.asks_networks() and (lacking := config.perception.list_lacking()):
         folders = ", ".join(f"perception.{name} ({config.perception.networks()[name]})" for name in lacking)
-        mend = f"python -m stages.perception fetch --networks, or without weights {by_hand}"
+        mend = f"roomkin perception fetch --networks, or without weights {by_hand}"
         yield Mistake(key, f"there are no weights in {folders}", mend, "E-CONFIG-FILE")
     elif not config.perception.asks_networks() and (lacking := list_lacking()):
         what = f"is a picture without depth, and there are no weights ({', '.join(lacking)})"
@@ -199,6 +199,10 @@ def _matching(config: "Config") -> Iterator[Mistake]:
             what = f"{config.generation.ranks} scenes from {where}.k_cousins = {matching.k_cousins} cousins"
             yield Mistake("generation.ranks", what, "lower it or raise k_cousins")
         for key, folder in matching.weights().items():
+            if key == "dinov2.path" and not folder:
+                if list_lacking([DINOV2]):
+                    yield Mistake(f"{where}.{key}", f"no {DINOV2.name} in '{FOLDER}'", "make weights", "E-CONFIG-FILE")
+                continue
             files = [Path(folder, name) for name in ("config.json", "model.safetensors")]
             lacking = [file.name for file in files if not folder or not file.is_file()]
             if lacking:

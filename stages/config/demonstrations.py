@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from stages.contracts.section import Range, Section
+from roomkin.stages.contracts.section import Range, Section
 
 Share = Annotated[float, Field(gt=0, le=1)]
 

@@ -4,7 +4,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from stages.contracts.section import NotNegative, Section
+from roomkin.stages.contracts.section import NotNegative, Section
 
 USUAL = "usual"  # how tables call what section `evaluation` says, beside its `conditions`
 
@@ -75,6 +75,12 @@ class SkillOptions(SceneOptions):
     )
     rollouts: int = Field(
         16, ge=1, description="episodes per test asset, the same initial states for all policies; paper: 100"
+    )
+    twin_rollouts: int | None = Field(
+        None,
+        ge=1,
+        description="episodes on the twin, first those of `rollouts`: 60 can show that two sets do as well, 25 cannot; "
+        "null: as many as on the others",
     )
     split: Literal["validation", "test"] = Field(
         "test",

@@ -6,10 +6,10 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from stages.config.pictures import Picture, as_written
-from stages.config.targets import Cell, Policy, PolicyPlan, Target, TrainingSet
-from stages.contracts.section import Rank, Section, Seed
-from stages.contracts.training_sets import DRAWN, RANDOMISED, RULES, drawn_role, read_set
+from roomkin.stages.config.pictures import Picture, as_written
+from roomkin.stages.config.targets import Cell, Policy, PolicyPlan, Target, TrainingSet
+from roomkin.stages.contracts.section import Rank, Section, Seed
+from roomkin.stages.contracts.training_sets import DRAWN, RANDOMISED, RULES, drawn_role, read_set
 
 
 class Perturbation(Section):

@@ -5,15 +5,15 @@ from math import lcm
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stages.config.inputs import list_objects
-from stages.config.mistakes import Mistake
-from stages.config.policy_kinds import list_traits
-from stages.contracts.errors import InputError
-from stages.contracts.training_sets import DRAW, DRAWN, read_set
-from stages.plugins import find, shorten_name
+from roomkin.stages.config.inputs import list_objects
+from roomkin.stages.config.mistakes import Mistake
+from roomkin.stages.config.policy_kinds import list_traits
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.training_sets import DRAW, DRAWN, read_set
+from roomkin.stages.plugins import find, shorten_name
 
 if TYPE_CHECKING:
-    from stages.config.model import Config
+    from roomkin.stages.config.model import Config
 
 
 def targets(config: "Config") -> Iterator[Mistake]:

@@ -4,8 +4,8 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from stages.contracts.objects import USUAL_ERROR
-from stages.contracts.section import KWARGS, Section
+from roomkin.stages.contracts.objects import USUAL_ERROR
+from roomkin.stages.contracts.section import KWARGS, Section
 
 
 class DepthNoiseConfig(Section):

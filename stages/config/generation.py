@@ -4,8 +4,8 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from stages.contracts.section import Section
-from stages.geometry.estimate import TRIM
+from roomkin.stages.contracts.section import Section
+from roomkin.stages.geometry.estimate import TRIM
 
 
 class GenerationConfig(Section):

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from hashlib import sha256
 from pathlib import Path
 
-from stages.contracts.files import decode_file
-from stages.contracts.objects import object_ids
-from stages.contracts.parts import FRONTS
+from roomkin.stages.contracts.files import decode_file
+from roomkin.stages.contracts.objects import object_ids
+from roomkin.stages.contracts.parts import FRONTS
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]*(_[A-Za-z0-9-]+)*")  # becomes part of paths
 LONGEST = 120  # bytes of a scene's name: logs are called by it and more, and a file's name has 255 at most

@@ -7,9 +7,9 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
-from stages.config.packages import with_sections
-from stages.contracts.section import KWARGS_BY_NAME, Section
-from stages.plugins import list_available, shorten_name
+from roomkin.stages.config.packages import with_sections
+from roomkin.stages.contracts.section import KWARGS_BY_NAME, Section
+from roomkin.stages.plugins import list_available, shorten_name
 
 JUDGE = "geometry" if "geometry" in list_available("judges") else "distance"  # the paper's where that package is not
 BLIND = {"priors"}  # judges that look at no picture
@@ -38,7 +38,9 @@ class HogConfig(Section):
 class Dinov2Config(Section):
     """The paper's encoder (ViT-S/14 in the official code)."""
 
-    path: str = Field("", description="Folder with config.json and model.safetensors.")
+    path: str = Field(
+        "", description='Folder with config.json and model.safetensors. "": ViT-S/14 as `make weights` fetches it.'
+    )
     height: int = Field(224, ge=28, description="The crop is resized to height x width (official code: 588 ...")
     width: int = Field(224, ge=28, description="... x 784), multiples of the patch size.")
 
@@ -49,7 +51,7 @@ class EncoderOptions(Section):
     encoder: str = Field(
         "hog",
         json_schema_extra={"kind": "encoders"},
-        description="Patch features. hog: needs no weights. dinov2: the paper's; give dinov2.path.",
+        description="Patch features. hog: needs no weights. dinov2: the paper's.",
     )
     dimensions: int | None = Field(
         None,
@@ -178,7 +180,7 @@ class MatchingSection(ComparisonOptions, CandidateOptions):
     )
 
     def weights(self) -> dict[str, str]:
-        """Folders of the pretrained networks that are used, by their keys."""
+        """Folders of the pretrained networks that are used, by their keys; "": the published file of DINOv2."""
         folders = {"dinov2.path": (self.encoder, self.dinov2.path), "clip": (self.text_encoder, self.clip)}
         return {key: folder for key, (used, folder) in folders.items() if used == key.partition(".")[0]}
 

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from stages.contracts.errors import InputError, suggest_nearest
-from stages.contracts.section import UNFIT
+from roomkin.stages.contracts.errors import InputError, suggest_nearest
+from roomkin.stages.contracts.section import UNFIT
 
 M = TypeVar("M", bound=BaseModel)
 

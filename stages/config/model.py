@@ -7,30 +7,31 @@ from typing import Any, Literal
 
 from pydantic import Field, ValidationError, field_validator
 
-from stages.config.assets import AssetsConfig
-from stages.config.containers import ContainersConfig
-from stages.config.contradictions import contradictions
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.evaluation import EvaluationConfig
-from stages.config.experiment import ExperimentConfig
-from stages.config.extraction import ExtractionConfig
-from stages.config.files import read_file
-from stages.config.generation import GenerationConfig
-from stages.config.matching import MatchingConfig, MatchingSection, matching_model
-from stages.config.mistakes import Mistake, mistakes_of, tell_package, truths, validate_config, without_removed
-from stages.config.names import resolve_names
-from stages.config.packages import Objects, Package, find_packages, packages_on, with_sections
-from stages.config.perception import PerceptionSection
-from stages.config.pictures import mark_measured, of_picture, read_sources
-from stages.config.replaced import Replaced
-from stages.config.tables import TablesConfig
-from stages.config.targets import Target
-from stages.config.training import TrainingSection
-from stages.contracts.errors import InputError, suggest_nearest
-from stages.contracts.section import Section, Seed
-from stages.contracts.task_options import TaskConfig
-from stages.plugins import find, folder
-from stages.plugins import load as load_plugin
+from roomkin.stages.config.assets import AssetsConfig
+from roomkin.stages.config.containers import ContainersConfig
+from roomkin.stages.config.contradictions import contradictions
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.config.evaluation import EvaluationConfig
+from roomkin.stages.config.experiment import ExperimentConfig
+from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.files import read_file
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.config.matching import MatchingConfig, MatchingSection, matching_model
+from roomkin.stages.config.mistakes import Mistake, mistakes_of, tell_package, truths, validate_config, without_removed
+from roomkin.stages.config.names import resolve_names
+from roomkin.stages.config.packages import Objects, Package, find_packages, packages_on, with_sections
+from roomkin.stages.config.perception import PerceptionSection
+from roomkin.stages.config.pictures import mark_measured, of_picture, read_sources
+from roomkin.stages.config.replaced import Replaced
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.targets import Target
+from roomkin.stages.config.training import TrainingSection
+from roomkin.stages.config.unfetched import leave_out, list_unfetched
+from roomkin.stages.contracts.errors import InputError, suggest_nearest
+from roomkin.stages.contracts.section import Section, Seed
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.plugins import find, folder
+from roomkin.stages.plugins import load as load_plugin
 
 
 class Config(Section):
@@ -91,7 +92,7 @@ class Config(Section):
     @property
     def implementations(self) -> list[str]:
         """The packages in which implementations are looked for, beside the core: those that are on, then the user's."""
-        ours = [f"plugins.{name}" for name, on in self.packages.items() if on]
+        ours = [f"roomkin.plugins.{name}" for name, on in self.packages.items() if on]
         return [*ours, *(name for name in self.plugins if name not in ours)]
 
     def matching_of(self, variant: str) -> MatchingConfig:
@@ -183,7 +184,7 @@ def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
     mistakes += _overlays(valid)
     rooms = valid.experiment.model_copy(update={"rooms": valid.experiment.named()})
     valid = valid.model_copy(update={"experiment": rooms})
-    valid = of_picture(valid) if not mistakes else valid
+    valid = of_picture(leave_out(valid, list_unfetched(valid))) if not mistakes else valid
     mark_measured(valid)
     mistakes += [each for each in contradictions(valid) if not any(_overlap(each.key, key) for key in wrong)]
     if not rooms_named:

@@ -5,10 +5,10 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from stages.config.mistakes import Mistake, mistakes_of, truths
-from stages.contracts.errors import InputError, suggest_nearest
-from stages.contracts.section import Section
-from stages.plugins import find, find_options, list_available, qualify_module
+from roomkin.stages.config.mistakes import Mistake, mistakes_of, truths
+from roomkin.stages.contracts.errors import InputError, suggest_nearest
+from roomkin.stages.contracts.section import Section
+from roomkin.stages.plugins import find, find_options, list_available, qualify_module
 
 S = TypeVar("S", bound=Section)
 

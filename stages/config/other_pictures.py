@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from pydantic import BaseModel, ValidationError
 
-from stages.config.mistakes import Mistake
-from stages.config.recordings import list_frames
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_text
+from roomkin.stages.config.mistakes import Mistake
+from roomkin.stages.config.recordings import list_frames
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_text
 
 if TYPE_CHECKING:
-    from stages.config.model import Config
+    from roomkin.stages.config.model import Config
 
 HOLD = (
     "scenes/{}/view/camera.json",

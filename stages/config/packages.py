@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 
 from pydantic import create_model
 
-from stages import plugins
-from stages.contracts.errors import InputError, suggest_nearest
-from stages.contracts.section import Section
+from roomkin.stages import plugins
+from roomkin.stages.contracts.errors import InputError, suggest_nearest
+from roomkin.stages.contracts.section import Section
 
 C = TypeVar("C", bound=Section)
 Objects = Callable[[], Mapping[str, Mapping[str, bool]]]
@@ -104,13 +104,14 @@ def check_rules(command: Sequence[str], snakefile: str) -> None:
     Raises:
         InputError: tells the nearest rule.
     """
-    ours = [plugins.PACKAGES.parent / "Snakefile", plugins.PACKAGES.parent / "workflow/Snakefile"]
+    home = plugins.PACKAGES.parent
+    ours = [file for file in (home / "Snakefile", home / "workflow/Snakefile") if file.is_file()]
     if Path(snakefile).resolve() not in ours or not command or Path(command[0]).name != "snakemake":
         return
     from snakemake.cli import get_argument_parser
 
     asked = get_argument_parser().parse_known_args(command[1:])[0].targets
-    files = [*ours, *ours[0].parent.glob("rules/*.smk"), *plugins.PACKAGES.glob("*/*.smk")]
+    files = [*ours, *home.glob("rules/*.smk"), *plugins.PACKAGES.glob("*/*.smk")]
     texts = [file.read_text(encoding="utf-8") for file in files]
     rules = {name for text in texts for name in re.findall(r"^(?:rule|checkpoint) (\w+):", text, re.MULTILINE)}
     for name in asked:
@@ -147,4 +148,5 @@ def load_command(stage: str, name: str) -> Callable[..., None]:
 
 def home_of(stage: str) -> str:
     """The Python package of a stage's commands: `stages.<stage>`, or that of a package beside the core."""
-    return f"plugins.{stage}" if f"plugins.{stage}" in plugins.list_shipped() else f"stages.{stage}"
+    package = f"roomkin.plugins.{stage}"
+    return package if package in plugins.list_shipped() else f"roomkin.stages.{stage}"

@@ -5,9 +5,9 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from stages.config.recordings import FIELD_OF_VIEW
-from stages.config.weights import NETWORKS
-from stages.contracts.section import KWARGS_BY_NAME, Section
+from roomkin.stages.config.recordings import FIELD_OF_VIEW
+from roomkin.stages.config.weights import NETWORKS
+from roomkin.stages.contracts.section import KWARGS_BY_NAME, Section
 
 GROUNDING = "grounding"  # the proposer whose weights are folders
 

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
-from stages.config.inputs import (
+from roomkin.stages.config.inputs import (
     HOLDS,
     INPUT_FILES,
     describe_missing,
@@ -19,12 +19,12 @@ from stages.config.inputs import (
     scene_of_folder,
     suggest_scene,
 )
-from stages.config.mistakes import Mistake
-from stages.config.recordings import FIELD_OF_VIEW, FIELDS_OF_VIEW, list_frames, name_picture
-from stages.contracts.errors import InputError, suggest_file, suggest_nearest
-from stages.contracts.files import decode_file
-from stages.contracts.hand import digest_of_image, digest_of_picture
-from stages.contracts.section import Section
+from roomkin.stages.config.mistakes import Mistake
+from roomkin.stages.config.recordings import FIELD_OF_VIEW, FIELDS_OF_VIEW, list_frames, name_picture
+from roomkin.stages.contracts.errors import InputError, suggest_file, suggest_nearest
+from roomkin.stages.contracts.files import decode_file
+from roomkin.stages.contracts.hand import digest_of_image, digest_of_picture
+from roomkin.stages.contracts.section import Section
 
 UNFIT = re.compile(r"-|.*[{}\ud800-\udfff]", re.DOTALL)  # paths of options, of wildcards, of no text
 
@@ -270,7 +270,7 @@ def of_picture(config: Any) -> Any:
     if not config.image:
         return config
     path = Path(config.image)
-    name = _name_scene(path)
+    name = name_scene(path)
     name = f"{name}-photo" if name in config.rooms() else name
     given = {"camera": config.camera} if config.camera else {}
     if path.is_dir():
@@ -284,7 +284,7 @@ def of_picture(config: Any) -> Any:
     return config.model_copy(update={"experiment": config.experiment.model_copy(update=only)})
 
 
-def _name_scene(path: Path) -> str:
+def name_scene(path: Path) -> str:
     """The name of the scene of a picture or a recording."""
     whole = Path(os.path.normpath(path.absolute()))
     if path.is_dir():

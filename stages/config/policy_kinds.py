@@ -2,13 +2,13 @@
 
 from typing import TYPE_CHECKING
 
-from stages.config.evaluation import SensingOptions
-from stages.config.tables import PolicyAbout, PolicyTables
-from stages.contracts.policy_config import PolicyConfig, has_eyes
-from stages.plugins import find_options, parse_kwargs, shorten_name
+from roomkin.stages.config.evaluation import SensingOptions
+from roomkin.stages.config.tables import PolicyAbout, PolicyTables
+from roomkin.stages.contracts.policy_config import PolicyConfig, has_eyes
+from roomkin.stages.plugins import find_options, parse_kwargs, shorten_name
 
 if TYPE_CHECKING:
-    from stages.config.model import Config
+    from roomkin.stages.config.model import Config
 
 # Keys of `evaluation` that notes under tables state.
 SENSING = ("simulator", "robot_init_noise", "depth_noise", "camera_error")

@@ -7,8 +7,8 @@ from zipfile import ZipFile, is_zipfile
 
 from pydantic import BaseModel
 
-from stages.config.code import code_digest
-from stages.contracts.provenance import Provenance
+from roomkin.stages.config.code import code_digest
+from roomkin.stages.contracts.provenance import Provenance
 
 
 def record_provenance(module: str, options: BaseModel, inputs: Iterable[Path], seed: int | None = None) -> Provenance:

@@ -3,22 +3,22 @@
 import json
 from typing import Any
 
-from stages.config.assets import SnapshotOptions
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.evaluation import RolloutOptions, SelectionOptions
-from stages.config.extraction import ExtractionConfig
-from stages.config.generation import GenerationConfig
-from stages.config.matching import CandidateOptions, ComparisonOptions, EncoderOptions, matching_model
-from stages.config.model import Config
-from stages.config.names import kind_of
-from stages.config.packages import find_packages
-from stages.config.perception import DrawOptions, MeasureOptions, SeeOptions
-from stages.config.policy_kinds import policy_tables
-from stages.config.tables import PolicyTables, TablesConfig
-from stages.contracts.policy_config import PolicyConfig
-from stages.contracts.section import Section
-from stages.contracts.training_sets import is_randomised
-from stages.plugins import shorten_name
+from roomkin.stages.config.assets import SnapshotOptions
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.config.evaluation import RolloutOptions, SelectionOptions
+from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.config.matching import CandidateOptions, ComparisonOptions, EncoderOptions, matching_model
+from roomkin.stages.config.model import Config
+from roomkin.stages.config.names import kind_of
+from roomkin.stages.config.packages import find_packages
+from roomkin.stages.config.perception import DrawOptions, MeasureOptions, SeeOptions
+from roomkin.stages.config.policy_kinds import policy_tables
+from roomkin.stages.config.tables import PolicyTables, TablesConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.section import Section
+from roomkin.stages.contracts.training_sets import is_randomised
+from roomkin.stages.plugins import shorten_name
 
 CORE: dict[tuple[str, str], type[Section]] = {
     ("assets", "snapshots"): SnapshotOptions,

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.contracts.arrays import explain_unreadable
-from stages.contracts.errors import InputError
-from stages.contracts.files import decode_file
+from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import decode_file
 
 COLOR = ("color", "rgb", "image", "colour")  # what pictures, and folders of them, are called besides depth
 PICTURES = (".png", ".jpg", ".jpeg", ".ppm")

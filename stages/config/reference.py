@@ -9,8 +9,8 @@ import yaml
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
-from stages.config.model import complete
-from stages.plugins import KINDS, PACKAGES, find_options, list_available
+from roomkin.stages.config.model import complete
+from roomkin.stages.plugins import KINDS, PACKAGES, find_options, list_available
 
 
 def _scalar(value: Any) -> str:
@@ -83,7 +83,7 @@ def _row(key: str, default: str, allowed: str, description: str) -> str:
 
 def _list_kwargs() -> list[str]:
     """Lines with the options of every implementation of ours that has some."""
-    packages = [f"plugins.{path.name}" for path in sorted(PACKAGES.glob("[!_]*/"))]
+    packages = [f"roomkin.plugins.{path.name}" for path in sorted(PACKAGES.glob("[!_]*/"))]
     lines: list[str] = []
     for kind in KINDS:
         for name, module in list_available(kind, packages).items():

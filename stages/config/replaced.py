@@ -4,10 +4,10 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
-from stages.config.mistakes import tell_package
-from stages.config.packages import find_packages
-from stages.contracts.errors import suggest_nearest
-from stages.contracts.section import Section
+from roomkin.stages.config.mistakes import tell_package
+from roomkin.stages.config.packages import find_packages
+from roomkin.stages.contracts.errors import suggest_nearest
+from roomkin.stages.contracts.section import Section
 
 COMMANDS = {
     "assets": ("join", "part", "snapshots"),

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stages.config.model import Config
+from roomkin.stages.config.model import Config
 
 LARGE = 2_000  # models: beyond, features are compressed and candidates shortlisted (docs/matching.md)
 DIMENSIONS, SHORTLIST = 72, 100

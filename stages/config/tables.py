@@ -4,8 +4,8 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from stages.config.evaluation import SensingOptions
-from stages.contracts.section import Section, Seed
+from roomkin.stages.config.evaluation import SensingOptions
+from roomkin.stages.contracts.section import Section, Seed
 
 
 class TablesConfig(Section):

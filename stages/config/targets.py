@@ -5,9 +5,9 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import AfterValidator, Field
 
-from stages.contracts.errors import suggest_nearest
-from stages.contracts.section import Section, Seed, unfit
-from stages.contracts.training_sets import RANDOMISED, RULES, SET_NAME, is_set
+from roomkin.stages.contracts.errors import suggest_nearest
+from roomkin.stages.contracts.section import Section, Seed, unfit
+from roomkin.stages.contracts.training_sets import RANDOMISED, RULES, SET_NAME, is_set
 
 
 def _check_set(name: str) -> str:

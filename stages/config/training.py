@@ -2,8 +2,8 @@
 
 from pydantic import Field
 
-from stages.contracts.policy_config import PolicyConfig
-from stages.contracts.section import Section
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.section import Section
 
 # What a policy needs to go by the handle, chosen on validation assets (docs/policies.md).
 LITE_HANDLE = PolicyConfig(release_included=False, handle=True)

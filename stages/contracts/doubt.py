@@ -7,8 +7,8 @@ from typing import Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from stages.contracts.files import Contract
-from stages.contracts.types import Fraction, Text
+from roomkin.stages.contracts.files import Contract
+from roomkin.stages.contracts.types import Fraction, Text
 
 Cause = Literal["affordance", "camera", "place", "size", "name", "mounting"]
 BRING = "choose another model on the correction page, or bring one (docs/your-models.md)"

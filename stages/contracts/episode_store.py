@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from stages.contracts.arrays import check_array, check_within, dataset, explain_unreadable
-from stages.contracts.errors import InputError
-from stages.contracts.files import first_error
-from stages.contracts.ledgers import read_attempts
-from stages.contracts.task_options import TaskConfig
-from stages.contracts.types import LARGEST
+from roomkin.stages.contracts.arrays import check_array, check_within, dataset, explain_unreadable
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import first_error
+from roomkin.stages.contracts.ledgers import read_attempts
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.types import LARGEST
 
 AGAIN = "collect the demonstrations again"
 ACTION, PROPRIO = 7, 9

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.arrays import check_array, check_within, read_npz
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json
-from stages.contracts.images import check_size, read_masks
-from stages.contracts.objects import Box, Objects
-from stages.contracts.types import FARTHEST
-from stages.geometry.frames import yaw_matrix
+from roomkin.stages.contracts.arrays import check_array, check_within, read_npz
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.images import check_size, read_masks
+from roomkin.stages.contracts.objects import Box, Objects
+from roomkin.stages.contracts.types import FARTHEST
+from roomkin.stages.geometry.frames import yaw_matrix
 
 AGAIN = "extraction writes it beside objects.json"
 BESIDE = 0.1  # metres by which half of a cloud may be outside its box

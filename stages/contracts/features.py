@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from stages.contracts.arrays import check_array, check_within, explain_unreadable, read_npz
-from stages.contracts.errors import InputError
-from stages.contracts.files import Document, read_json
-from stages.contracts.types import Angle, Count, Id, Text, check_unique
+from roomkin.stages.contracts.arrays import check_array, check_within, explain_unreadable, read_npz
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import Document, read_json
+from roomkin.stages.contracts.types import Angle, Count, Id, Text, check_unique
 
-AGAIN = "run `python -m stages.matching features` again with the present options"
+AGAIN = "run `roomkin matching features` again with the present options"
 LARGEST = float(np.finfo(np.float16).max)
 
 

@@ -12,9 +12,9 @@ from typing import Any, Literal, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from stages.contracts import checksums
-from stages.contracts.errors import InputError, explain, file_missing
-from stages.contracts.system import name_file_in_errors, sync, sync_names
+from roomkin.stages.contracts import checksums
+from roomkin.stages.contracts.errors import InputError, explain, file_missing
+from roomkin.stages.contracts.system import name_file_in_errors, sync, sync_names
 
 VERSION = 1
 PARTIAL = ".partial-"  # how files and folders begin that are not yet whole

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 from pydantic import model_validator
 
-from stages.contracts.files import Contract
-from stages.contracts.parts import FRONTS, FrontType
-from stages.contracts.types import Fraction
+from roomkin.stages.contracts.files import Contract
+from roomkin.stages.contracts.parts import FRONTS, FrontType
+from roomkin.stages.contracts.types import Fraction
 
 
 class Panel(Contract):

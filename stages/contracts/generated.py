@@ -6,12 +6,12 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from stages.contracts.doubt import Doubt
-from stages.contracts.files import Contract, Document
-from stages.contracts.library import Finish
-from stages.contracts.objects import Mounting, Wall, check_mounting, check_room, check_status
-from stages.contracts.provenance import Provenance
-from stages.contracts.types import (
+from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.files import Contract, Document
+from roomkin.stages.contracts.library import Finish
+from roomkin.stages.contracts.objects import Mounting, Wall, check_mounting, check_room, check_status
+from roomkin.stages.contracts.provenance import Provenance
+from roomkin.stages.contracts.types import (
     LARGEST,
     Angle,
     CameraMatrix,
@@ -29,7 +29,7 @@ from stages.contracts.types import (
     check_unique,
     check_view,
 )
-from stages.contracts.words import count
+from roomkin.stages.contracts.words import count
 
 RIGHT_SHARE, RIGHT_MIN = 0.10, 0.03  # a size is right if every extent is: within a share of it, or metres
 # A place is right within 5 cm: metres of its spread at which that is as likely as not, and how steep the chance falls;

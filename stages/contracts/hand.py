@@ -9,14 +9,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from stages.contracts.checksums import digest_of
-from stages.contracts.corrections import CORRECTIONS, Corrections
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json, read_text, write_json
-from stages.contracts.scenes import Camera
+from roomkin.stages.contracts.checksums import digest_of
+from roomkin.stages.contracts.corrections import CORRECTIONS, Corrections
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json, read_text, write_json
+from roomkin.stages.contracts.scenes import Camera
 
 HAND = "hand"  # the folder beside results/ that no command deletes
-PROJECT = "project.json"  # a drawing; corrections.json: `stages.contracts.corrections`
+PROJECT = "project.json"  # a drawing; corrections.json: `roomkin.stages.contracts.corrections`
 # Input folders that the workflow makes: what is before results/, the scene's name.
 MADE = re.compile(r"(.*/)?results/(?:photo/([^/]+)|scenes/([^/]+)/(?:view|frame|input))")
 
@@ -60,8 +60,11 @@ def find_hand_file(folder: Path, name: str, picture: Callable[[], str]) -> Path:
 
 def _name_masks(path: Path) -> None:
     """Write into corrections.json of an older version what the masks beside it show, by whose numbers alone it goes."""
-    from stages.contracts.matched import digest_masks, show_masks  # OpenCV, which no other start of a workflow needs
-    from stages.contracts.scene_input import read_annotations
+    from roomkin.stages.contracts.matched import (  # OpenCV, which no other start of a workflow needs
+        digest_masks,
+        show_masks,
+    )
+    from roomkin.stages.contracts.scene_input import read_annotations
 
     with suppress(InputError, OSError):
         said, (annotations, masks) = read_json(Corrections, path), read_annotations(path.with_name("annotations.json"))

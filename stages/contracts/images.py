@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import ExifTags, Image, ImageCms, ImageOps
 
-from stages.contracts.errors import InputError, explain, file_missing
-from stages.contracts.files import check_file
+from roomkin.stages.contracts.errors import InputError, explain, file_missing
+from roomkin.stages.contracts.files import check_file
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")  # by content: a JPEG may be called rgb.png
 MIN_SIDE, MAX_PIXELS = 16, 60_000_000  # pixels of a side, and in all
 SAVE = "save it again as PNG"
-FOLDER = "`python -m plugins.annotator annotate PICTURE` makes an input folder, docs/scenes.md says what it holds"
+FOLDER = "`roomkin annotator annotate PICTURE` makes an input folder, docs/scenes.md says what it holds"
 MIN_CONTRAST = 2.0  # standard deviation of the brightness below which nothing is to be seen
 COLUMNS, TILE, LETTERS = 6, 192, 16  # of a sheet of small pictures: in a row; pixels of a side, and of letters
 GOLDEN = 0.618034  # golden ratio: steps of hue that keep neighbours apart

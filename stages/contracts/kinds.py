@@ -7,15 +7,15 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
-from stages.contracts.corrections import Corrections
-from stages.contracts.cousins import Cousins, Distances
-from stages.contracts.files import read_json, read_rows
-from stages.contracts.generated import GeneratedScene
-from stages.contracts.library import Library
-from stages.contracts.library_parts import SceneShards
-from stages.contracts.policies import ChosenRuns, Rollout, SceneScore, TaskAssets
-from stages.contracts.scenes import Truth
-from stages.contracts.things import Things
+from roomkin.stages.contracts.corrections import Corrections
+from roomkin.stages.contracts.cousins import Cousins, Distances
+from roomkin.stages.contracts.files import read_json, read_rows
+from roomkin.stages.contracts.generated import GeneratedScene
+from roomkin.stages.contracts.library import Library
+from roomkin.stages.contracts.library_parts import SceneShards
+from roomkin.stages.contracts.policies import ChosenRuns, Rollout, SceneScore, TaskAssets
+from roomkin.stages.contracts.scenes import Truth
+from roomkin.stages.contracts.things import Things
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def _json(model: type[BaseModel]) -> Callable[[Path], object]:
 def _with_companions(function: str) -> Callable[[Path], object]:
     """A check that needs numpy and more: 'module:function' of this package, imported when it is used."""
     module, name = function.split(":")
-    return lambda path: getattr(import_module(f"stages.contracts.{module}"), name)(path)
+    return lambda path: getattr(import_module(f"roomkin.stages.contracts.{module}"), name)(path)
 
 
 KINDS: dict[str, FileKind] = {
@@ -70,5 +70,5 @@ KINDS: dict[str, FileKind] = {
 }
 PACKAGES = Path(__file__).resolve().parents[2] / "plugins"
 for _file in sorted(PACKAGES.glob("*/kinds.py")):  # those of packages: a check by the name of each
-    _checks = import_module(f"plugins.{_file.parent.name}.kinds").CHECKS
+    _checks = import_module(f"roomkin.plugins.{_file.parent.name}.kinds").CHECKS
     KINDS |= {name: FileKind(check) for name, check in _checks.items()}

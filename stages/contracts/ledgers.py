@@ -3,10 +3,10 @@
 from itertools import pairwise
 from pathlib import Path
 
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_lines
-from stages.contracts.policies import Attempt
-from stages.contracts.trained import MetricsLine
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_lines
+from roomkin.stages.contracts.policies import Attempt
+from roomkin.stages.contracts.trained import MetricsLine
 
 COLLECT, TRAIN = "collect the demonstrations again", "train the policy again"
 

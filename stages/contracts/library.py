@@ -4,11 +4,11 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, model_validator
 
-from stages.contracts.category import Category
-from stages.contracts.files import Contract, Document
-from stages.contracts.fronts import Panel
-from stages.contracts.parts import FRONTS, PARTS, FrontType, HingeSide, PartType
-from stages.contracts.types import (
+from roomkin.stages.contracts.category import Category
+from roomkin.stages.contracts.files import Contract, Document
+from roomkin.stages.contracts.fronts import Panel
+from roomkin.stages.contracts.parts import FRONTS, PARTS, FrontType, HingeSide, PartType
+from roomkin.stages.contracts.types import (
     LARGEST,
     Angle,
     CameraMatrix,

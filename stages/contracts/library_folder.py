@@ -4,10 +4,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache, partial
 from pathlib import Path
 
-from stages.contracts.archives import open_archive, pack, unpack
-from stages.contracts.errors import InputError, suggest_nearest
-from stages.contracts.files import MAX_TEXT, parse_json, read_json, write_json
-from stages.contracts.library import Asset, LibraryEntry, LibraryPart
+from roomkin.stages.contracts.archives import open_archive, pack, unpack
+from roomkin.stages.contracts.errors import InputError, suggest_nearest
+from roomkin.stages.contracts.files import MAX_TEXT, parse_json, read_json, write_json
+from roomkin.stages.contracts.library import Asset, LibraryEntry, LibraryPart
 
 AGAIN = "make it again: snakemake --cores 2 library"
 FIRST = "make it first: snakemake --cores 2 library"

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from pydantic import Field, model_validator
 
-from stages.contracts.files import Document
-from stages.contracts.library import LibraryEntry
-from stages.contracts.types import Text, check_unique
+from roomkin.stages.contracts.files import Document
+from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.contracts.types import Text, check_unique
 
 PART = "part_"
 DIGITS = 4  # of a category's code: two of 60 categories share one with 1 chance in 40, and then both are drawn

@@ -4,8 +4,8 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from stages.contracts.files import Contract, Document
-from stages.contracts.types import Coordinate, Finite, Fraction, Id, UnitVector, check_unique
+from roomkin.stages.contracts.files import Contract, Document
+from roomkin.stages.contracts.types import Coordinate, Finite, Fraction, Id, UnitVector, check_unique
 
 Color = tuple[Fraction, Fraction, Fraction]
 GAMMA = 2.2  # of pictures; base colors are linear

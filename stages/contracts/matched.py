@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import ValidationError
 
-from stages.contracts.corrections import Correction, Corrections, Shown, Unmatched
-from stages.contracts.scenes import Held
-from stages.contracts.types import Pixel
-from stages.geometry.masks import Mask, outline_mask, outline_pieces, polygons
+from roomkin.stages.contracts.corrections import Correction, Corrections, Shown, Unmatched
+from roomkin.stages.contracts.scenes import Held
+from roomkin.stages.contracts.types import Pixel
+from roomkin.stages.geometry.masks import Mask, outline_mask, outline_pieces, polygons
 
 SAME = 0.5  # intersection over union of two outlines, from which on they are of one thing: so two never share a partner
 Masks = NDArray[np.uint16]

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 from pydantic import Field, model_validator
 
-from stages.contracts.doubt import Doubt
-from stages.contracts.files import Contract, Document
-from stages.contracts.fronts import Panel, check_counts
-from stages.contracts.provenance import Provenance
-from stages.contracts.things import Name
-from stages.contracts.types import (
+from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.files import Contract, Document
+from roomkin.stages.contracts.fronts import Panel, check_counts
+from roomkin.stages.contracts.provenance import Provenance
+from roomkin.stages.contracts.things import Name
+from roomkin.stages.contracts.types import (
     RIGID_TOLERANCE,
     Angle,
     CameraMatrix,

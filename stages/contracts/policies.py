@@ -5,13 +5,13 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from stages.contracts import types
-from stages.contracts.errors import InputError
-from stages.contracts.files import Contract, Document
-from stages.contracts.library import HandleKind
-from stages.contracts.parts import HingeSide
-from stages.contracts.training_sets import DRAWN, drawn_role, strip_randomised
-from stages.contracts.types import Count, Extent, Finite, Id, NonNegative, Rank, Seed, Size, Text, check_unique
+from roomkin.stages.contracts import types
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import Contract, Document
+from roomkin.stages.contracts.library import HandleKind
+from roomkin.stages.contracts.parts import HingeSide
+from roomkin.stages.contracts.training_sets import DRAWN, drawn_role, strip_randomised
+from roomkin.stages.contracts.types import Count, Extent, Finite, Id, NonNegative, Rank, Seed, Size, Text, check_unique
 
 
 class TaskAsset(Contract):

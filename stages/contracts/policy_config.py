@@ -4,7 +4,7 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from stages.contracts.section import KWARGS, Section
+from roomkin.stages.contracts.section import KWARGS, Section
 
 
 class PolicyConfig(Section):

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 from safetensors import safe_open
 
-from stages.contracts.archives import unpack
-from stages.contracts.arrays import explain_unreadable
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json
-from stages.contracts.trained import TrainedPolicy
+from roomkin.stages.contracts.archives import unpack
+from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.trained import TrainedPolicy
 
 AGAIN = "train the policy first"
 NORMALISER = {"proprio_mean": (9,), "proprio_std": (9,), "cloud_mean": (3,), "cloud_std": ()}

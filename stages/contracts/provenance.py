@@ -2,8 +2,8 @@
 
 from pydantic import Field
 
-from stages.contracts.files import Contract
-from stages.contracts.types import Seed, Text
+from roomkin.stages.contracts.files import Contract
+from roomkin.stages.contracts.types import Seed, Text
 
 
 class Provenance(Contract):

@@ -8,13 +8,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.depth import read_depth
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json, write_atomically, write_json
-from stages.contracts.images import check_shown, check_size, orientation_of, read_masks, read_rgb
-from stages.contracts.scenes import Annotations, Camera
-from stages.contracts.things import read_things
-from stages.geometry.ray_depth import find_flatter
+from roomkin.stages.contracts.depth import read_depth
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json, write_atomically, write_json
+from roomkin.stages.contracts.images import check_shown, check_size, orientation_of, read_masks, read_rgb
+from roomkin.stages.contracts.scenes import Annotations, Camera
+from roomkin.stages.contracts.things import read_things
+from roomkin.stages.geometry.ray_depth import find_flatter
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,14 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from stages.contracts.doubt import Doubt
-from stages.contracts.errors import InputError
-from stages.contracts.files import Contract, Document, read_json
-from stages.contracts.fronts import Panel, check_counts
-from stages.contracts.library import Symmetry
-from stages.contracts.objects import Box, Objects
-from stages.contracts.things import Name
-from stages.contracts.types import (
+from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import Contract, Document, read_json
+from roomkin.stages.contracts.fronts import Panel, check_counts
+from roomkin.stages.contracts.library import Symmetry
+from roomkin.stages.contracts.objects import Box, Objects
+from roomkin.stages.contracts.things import Name
+from roomkin.stages.contracts.types import (
     Angle,
     CameraMatrix,
     Extent,

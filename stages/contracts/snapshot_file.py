@@ -5,12 +5,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from stages.contracts.arrays import check_array, dataset, explain_unreadable
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json
-from stages.contracts.library import SnapshotShard
+from roomkin.stages.contracts.arrays import check_array, dataset, explain_unreadable
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.library import SnapshotShard
 
-AGAIN = "run `python -m stages.assets snapshots` again"
+AGAIN = "run `roomkin assets snapshots` again"
 
 
 def open_snapshots(path: Path) -> tuple[SnapshotShard, h5py.File]:

@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from stages.contracts.errors import InputError
+from roomkin.stages.contracts.errors import InputError
 
 MENDS = {
     errno.ENOSPC: "make room on the disk, and run it again",

@@ -4,7 +4,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from stages.contracts.section import NotNegative, Range, Section
+from roomkin.stages.contracts.section import NotNegative, Range, Section
 
 SIMULATION_FREQUENCY = 100  # physics steps per second; a task may have a multiple of it
 

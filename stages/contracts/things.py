@@ -4,8 +4,8 @@ from pathlib import Path
 
 from pydantic import Field, model_validator
 
-from stages.contracts.files import Contract, Document, read_json
-from stages.contracts.types import Count, Extent, Fraction, MaskValue, Text, check_unique
+from roomkin.stages.contracts.files import Contract, Document, read_json
+from roomkin.stages.contracts.types import Count, Extent, Fraction, MaskValue, Text, check_unique
 
 THINGS = "things.json"
 

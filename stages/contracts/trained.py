@@ -2,10 +2,10 @@
 
 from pydantic import Field, RootModel, model_validator
 
-from stages.contracts.files import Contract, Document
-from stages.contracts.policy_config import PolicyConfig
-from stages.contracts.task_options import TaskConfig
-from stages.contracts.types import Count, Finite, Id, RelativePath, Seed, Text
+from roomkin.stages.contracts.files import Contract, Document
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.types import Count, Finite, Id, RelativePath, Seed, Text
 
 LATE = 0.25  # of the steps; healthy trainings took at most 0.16 (of 83)
 

@@ -1,10 +1,10 @@
-"""`python -m stages.demonstrations COMMAND`."""
+"""`roomkin demonstrations COMMAND`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
     main(
-        "stages.demonstrations",
+        "roomkin.stages.demonstrations",
         {
             "collect": "run the skill on one asset until enough attempts succeed",
         },

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.demonstrations.recovery import sample_disturbance
-from stages.demonstrations.store import RecordedEpisode
-from stages.simulation.recording import Recording
-from stages.skills import FAR, Float, Outcome
-from stages.skills.chain import SkillChain
-from stages.tasks.api import EnvWrapper
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.demonstrations.recovery import sample_disturbance
+from roomkin.stages.demonstrations.store import RecordedEpisode
+from roomkin.stages.simulation.recording import Recording
+from roomkin.stages.skills import FAR, Float, Outcome
+from roomkin.stages.skills.chain import SkillChain
+from roomkin.stages.tasks.api import EnvWrapper
 
 
 @dataclass(frozen=True)

@@ -9,16 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.cli import pacer
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.contracts import InputError, TaskAssets, read_json, read_options, write_text
-from stages.contracts.library_folder import AssetFolders
-from stages.contracts.policies import Attempt, TaskAsset
-from stages.contracts.task_options import TaskConfig
-from stages.contracts.training_sets import is_randomised
-from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.store import RecordedEpisode, write_episodes
-from stages.tasks.api import EnvWrapper
+from roomkin.stages.cli import pacer
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.contracts import InputError, TaskAssets, read_json, read_options, write_text
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.contracts.policies import Attempt, TaskAsset
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.training_sets import is_randomised
+from roomkin.stages.demonstrations.attempt import Recorder
+from roomkin.stages.demonstrations.store import RecordedEpisode, write_episodes
+from roomkin.stages.tasks.api import EnvWrapper
 
 TRIES = 3  # attempts on an asset before it is the next one's turn; chosen
 FAILED_LEDGER = "attempts.failed.jsonl"  # not an output of the rule: Snakemake deletes those of a failed job
@@ -52,7 +52,7 @@ def run(
         out: episodes.h5 to write.
         options: the `demonstrations` section as JSON.
         task_options: the `task` section as JSON; stored in the episodes for evaluation.
-        films: modules whose `film_demonstrations` films the first success, e.g. plugins.films.demonstrations.
+        films: modules whose `film_demonstrations` films the first success, e.g. roomkin.plugins.films.demonstrations.
         seed: of the first attempt; attempts and evaluation use disjoint seeds.
     """
     settings = read_options(DemonstrationsConfig, options)

@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from stages.skills import Float
-from stages.skills.motion import CLOSE_STEPS, CLOSED, OPEN
+from roomkin.stages.skills import Float
+from roomkin.stages.skills.motion import CLOSE_STEPS, CLOSED, OPEN
 
 Kind = Literal["push", "miss"]
 

@@ -9,10 +9,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.demonstrations import RandomiseOptions
-from stages.contracts import write_atomically
-from stages.contracts.task_options import TaskConfig
-from stages.tasks.api import Observation
+from roomkin.stages.config.demonstrations import RandomiseOptions
+from roomkin.stages.contracts import write_atomically
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.tasks.api import Observation
 
 Float = NDArray[np.float32]
 

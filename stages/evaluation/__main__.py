@@ -1,9 +1,9 @@
-"""`python -m stages.evaluation COMMAND`."""
+"""`roomkin evaluation COMMAND`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 main(
-    "stages.evaluation",
+    "roomkin.stages.evaluation",
     {
         "selection-rollout": "roll the checkpoints of a policy out on the twin",
         "choose": "choose policy configs by their selection rollouts",

@@ -4,9 +4,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_rows, write_json
-from stages.contracts.policies import ChosenRuns, Rollout, RunScore
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_rows, write_json
+from roomkin.stages.contracts.policies import ChosenRuns, Rollout, RunScore
 
 
 def best_checkpoint(rows: Sequence[Rollout]) -> RunScore:

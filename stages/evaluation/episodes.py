@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from stages.contracts.policies import TaskAsset
-from stages.evaluation.states import Start
-from stages.policies.base import RolloutPolicy
-from stages.simulation.recording import Moment, Recording
-from stages.tasks.api import EnvWrapper, Observation
+from roomkin.stages.contracts.policies import TaskAsset
+from roomkin.stages.evaluation.states import Start
+from roomkin.stages.policies.base import RolloutPolicy
+from roomkin.stages.simulation.recording import Moment, Recording
+from roomkin.stages.tasks.api import EnvWrapper, Observation
 
 
 @dataclass

@@ -5,15 +5,15 @@ from importlib import import_module
 from pathlib import Path
 from typing import Literal
 
-from stages.config.evaluation import RolloutOptions
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_options, read_rows
-from stages.contracts.policies import Rollout
-from stages.evaluation.choose import best_checkpoint
-from stages.evaluation.episodes import RolloutEpisode
-from stages.evaluation.rows import write_rows
-from stages.evaluation.states import starts_of
-from stages.evaluation.vector_env import Acting, PolicyVectorEnv
+from roomkin.stages.config.evaluation import RolloutOptions
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_options, read_rows
+from roomkin.stages.contracts.policies import Rollout
+from roomkin.stages.evaluation.choose import best_checkpoint
+from roomkin.stages.evaluation.episodes import RolloutEpisode
+from roomkin.stages.evaluation.rows import write_rows
+from roomkin.stages.evaluation.states import starts_of
+from roomkin.stages.evaluation.vector_env import Acting, PolicyVectorEnv
 
 
 def run(
@@ -48,7 +48,7 @@ def run(
         out: rollouts.csv.
         selection: rollouts.csv of its selection rollouts, if there were some; `checkpoint: rollouts` goes by it.
         options: the `evaluation` section as JSON, or a JSON file.
-        films: modules whose `RolloutFilms` film a success and a failure per test asset, e.g. plugins.films.rollouts.
+        films: modules whose `RolloutFilms` film a success and a failure per test asset, e.g. of the package films.
         seed: of the initial states; the same for every policy that is to be compared.
         device: where the policy runs.
     """

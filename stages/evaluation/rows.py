@@ -4,8 +4,8 @@ import csv
 from collections.abc import Sequence
 from pathlib import Path
 
-from stages.contracts.files import write_atomically
-from stages.contracts.policies import Rollout
+from roomkin.stages.contracts.files import write_atomically
+from roomkin.stages.contracts.policies import Rollout
 
 
 def write_rows(path: Path, rows: Sequence[Rollout]) -> None:

@@ -5,12 +5,21 @@ from pathlib import Path
 
 import pandas as pd
 
-from stages.contracts import Cousins, GeneratedScene, InputError, Library, Objects, Truth, read_json, write_atomically
-from stages.contracts.generated import PlacedObject
-from stages.contracts.library_folder import AssetFolders
-from stages.contracts.policies import SceneScore
-from stages.contracts.scenes import TrueObject
-from stages.evaluation.scoring import score_scene
+from roomkin.stages.contracts import (
+    Cousins,
+    GeneratedScene,
+    InputError,
+    Library,
+    Objects,
+    Truth,
+    read_json,
+    write_atomically,
+)
+from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.contracts.policies import SceneScore
+from roomkin.stages.contracts.scenes import TrueObject
+from roomkin.stages.evaluation.scoring import score_scene
 
 
 def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Truth) -> None:

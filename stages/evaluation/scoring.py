@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stages.contracts import GeneratedScene, Objects, SceneScore, Truth
-from stages.contracts.generated import PlacedObject
-from stages.contracts.scenes import TrueObject
-from stages.evaluation.shapes import measure_likeness
-from stages.geometry.boxes import UprightBox, axis_aligned_iou, oriented_iou
-from stages.geometry.frames import angle_difference, invert_transform, transform_points, yaw_of_matrix
+from roomkin.stages.contracts import GeneratedScene, Objects, SceneScore, Truth
+from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.scenes import TrueObject
+from roomkin.stages.evaluation.shapes import measure_likeness
+from roomkin.stages.geometry.boxes import UprightBox, axis_aligned_iou, oriented_iou
+from roomkin.stages.geometry.frames import angle_difference, invert_transform, transform_points, yaw_of_matrix
 
 MEASURED = ["asset", "l2_cm", "orientation_rad", "orientation_paper_rad", "iou", "oriented_iou", "stable"]
 

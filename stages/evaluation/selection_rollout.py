@@ -4,13 +4,13 @@ import sys
 from pathlib import Path
 from typing import Literal
 
-from stages.config.evaluation import SelectionOptions
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_options
-from stages.contracts.policies import Rollout
-from stages.evaluation.rows import write_rows
-from stages.evaluation.states import initial_states
-from stages.evaluation.vector_env import Acting, PolicyVectorEnv
+from roomkin.stages.config.evaluation import SelectionOptions
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_options
+from roomkin.stages.contracts.policies import Rollout
+from roomkin.stages.evaluation.rows import write_rows
+from roomkin.stages.evaluation.states import initial_states
+from roomkin.stages.evaluation.vector_env import Acting, PolicyVectorEnv
 
 
 def run(

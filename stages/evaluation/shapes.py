@@ -10,11 +10,11 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from stages.articulated.asset_folder import read_asset, read_model
-from stages.articulated.forward_kinematics import link_frames
-from stages.contracts import Asset
-from stages.contracts.library import Vector
-from stages.contracts.parts import PARTS
+from roomkin.stages.articulated.asset_folder import read_asset, read_model
+from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.contracts import Asset
+from roomkin.stages.contracts.library import Vector
+from roomkin.stages.contracts.parts import PARTS
 
 CHAMFER_POINTS = 4000  # on each surface; chosen for time
 DENSE = 60_000  # on each surface, for its volume; chosen

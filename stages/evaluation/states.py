@@ -7,12 +7,13 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from stages.config.evaluation import SkillOptions
-from stages.contracts.policies import TaskAsset, TaskAssets
+from roomkin.stages.config.evaluation import SkillOptions
+from roomkin.stages.contracts.policies import TaskAsset, TaskAssets
 
 Purpose = Literal["roles", "test", "validation", "selection"]
 Start = tuple[TaskAsset, int]
 FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was trained on
+TWIN = "twin"
 TRAINED = "trained"  # test asset: those that a policy was trained on
 
 
@@ -43,10 +44,12 @@ def starts_of(
         InputError: `where` has no asset of a role.
     """
     states = initial_states("roles", seed, settings.rollouts)
+    twins = initial_states("roles", seed, settings.twin_rollouts or settings.rollouts)
     starts: dict[str, list[Start]] = {}
     for test_asset in settings.test_assets:
         if test_asset != TRAINED:
-            starts[test_asset] = [(plan.find_asset(test_asset, where), state) for state in states]
+            of_role = twins if test_asset == TWIN else states
+            starts[test_asset] = [(plan.find_asset(test_asset, where), state) for state in of_role]
         elif trained:
             known = [asset for name in trained for asset in plan.assets_of(name, where)]
             starts[test_asset] = share_states(known, states)

@@ -9,22 +9,22 @@ from typing import NamedTuple, Self
 import numpy as np
 import torch
 
-from stages import plugins
-from stages.config.evaluation import ActingOptions, SceneOptions, SensingOptions
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json
-from stages.contracts.library import Asset
-from stages.contracts.library_folder import AssetFolders
-from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
-from stages.contracts.policy_folder import read_config
-from stages.contracts.task_options import TaskConfig
-from stages.evaluation.episodes import RolloutEpisode, roll_out
-from stages.evaluation.states import Start
-from stages.plugins import shorten_name
-from stages.policies.base import TrainablePolicy, make_rollout_policy
-from stages.policies.checkpoint import load_network
-from stages.tasks.api import EnvWrapper
-from stages.tasks.observation import Sensing
+from roomkin.stages import plugins
+from roomkin.stages.config.evaluation import ActingOptions, SceneOptions, SensingOptions
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.library import Asset
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.contracts.policies import Rollout, TaskAsset, TaskAssets
+from roomkin.stages.contracts.policy_folder import read_config
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.evaluation.episodes import RolloutEpisode, roll_out
+from roomkin.stages.evaluation.states import Start
+from roomkin.stages.plugins import shorten_name
+from roomkin.stages.policies.base import TrainablePolicy, make_rollout_policy
+from roomkin.stages.policies.checkpoint import load_network
+from roomkin.stages.tasks.api import EnvWrapper
+from roomkin.stages.tasks.observation import Sensing
 
 
 class Acting(NamedTuple):

@@ -1,9 +1,9 @@
-"""`python -m stages.experiment COMMAND --help`."""
+"""`roomkin experiment COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 main(
-    "stages.experiment",
+    "roomkin.stages.experiment",
     {
         "select": "name twin, cousins, dissimilar asset, training and test assets of a task",
     },

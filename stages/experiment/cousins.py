@@ -2,8 +2,8 @@
 
 from collections.abc import Collection, Iterable, Mapping
 
-from stages.contracts.cousins import ObjectCousins
-from stages.contracts.policies import TaskAsset
+from roomkin.stages.contracts.cousins import ObjectCousins
+from roomkin.stages.contracts.policies import TaskAsset
 
 TAUGHT = 4  # training cousins that show the kinds of handle which held-out ones may have
 

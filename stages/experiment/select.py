@@ -3,19 +3,19 @@
 import sys
 from pathlib import Path
 
-from stages.contracts import Cousins, GeneratedScene, InputError, TaskAssets, read_json, write_json
-from stages.contracts.cousins import Distances, ObjectCousins
-from stages.contracts.library import Vector
-from stages.contracts.library_folder import AssetFolders
-from stages.contracts.scenes import find_true_model
-from stages.experiment.cousins import name_roles
-from stages.experiment.splits import with_lists
-from stages.experiment.usable import usable_assets
-from stages.plugins import load
-from stages.tasks.task import Task
+from roomkin.stages.contracts import Cousins, GeneratedScene, InputError, TaskAssets, read_json, write_json
+from roomkin.stages.contracts.cousins import Distances, ObjectCousins
+from roomkin.stages.contracts.library import Vector
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.contracts.scenes import find_true_model
+from roomkin.stages.experiment.cousins import name_roles
+from roomkin.stages.experiment.splits import with_lists
+from roomkin.stages.experiment.usable import usable_assets
+from roomkin.stages.plugins import load
+from roomkin.stages.tasks.task import Task
 
 ALL_CATEGORIES = 3  # nearest categories whose assets make up the training set `all` (paper, Figure 9)
-STALE = "run `python -m stages.matching distances` again"
+STALE = "run `roomkin matching distances` again"
 
 
 def run(

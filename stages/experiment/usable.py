@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from stages.articulated.affordance import Affordance
-from stages.articulated.asset_folder import read_asset
-from stages.articulated.handle_extents import handle_extents
-from stages.contracts.library import Vector
-from stages.contracts.policies import TaskAsset
-from stages.tasks.task import Task
+from roomkin.stages.articulated.affordance import Affordance
+from roomkin.stages.articulated.asset_folder import read_asset
+from roomkin.stages.articulated.handle_extents import handle_extents
+from roomkin.stages.contracts.library import Vector
+from roomkin.stages.contracts.policies import TaskAsset
+from roomkin.stages.tasks.task import Task
 
 
 def usable_assets(

@@ -1,5 +1,5 @@
-"""`python -m stages.extraction COMMAND --help`."""
+"""`roomkin extraction COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
-main("stages.extraction", {"extract": "objects.json and its arrays from one input folder"})
+main("roomkin.stages.extraction", {"extract": "objects.json and its arrays from one input folder"})

@@ -4,15 +4,15 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from stages.contracts.categories import sizes_of
-from stages.contracts.category import USUAL_SPREAD
-from stages.contracts.doubt import DoubtKind
-from stages.contracts.objects import SceneObject
+from roomkin.stages.contracts.categories import sizes_of
+from roomkin.stages.contracts.category import USUAL_SPREAD
+from roomkin.stages.contracts.depth import DEPTH_UNITS
+from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.objects import SceneObject
 
 LOWEST, HIGHEST = DoubtKind.CAMERA_HEIGHT.bounds
 # What makes a camera seem higher, or lower, than it is, and by what its height is to be multiplied then.
 TOO_HIGH = {"depth in feet": 0.3048, "intrinsics of half the picture's size": 0.5, "depth in decimetres": 0.1}
-DEPTH_UNITS = (100, 256, 512, 1000, 4000, 5000, 6553.5, 10000)  # numbers that stand for a metre in data sets
 TOO_LOW = {"depth in centimetres, taken for millimetres": 10.0, "intrinsics of twice the picture's size": 2.0}
 
 
@@ -52,4 +52,5 @@ def doubt_unit(items: Iterable[SceneObject]) -> str:
     unit = min(DEPTH_UNITS, key=lambda one: abs(np.log(one / (1000 / times))))
     fits = f"{unit:g}" if abs(np.log(unit * times / 1000)) < USUAL_SPREAD / 2 else f"{float(f'{1000 / times:.2g}'):g}"
     much, what = (times, "small") if times > 1 else (1 / times, "large")
-    return f"{unusual} of {len(ranges)} things are {much:.1f} times too {what}: if depth was read as mm, --unit {fits}"
+    told = f"{unusual} of {len(ranges)} things are {much:.1f} times too {what}"
+    return f"{told}: --unit {fits} if depth was read as mm, {float(fits) / 1000:g} if as m"

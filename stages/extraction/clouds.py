@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from stages.config.extraction import ExtractionConfig
-from stages.extraction.contact import DepthView
-from stages.geometry.clouds import dbscan, statistical_inliers
-from stages.geometry.frames import Array
-from stages.geometry.masks import OUTLINE, Mask, erode
+from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.extraction.contact import DepthView
+from roomkin.stages.geometry.clouds import dbscan, statistical_inliers
+from roomkin.stages.geometry.frames import Array
+from roomkin.stages.geometry.masks import OUTLINE, Mask, erode
 
 MAX_POINTS = 8000  # of a cloud; chosen for time
 NEIGHBOURS, MAX_DEVIATIONS = 16, 3.0  # of a point, and their distance in deviations of all distances: no outlier

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stages.contracts.objects import USUAL_ERROR, DepthError, Mounting, Wall
-from stages.contracts.scenes import Held
-from stages.geometry.boxes import UprightBox, corners
-from stages.geometry.cameras import PointMap, project
-from stages.geometry.frames import Array, invert_transform, transform_points, yaw_matrix
-from stages.geometry.masks import OUTLINE, Mask, lowest_pixels
+from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError, Mounting, Wall
+from roomkin.stages.contracts.scenes import Held
+from roomkin.stages.geometry.boxes import UprightBox, corners
+from roomkin.stages.geometry.cameras import PointMap, project
+from roomkin.stages.geometry.frames import Array, invert_transform, transform_points, yaw_matrix
+from roomkin.stages.geometry.masks import OUTLINE, Mask, lowest_pixels
 
 CONTACT_DISTANCE = 0.045  # metres, besides the error of depth: what is less apart touches, and hides nothing; chosen
 BLOCKED = 0.3  # share of the gap that another object fills, from which on that one stands at the wall instead; chosen

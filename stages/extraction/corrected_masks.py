@@ -6,12 +6,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.corrections import MEASURED, Correction
-from stages.contracts.fronts import count_fronts
-from stages.contracts.parts import says_opening
-from stages.contracts.scenes import Annotation, Annotations, Held
-from stages.contracts.types import FLOOR, WALL, Pixel
-from stages.geometry.masks import pixel_bounds, polygons
+from roomkin.stages.contracts.corrections import MEASURED, Correction
+from roomkin.stages.contracts.fronts import count_fronts
+from roomkin.stages.contracts.parts import says_opening
+from roomkin.stages.contracts.scenes import Annotation, Annotations, Held
+from roomkin.stages.contracts.types import FLOOR, WALL, Pixel
+from roomkin.stages.geometry.masks import pixel_bounds, polygons
 
 ROOM = (FLOOR, WALL)  # labels of what is no object
 AROUND = 0.25  # share of a box by which the picture around it is looked at, to tell what is behind; chosen

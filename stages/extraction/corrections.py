@@ -6,18 +6,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError, Objects
-from stages.contracts.corrections import Correction
-from stages.contracts.matched import Matched
-from stages.contracts.objects import Box, Mounting, SceneObject
-from stages.contracts.scenes import Held
-from stages.contracts.types import FLOOR
-from stages.extraction.corrected_masks import Cutter, correct_masks
-from stages.extraction.mounting import MAX_STRETCH
-from stages.extraction.observation import AnnotatedImage
-from stages.extraction.reconstruct import ExtractedScene
-from stages.geometry.boxes import UprightBox, with_bottom
-from stages.geometry.frames import round_vector, yaw_matrix
+from roomkin.stages.contracts import InputError, Objects
+from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.matched import Matched
+from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
+from roomkin.stages.contracts.scenes import Held
+from roomkin.stages.contracts.types import FLOOR
+from roomkin.stages.extraction.corrected_masks import Cutter, correct_masks
+from roomkin.stages.extraction.mounting import MAX_STRETCH
+from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.reconstruct import ExtractedScene
+from roomkin.stages.geometry.boxes import UprightBox, with_bottom
+from roomkin.stages.geometry.frames import round_vector, yaw_matrix
 
 OBLONG = 1.2  # ratio of two sides, above which one is surely the longer one; chosen
 UNLIKE = 5  # times the longest side that is seen, of which more or less is told: borders cut things off; chosen

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 from scipy.stats import norm
 
-from stages.contracts.objects import USUAL_ERROR, DepthError, Wall
-from stages.extraction.floor import ROUGH
-from stages.extraction.observation import AnnotatedImage
-from stages.geometry.cameras import PointMap
-from stages.geometry.masks import erode
-from stages.geometry.room_planes import GRAZING, PLANE_THRESHOLD
+from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError, Wall
+from roomkin.stages.extraction.floor import ROUGH
+from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.geometry.cameras import PointMap
+from roomkin.stages.geometry.masks import erode
+from roomkin.stages.geometry.room_planes import GRAZING, PLANE_THRESHOLD
 
 PARTS = 8  # of a plane, by distance; chosen
 MIN_POINTS = 100  # points of a part: their median deviation errs by 12 %

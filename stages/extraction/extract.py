@@ -9,19 +9,19 @@ import numpy as np
 import yaml
 from pydantic import ValidationError
 
-from stages.config.extraction import ExtractionConfig
-from stages.config.inputs import INPUT_FILES
-from stages.config.provenance import record_provenance
-from stages.contracts import InputError, read_options, write_atomically, write_json
-from stages.contracts.corrections import read_corrections
-from stages.contracts.files import first_error, read_text
-from stages.contracts.hand import digest_of_picture
-from stages.contracts.matched import match_corrections
-from stages.extraction.camera_height import doubt_unit
-from stages.extraction.corrections import reconstruct_corrected
-from stages.extraction.reconstruct import reconstruct
-from stages.extraction.sources import Source
-from stages.plugins import load
+from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import INPUT_FILES
+from roomkin.stages.config.provenance import record_provenance
+from roomkin.stages.contracts import InputError, read_options, write_atomically, write_json
+from roomkin.stages.contracts.corrections import read_corrections
+from roomkin.stages.contracts.files import first_error, read_text
+from roomkin.stages.contracts.hand import digest_of_picture
+from roomkin.stages.contracts.matched import match_corrections
+from roomkin.stages.extraction.camera_height import doubt_unit
+from roomkin.stages.extraction.corrections import reconstruct_corrected
+from roomkin.stages.extraction.reconstruct import reconstruct
+from roomkin.stages.extraction.sources import Source
+from roomkin.stages.plugins import load
 
 
 def run(
@@ -66,7 +66,7 @@ def run(
     with write_atomically(folder / "clouds.npz") as path:
         np.savez_compressed(path, **result.clouds)  # type: ignore[arg-type]
     inputs = [input / name for name in INPUT_FILES if (input / name).is_file()]
-    origin = record_provenance("stages.extraction.extract", config, [*inputs, *own, *corrections], seed)
+    origin = record_provenance("roomkin.stages.extraction.extract", config, [*inputs, *own, *corrections], seed)
     write_json(out, result.objects.model_copy(update={"digest": digest_of_picture(input), "made": origin}))
     if doubt := doubt_unit(result.objects.objects):
         print(f"{scene}: in doubt: {doubt}")

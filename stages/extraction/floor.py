@@ -3,15 +3,15 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError
-from stages.contracts.depth import check_turned
-from stages.extraction.camera_height import doubt_height
-from stages.extraction.observation import AnnotatedImage
-from stages.geometry.cameras import PointMap
-from stages.geometry.frames import Array
-from stages.geometry.gravity import find_up
-from stages.geometry.levels import find_floor
-from stages.geometry.room_planes import SAME_DIRECTION, Plane, fit_floor, make_floor_frame
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.depth import check_turned
+from roomkin.stages.extraction.camera_height import doubt_height
+from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.geometry.cameras import PointMap
+from roomkin.stages.geometry.frames import Array
+from roomkin.stages.geometry.gravity import find_up
+from roomkin.stages.geometry.levels import find_floor
+from roomkin.stages.geometry.room_planes import SAME_DIRECTION, Plane, fit_floor, make_floor_frame
 
 ROUGH = 0.05  # share of the distance by which neighbouring pixels differ in the median: no room is so rough; chosen
 MOST_OFF = 0.2  # share of the camera's height by which a given frame errs at most; chosen

@@ -4,11 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from stages.contracts.category import Category
-from stages.geometry.boxes import UprightBox
-from stages.geometry.estimate import BIN, PROMINENT
-from stages.geometry.frames import Array, yaw_matrix
-from stages.geometry.room_planes import STRAY
+from roomkin.stages.contracts.category import Category
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.estimate import BIN, PROMINENT
+from roomkin.stages.geometry.frames import Array, yaw_matrix
+from roomkin.stages.geometry.room_planes import STRAY
 
 LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above; chosen
 PLAN_CELLS = 16  # of a ground plan along either side; chosen

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.category import Category, may_stand_on
-from stages.contracts.objects import Box, Mounting, Wall
-from stages.contracts.types import FLOOR, UNNAMED, WALL
-from stages.extraction.contact import (
+from roomkin.stages.contracts.category import Category, may_stand_on
+from roomkin.stages.contracts.objects import Box, Mounting, Wall
+from roomkin.stages.contracts.types import FLOOR, UNNAMED, WALL
+from roomkin.stages.extraction.contact import (
     CONTACT_DISTANCE,
     MAX_HIDDEN_DEPTH,
     DepthView,
@@ -19,10 +19,10 @@ from stages.extraction.contact import (
     measure_shelf,
     resolve_stated_mounting,
 )
-from stages.extraction.objects import MeasuredObject
-from stages.extraction.observation import AnnotatedImage
-from stages.geometry.boxes import THINNEST, UprightBox, footprint, with_bottom, with_top
-from stages.geometry.frames import round_vector
+from roomkin.stages.extraction.objects import MeasuredObject
+from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.geometry.boxes import THINNEST, UprightBox, footprint, with_bottom, with_top
+from roomkin.stages.geometry.frames import round_vector
 
 SUNK = 0.04  # share of the distance by which an object reaches below the top of what it is in (a can in a bowl); chosen
 MAX_STRETCH = 2.0  # of an object's seen height: by more its box is not extended down to what carries it; chosen

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import Annotations
-from stages.contracts.objects import DepthError
-from stages.contracts.scene_input import read_scene_input
+from roomkin.stages.contracts import Annotations
+from roomkin.stages.contracts.objects import DepthError
+from roomkin.stages.contracts.scene_input import read_scene_input
 
 EXACT = DepthError(0.0, 0.0)  # a renderer's depth
 
@@ -32,7 +32,7 @@ class AnnotatedImage:
 
 
 def read_folder(folder: Path) -> AnnotatedImage:
-    """The files of an input folder, checked (`stages.contracts.scene_input`)."""
+    """The files of an input folder, checked (`roomkin.stages.contracts.scene_input`)."""
     given = read_scene_input(folder)
     intrinsics = np.array(given.camera.intrinsics, dtype=float)
     known = given.camera.floor_from_camera

@@ -5,10 +5,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.objects import DepthError, Wall
-from stages.extraction.contact import CONTACT_DISTANCE
-from stages.geometry.cameras import PointMap
-from stages.geometry.estimate import REACH
+from roomkin.stages.contracts.objects import DepthError, Wall
+from roomkin.stages.extraction.contact import CONTACT_DISTANCE
+from roomkin.stages.geometry.cameras import PointMap
+from roomkin.stages.geometry.estimate import REACH
 
 IN_ROOM = 0.2  # share of a thing's points before a wall's plane, from which on it is in this room; chosen
 NICHE = 0.3  # metres: no niche in a wall is deeper; chosen

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from stages.contracts.objects import Wall
-from stages.extraction.observation import AnnotatedImage
-from stages.geometry.cameras import PointMap
-from stages.geometry.masks import erode
-from stages.geometry.room_planes import PLANE_THRESHOLD, find_walls, fit_wall, merge_walls
+from roomkin.stages.contracts.objects import Wall
+from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.geometry.cameras import PointMap
+from roomkin.stages.geometry.masks import erode
+from roomkin.stages.geometry.room_planes import PLANE_THRESHOLD, find_walls, fit_wall, merge_walls
 
 
 def find_room_walls(

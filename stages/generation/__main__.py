@@ -1,9 +1,9 @@
-"""`python -m stages.generation COMMAND --help`."""
+"""`roomkin generation COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 main(
-    "stages.generation",
+    "roomkin.stages.generation",
     {
         "generate": "place the cousins of every rank: scene_<rank>.json",
     },

@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.contracts import Asset
-from stages.contracts.doubt import DoubtKind
-from stages.contracts.errors import ObjectError
-from stages.generation.finishing import paint
-from stages.generation.inputs import Inputs, MatchedObject
-from stages.generation.models import resize
-from stages.generation.placed import Placed
-from stages.generation.placing import Places
+from roomkin.stages.contracts import Asset
+from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.errors import ObjectError
+from roomkin.stages.generation.finishing import paint
+from roomkin.stages.generation.inputs import Inputs, MatchedObject
+from roomkin.stages.generation.models import resize
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.placing import Places
 
 SAME_MEANING = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15); chosen
 

@@ -11,13 +11,13 @@ from shapely import LineString, MultiPoint, Point, Polygon, affinity
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import nearest_points
 
-from stages.config.generation import GenerationConfig
-from stages.contracts.objects import Wall
-from stages.generation.nesting import find_landing
-from stages.generation.placed import Placed, Prism
-from stages.generation.stacking import find_stack
-from stages.generation.surfaces import find_surface
-from stages.geometry.boxes import depth_behind, volume
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.contracts.objects import Wall
+from roomkin.stages.generation.nesting import find_landing
+from roomkin.stages.generation.placed import Placed, Prism
+from roomkin.stages.generation.stacking import find_stack
+from roomkin.stages.generation.surfaces import find_surface
+from roomkin.stages.geometry.boxes import depth_behind, volume
 
 CLEAR = 1e-4  # metres that a push goes beyond the border, so that rounding does not leave the pair touching
 Pair = tuple[str, str]

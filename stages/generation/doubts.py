@@ -4,13 +4,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
-from stages.contracts.category import Category, describe_unusual, find_category
-from stages.contracts.doubt import Doubt, DoubtKind
-from stages.contracts.generated import measure_place_sureness, measure_sureness
-from stages.contracts.objects import SceneObject, Wall
-from stages.generation.inputs import Inputs
-from stages.generation.placed import UNNAMED, Placed
-from stages.geometry.boxes import depth_behind, is_behind
+from roomkin.stages.contracts.category import Category, describe_unusual, find_category
+from roomkin.stages.contracts.doubt import Doubt, DoubtKind
+from roomkin.stages.contracts.generated import measure_place_sureness, measure_sureness
+from roomkin.stages.contracts.objects import SceneObject, Wall
+from roomkin.stages.generation.inputs import Inputs
+from roomkin.stages.generation.placed import UNNAMED, Placed
+from roomkin.stages.geometry.boxes import depth_behind, is_behind
 
 
 def doubt_placements(items: list[Placed], inputs: Inputs) -> list[Placed]:

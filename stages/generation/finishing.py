@@ -7,11 +7,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.articulated.resizing import load_maker
-from stages.contracts.look import GAMMA
-from stages.contracts.objects import Objects
-from stages.generation.placed import Placed
-from stages.geometry.masks import MIN_PIXELS
+from roomkin.stages.articulated.resizing import load_maker
+from roomkin.stages.contracts.look import GAMMA
+from roomkin.stages.contracts.objects import Objects
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.geometry.masks import MIN_PIXELS
 
 RGB = tuple[float, float, float]  # linear
 SHADING = (0.3, 0.9)  # quantiles of lightness between which a surface is neither in shadow nor glaring; chosen

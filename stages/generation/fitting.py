@@ -19,15 +19,15 @@ import numpy as np
 import open3d as o3d
 from numpy.typing import NDArray
 
-from stages.contracts.category import SizeSpread
-from stages.contracts.objects import DepthError, Wall
-from stages.generation.solid import Solid
-from stages.geometry.boxes import THINNEST, UprightBox
-from stages.geometry.cameras import FloorCamera
-from stages.geometry.frames import transform_points, yaw_matrix
-from stages.geometry.masks import OUTLINE
-from stages.geometry.outlines import DIRECTIONS, Outline
-from stages.geometry.robust import LARGEST_CHANGE, UNUSUAL, Terms, find_step
+from roomkin.stages.contracts.category import SizeSpread
+from roomkin.stages.contracts.objects import DepthError, Wall
+from roomkin.stages.generation.solid import Solid
+from roomkin.stages.geometry.boxes import THINNEST, UprightBox
+from roomkin.stages.geometry.cameras import FloorCamera
+from roomkin.stages.geometry.frames import transform_points, yaw_matrix
+from roomkin.stages.geometry.masks import OUTLINE
+from roomkin.stages.geometry.outlines import DIRECTIONS, Outline
+from roomkin.stages.geometry.robust import LARGEST_CHANGE, UNUSUAL, Terms, find_step
 
 POINTS = 400  # of a cloud, for time
 ROUNDS, STEPS = 5, 2  # in each of these, points are laid on the model anew; more change nothing

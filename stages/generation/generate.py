@@ -2,18 +2,18 @@
 
 from pathlib import Path
 
-from stages.cli import progress
-from stages.config.generation import GenerationConfig
-from stages.config.provenance import record_provenance
-from stages.contracts import InputError, read_options, write_json
-from stages.generation.choosing import choose_models
-from stages.generation.collisions import resolve_collisions
-from stages.generation.doubts import doubt_placements
-from stages.generation.inputs import read_inputs
-from stages.generation.placing import Places
-from stages.generation.scene_file import summarise, to_contract
-from stages.generation.settling import simulate
-from stages.generation.stacking import assign_supports
+from roomkin.stages.cli import progress
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.config.provenance import record_provenance
+from roomkin.stages.contracts import InputError, read_options, write_json
+from roomkin.stages.generation.choosing import choose_models
+from roomkin.stages.generation.collisions import resolve_collisions
+from roomkin.stages.generation.doubts import doubt_placements
+from roomkin.stages.generation.inputs import read_inputs
+from roomkin.stages.generation.placing import Places
+from roomkin.stages.generation.scene_file import summarise, to_contract
+from roomkin.stages.generation.settling import simulate
+from roomkin.stages.generation.stacking import assign_supports
 
 
 def run(
@@ -60,7 +60,7 @@ def run(
         print("\n".join(summarise(scenes[-1], freed.left)))
     seed = inputs.objects.made.seed if inputs.objects.made else None
     origin = record_provenance(
-        "stages.generation.generate", config, [cousins, objects, library, *corrections, *image], seed
+        "roomkin.stages.generation.generate", config, [cousins, objects, library, *corrections, *image], seed
     )
     for scene in scenes:
         write_json(out / f"scene_{scene.rank}.json", scene.model_copy(update={"made": origin}))

@@ -7,24 +7,24 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import Cousins, InputError, Objects, read_json
-from stages.contracts.category import Category
-from stages.contracts.corrections import Correction, read_corrections
-from stages.contracts.cousins import Cousin, ObjectCousins
-from stages.contracts.extracted import read_clouds, read_metres, read_object_masks
-from stages.contracts.hand import digest_of_picture
-from stages.contracts.images import read_masks, read_rgb
-from stages.contracts.library_folder import AssetFolders
-from stages.contracts.matched import match_corrections
-from stages.contracts.objects import SceneObject
-from stages.generation.finishing import RGB, measure_colors
-from stages.geometry.boxes import THINNEST
-from stages.geometry.cameras import back_project
-from stages.geometry.estimate import REACH
-from stages.geometry.frames import transform_points
-from stages.geometry.masks import central_crop
-from stages.geometry.outlines import Outline, measure_outline
-from stages.geometry.viewing import view_angle
+from roomkin.stages.contracts import Cousins, InputError, Objects, read_json
+from roomkin.stages.contracts.category import Category
+from roomkin.stages.contracts.corrections import Correction, read_corrections
+from roomkin.stages.contracts.cousins import Cousin, ObjectCousins
+from roomkin.stages.contracts.extracted import read_clouds, read_metres, read_object_masks
+from roomkin.stages.contracts.hand import digest_of_picture
+from roomkin.stages.contracts.images import read_masks, read_rgb
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.contracts.matched import match_corrections
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.generation.finishing import RGB, measure_colors
+from roomkin.stages.geometry.boxes import THINNEST
+from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.estimate import REACH
+from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.masks import central_crop
+from roomkin.stages.geometry.outlines import Outline, measure_outline
+from roomkin.stages.geometry.viewing import view_angle
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,8 @@ def measure_outlines(
     inside = central_crop(masks.shape, objects.crop)
 
     def noise(distance: NDArray[np.floating]) -> NDArray[np.float64]:
-        return np.asarray(REACH * objects.depth_error.predict(distance))
+        with np.errstate(invalid="ignore"):  # where nothing is, infinitely far, there is none to know
+            return np.asarray(REACH * objects.depth_error.predict(distance))
 
     if depth is None:
         shown = np.zeros(masks.shape, np.float32)

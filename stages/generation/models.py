@@ -12,11 +12,11 @@ import numpy as np
 from shapely import MultiPoint, Polygon
 from trimesh import Trimesh
 
-from stages.articulated.asset_folder import read_model
-from stages.articulated.forward_kinematics import list_collisions, measure_closed_box
-from stages.articulated.resizing import has_size, resize_model
-from stages.articulated.urdf_writer import as_written
-from stages.generation.placed import Placed, Prism
+from roomkin.stages.articulated.asset_folder import read_model
+from roomkin.stages.articulated.forward_kinematics import list_collisions, measure_closed_box
+from roomkin.stages.articulated.resizing import has_size, resize_model
+from roomkin.stages.articulated.urdf_writer import as_written
+from roomkin.stages.generation.placed import Placed, Prism
 
 
 def resize(item: Placed) -> Placed:

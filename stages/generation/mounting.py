@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.contracts.objects import Wall
-from stages.generation.turning import ALONG_SIDE
-from stages.geometry.boxes import THINNEST, UprightBox, corners, depth_behind, volume
-from stages.geometry.frames import yaw_matrix
+from roomkin.stages.contracts.objects import Wall
+from roomkin.stages.generation.turning import ALONG_SIDE
+from roomkin.stages.geometry.boxes import THINNEST, UprightBox, corners, depth_behind, volume
+from roomkin.stages.geometry.frames import yaw_matrix
 
 PLACE_TOLERANCE = 0.05  # metres by which a place may be missed: of the floor, of a wall; chosen
 

@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stages.articulated.model import RobotModel
-from stages.contracts import Asset
-from stages.contracts.doubt import Doubt
-from stages.contracts.library import Finish
-from stages.contracts.objects import Mounting
-from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import make_transform, wrap_angle, yaw_matrix
+from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.contracts import Asset
+from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.library import Finish
+from roomkin.stages.contracts.objects import Mounting
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.frames import make_transform, wrap_angle, yaw_matrix
 
 FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"
 

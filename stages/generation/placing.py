@@ -4,18 +4,18 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stages.config.generation import GenerationConfig
-from stages.contracts import Asset, read_json
-from stages.contracts.cousins import Cousin
-from stages.contracts.doubt import DoubtKind
-from stages.contracts.errors import ObjectError
-from stages.contracts.objects import Mounting
-from stages.generation.inputs import Inputs, MatchedObject
-from stages.generation.mounting import PLACE_TOLERANCE, fit_stated_box, move_out_of_walls
-from stages.generation.placed import FLOOR, Placed
-from stages.generation.sizing import size
-from stages.generation.turning import find_yaw
-from stages.geometry.boxes import THINNEST, UprightBox
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.contracts import Asset, read_json
+from roomkin.stages.contracts.cousins import Cousin
+from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.errors import ObjectError
+from roomkin.stages.contracts.objects import Mounting
+from roomkin.stages.generation.inputs import Inputs, MatchedObject
+from roomkin.stages.generation.mounting import PLACE_TOLERANCE, fit_stated_box, move_out_of_walls
+from roomkin.stages.generation.placed import FLOOR, Placed
+from roomkin.stages.generation.sizing import size
+from roomkin.stages.generation.turning import find_yaw
+from roomkin.stages.geometry.boxes import THINNEST, UprightBox
 
 
 @dataclass

@@ -3,18 +3,18 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from stages.articulated.asset_folder import read_asset
-from stages.articulated.resizing import resize_asset
-from stages.contracts import GeneratedScene, InputError, Objects
-from stages.contracts.doubt import sort_by_chance
-from stages.contracts.errors import ObjectError
-from stages.contracts.generated import PlacedObject
-from stages.contracts.objects import Mounting
-from stages.contracts.words import count
-from stages.generation.placed import Placed
-from stages.generation.settling import Settled
-from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import round_vector
+from roomkin.stages.articulated.asset_folder import read_asset
+from roomkin.stages.articulated.resizing import resize_asset
+from roomkin.stages.contracts import GeneratedScene, InputError, Objects
+from roomkin.stages.contracts.doubt import sort_by_chance
+from roomkin.stages.contracts.errors import ObjectError
+from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.objects import Mounting
+from roomkin.stages.contracts.words import count
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.settling import Settled
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.frames import round_vector
 
 
 def to_contract(

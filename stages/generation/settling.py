@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation
 from scipy.spatial.transform import Rotation
 
-from stages.articulated.urdf_writer import write_urdf
-from stages.config.generation import GenerationConfig
-from stages.contracts import Objects
-from stages.contracts.doubt import DoubtKind
-from stages.contracts.generated import Plausibility
-from stages.contracts.objects import Wall
-from stages.generation.placed import UNNAMED, Placed
-from stages.geometry.boxes import depth_behind, is_behind
-from stages.simulation.backdrop import add_backdrop
-from stages.simulation.loading import box_center, load_asset, physics_scene, root_pose
+from roomkin.stages.articulated.urdf_writer import write_urdf
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.contracts import Objects
+from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.generated import Plausibility
+from roomkin.stages.contracts.objects import Wall
+from roomkin.stages.generation.placed import UNNAMED, Placed
+from roomkin.stages.geometry.boxes import depth_behind, is_behind
+from roomkin.stages.simulation.backdrop import add_backdrop
+from roomkin.stages.simulation.loading import box_center, load_asset, physics_scene, root_pose
 
 OVERLAP = 0.005  # metres that push things: 5 mm threw light things over (GenerationConfig.touch)
 Body: TypeAlias = PhysxArticulation | sapien.Entity

@@ -6,17 +6,17 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.generation import GenerationConfig
-from stages.contracts import Objects
-from stages.contracts.category import Category
-from stages.contracts.objects import Wall
-from stages.generation.fitting import POINTS, Observation, Prior, fit_box
-from stages.generation.inputs import MatchedObject
-from stages.generation.mounting import extend_to_wall, move_to_wall
-from stages.generation.placed import Placed
-from stages.generation.solid import read_solid
-from stages.geometry.boxes import UprightBox, is_behind
-from stages.geometry.frames import yaw_matrix
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.contracts import Objects
+from roomkin.stages.contracts.category import Category
+from roomkin.stages.contracts.objects import Wall
+from roomkin.stages.generation.fitting import POINTS, Observation, Prior, fit_box
+from roomkin.stages.generation.inputs import MatchedObject
+from roomkin.stages.generation.mounting import extend_to_wall, move_to_wall
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.solid import read_solid
+from roomkin.stages.geometry.boxes import UprightBox, is_behind
+from roomkin.stages.geometry.frames import yaw_matrix
 
 
 def size(

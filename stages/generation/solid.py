@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import open3d as o3d
 
-from stages.articulated.asset_folder import read_asset, urdf_of
-from stages.articulated.forward_kinematics import frames_of
-from stages.articulated.urdf_reader import UrdfReader
-from stages.contracts.errors import InputError
-from stages.geometry.frames import transform_points
-from stages.geometry.solids import find_outermost
+from roomkin.stages.articulated.asset_folder import read_asset, urdf_of
+from roomkin.stages.articulated.forward_kinematics import frames_of
+from roomkin.stages.articulated.urdf_reader import UrdfReader
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.solids import find_outermost
 
 
 class Solid:

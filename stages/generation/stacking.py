@@ -7,11 +7,11 @@ import numpy as np
 from shapely import Point
 from shapely.ops import nearest_points
 
-from stages.config.generation import GenerationConfig
-from stages.contracts.category import Category, find_category, may_stand_on
-from stages.generation.placed import FLOOR, UNNAMED, WALL, Placed
-from stages.generation.surfaces import find_surface
-from stages.geometry.boxes import footprint
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.contracts.category import Category, find_category, may_stand_on
+from roomkin.stages.generation.placed import FLOOR, UNNAMED, WALL, Placed
+from roomkin.stages.generation.surfaces import find_surface
+from roomkin.stages.geometry.boxes import footprint
 
 
 def assign_supports(

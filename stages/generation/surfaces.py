@@ -7,9 +7,9 @@ import shapely
 from shapely import MultiPoint, MultiPolygon, Polygon, affinity
 from shapely.geometry.base import BaseGeometry
 
-from stages.config.generation import GenerationConfig
-from stages.generation.placed import Placed, Prism
-from stages.geometry.boxes import THINNEST, footprint
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.generation.placed import Placed, Prism
+from roomkin.stages.geometry.boxes import THINNEST, footprint
 
 HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing; chosen
 OVERLAY_GRID = 1e-6  # metres to which outlines are cut and joined: overlays of floating point numbers may fail

@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from shapely import MultiPoint
 
-from stages.config.generation import GenerationConfig
-from stages.contracts.category import Category
-from stages.contracts.cousins import Cousin, Orientation
-from stages.contracts.objects import Wall
-from stages.geometry.boxes import UprightBox
-from stages.geometry.estimate import SPREAD
-from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
-from stages.geometry.viewing import view_yaw
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.contracts.category import Category
+from roomkin.stages.contracts.cousins import Cousin, Orientation
+from roomkin.stages.contracts.objects import Wall
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.estimate import SPREAD
+from roomkin.stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
+from roomkin.stages.geometry.viewing import view_yaw
 
 ALONG_SIDE = np.deg2rad(15)  # what is turned less than this against a side runs along it; chosen
 QUARTER = SYMMETRY_PERIOD["quarter_turn"]

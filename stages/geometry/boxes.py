@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from shapely import Polygon
 
-from stages.geometry.frames import yaw_matrix
+from roomkin.stages.geometry.frames import yaw_matrix
 
 THINNEST = 0.01  # metres: no thing is thinner, and heights that differ by less are one (noise of depth); chosen
 # Corners of the faces +x, +y, -x, -y of a box (lower left, lower right, upper right, upper left), of its top and foot.

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stages.geometry.frames import invert_transform, make_transform, transform_points
+from roomkin.stages.geometry.frames import invert_transform, make_transform, transform_points
 
 OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # OpenGL's camera axes (x right, y up, z backward) from OpenCV's, and back
 # OpenCV's camera axes -> SAPIEN's (x forward, y left, z up)

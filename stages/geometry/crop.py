@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.masks import pixel_bounds
+from roomkin.stages.geometry.masks import pixel_bounds
 
 GREY = 127  # color of what is masked out
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.frames import SAMPLED
+from roomkin.stages.geometry.frames import SAMPLED
 
 HYPOTHESES, PLANES = 300, 3  # three-point hypotheses a plane, planes; chosen for time
 CROWDED = (

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.gravity import LEVEL, cell_normals, find_up
-from stages.geometry.room_planes import (
+from roomkin.stages.geometry.gravity import LEVEL, cell_normals, find_up
+from roomkin.stages.geometry.room_planes import (
     PLANE_THRESHOLD,
     STRAY,
     Plane,

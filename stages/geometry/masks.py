@@ -11,7 +11,7 @@ FARTHEST_CORNER = 30_000  # pixels: corners are drawn no farther out (OpenCV cou
 OUTLINE = 3  # pixels by which the outline of a mask may be off; chosen
 EROSION = 2  # pixels taken off the border of masks before clouds are made; A.7 gives no number; chosen
 SPECK = 0.01  # parts of a mask with a smaller share of its pixels are specks; chosen
-CORNERS = 1000  # of an outline, as `stages.contracts.types.Outline`
+CORNERS = 1000  # of an outline, as `roomkin.stages.contracts.types.Outline`
 PIECES = 50  # of an outline beside its first
 MIN_PIXELS = 60  # of a mask: fewer show neither a shape nor a surface; chosen
 

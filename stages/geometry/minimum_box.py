@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import SAMPLED, wrap_angle, yaw_matrix
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.frames import SAMPLED, wrap_angle, yaw_matrix
 
 COARSE_STEP = np.deg2rad(1.0)
 FINE_STEP = np.deg2rad(0.1)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.masks import OUTLINE, Mask
+from roomkin.stages.geometry.masks import OUTLINE, Mask
 
 DIRECTIONS = 32  # of ends, all around; twice as many change nothing
 SIDE = 0.03  # of the mask's extent along a direction: the pixels that make up its end; chosen

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.frames import SAMPLED
-from stages.geometry.inverse_depth import count_planar
+from roomkin.stages.geometry.frames import SAMPLED
+from roomkin.stages.geometry.inverse_depth import count_planar
 
 OFF_PLANE = 0.01  # share of its value by which a point may be off a plane; chosen
 MORE_PLANAR = 1.3  # times as many points on planes, above which depth is taken to be of the other kind; chosen

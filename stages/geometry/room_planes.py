@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.frames import make_transform
-from stages.geometry.gravity import IMAGE_UP
+from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.geometry.gravity import IMAGE_UP
 
 MAX_POINTS = 20_000  # of a fit; chosen for time
 MAX_PLANES = 4  # that are looked for; chosen

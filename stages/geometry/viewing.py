@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stages.geometry.frames import wrap_angle
+from roomkin.stages.geometry.frames import wrap_angle
 
 
 def view_yaw(camera: ArrayLike, center: ArrayLike, psi: float) -> float:

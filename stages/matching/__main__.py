@@ -1,9 +1,9 @@
-"""`python -m stages.matching COMMAND --help`."""
+"""`roomkin matching COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 main(
-    "stages.matching",
+    "roomkin.stages.matching",
     {
         "features": "encode the patches of one shard of snapshots",
         "shards": "name the shards that hold the candidates of one picture's objects",

@@ -1,10 +1,10 @@
 """Whether cousins have as many doors and drawers as were stated for the object."""
 
-from stages.contracts import Library
-from stages.contracts.cousins import Cousin, ObjectCousins
-from stages.contracts.objects import SceneObject
-from stages.contracts.parts import FRONTS
-from stages.matching.candidates import count_gap
+from roomkin.stages.contracts import Library
+from roomkin.stages.contracts.cousins import Cousin, ObjectCousins
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.contracts.parts import FRONTS
+from roomkin.stages.matching.candidates import count_gap
 
 
 def describe_counts(doors: int, drawers: int) -> str:

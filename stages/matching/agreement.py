@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from stages.contracts.cousins import Cousin, ObjectCousins
-from stages.contracts.objects import SceneObject
+from roomkin.stages.contracts.cousins import Cousin, ObjectCousins
+from roomkin.stages.contracts.objects import SceneObject
 
 # Logarithm: heights of alike things differ by less; widths and depths of what is half hidden differ by anything.
 SAME_HEIGHT = 0.07

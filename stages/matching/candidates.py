@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stages.config.matching import CandidateOptions
-from stages.contracts import Library
-from stages.contracts.cousins import CategoryMatch
-from stages.contracts.library import LibraryEntry
-from stages.contracts.objects import SceneObject
-from stages.matching.text_encoders import TextEncoder, find_doubt, find_nearest_categories
+from roomkin.stages.config.matching import CandidateOptions
+from roomkin.stages.contracts import Library
+from roomkin.stages.contracts.cousins import CategoryMatch
+from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.matching.text_encoders import TextEncoder, find_doubt, find_nearest_categories
 
 UNLIKELY = 0.1  # distance of a name that is e times less likely than the first; chosen
 MIN_PROBABILITY = 1e-3  # probability of a name, below which it is as unlikely as this

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError
+from roomkin.stages.contracts import InputError
 
 LEVELS = np.iinfo(np.int8).max
 HEADROOM = 1.1  # numbers beyond this times the largest one of the sample are cut off; chosen

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 
-from stages.config.matching import MatchingConfig
-from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
-from stages.contracts.doubt import DoubtKind
-from stages.contracts.objects import SceneObject
-from stages.matching.candidates import Candidates
-from stages.matching.judges import Judges
-from stages.matching.question import AbstainedError, Question, check_answer
-from stages.matching.ranking import Models, Orientations
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
+from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.matching.candidates import Candidates
+from roomkin.stages.matching.judges import Judges
+from roomkin.stages.matching.question import AbstainedError, Question, check_answer
+from roomkin.stages.matching.ranking import Models, Orientations
 
 BY_DISTANCE = "distance"  # what decides where a judge does not
 

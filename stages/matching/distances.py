@@ -4,13 +4,13 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.config.matching import ComparisonOptions
-from stages.contracts import Cousins, Library, read_json, read_options, write_json
-from stages.contracts.cousins import Distances
-from stages.contracts.scenes import find_true_model
-from stages.matching.encoders import column_weights, make_encoder, settings_digest
-from stages.matching.ranking import Query, apply_weights, rank
-from stages.matching.store import FeatureStore, Snapshot
+from roomkin.stages.config.matching import ComparisonOptions
+from roomkin.stages.contracts import Cousins, Library, read_json, read_options, write_json
+from roomkin.stages.contracts.cousins import Distances
+from roomkin.stages.contracts.scenes import find_true_model
+from roomkin.stages.matching.encoders import column_weights, make_encoder, settings_digest
+from roomkin.stages.matching.ranking import Query, apply_weights, rank
+from roomkin.stages.matching.store import FeatureStore, Snapshot
 
 
 def run(

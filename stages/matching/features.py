@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.cli import progress
-from stages.config.matching import EncoderOptions
-from stages.contracts import read_options
-from stages.contracts.features import FeatureIndex
-from stages.matching.codec import learn
-from stages.matching.encoders import (
+from roomkin.stages.cli import progress
+from roomkin.stages.config.matching import EncoderOptions
+from roomkin.stages.contracts import read_options
+from roomkin.stages.contracts.features import FeatureIndex
+from roomkin.stages.matching.codec import learn
+from roomkin.stages.matching.encoders import (
     EXTRA_COLUMNS,
     PatchEncoder,
     encode_rows,
@@ -18,8 +18,8 @@ from stages.matching.encoders import (
     pool_patches,
     settings_digest,
 )
-from stages.matching.snapshots import SnapshotFile
-from stages.matching.store import write_store
+from roomkin.stages.matching.snapshots import SnapshotFile
+from roomkin.stages.matching.store import write_store
 
 SAMPLE_ASSETS, SAMPLE_VIEWS = 60, 4  # that a codec is learned on; chosen
 

@@ -6,25 +6,25 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from stages.cli import progress
-from stages.config.matching import MatchingConfig, matching_model
-from stages.config.packages import find_packages
-from stages.config.provenance import record_provenance
-from stages.contracts import Cousins, LeftOut, Library, read_json, read_options, write_json
-from stages.contracts.cousins import ObjectCousins, Orientation
-from stages.contracts.doubt import MEND
-from stages.contracts.objects import SceneObject
-from stages.matching.affordances import note_differences
-from stages.matching.agreement import agree_on_order
-from stages.matching.candidates import find_candidates
-from stages.matching.deciding import decide_cousins
-from stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
-from stages.matching.judges import Judges
-from stages.matching.ranking import make_query, rank_by_priors, rank_models, rank_orientations, shortlist
-from stages.matching.scene import Scene
-from stages.matching.snapshots import Snapshots
-from stages.matching.store import FeatureStore
-from stages.matching.text_encoders import TextEncoder, make_text_encoder
+from roomkin.stages.cli import progress
+from roomkin.stages.config.matching import MatchingConfig, matching_model
+from roomkin.stages.config.packages import find_packages
+from roomkin.stages.config.provenance import record_provenance
+from roomkin.stages.contracts import Cousins, LeftOut, Library, read_json, read_options, write_json
+from roomkin.stages.contracts.cousins import ObjectCousins, Orientation
+from roomkin.stages.contracts.doubt import MEND
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.matching.affordances import note_differences
+from roomkin.stages.matching.agreement import agree_on_order
+from roomkin.stages.matching.candidates import find_candidates
+from roomkin.stages.matching.deciding import decide_cousins
+from roomkin.stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
+from roomkin.stages.matching.judges import Judges
+from roomkin.stages.matching.ranking import make_query, rank_by_priors, rank_models, rank_orientations, shortlist
+from roomkin.stages.matching.scene import Scene
+from roomkin.stages.matching.snapshots import Snapshots
+from roomkin.stages.matching.store import FeatureStore
+from roomkin.stages.matching.text_encoders import TextEncoder, make_text_encoder
 
 
 class Pictures(NamedTuple):
@@ -77,7 +77,7 @@ def run(
     seen = [image, *wholes] if settings.compares_pictures else []
     asked = settings.keep_deciding()
     seed = scene.objects.made.seed if scene.objects.made else None
-    origin = record_provenance("stages.matching.match", asked, [objects, *seen, library, *without], seed)
+    origin = record_provenance("roomkin.stages.matching.match", asked, [objects, *seen, library, *without], seed)
     result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin)
     write_json(out, result)
     for line in (*judges.summaries(), *describe_doubts(entries)):

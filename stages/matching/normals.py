@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.cameras import back_project
-from stages.geometry.crop import View
+from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.crop import View
 
 NORMAL_COLUMNS = 27  # normals (x, y, z) of 3 x 3 patches
 MINIMUM_POINTS = 6  # pixels with depth that make a plane: twice what one needs; chosen

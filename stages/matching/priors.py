@@ -7,12 +7,12 @@ of the figures that is.
 
 import numpy as np
 
-from stages.config.matching import MatchingConfig
-from stages.contracts.cousins import Candidate
-from stages.contracts.library import LibraryEntry
-from stages.contracts.objects import SceneObject
-from stages.matching.candidates import Candidates
-from stages.matching.panels import panel_gap
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts.cousins import Candidate
+from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.matching.candidates import Candidates
+from roomkin.stages.matching.panels import panel_gap
 
 
 def list_addends(item: SceneObject, candidates: Candidates, options: MatchingConfig) -> list[dict[str, float]]:

@@ -4,12 +4,12 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, TypeVar
 
-from stages.config.matching import MatchingConfig
-from stages.contracts import InputError, Objects
-from stages.contracts.cousins import Candidate, Orientation
-from stages.contracts.objects import SceneObject
-from stages.geometry.crop import View
-from stages.matching.snapshots import Snapshots
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts import InputError, Objects
+from roomkin.stages.contracts.cousins import Candidate, Orientation
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.geometry.crop import View
+from roomkin.stages.matching.snapshots import Snapshots
 
 T = TypeVar("T")
 DIGITS = 4  # of distances and scores: beyond them backends differ, so what is equal up to here is a tie

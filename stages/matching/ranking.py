@@ -6,17 +6,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.matching import ComparisonOptions, MatchingConfig
-from stages.contracts.cousins import Candidate, Orientation
-from stages.contracts.objects import SceneObject
-from stages.geometry.crop import View
-from stages.matching.candidates import Candidates
-from stages.matching.encoders import PatchEncoder, column_weights, encode_rows, pool_patches, whole_weights
-from stages.matching.priors import list_addends
-from stages.matching.question import DIGITS
-from stages.matching.search import distance_table, load_search
-from stages.matching.store import FeatureStore, Snapshot
-from stages.matching.voting import Pick, embedding_distance, vote
+from roomkin.stages.config.matching import ComparisonOptions, MatchingConfig
+from roomkin.stages.contracts.cousins import Candidate, Orientation
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.geometry.crop import View
+from roomkin.stages.matching.candidates import Candidates
+from roomkin.stages.matching.encoders import PatchEncoder, column_weights, encode_rows, pool_patches, whole_weights
+from roomkin.stages.matching.priors import list_addends
+from roomkin.stages.matching.question import DIGITS
+from roomkin.stages.matching.search import distance_table, load_search
+from roomkin.stages.matching.store import FeatureStore, Snapshot
+from roomkin.stages.matching.voting import Pick, embedding_distance, vote
 
 Models = tuple[list[Candidate], list[Candidate]]  # by votes, by distance
 Orientations = tuple[list[Orientation], list[Orientation]]  # likewise

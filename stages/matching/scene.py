@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.contracts import Objects, read_json
-from stages.contracts.extracted import read_metres, read_object_masks
-from stages.contracts.images import check_size, read_rgb
-from stages.contracts.objects import SceneObject
-from stages.geometry.crop import View
+from roomkin.stages.contracts import Objects, read_json
+from roomkin.stages.contracts.extracted import read_metres, read_object_masks
+from roomkin.stages.contracts.images import check_size, read_rgb
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.geometry.crop import View
 
 
 class Scene:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.plugins import load
+from roomkin.stages.plugins import load
 
 Rows = Callable[[int], NDArray[np.float32]]  # candidate picture -> its patches (P, D)
 Backward = list[NDArray[np.float32]]

@@ -4,13 +4,13 @@ import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from stages.config.matching import CandidateOptions
-from stages.contracts import Library, Objects, read_json, read_options, write_json
-from stages.contracts.library import LibraryEntry
-from stages.contracts.library_parts import SceneShards, holds, name_part
-from stages.contracts.words import count
-from stages.matching.candidates import find_candidates
-from stages.matching.text_encoders import make_text_encoder
+from roomkin.stages.config.matching import CandidateOptions
+from roomkin.stages.contracts import Library, Objects, read_json, read_options, write_json
+from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.contracts.library_parts import SceneShards, holds, name_part
+from roomkin.stages.contracts.words import count
+from roomkin.stages.matching.candidates import find_candidates
+from roomkin.stages.matching.text_encoders import make_text_encoder
 
 # Of a part, chosen: to start two jobs for it takes 4 s, a model .3 s; file names have 255 letters.
 MODELS, CATEGORIES = 150, 40

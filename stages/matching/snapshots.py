@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError
-from stages.contracts.arrays import explain_unreadable
-from stages.contracts.files import read_json
-from stages.contracts.library import SnapshotShard
-from stages.contracts.snapshot_file import AGAIN, open_snapshots
-from stages.geometry.crop import View
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.library import SnapshotShard
+from roomkin.stages.contracts.snapshot_file import AGAIN, open_snapshots
+from roomkin.stages.geometry.crop import View
 
 
 class SnapshotFile:

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError, write_atomically, write_json
-from stages.contracts.features import AGAIN, FeatureIndex, open_companion, open_features
-from stages.matching.codec import Codec
+from roomkin.stages.contracts import InputError, write_atomically, write_json
+from roomkin.stages.contracts.features import AGAIN, FeatureIndex, open_companion, open_features
+from roomkin.stages.matching.codec import Codec
 
 other_features = partial(InputError, fix=AGAIN, code="E-FEATURES-OTHER")
 

@@ -1,10 +1,10 @@
-"""`python -m stages.perception COMMAND --help`."""
+"""`roomkin perception COMMAND --help`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 if __name__ == "__main__":
     main(
-        "stages.perception",
+        "roomkin.stages.perception",
         {
             "from-rgbd": "an RGB-D frame as an input folder",
             "measure": "depth of a photograph by a network, for `see`",

@@ -7,14 +7,14 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.cli import progress
-from stages.config.perception import SeeSection
-from stages.contracts.scenes import Held
-from stages.geometry.masks import pixel_bounds
-from stages.perception.classification.names import UNSURE, Names, Proposal
-from stages.perception.classification.naming import Named
-from stages.perception.segmentation.proposal import Mask, RoomView
-from stages.plugins import load
+from roomkin.stages.cli import progress
+from roomkin.stages.config.perception import SeeSection
+from roomkin.stages.contracts.scenes import Held
+from roomkin.stages.geometry.masks import pixel_bounds
+from roomkin.stages.perception.classification.names import UNSURE, Names, Proposal
+from roomkin.stages.perception.classification.naming import Named
+from roomkin.stages.perception.segmentation.proposal import Mask, RoomView
+from roomkin.stages.plugins import load
 
 Box = Sequence[float]
 

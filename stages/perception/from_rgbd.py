@@ -4,12 +4,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from stages.config.recordings import name_picture
-from stages.contracts import Annotations, InputError
-from stages.perception.read.camera_files import KNOWS
-from stages.perception.read.frame import Frame
-from stages.perception.read.views import View, choose_camera, find_view, read_frame
-from stages.perception.write import write_frame
+from roomkin.stages.config.recordings import name_picture
+from roomkin.stages.contracts import Annotations, InputError
+from roomkin.stages.perception.read.camera_files import KNOWS
+from roomkin.stages.perception.read.frame import Frame
+from roomkin.stages.perception.read.views import View, choose_camera, find_view, read_frame
+from roomkin.stages.perception.write import write_frame
 
 
 def run(
@@ -66,8 +66,8 @@ def print_summary(out: Path, frame: Frame, written: Annotations | None) -> None:
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
     if written is None:
-        print(f"{out}: no masks. Find things: python -m stages.perception see --picture {out} --out FOLDER")
-        print(f"Or click them: python -m plugins.annotator annotate {out}; or give --masks")
+        print(f"{out}: no masks. Find things: roomkin perception see --picture {out} --out FOLDER")
+        print(f"Or click them: roomkin annotator annotate {out}; or give --masks")
         return
     floor = "a floor" if written.floor else "no floor named: what most of them stand on is the ground"
     print(f"{out}: {len(written.objects)} objects, {len(written.walls)} walls, {floor}")

@@ -6,19 +6,19 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.perception import MeasureOptions
-from stages.config.recordings import name_picture
-from stages.contracts import read_options
-from stages.contracts.depth import NEAREST
-from stages.geometry.cameras import back_project, make_intrinsics
-from stages.geometry.levels import find_ground
-from stages.geometry.room_planes import STRAY, Plane, make_floor_frame
-from stages.perception.camera.perspective import fit_view, propose, usual_focal
-from stages.perception.read.cameras import Matrix
-from stages.perception.read.frame import TILT, Frame
-from stages.perception.read.photo import read_known
-from stages.perception.write import write_frame
-from stages.plugins import load
+from roomkin.stages.config.perception import MeasureOptions
+from roomkin.stages.config.recordings import name_picture
+from roomkin.stages.contracts import read_options
+from roomkin.stages.contracts.depth import NEAREST
+from roomkin.stages.geometry.cameras import back_project, make_intrinsics
+from roomkin.stages.geometry.levels import find_ground
+from roomkin.stages.geometry.room_planes import STRAY, Plane, make_floor_frame
+from roomkin.stages.perception.camera.perspective import fit_view, propose, usual_focal
+from roomkin.stages.perception.read.cameras import Matrix
+from roomkin.stages.perception.read.frame import TILT, Frame
+from roomkin.stages.perception.read.photo import read_known
+from roomkin.stages.perception.write import write_frame
+from roomkin.stages.plugins import load
 
 SOURCE = "depth_anything"
 

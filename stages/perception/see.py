@@ -8,27 +8,27 @@ from typing import Any
 import cv2
 import numpy as np
 
-from stages.config.perception import OutlineSection, SeeOptions, SeeSection
-from stages.config.weights import CLIP, list_lacking
-from stages.contracts import Camera, InputError, read_json, read_options, write_atomically, write_json
-from stages.contracts.depth import check_turned, read_depth
-from stages.contracts.hand import digest_of_picture
-from stages.contracts.images import read_rgb
-from stages.contracts.things import THINGS, Ground, Thing, Things
-from stages.contracts.types import FLOOR, WALL
-from stages.contracts.words import count
-from stages.geometry.cameras import back_project
-from stages.geometry.levels import BELOW
-from stages.perception.camera.surfaces import Surfaces, find_surfaces
-from stages.perception.captions import caption_things, make_captioner, state
-from stages.perception.classification.names import UNSURE, find_surest
-from stages.perception.classification.naming import Named, name_things
-from stages.perception.classification.propose import list_silent
-from stages.perception.read.belonging import doubt_depth
-from stages.perception.read.frame import TILT, Frame, Labelled
-from stages.perception.segmentation.choosing import choose
-from stages.perception.segmentation.proposal import RoomView, list_proposals
-from stages.perception.write import NAMES, draw_numbers, tell_names, write_frame
+from roomkin.stages.config.perception import OutlineSection, SeeOptions, SeeSection
+from roomkin.stages.config.weights import CLIP, list_lacking
+from roomkin.stages.contracts import Camera, InputError, read_json, read_options, write_atomically, write_json
+from roomkin.stages.contracts.depth import check_turned, read_depth
+from roomkin.stages.contracts.hand import digest_of_picture
+from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.contracts.things import THINGS, Ground, Thing, Things
+from roomkin.stages.contracts.types import FLOOR, WALL
+from roomkin.stages.contracts.words import count
+from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.levels import BELOW
+from roomkin.stages.perception.camera.surfaces import Surfaces, find_surfaces
+from roomkin.stages.perception.captions import caption_things, make_captioner, state
+from roomkin.stages.perception.classification.names import UNSURE, find_surest
+from roomkin.stages.perception.classification.naming import Named, name_things
+from roomkin.stages.perception.classification.propose import list_silent
+from roomkin.stages.perception.read.belonging import doubt_depth
+from roomkin.stages.perception.read.frame import TILT, Frame, Labelled
+from roomkin.stages.perception.segmentation.choosing import choose
+from roomkin.stages.perception.segmentation.proposal import RoomView, list_proposals
+from roomkin.stages.perception.write import NAMES, draw_numbers, tell_names, write_frame
 
 WANT_WEIGHTS = {"ssd", "mobile_sam"}  # proposers
 WITHOUT = "pieces"  # what proposes where those weights lack
@@ -76,7 +76,7 @@ def write_seen(out: Path, frame: Frame, seen: Seen) -> None:
         shown = draw_numbers(frame.rgb, [masks.values == item.mask for item in written.objects])
         cv2.imwrite(str(path), shown[..., ::-1])
     print(describe(things))
-    print(f"{out}: put names right in the browser: python -m plugins.annotator annotate {out}")
+    print(f"{out}: put names right in the browser: roomkin annotator annotate {out}")
 
 
 def see(frame: Frame, options: SeeSection, model: Mapping[str, Any] | None = None, device: str = "cpu") -> Seen:

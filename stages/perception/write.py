@@ -10,20 +10,20 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-import stages
-from stages.config.experiment import ExperimentConfig
-from stages.config.inputs import scene_of_folder
-from stages.contracts import Annotations, Camera, InputError, read_json, write_text
-from stages.contracts.doubt import Doubt, DoubtKind
-from stages.contracts.images import color_of
-from stages.contracts.parts import says_opening
-from stages.contracts.scene_input import write_scene_input
-from stages.contracts.scenes import Annotation
-from stages.contracts.things import Found, Name
-from stages.geometry.estimate import TRIM
-from stages.perception.classification.names import Names, Proposal
-from stages.perception.read.frame import TILT, Frame, Labelled, fit_frame, surface_of
-from stages.perception.read.mask_pieces import remove_edges
+from roomkin.stages.config.experiment import ExperimentConfig
+from roomkin.stages.config.inputs import scene_of_folder
+from roomkin.stages.contracts import Annotations, Camera, InputError, read_json, write_text
+from roomkin.stages.contracts.doubt import Doubt, DoubtKind
+from roomkin.stages.contracts.images import color_of
+from roomkin.stages.contracts.parts import says_opening
+from roomkin.stages.contracts.scene_input import write_scene_input
+from roomkin.stages.contracts.scenes import Annotation
+from roomkin.stages.contracts.things import Found, Name
+from roomkin.stages.geometry.estimate import TRIM
+from roomkin.stages.perception.classification.names import Names, Proposal
+from roomkin.stages.perception.read.frame import TILT, Frame, Labelled, fit_frame, surface_of
+from roomkin.stages.perception.read.mask_pieces import remove_edges
+from roomkin.stages.plugins import PACKAGES
 
 LONGEST_LABEL = 200  # characters
 NAMES = 5  # of a thing that are told; chosen
@@ -133,17 +133,19 @@ def write_frame(folder: Path, frame: Frame) -> Annotations | None:
     return annotations
 
 
-def is_clone(folder: Path = Path()) -> bool:
-    """Whether Snakemake finds the workflow in a folder, by default where this process runs."""
-    return (folder / "Snakefile").is_file() or (folder / "workflow/Snakefile").is_file()
+def is_clone() -> bool:
+    """Whether Snakemake finds the workflow where this process runs."""
+    return Path("Snakefile").is_file() or Path("workflow/Snakefile").is_file()
 
 
 def to_run(words: str) -> str:
-    """A Snakemake command line that works from here: the workflow runs only in its clone."""
+    """A Snakemake command line that works from here: a clone's workflow runs there, an installed one everywhere."""
+    home = PACKAGES.parent
     if is_clone():
         return f"snakemake {words}"
-    home = Path(stages.__file__).resolve().parents[1]
-    return f"cd {shlex.quote(str(home)) if is_clone(home) else 'CLONE'} && snakemake {words}"
+    if (home / "pyproject.toml").is_file():
+        return f"cd {shlex.quote(str(home))} && snakemake {words}"
+    return f"snakemake --snakefile {shlex.quote(str(home / 'Snakefile'))} {words}"
 
 
 def write_config(folder: Path, **sections: dict[str, Any]) -> Path:

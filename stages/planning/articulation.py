@@ -5,15 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.geometry.frames import invert_transform
-from stages.planning.clearance import Surroundings
-from stages.planning.handle_grasp import Grasp, grasp_pose, list_grasps, list_last_resorts
-from stages.planning.path import join_lines, make_handle_path, make_line, measure_distance
-from stages.planning.rollout import ON_THE_WAY, Stretch, find_feasible, plan_homing
-from stages.simulation.kinematics import Array, Chain
-from stages.simulation.robot import GRIPPER_OPEN, REST
-from stages.simulation.target import Target
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.geometry.frames import invert_transform
+from roomkin.stages.planning.clearance import Surroundings
+from roomkin.stages.planning.handle_grasp import Grasp, grasp_pose, list_grasps, list_last_resorts
+from roomkin.stages.planning.path import join_lines, make_handle_path, make_line, measure_distance
+from roomkin.stages.planning.rollout import ON_THE_WAY, Stretch, find_feasible, plan_homing
+from roomkin.stages.simulation.kinematics import Array, Chain
+from roomkin.stages.simulation.robot import GRIPPER_OPEN, REST
+from roomkin.stages.simulation.target import Target
 
 SHARES = (1.0, 0.6, 0.3)  # of the margin, tried in turn where the arm cannot follow a wide door so far; chosen
 LAG = 0.1  # of the margin by which a door may lag behind the hand when it is let go; chosen

@@ -6,9 +6,9 @@ import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
 
-from stages.geometry.sampling import sample_triangles, split_solids
-from stages.simulation.kinematics import Array
-from stages.simulation.target import Target
+from roomkin.stages.geometry.sampling import sample_triangles, split_solids
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.target import Target
 
 SURFACE_POINTS = 20_000  # on either part of an object: one about every centimetre on a cabinet; chosen for time
 INNER_POINTS = 500  # within each of their convex pieces; chosen for time

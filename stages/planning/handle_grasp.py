@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from stages.articulated.handle import Handle
-from stages.geometry.frames import make_transform, yaw_matrix
-from stages.planning.clearance import CLEARANCE
-from stages.simulation.kinematics import Array
-from stages.simulation.target import Target
+from roomkin.stages.articulated.handle import Handle
+from roomkin.stages.geometry.frames import make_transform, yaw_matrix
+from roomkin.stages.planning.clearance import CLEARANCE
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.target import Target
 
 HALF_PAD = 0.009  # from the middle of a finger's pad, which is the tool center point, to the fingertip, metres
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from stages.simulation.kinematics import Array, pose_error
-from stages.simulation.target import Target
+from roomkin.stages.simulation.kinematics import Array, pose_error
+from roomkin.stages.simulation.target import Target
 
 ANGLE_WEIGHT = 0.15  # metres that a radian counts for in the length of a path; chosen
 POSE_SPACING = 0.005  # metres between the poses of a path, in that length; chosen

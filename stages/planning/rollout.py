@@ -6,11 +6,11 @@ from itertools import islice
 
 import numpy as np
 
-from stages.geometry.frames import invert_transform
-from stages.planning.clearance import Surroundings, arm_spheres
-from stages.planning.path import make_line, measure_distance
-from stages.simulation.kinematics import Array, Chain, pose_error, track
-from stages.simulation.robot import REST
+from roomkin.stages.geometry.frames import invert_transform
+from roomkin.stages.planning.clearance import Surroundings, arm_spheres
+from roomkin.stages.planning.path import make_line, measure_distance
+from roomkin.stages.simulation.kinematics import Array, Chain, pose_error, track
+from roomkin.stages.simulation.robot import REST
 
 ROLLOUT_STEP = 0.03  # path length between rolled-out poses, radians between those on the way to rest; chosen for time
 TOLERANCE = np.array([0.008, 0.1])  # metres and radians off a pose at which the hand has reached it; chosen

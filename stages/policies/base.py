@@ -9,11 +9,11 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from stages.contracts.episode_store import ACTION
-from stages.contracts.errors import InputError
-from stages.contracts.policy_config import PolicyConfig
-from stages.plugins import load
-from stages.policies.handle_points import segment_handles
+from roomkin.stages.contracts.episode_store import ACTION
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.plugins import load
+from roomkin.stages.policies.handle_points import segment_handles
 
 Float = NDArray[np.float32]
 FARTHEST = 10.0  # of an action: what is drawn at random from a policy's distribution is nearer to [-1, 1]; chosen

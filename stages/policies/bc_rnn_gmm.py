@@ -8,13 +8,13 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from stages.contracts.episode_store import ACTION
-from stages.contracts.policy_config import PolicyConfig
-from stages.plugins import parse_kwargs
-from stages.policies.base import ActionMode, Float
-from stages.policies.bc_rnn_gmm_options import Options
-from stages.policies.mixture import POWERS, Mixture
-from stages.policies.point_cloud import PointCloudPolicy
+from roomkin.stages.contracts.episode_store import ACTION
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.plugins import parse_kwargs
+from roomkin.stages.policies.base import ActionMode, Float
+from roomkin.stages.policies.bc_rnn_gmm_options import Options
+from roomkin.stages.policies.mixture import POWERS, Mixture
+from roomkin.stages.policies.point_cloud import PointCloudPolicy
 
 State = tuple[Tensor, Tensor]
 START_MEAN, START_STD = 0.9, 0.01  # largest mean (before atanh), least deviation at which a mode starts; chosen

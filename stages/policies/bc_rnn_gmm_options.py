@@ -2,8 +2,8 @@
 
 from pydantic import Field
 
-from stages.contracts.section import Rank
-from stages.policies.point_cloud_options import PointCloudOptions
+from roomkin.stages.contracts.section import Rank
+from roomkin.stages.policies.point_cloud_options import PointCloudOptions
 
 
 class Options(PointCloudOptions):

@@ -5,10 +5,10 @@ from pathlib import Path
 from safetensors.torch import load_file, save
 from torch import Tensor
 
-from stages.contracts.errors import InputError
-from stages.contracts.files import write_atomically
-from stages.contracts.policy_folder import check_weights, read_config, weights_of
-from stages.policies.base import TrainablePolicy, make_policy
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import write_atomically
+from roomkin.stages.contracts.policy_folder import check_weights, read_config, weights_of
+from roomkin.stages.policies.base import TrainablePolicy, make_policy
 
 FILES = {"best": "policy.safetensors", "last": "last.safetensors"}
 

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from stages.policies.base import ActionMode
+from roomkin.stages.policies.base import ActionMode
 
 POWERS: dict[ActionMode, float] = {"sample": 1.0, "sharpened": 2.0, "most_likely": 1e4}  # of the weights of the modes
 

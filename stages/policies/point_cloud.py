@@ -4,12 +4,12 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from stages.contracts.episode_store import PROPRIO
-from stages.contracts.policy_config import PolicyConfig
-from stages.policies.base import Float, TrainablePolicy
-from stages.policies.handle_points import find_handle_middles, offsets_to_handle
-from stages.policies.point_cloud_options import FLAG_EMBEDDING, PointCloudOptions
-from stages.policies.pointnet import PointNet
+from roomkin.stages.contracts.episode_store import PROPRIO
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.policies.base import Float, TrainablePolicy
+from roomkin.stages.policies.handle_points import find_handle_middles, offsets_to_handle
+from roomkin.stages.policies.point_cloud_options import FLAG_EMBEDDING, PointCloudOptions
+from roomkin.stages.policies.pointnet import PointNet
 
 
 class PointCloudPolicy(TrainablePolicy):

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from stages.contracts.section import Section
+from roomkin.stages.contracts.section import Section
 
 FLAG_EMBEDDING = 128  # learned embedding of the finger flag (paper)
 

@@ -7,10 +7,10 @@ import numpy as np
 import sapien
 from numpy.typing import NDArray
 
-from stages.contracts.look import Color, Look
-from stages.contracts.objects import Wall
-from stages.geometry.boxes import UprightBox, corners
-from stages.simulation.rendering import add_block
+from roomkin.stages.contracts.look import Color, Look
+from roomkin.stages.contracts.objects import Wall
+from roomkin.stages.geometry.boxes import UprightBox, corners
+from roomkin.stages.simulation.rendering import add_block
 
 THICKNESS, WALL_HEIGHT = 0.1, 2.8  # metres; chosen for pictures
 BEYOND = 1.5  # metres that floor and walls reach beyond it; chosen for pictures

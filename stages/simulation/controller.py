@@ -7,8 +7,8 @@ import torch
 from mani_skill.agents.controllers import PDEEPoseController, PDEEPoseControllerConfig
 from scipy.spatial.transform import Rotation
 
-from stages.simulation import kinematics
-from stages.simulation.kinematics import Array, Chain
+from roomkin.stages.simulation import kinematics
+from roomkin.stages.simulation.kinematics import Array, Chain
 
 
 def apply_delta(pose: Array, delta: Array) -> Array:

@@ -8,7 +8,7 @@ import hashlib
 import sapien
 from mani_skill.render import PREBUILT_SHADER_CONFIGS, ShaderConfig
 
-from stages.simulation.shaders import cache_folder, keep
+from roomkin.stages.simulation.shaders import cache_folder, keep
 
 PICTURE = "PositionSegmentation"
 FORMAT = "r16g16b16a16sint"  # millimetres in the camera's frame (x right, y up, z backward) and the entity's id

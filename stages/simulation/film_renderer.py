@@ -16,13 +16,13 @@ from sapien.physx import PhysxArticulationLinkComponent as Link
 from sapien.render import RenderDirectionalLightComponent as DirectionalLight
 from trimesh.bounds import corners
 
-from stages.geometry.frames import invert_transform, transform_points
-from stages.simulation.film_robot import film_urdf
-from stages.simulation.framing import frame_all, intrinsics_of
-from stages.simulation.loading import load_asset, move, remove
-from stages.simulation.recording import Moment, Recording
-from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
-from stages.simulation.room import Body, Room
+from roomkin.stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.simulation.film_robot import film_urdf
+from roomkin.stages.simulation.framing import frame_all, intrinsics_of
+from roomkin.stages.simulation.loading import load_asset, move, remove
+from roomkin.stages.simulation.recording import Moment, Recording
+from roomkin.stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
+from roomkin.stages.simulation.room import Body, Room
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]

@@ -11,8 +11,8 @@ import numpy as np
 import open3d
 import trimesh
 
-from stages.simulation.robot import PANDA
-from stages.simulation.shaders import cache_folder
+from roomkin.stages.simulation.robot import PANDA
+from roomkin.stages.simulation.shaders import cache_folder
 
 SHARE = 0.2  # of the triangles that are kept; chosen: a film looks the same
 CREASE = 0.6  # radians between two faces from which on their edge is sharp; chosen

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from stages.articulated.urdf_tree import UrdfTree
-from stages.contracts.errors import InputError
+from roomkin.stages.articulated.urdf_tree import UrdfTree
+from roomkin.stages.contracts.errors import InputError
 
 Array = NDArray[np.float64]
 

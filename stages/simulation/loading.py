@@ -14,15 +14,15 @@ import sapien
 from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation
 
-from stages.articulated.asset_folder import read_asset
-from stages.articulated.resizing import resize_model
-from stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION, write_urdf
-from stages.contracts.errors import ObjectError
-from stages.contracts.library import Asset
-from stages.contracts.parts import PARTS
-from stages.geometry.frames import yaw_matrix, yaw_quaternion
-from stages.simulation.rendering import has_renderer
-from stages.simulation.stretching import stretch_builder
+from roomkin.stages.articulated.asset_folder import read_asset
+from roomkin.stages.articulated.resizing import resize_model
+from roomkin.stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION, write_urdf
+from roomkin.stages.contracts.errors import ObjectError
+from roomkin.stages.contracts.library import Asset
+from roomkin.stages.contracts.parts import PARTS
+from roomkin.stages.geometry.frames import yaw_matrix, yaw_quaternion
+from roomkin.stages.simulation.rendering import has_renderer
+from roomkin.stages.simulation.stretching import stretch_builder
 
 _NUMBERS = count()  # of bodies
 

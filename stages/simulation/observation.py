@@ -6,10 +6,10 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from stages.geometry.cameras import OPENGL, SAPIEN_FROM_OPENCV
-from stages.geometry.clouds import farthest_points
-from stages.geometry.frames import quaternion_from_matrix
-from stages.simulation.kinematics import Array
+from roomkin.stages.geometry.cameras import OPENGL, SAPIEN_FROM_OPENCV
+from roomkin.stages.geometry.clouds import farthest_points
+from roomkin.stages.geometry.frames import quaternion_from_matrix
+from roomkin.stages.simulation.kinematics import Array
 
 Float = NDArray[np.float32]
 

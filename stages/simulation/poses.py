@@ -5,7 +5,7 @@ import sapien
 import torch
 from mani_skill.utils.structs import Pose
 
-from stages.simulation.kinematics import Array
+from roomkin.stages.simulation.kinematics import Array
 
 
 def batch_poses(matrices: Array) -> Pose:

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from stages.simulation.kinematics import Array
-from stages.simulation.room import Room
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.room import Room
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ import sapien
 from numpy.typing import ArrayLike, NDArray
 from sapien.physx import PhysxArticulation, PhysxArticulationLinkComponent
 
-from stages.contracts.errors import InputError
-from stages.geometry.cameras import SAPIEN_FROM_OPENCV
-from stages.geometry.frames import quaternion_from_matrix
-from stages.simulation.shaders import Pack, use
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.geometry.cameras import SAPIEN_FROM_OPENCV
+from roomkin.stages.geometry.frames import quaternion_from_matrix
+from roomkin.stages.simulation.shaders import Pack, use
 
 SHADED, LIGHTS_BEFORE = 8.0, 2.0  # metres: default radius of what casts shadows, and depth of the map beyond it
 _alive: list[sapien.Scene] = []  # the last scene made; while one lives, the next need not compile shaders again (0.1 s)
@@ -57,7 +57,7 @@ def make_scene(
         renderer = sapien.render.RenderSystem(*device)
     except RuntimeError as error:
         raise InputError(
-            "renderer", f"no Vulkan device ({error}).", "python -m plugins.ops.doctor", code="E-RENDERER-MISSING"
+            "renderer", f"no Vulkan device ({error}).", "roomkin check", code="E-RENDERER-MISSING"
         ) from None
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem(), renderer])
     scene.timestep = 0.01

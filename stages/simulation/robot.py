@@ -15,10 +15,10 @@ from mani_skill.agents.controllers import PDEEPoseControllerConfig, PDJointPosMi
 from mani_skill.agents.registration import register_agent
 from mani_skill.agents.robots import Panda
 
-from stages.geometry.frames import quaternion_from_matrix
-from stages.simulation.controller import PDEEPoseDLSConfig
-from stages.simulation.kinematics import Array, Chain, read_chain
-from stages.simulation.shaders import cache_folder, keep
+from roomkin.stages.geometry.frames import quaternion_from_matrix
+from roomkin.stages.simulation.controller import PDEEPoseDLSConfig
+from roomkin.stages.simulation.kinematics import Array, Chain, read_chain
+from roomkin.stages.simulation.shaders import cache_folder, keep
 
 PANDA = Path(PACKAGE_ASSET_DIR) / "robots" / "panda" / "panda_v2.urdf"
 TCP = "panda_hand_tcp"

@@ -6,7 +6,7 @@ from typing import Protocol, TypeAlias
 import sapien
 from sapien.physx import PhysxArticulation
 
-from stages.simulation.kinematics import Array
+from roomkin.stages.simulation.kinematics import Array
 
 Body: TypeAlias = PhysxArticulation | sapien.Entity
 

@@ -10,8 +10,8 @@ import numpy as np
 import sapien
 from numpy.typing import NDArray
 
-from stages.contracts.types import RIGID_TOLERANCE
-from stages.geometry.frames import quaternion_from_matrix
+from roomkin.stages.contracts.types import RIGID_TOLERANCE
+from roomkin.stages.geometry.frames import quaternion_from_matrix
 
 Array = NDArray[np.float64]
 
@@ -21,8 +21,8 @@ SCALED = ("box", "file", "convex_mesh", "nonconvex_mesh", "multiple_convex_meshe
 def stretch_builder(builder: Any, scale: Array) -> Any | None:
     """A copy of a body's builder, stretched in its closed state along the root's axes by `scale` (3,).
 
-    Shapes, joint frames, sliding ranges, masses and inertias at constant density, as `stages.articulated.stretching`
-    does it with files. Angles of hinges stay.
+    Shapes, joint frames, sliding ranges, masses and inertias at constant density, as `articulated.stretching` does it
+    with files. Angles of hinges stay.
 
     Returns:
         None if a shape or a slide is askew to the root's axes, so that scaling it would be a shear.

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation, PhysxArticulationLinkComponent, PhysxCollisionShapeBox
 from scipy.spatial.transform import Rotation
 
-from stages.articulated.handle import Handle, find_handle
-from stages.geometry.frames import invert_transform
+from roomkin.stages.articulated.handle import Handle, find_handle
+from roomkin.stages.geometry.frames import invert_transform
 
 Array = NDArray[np.float64]
 

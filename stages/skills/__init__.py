@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from stages.config.demonstrations import DemonstrationsConfig
-    from stages.tasks.api import EnvWrapper
+    from roomkin.stages.config.demonstrations import DemonstrationsConfig
+    from roomkin.stages.tasks.api import EnvWrapper
 
 Float = NDArray[np.float32]
 FAR = float("inf")

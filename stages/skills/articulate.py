@@ -6,16 +6,16 @@ from collections.abc import Collection
 
 import numpy as np
 
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.planning.articulation import Plan, plan_articulation
-from stages.planning.clearance import Surroundings
-from stages.planning.handle_grasp import Grasp
-from stages.planning.path import Pursuit
-from stages.simulation.kinematics import Array, pose_error
-from stages.simulation.target import Target
-from stages.skills.attempts import RetryingSkill
-from stages.skills.motion import CLOSED, LOST, OPEN, Motion, Stall
-from stages.tasks.api import EnvWrapper
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.planning.articulation import Plan, plan_articulation
+from roomkin.stages.planning.clearance import Surroundings
+from roomkin.stages.planning.handle_grasp import Grasp
+from roomkin.stages.planning.path import Pursuit
+from roomkin.stages.simulation.kinematics import Array, pose_error
+from roomkin.stages.simulation.target import Target
+from roomkin.stages.skills.attempts import RetryingSkill
+from roomkin.stages.skills.motion import CLOSED, LOST, OPEN, Motion, Stall
+from roomkin.stages.tasks.api import EnvWrapper
 
 
 class ArticulateSkill(RetryingSkill):

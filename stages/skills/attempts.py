@@ -5,12 +5,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.geometry.frames import invert_transform, transform_points
-from stages.planning.clearance import Surroundings
-from stages.skills import Act, Outcome
-from stages.skills.motion import Motion
-from stages.tasks.api import EnvWrapper
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.planning.clearance import Surroundings
+from roomkin.stages.skills import Act, Outcome
+from roomkin.stages.skills.motion import Motion
+from roomkin.stages.tasks.api import EnvWrapper
 
 
 class RetryingSkill(ABC):

@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.plugins import load, shorten_name
-from stages.skills import Act, Outcome, SkillProtocol
-from stages.tasks.api import EnvWrapper
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.plugins import load, shorten_name
+from roomkin.stages.skills import Act, Outcome, SkillProtocol
+from roomkin.stages.tasks.api import EnvWrapper
 
 
 class SkillChain:

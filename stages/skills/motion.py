@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from stages.planning.clearance import CLEARANCE
-from stages.planning.path import Pursuit, make_line
-from stages.planning.rollout import TOLERANCE, measure_deviation
-from stages.simulation.kinematics import Array, pose_error
-from stages.simulation.robot import GRIPPER_OPEN
-from stages.skills import FAR, Act
-from stages.tasks.api import EnvWrapper
+from roomkin.stages.planning.clearance import CLEARANCE
+from roomkin.stages.planning.path import Pursuit, make_line
+from roomkin.stages.planning.rollout import TOLERANCE, measure_deviation
+from roomkin.stages.simulation.kinematics import Array, pose_error
+from roomkin.stages.simulation.robot import GRIPPER_OPEN
+from roomkin.stages.skills import FAR, Act
+from roomkin.stages.tasks.api import EnvWrapper
 
 OPEN, CLOSED = 1.0, -1.0  # of the gripper's action
 CLOSE_STEPS, OPEN_STEPS = 3, 2  # control steps until the gripper has closed, and until it lets go; chosen

@@ -5,15 +5,15 @@ from typing import Any
 
 import pandas as pd
 
-from stages.config.tables import TablesConfig
-from stages.tables.intervals import difference_interval, pair_sides, rate_interval, rate_of, side_of
-from stages.tables.order import SKILL, set_key
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.tables.intervals import difference_interval, pair_sides, rate_interval, rate_of, side_of
+from roomkin.stages.tables.order import SKILL, set_key
 
 ROW = ["target", "task", "policy"]
 CELL = ["target", "policy", "test_asset", "training_set"]
 RATE = [
     "task", "cloud", "feature_distance", "assets", "families", "places", "runs", "episodes", "successes",
-    "official_successes", "mean", "std", "low", "high",
+    "official_successes", "steps", "mean", "std", "low", "high",
 ]  # fmt: skip
 GAIN = ["assets", "places", "runs", "baseline_runs", "difference", "low", "high"]
 
@@ -33,7 +33,7 @@ def rates(rollouts: pd.DataFrame, by: Sequence[str], options: TablesConfig) -> p
     """A row per group of rollouts that agree in `by`, with `RATE`.
 
     `mean`: over assets, their states and runs, assets alike; `std`: sample deviation over runs; `places`: initial
-    states over all assets.
+    states over all assets; `steps`: the mean of the episodes that succeed, NaN: none does.
     """
     rows: list[dict[str, Any]] = []
     for key, group in rollouts.groupby(list(by), sort=False):
@@ -45,6 +45,7 @@ def rates(rollouts: pd.DataFrame, by: Sequence[str], options: TablesConfig) -> p
             | {"feature_distance": float(group["feature_distance"].mean()), "places": side.shape[1], "runs": len(side)}
             | {"assets": group["asset"].nunique(), "families": group["family"].nunique(), "episodes": len(group)}
             | {"successes": int(group["success"].sum()), "official_successes": int(group["official_success"].sum())}
+            | {"steps": float(group.loc[group["success"], "steps"].mean())}
             | {"mean": rate_of(side), "std": side.mean(axis=1).std(), "low": low, "high": high}
         )
     return in_order(pd.DataFrame(rows, columns=list(dict.fromkeys([*by, *RATE]))))

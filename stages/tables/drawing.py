@@ -13,10 +13,10 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stages.contracts.files import write_atomically
-from stages.contracts.training_sets import is_randomised, strip_randomised
-from stages.tables.order import title
-from stages.tables.text import NOT_RUN
+from roomkin.stages.contracts.files import write_atomically
+from roomkin.stages.contracts.training_sets import is_randomised, strip_randomised
+from roomkin.stages.tables.order import title
+from roomkin.stages.tables.text import NOT_RUN
 
 # Okabe and Ito's palette, its sky blue darker, and a brown: color-blind readers can distinguish them
 COLORS = {
@@ -34,7 +34,7 @@ GREY = "#6a6d70"  # as in figures.mplstyle
 
 def style() -> AbstractContextManager[None]:
     """The style of every figure, without the user's own settings."""
-    return plt.style.context("stages.tables.figures", after_reset=True)
+    return plt.style.context("roomkin.stages.tables.figures", after_reset=True)
 
 
 def color(training_set: str) -> str:

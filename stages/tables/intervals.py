@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from stages.config.tables import TablesConfig
-from stages.tables.statistics import Interval, wilson_of_rate
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.tables.statistics import Interval, wilson_of_rate
 
 POLICY = ["run", "seed", "checkpoint"]
 PLACE = ["family", "asset", "initial_state"]

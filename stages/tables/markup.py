@@ -10,7 +10,7 @@ from typing import Any
 import jinja2
 import pandas as pd
 
-from stages.tables.text import NOT_RUN
+from roomkin.stages.tables.text import NOT_RUN
 
 
 @dataclass(frozen=True)
@@ -61,10 +61,10 @@ def markdown(table: Table) -> str:
 
 
 @cache
-def environment(package: str = "stages.tables") -> jinja2.Environment:
+def environment(package: str = "roomkin.stages.tables") -> jinja2.Environment:
     """Templates of a package, then those beside this module; HTML is escaped, an undefined name is an error."""
     return jinja2.Environment(
-        loader=jinja2.ChoiceLoader([jinja2.PackageLoader(name, ".") for name in (package, "stages.tables")]),
+        loader=jinja2.ChoiceLoader([jinja2.PackageLoader(name, ".") for name in (package, "roomkin.stages.tables")]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -73,7 +73,7 @@ def environment(package: str = "stages.tables") -> jinja2.Environment:
     )
 
 
-def read_notes(name: str, package: str = "stages.tables", **values: Any) -> list[str]:
+def read_notes(name: str, package: str = "roomkin.stages.tables", **values: Any) -> list[str]:
     """The paragraphs that a macro of the package's notes.jinja gives, a line each."""
     notes = environment(package).overlay(autoescape=False).get_template("notes.jinja").module
     return [" ".join(part.split()) for part in getattr(notes, name)(**values).split("\n\n") if part.strip()]

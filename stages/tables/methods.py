@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from stages.config.tables import MethodTables, PolicyTables
-from stages.contracts.errors import InputError
-from stages.contracts.policies import Rollout
-from stages.tables.order import SKILL
-from stages.tables.pooling import pool_rollouts
-from stages.tables.rows import ONE_TEST, read_rows
+from roomkin.stages.config.tables import MethodTables, PolicyTables
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.policies import Rollout
+from roomkin.stages.tables.order import SKILL
+from roomkin.stages.tables.pooling import pool_rollouts
+from roomkin.stages.tables.rows import ONE_TEST, read_rows
 
 Kinds = Mapping[str, str]  # policy -> what it is, in words
 

@@ -7,18 +7,18 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from stages.config.tables import PolicyTables
-from stages.contracts.files import read_options
-from stages.tables import policy_tables, table3
-from stages.tables.cells import CELL, ROW
-from stages.tables.drawing import save, style
-from stages.tables.markup import Table
-from stages.tables.methods import join_published, kinds_of, read_rollouts
-from stages.tables.policy_figures import Panels, figure4, figure9
-from stages.tables.policy_notes import policy_notes
-from stages.tables.pooling import pool_rollouts
-from stages.tables.rows import published_policies, published_runs
-from stages.tables.writing import write, write_csv
+from roomkin.stages.config.tables import PolicyTables
+from roomkin.stages.contracts.files import read_options
+from roomkin.stages.tables import policy_tables, table3
+from roomkin.stages.tables.cells import CELL, ROW
+from roomkin.stages.tables.drawing import save, style
+from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.methods import join_published, kinds_of, read_rollouts
+from roomkin.stages.tables.policy_figures import Panels, figure4, figure9
+from roomkin.stages.tables.policy_notes import policy_notes
+from roomkin.stages.tables.pooling import pool_rollouts
+from roomkin.stages.tables.rows import published_policies, published_runs
+from roomkin.stages.tables.writing import write, write_csv
 
 KNOWN = [*ROW, "cloud"]  # what is known of a row before it is rolled out
 NOTHING_ASKED = pd.DataFrame(columns=[*CELL, "task", "cloud"])
@@ -97,7 +97,7 @@ def run(
         out: folder to write the tables into.
         figures: folder to write the figures into; that of the tables if left out.
         rollouts: rollouts.csv files of policies and of the skill.
-        more: modules whose `add_tables` adds tables and panels, e.g. plugins.claims.more (success over unseen assets,
+        more: modules whose `add_tables` adds tables and panels, e.g. of the package claims (success over unseen assets,
             claims, stability of training).
         trainings: trainings.csv, for these: they name below the tables which trainings failed.
         published: folder with the paper's values, table3.csv.

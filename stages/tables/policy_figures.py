@@ -10,12 +10,12 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stages.tables.cells import ROW
-from stages.tables.drawing import GREY, color, draw_rates, mark_not_run, rate_axis
-from stages.tables.order import row_title, set_key, title
-from stages.tables.rows import records
-from stages.tables.table3 import TRAINED
-from stages.tables.text import distance_from_twin
+from roomkin.stages.tables.cells import ROW
+from roomkin.stages.tables.drawing import GREY, color, draw_rates, mark_not_run, rate_axis
+from roomkin.stages.tables.order import row_title, set_key, title
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.table3 import TRAINED
+from roomkin.stages.tables.text import distance_from_twin
 
 Row = dict[str, Any]  # target, task, policy
 

@@ -1,9 +1,9 @@
 """What tables of policies say below: what is pooled, and what policies are given that a real robot would not have."""
 
-from stages.config.tables import PolicyTables
-from stages.plugins import shorten_name
-from stages.tables.markup import read_notes
-from stages.tables.methods import kinds_of
+from roomkin.stages.config.tables import PolicyTables
+from roomkin.stages.plugins import shorten_name
+from roomkin.stages.tables.markup import read_notes
+from roomkin.stages.tables.methods import kinds_of
 
 
 def policy_notes(options: PolicyTables) -> list[str]:

@@ -5,22 +5,23 @@ from typing import Any
 
 import pandas as pd
 
-from stages.config.tables import TablesConfig
-from stages.contracts.words import count
-from stages.tables.cells import CELL
-from stages.tables.markup import Table, read_notes
-from stages.tables.methods import Kinds
-from stages.tables.order import CLOUDS, set_key, target_title, title
-from stages.tables.rows import records
-from stages.tables.scene_tables import format_confidence
-from stages.tables.text import NOT_RUN, cell, interval, number, percent
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts.words import count
+from roomkin.stages.tables.cells import CELL
+from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.methods import Kinds
+from roomkin.stages.tables.order import CLOUDS, set_key, target_title, title
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.scene_tables import format_confidence
+from roomkin.stages.tables.text import NOT_RUN, cell, interval, number, percent
 
 
 def _format_rate(row: dict[str, Any]) -> tuple[str, str]:
     """Value and remark of a cell of Table 3."""
     counts = f"{interval(row)} {row['successes']}/{row['episodes']}, {count(row['runs'], 'run')}"
     official = f"official {percent(row['official_successes'] / row['episodes'])}"
-    return percent(row["mean"], row["std"]), f"{counts}, {official}"
+    steps = "" if pd.isna(row["steps"]) else f", {row['steps']:.0f} steps"
+    return percent(row["mean"], row["std"]), f"{counts}, {official}{steps}"
 
 
 def policies_table(

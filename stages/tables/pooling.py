@@ -4,8 +4,8 @@ from collections.abc import Iterable
 
 import pandas as pd
 
-from stages.config.tables import MethodTables
-from stages.tables.order import SKILL
+from roomkin.stages.config.tables import MethodTables
+from roomkin.stages.tables.order import SKILL
 
 RUN = ["target", "policy", "training_set", "run", "seed"]
 

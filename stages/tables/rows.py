@@ -8,9 +8,9 @@ from typing import Any
 import pandas as pd
 from pydantic import BaseModel
 
-from stages.contracts import files
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_text
+from roomkin.stages.contracts import files
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_text
 
 # Columns that name one file of rows.
 ONE_SCENE = ["scene", "variant", "rank", "protocol", "draw"]
@@ -37,7 +37,7 @@ def read_rows(model: type[BaseModel], paths: Sequence[Path], one_file: list[str]
     rows = []
     source: dict[tuple[object, ...], int] = {}
     for number, path in enumerate(paths):
-        for line in files.read_rows(model, path, "write it with `python -m stages.evaluation`"):
+        for line in files.read_rows(model, path, "write it with `roomkin evaluation`"):
             row = line.model_dump()
             key = tuple(row[name] for name in one_file)
             if source.setdefault(key, number) != number:

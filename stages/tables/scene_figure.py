@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
-from stages.contracts.images import read_narrow
-from stages.tables.drawing import mark_not_run
-from stages.tables.order import sort_key, title
+from roomkin.stages.contracts.images import read_narrow
+from roomkin.stages.tables.drawing import mark_not_run
+from roomkin.stages.tables.order import sort_key, title
 
 
 def figure6(pictures: dict[tuple[str, str], Path], rooms: list[str], width: int) -> Figure:

@@ -4,13 +4,13 @@ from typing import Any
 
 import pandas as pd
 
-from stages.config.tables import TablesConfig
-from stages.contracts.cousins import NO_MODEL
-from stages.tables.markup import Table, read_notes
-from stages.tables.order import NO_IMAGE, VARIANTS, title
-from stages.tables.rows import records
-from stages.tables.table2 import COUNTS, METRICS
-from stages.tables.text import NOT_RUN, NOTHING, cell, number, spread
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts.cousins import NO_MODEL
+from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.order import NO_IMAGE, VARIANTS, title
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.table2 import COUNTS, METRICS
+from roomkin.stages.tables.text import NOT_RUN, NOTHING, cell, number, spread
 
 # Decimals of a measure by its unit.
 DIGITS = {"cm": 1, "rad": 2, "iou": 2}

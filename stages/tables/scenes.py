@@ -2,16 +2,16 @@
 
 from pathlib import Path
 
-from stages.config.tables import TablesConfig
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_options
-from stages.contracts.policies import SceneScore
-from stages.tables import table2
-from stages.tables.drawing import save, style
-from stages.tables.rows import ONE_SCENE, published_scenes, read_rows
-from stages.tables.scene_figure import figure6
-from stages.tables.scene_tables import scenes_table
-from stages.tables.writing import write
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_options
+from roomkin.stages.contracts.policies import SceneScore
+from roomkin.stages.tables import table2
+from roomkin.stages.tables.drawing import save, style
+from roomkin.stages.tables.rows import ONE_SCENE, published_scenes, read_rows
+from roomkin.stages.tables.scene_figure import figure6
+from roomkin.stages.tables.scene_tables import scenes_table
+from roomkin.stages.tables.writing import write
 
 
 def parse_comparisons(items: tuple[str, ...], flag: str = "--comparisons") -> dict[tuple[str, str], Path]:

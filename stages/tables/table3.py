@@ -4,15 +4,15 @@ from typing import Any
 
 import pandas as pd
 
-from stages.config.tables import TablesConfig
-from stages.tables.cells import CELL, GAIN, in_order, rates, tabulate_gains
-from stages.tables.order import SKILL, SPLITS
-from stages.tables.rows import records
-from stages.tables.statistics import wilson
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.tables.cells import CELL, GAIN, in_order, rates, tabulate_gains
+from roomkin.stages.tables.order import SKILL, SPLITS
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.statistics import wilson
 
 COLUMNS = [
     "target", "task", "policy", "cloud", "test_asset", "feature_distance", "training_set", "run", "seed", "episodes",
-    "successes", "official_successes", "success_rate", "wilson_low", "wilson_high",
+    "successes", "official_successes", "steps", "success_rate", "wilson_low", "wilson_high",
 ]  # fmt: skip
 ALL_COLUMNS = [*COLUMNS, "checkpoint", "asset", "status"]
 DIFFERENCE_COLUMNS = [*CELL, *GAIN]
@@ -41,6 +41,7 @@ def build(rollouts: pd.DataFrame, asked: pd.DataFrame, options: TablesConfig) ->
             | {"feature_distance": float(group["feature_distance"].mean()), "asset": _assets(group["asset"])}
             | {"task": group["task"].iloc[0], "cloud": group["cloud"].iloc[0]}
             | {"official_successes": int(group["official_success"].sum())}
+            | {"steps": float(group.loc[group["success"], "steps"].mean())}
             | {"episodes": episodes, "successes": successes, "success_rate": successes / episodes}
             | {"wilson_low": low, "wilson_high": high, "status": "run"}
         )

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from stages.contracts.files import write_text
-from stages.tables.markup import Table, html, latex
+from roomkin.stages.contracts.files import write_text
+from roomkin.stages.tables.markup import Table, html, latex
 
 
 def write_csv(path: Path, table: pd.DataFrame) -> None:

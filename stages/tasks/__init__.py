@@ -1,8 +1,8 @@
-"""The tasks, a folder each (paper B.4). After `import stages.tasks` they can be made by `gym.make`."""
+"""The tasks, a folder each (paper B.4). After `import roomkin.stages.tasks` they can be made by `gym.make`."""
 
 import importlib
 
-from stages.plugins import list_available
+from roomkin.stages.plugins import list_available
 
 for module in list_available("tasks").values():
     importlib.import_module(module)

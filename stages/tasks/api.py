@@ -13,19 +13,19 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from stages.config.demonstrations import RandomiseOptions
-from stages.contracts import Asset, InputError, read_json
-from stages.contracts.errors import ObjectError
-from stages.contracts.task_options import TaskConfig
-from stages.plugins import load
-from stages.simulation.kinematics import Array
-from stages.simulation.robot import panda_chain
-from stages.simulation.room import Room
-from stages.tasks.observation import Observation, Sensing
-from stages.tasks.task import Task
+from roomkin.stages.config.demonstrations import RandomiseOptions
+from roomkin.stages.contracts import Asset, InputError, read_json
+from roomkin.stages.contracts.errors import ObjectError
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.plugins import load
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.robot import panda_chain
+from roomkin.stages.simulation.room import Room
+from roomkin.stages.tasks.observation import Observation, Sensing
+from roomkin.stages.tasks.task import Task
 
 if TYPE_CHECKING:
-    from stages.tasks.environment import OpenTaskEnv
+    from roomkin.stages.tasks.environment import OpenTaskEnv
 
 Float = NDArray[np.float32]
 Size = tuple[float, float, float]
@@ -114,7 +114,7 @@ class EnvWrapper:
         """`reset` without an observation, which a skill does not need to plan."""
         folder = self._nominal_folder()
         if self._env is None:
-            from stages.simulation.rendering import render_backend
+            from roomkin.stages.simulation.rendering import render_backend
 
             module, _, name = self.task.environment.partition(":")
             environment = getattr(importlib.import_module(module), name)
@@ -185,7 +185,7 @@ class EnvWrapper:
             self._temporary.cleanup()
 
     def _nominal_folder(self) -> Path:
-        from stages.articulated.resizing import resize_asset
+        from roomkin.stages.articulated.resizing import resize_asset
 
         key = (self.assets, self.size)
         if key not in self._nominal:

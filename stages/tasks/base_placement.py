@@ -4,15 +4,15 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import invert_transform, make_transform, transform_points
-from stages.planning.articulation import choose_open_goals, plan_articulation
-from stages.planning.clearance import BASE, Surroundings
-from stages.simulation.kinematics import Array
-from stages.simulation.robot import REST, panda_chain
-from stages.simulation.target import Target
-from stages.tasks.initial_state import InitialState, base_pose, object_motion
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.geometry.frames import invert_transform, make_transform, transform_points
+from roomkin.stages.planning.articulation import choose_open_goals, plan_articulation
+from roomkin.stages.planning.clearance import BASE, Surroundings
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.robot import REST, panda_chain
+from roomkin.stages.simulation.target import Target
+from roomkin.stages.tasks.initial_state import InitialState, base_pose, object_motion
 
 # Metres farther out from the front and towards the hinge, in this order.
 NEARBY = tuple((out, towards) for out in (0.1, 0.2) for towards in (0.15, 0.3, 0.45))

@@ -8,11 +8,11 @@ import sapien
 from mani_skill.sensors.camera import CameraConfig
 from scipy.spatial.transform import Rotation
 
-from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import make_transform
-from stages.simulation.depth_shaders import depth_shaders
-from stages.simulation.kinematics import Array
-from stages.simulation.robot import AcdcPanda
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.simulation.depth_shaders import depth_shaders
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.robot import AcdcPanda
 
 Place = tuple[float, float, float]
 

@@ -12,6 +12,6 @@
 - Open the door of a cabinet that hangs on an upright hinge, by its handle
 """
 
-from stages.tasks.task import Task, register
+from roomkin.stages.tasks.task import Task, register
 
-TASK = register(Task(gym_id="ACDC-OpenDoor-v1", skills=("stages.skills.open",), part_type="door"))
+TASK = register(Task(gym_id="ACDC-OpenDoor-v1", skills=("roomkin.stages.skills.open",), part_type="door"))

@@ -12,6 +12,6 @@
 - Pull a drawer out of a cabinet by its handle
 """
 
-from stages.tasks.task import Task, register
+from roomkin.stages.tasks.task import Task, register
 
-TASK = register(Task(gym_id="ACDC-OpenDrawer-v1", skills=("stages.skills.open",), part_type="drawer"))
+TASK = register(Task(gym_id="ACDC-OpenDrawer-v1", skills=("roomkin.stages.skills.open",), part_type="drawer"))

@@ -10,12 +10,12 @@ import torch
 from mani_skill.envs.sapien_env import BaseEnv
 from mani_skill.utils.structs import Articulation
 
-from stages.simulation.film_renderer import FilmRenderer, Shot
-from stages.simulation.kinematics import Array
-from stages.simulation.recording import Moment, Prop, Recording
-from stages.simulation.robot import AcdcPanda
-from stages.simulation.room import Room
-from stages.simulation.target import Target
+from roomkin.stages.simulation.film_renderer import FilmRenderer, Shot
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.recording import Moment, Prop, Recording
+from roomkin.stages.simulation.robot import AcdcPanda
+from roomkin.stages.simulation.room import Room
+from roomkin.stages.simulation.target import Target
 
 
 class FilmedEnv(BaseEnv):

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.library import Asset
-from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import make_transform, yaw_matrix
+from roomkin.stages.contracts.library import Asset
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 
 Array = NDArray[np.float64]
 

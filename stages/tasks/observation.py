@@ -9,12 +9,12 @@ import sapien
 from mani_skill.sensors.camera import CameraConfig
 from numpy.typing import NDArray
 
-from stages.contracts.task_options import TaskConfig
-from stages.simulation.depth_shaders import PICTURE
-from stages.simulation.kinematics import Array
-from stages.simulation.observation import finger_points, object_points, proprioception, unify_cloud
-from stages.simulation.robot import AcdcPanda, panda_chain, rest_quaternion
-from stages.tasks.cameras import Camera, displace_pose, jitter
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.simulation.depth_shaders import PICTURE
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.observation import finger_points, object_points, proprioception, unify_cloud
+from roomkin.stages.simulation.robot import AcdcPanda, panda_chain, rest_quaternion
+from roomkin.stages.tasks.cameras import Camera, displace_pose, jitter
 
 Float = NDArray[np.float32]
 

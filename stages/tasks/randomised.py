@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from sapien.physx import PhysxArticulation, PhysxMaterial
 
-from stages.config.demonstrations import RandomiseOptions
+from roomkin.stages.config.demonstrations import RandomiseOptions
 
 
 class Factors(NamedTuple):

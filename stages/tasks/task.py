@@ -4,9 +4,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from stages.articulated.affordance import Affordance, target_joint
-from stages.contracts.errors import InputError
-from stages.contracts.parts import PartType
+from roomkin.stages.articulated.affordance import Affordance, target_joint
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.parts import PartType
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Task:
     skills: tuple[str, ...]
     part_type: PartType
     horizon: int = 100
-    environment: str = "stages.tasks.environment:OpenTaskEnv"
+    environment: str = "roomkin.stages.tasks.environment:OpenTaskEnv"
 
     def target_joint(self, folder: Path, like: Affordance | None = None, flaps: bool = False) -> Affordance | None:
         """The joint of the asset in `folder` that the task is about, None if none will do.

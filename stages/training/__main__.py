@@ -1,9 +1,9 @@
-"""`python -m stages.training COMMAND`."""
+"""`roomkin training COMMAND`."""
 
-from stages.cli import main
+from roomkin.stages.cli import main
 
 main(
-    "stages.training",
+    "roomkin.stages.training",
     {
         "train": "train one policy on episode stores",
     },

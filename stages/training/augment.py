@@ -6,7 +6,7 @@ Random numbers are drawn on the host and carried to where the sequences are: the
 import torch
 from torch import Tensor
 
-from stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig
 
 TRANSLATION_PROBABILITY = 0.4  # per sequence (official: 0.4)
 JITTER_PROBABILITY, JITTER_CLIP = 0.1, 0.015  # per sequence (official: 0.1, switched off); largest, metres (official)

@@ -8,7 +8,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from stages.training.dataset import DemonstrationSet
+from roomkin.stages.training.dataset import DemonstrationSet
 
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]

@@ -10,11 +10,11 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from stages.contracts.episode_store import read_episodes
-from stages.contracts.errors import InputError
-from stages.contracts.task_options import TaskConfig
-from stages.contracts.trained import TrainingStore
-from stages.training.fronts import segment_episodes
+from roomkin.stages.contracts.episode_store import read_episodes
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.trained import TrainingStore
+from roomkin.stages.training.fronts import segment_episodes
 
 Float = NDArray[np.float32]
 VALIDATION_FRACTION = 0.1  # of the episodes of every store (official: 0.1)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor
 
-from stages.policies.handle_points import segment_handles
+from roomkin.stages.policies.handle_points import segment_handles
 
 FRONT_TURNED, FRONT_PULLED = 0.07, 0.015  # radians, metres in two frames in a row: a front that moves; chosen
 

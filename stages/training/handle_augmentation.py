@@ -11,7 +11,7 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from stages.training.batches import Batch
+from roomkin.stages.training.batches import Batch
 
 HIDING = 0.05  # metres between hand and handle, below which the fingers may hide it; chosen
 HOLDING = (0.002, 0.02)  # metres of a finger joint with something between the fingers; chosen

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any, Literal
 
-from stages.contracts.system import name_file_in_errors
+from roomkin.stages.contracts.system import name_file_in_errors
 
 Line = dict[str, float | int | None]
 Mode = Literal["disabled", "offline", "online"]

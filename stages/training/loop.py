@@ -9,16 +9,16 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from stages.cli import progress
-from stages.contracts.policy_config import PolicyConfig
-from stages.policies.base import TrainablePolicy
-from stages.policies.checkpoint import save_weights
-from stages.training.augment import augment
-from stages.training.batches import Batch, list_windows, make_batch
-from stages.training.dataset import DemonstrationSet, split_episodes
-from stages.training.handle_augmentation import vary_handles
-from stages.training.logbook import Line
-from stages.training.state import TrainingState
+from roomkin.stages.cli import progress
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.policies.base import TrainablePolicy
+from roomkin.stages.policies.checkpoint import save_weights
+from roomkin.stages.training.augment import augment
+from roomkin.stages.training.batches import Batch, list_windows, make_batch
+from roomkin.stages.training.dataset import DemonstrationSet, split_episodes
+from roomkin.stages.training.handle_augmentation import vary_handles
+from roomkin.stages.training.logbook import Line
+from roomkin.stages.training.state import TrainingState
 
 LINEAR_STEPS, LINEAR_FLOOR = 10_000, 0.1  # official: 100 epochs of 100 steps
 GRADIENT_CLIP = 1.0  # largest norm of the gradient; official code: none

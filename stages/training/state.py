@@ -9,10 +9,10 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from stages.contracts.errors import explain
-from stages.contracts.files import write_atomically
-from stages.policies.base import TrainablePolicy
-from stages.training.logbook import Line
+from roomkin.stages.contracts.errors import explain
+from roomkin.stages.contracts.files import write_atomically
+from roomkin.stages.policies.base import TrainablePolicy
+from roomkin.stages.training.logbook import Line
 
 STATE = "state.pt"
 KEPT = ("step", "best_step", "best_loss", "best", "lines")

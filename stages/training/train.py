@@ -11,20 +11,26 @@ from typing import Literal
 
 import torch
 
-from stages.config.code import code_digest, cover
-from stages.contracts.archives import pack
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_options, write_json, write_text
-from stages.contracts.policy_config import PolicyConfig
-from stages.contracts.policy_folder import CHECKPOINTS
-from stages.contracts.trained import TrainedPolicy
-from stages.plugins import find_options, parse_kwargs, qualify_module
-from stages.policies.base import make_policy
-from stages.policies.checkpoint import FILES, save_weights
-from stages.training.dataset import DemonstrationSet, constant_error, frames_of, read_demonstrations, split_episodes
-from stages.training.logbook import Line, Logbook
-from stages.training.loop import Setting, optimise
-from stages.training.state import TrainingState
+from roomkin.stages.config.code import code_digest, cover
+from roomkin.stages.contracts.archives import pack
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_options, write_json, write_text
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.policy_folder import CHECKPOINTS
+from roomkin.stages.contracts.trained import TrainedPolicy
+from roomkin.stages.plugins import find_options, parse_kwargs, qualify_module
+from roomkin.stages.policies.base import make_policy
+from roomkin.stages.policies.checkpoint import FILES, save_weights
+from roomkin.stages.training.dataset import (
+    DemonstrationSet,
+    constant_error,
+    frames_of,
+    read_demonstrations,
+    split_episodes,
+)
+from roomkin.stages.training.logbook import Line, Logbook
+from roomkin.stages.training.loop import Setting, optimise
+from roomkin.stages.training.state import TrainingState
 
 WANDB_FOLDER = Path("logs/training")  # its runs are named by time: nothing for results/
 

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from benchmarks.open_rooms import by_clicks, pairs, pictures, tables
 from benchmarks.open_rooms.by_clicks import BOX, DELETE, Effort
-from stages.contracts.corrections import Corrections
-from stages.contracts.doubt import DoubtKind
-from stages.contracts.scenes import Annotation
+from roomkin.stages.contracts.corrections import Corrections
+from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.scenes import Annotation
 from tests.benchmarks.test_open_rooms import TRUE, row
 
 LEFT, RIGHT, BOTH = np.s_[20:60, 10:50], np.s_[20:60, 60:100], np.s_[20:60, 10:100]

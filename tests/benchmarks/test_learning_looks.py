@@ -9,7 +9,7 @@ from benchmarks.name_training.outlines import NONE, OWN, Outlines, join, vary
 from benchmarks.name_training.rooms import make_pool
 from benchmarks.name_training.solids import JUNK
 from benchmarks.open_rooms import crowd, packs, rooms, views
-from plugins.furniture.catalogue import CATEGORIES
+from roomkin.plugins.furniture.catalogue import CATEGORIES
 
 NAMES = ["mug", "sofa", NONE]
 

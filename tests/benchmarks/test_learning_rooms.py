@@ -5,8 +5,8 @@ import pytest
 
 from benchmarks.name_training.pictures import BACKGROUND, GROUND, NOTHING, Picture, pictures_in
 from benchmarks.name_training.rooms import FLOOR, WALL, Pool, Room, furnish, make_pool
-from stages.geometry.cameras import back_project
-from stages.geometry.frames import transform_points
+from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.frames import transform_points
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ def share(a, b):
     return a / b if b else 0.5
 """
 TESTS = """
-from stages.thing import share
+from roomkin.stages.thing import share
 
 def test_share():
     assert share(3, 2) == 1.5
@@ -27,15 +27,15 @@ def test_share():
 @pytest.fixture
 def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """One module and its test."""
-    for name, text in (("stages/thing.py", CODE), ("test_thing.py", TESTS), ("stages/__init__.py", "")):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
+    for name, text in (("roomkin/stages/thing.py", CODE), ("test_thing.py", TESTS), ("roomkin/__init__.py", "")):
+        (tmp_path / name).parent.mkdir(exist_ok=True, parents=True)
         (tmp_path / name).write_text(text, encoding="utf-8")
     monkeypatch.setattr(mutants, "ROOT", tmp_path)
     return tmp_path
 
 
 def test_each_change_is_one_place_and_still_python(repository: Path) -> None:
-    found = list(list_mutants(repository / "stages/thing.py"))
+    found = list(list_mutants(repository / "roomkin/stages/thing.py"))
     changed = {one.apply(CODE) for one in found}
     assert len(changed) == len(found)
     assert CODE not in changed
@@ -56,7 +56,7 @@ def test_each_change_is_one_place_and_still_python(repository: Path) -> None:
 
 def test_the_same_seed_draws_the_same(repository: Path) -> None:
     def names(seed: int) -> list[tuple[int, str]]:
-        return [(one.node.lineno, one.text) for one in draw(repository / "stages", 5, seed)]
+        return [(one.node.lineno, one.text) for one in draw(repository / "roomkin/stages", 5, seed)]
 
     assert names(1) == names(1) != names(2)
     assert len(names(1)) == 5
@@ -64,13 +64,13 @@ def test_the_same_seed_draws_the_same(repository: Path) -> None:
 
 def test_tests_are_found_by_imports_and_names() -> None:
     found = find_tests(ROOT)
-    first = [path.name for path in found["stages.articulated.urdf_tree"][:2]]
+    first = [path.name for path in found["roomkin.stages.articulated.urdf_tree"][:2]]
     assert first == ["test_articulated.py", "test_malformed_urdf.py"]
-    assert found["stages.matching.normals"][0].name == "test_matching_encoders.py"
+    assert found["roomkin.stages.matching.normals"][0].name == "test_matching_encoders.py"
 
 
 def test_a_mutant_is_noticed_survives_or_has_no_end(repository: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    by_text = {one.text: one for one in list_mutants(repository / "stages/thing.py")}
+    by_text = {one.text: one for one in list_mutants(repository / "roomkin/stages/thing.py")}
     seen, unseen = by_text["return None"], by_text["(3)"]
     assert judge(seen, ["test_thing.py"], repository) == "noticed"
     assert judge(unseen, ["test_thing.py"], repository) == "SURVIVED"
@@ -81,4 +81,4 @@ def test_a_mutant_is_noticed_survives_or_has_no_end(repository: Path, monkeypatc
     assert judge(seen, ["test_thing.py"], repository) == "noticed", "by another test"
     monkeypatch.setattr(mutants, "LIMIT", 0.01)
     assert judge(seen, ["test_thing.py"], repository) == "NO END"
-    assert (repository / "stages/thing.py").read_text(encoding="utf-8") == CODE
+    assert (repository / "roomkin/stages/thing.py").read_text(encoding="utf-8") == CODE

@@ -13,9 +13,9 @@ from benchmarks.name_training.learn import Options, train, vary
 from benchmarks.name_training.pictures import pictures_in, sense_depth
 from benchmarks.name_training.rooms import furnish, make_pool
 from benchmarks.name_training.solids import JUNK, make_junk
-from plugins.furniture.catalogue import CATEGORIES
-from stages.perception.classification.network import NUMBERS, ShapeNetwork
-from stages.perception.classification.propose import FAR
+from roomkin.plugins.furniture.catalogue import CATEGORIES
+from roomkin.stages.perception.classification.network import NUMBERS, ShapeNetwork
+from roomkin.stages.perception.classification.propose import FAR
 
 SHAPE = (120, 160)
 OWNER = np.zeros(SHAPE, np.uint8)

@@ -29,12 +29,12 @@ from benchmarks.open_rooms import (
     tables,
     views,
 )
-from plugins.furniture.catalogue import CATEGORIES
-from stages.config.reads import stores
-from stages.contracts import Annotations, InputError, read_json, write_json
-from stages.contracts.library import FrontPanel, Joint
-from stages.contracts.scenes import Annotation
-from stages.geometry.boxes import UprightBox, footprint
+from roomkin.plugins.furniture.catalogue import CATEGORIES
+from roomkin.stages.config.reads import stores
+from roomkin.stages.contracts import Annotations, InputError, read_json, write_json
+from roomkin.stages.contracts.library import FrontPanel, Joint
+from roomkin.stages.contracts.scenes import Annotation
+from roomkin.stages.geometry.boxes import UprightBox, footprint
 from tests.refusals import refused
 from tests.unit.generation_scenes import asset
 

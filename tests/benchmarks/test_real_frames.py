@@ -9,12 +9,12 @@ import pytest
 from benchmarks.open_rooms.run import StoppedError
 from benchmarks.real_frames import __main__ as frames
 from benchmarks.real_frames.__main__ import HERE, NAMES, Found, count, score_frame
-from stages.contracts import Annotations, Cousins, Objects, write_json
-from stages.contracts.categories import known_categories
-from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
-from stages.contracts.objects import Box, Mounting, SceneObject
-from stages.contracts.scenes import Annotation
-from stages.contracts.things import Name, Thing, Things
+from roomkin.stages.contracts import Annotations, Cousins, Objects, write_json
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.cousins import Cousin, ObjectCousins, Orientation
+from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
+from roomkin.stages.contracts.scenes import Annotation
+from roomkin.stages.contracts.things import Name, Thing, Things
 
 
 def test_every_mask_has_a_name_that_the_library_knows() -> None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from benchmarks.wordnet import HEADS, explain, read_senses
-from stages.matching.text_encoders.lexical import KNOWN, MEANINGS, split_words
+from roomkin.stages.matching.text_encoders.lexical import KNOWN, MEANINGS, split_words
 
 NOUNS = """\
   1 notice

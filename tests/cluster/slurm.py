@@ -16,8 +16,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from plugins.ops.guard import descendants
-from plugins.ops.lock import WORKFLOW, Holder
+from roomkin.plugins.ops.guard import descendants
+from roomkin.plugins.ops.lock import WORKFLOW, Holder
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
 NODES = ("n1", "n2")
@@ -135,7 +135,12 @@ class Cluster:
         kill(processes_with(f"SLURM_CONF={self.environment['SLURM_CONF']}"))
 
     def _start(self, name: str, *command: str) -> None:
-        guarded = [sys.executable, "-m", "plugins.ops.guard", *command]  # daemons end with the tests, however these end
+        guarded = [
+            sys.executable,
+            "-m",
+            "roomkin.plugins.ops.guard",
+            *command,
+        ]  # daemons end with the tests, however these end
         environment = os.environ | self.environment | {WORKFLOW: Holder.this_process().text}
         with (self.folder / f"{name}.out").open("ab") as log:
             self._running[name] = subprocess.Popen(

@@ -4,11 +4,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from plugins.furniture.folder import build
-from stages.articulated.asset_folder import Description, read_model, write_asset
-from stages.contracts.library import Asset, Recipe
-from stages.contracts.policies import TaskAsset
-from stages.geometry.frames import invert_transform
+from roomkin.plugins.furniture.folder import build
+from roomkin.stages.articulated.asset_folder import Description, read_model, write_asset
+from roomkin.stages.contracts.library import Asset, Recipe
+from roomkin.stages.contracts.policies import TaskAsset
+from roomkin.stages.geometry.frames import invert_transform
 
 FRONT: dict[str, Any] = {
     "digest": "c0ffee",

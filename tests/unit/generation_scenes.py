@@ -6,17 +6,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stages.config.generation import GenerationConfig
-from stages.contracts import Asset
-from stages.contracts.objects import Mounting, Wall
-from stages.generation.choosing import choose_models
-from stages.generation.collisions import resolve_collisions
-from stages.generation.doubts import doubt_placements
-from stages.generation.inputs import Inputs
-from stages.generation.placed import Placed, Prism
-from stages.generation.placing import Places
-from stages.generation.stacking import assign_supports
-from stages.geometry.boxes import UprightBox
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.contracts import Asset
+from roomkin.stages.contracts.objects import Mounting, Wall
+from roomkin.stages.generation.choosing import choose_models
+from roomkin.stages.generation.collisions import resolve_collisions
+from roomkin.stages.generation.doubts import doubt_placements
+from roomkin.stages.generation.inputs import Inputs
+from roomkin.stages.generation.placed import Placed, Prism
+from roomkin.stages.generation.placing import Places
+from roomkin.stages.generation.stacking import assign_supports
+from roomkin.stages.geometry.boxes import UprightBox
 
 BACK = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)  # the plane x = 4, seen from x < 4
 

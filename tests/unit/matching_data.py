@@ -11,14 +11,14 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import Cousins, Library, Objects, SnapshotShard, read_json, write_json
-from stages.contracts.library import LibraryEntry
-from stages.contracts.objects import Box, Mounting, SceneObject
-from stages.geometry.cameras import intrinsics_from_fov, look_at
-from stages.geometry.crop import View
-from stages.geometry.frames import yaw_matrix
-from stages.matching.features import run as features
-from stages.matching.match import run as match
+from roomkin.stages.contracts import Cousins, Library, Objects, SnapshotShard, read_json, write_json
+from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
+from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
+from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.frames import yaw_matrix
+from roomkin.stages.matching.features import run as features
+from roomkin.stages.matching.match import run as match
 
 SIZE, YAWS = 96, 16
 ELEVATION = 0.3

@@ -5,7 +5,7 @@ import sapien
 from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation, PhysxMaterial
 
-from stages.articulated.urdf_writer import SURFACE_FRICTION
+from roomkin.stages.articulated.urdf_writer import SURFACE_FRICTION
 
 
 def add_ground(scene: sapien.Scene, height: float = 0.0) -> sapien.Entity:

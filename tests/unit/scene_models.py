@@ -2,12 +2,12 @@
 
 from functools import cache
 
-from plugins.furniture.catalogue import sample
-from plugins.furniture.folder import generate
-from plugins.furniture.robot import robot_of
-from stages.articulated.part_types import contract_joints
-from stages.config.assets import AssetsConfig
-from stages.contracts import Asset
+from roomkin.plugins.furniture.catalogue import sample
+from roomkin.plugins.furniture.folder import generate
+from roomkin.plugins.furniture.robot import robot_of
+from roomkin.stages.articulated.part_types import contract_joints
+from roomkin.stages.config.assets import AssetsConfig
+from roomkin.stages.contracts import Asset
 
 
 @cache

@@ -9,14 +9,14 @@ import numpy as np
 from PIL import Image, ImageDraw
 from pydantic import BaseModel
 
-from stages.contracts.archives import pack
-from stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
-from stages.contracts.files import read_json, write_json
-from stages.contracts.generated import GeneratedScene, PlacedObject, Plausibility
-from stages.contracts.library import Library, LibraryEntry, SnapshotShard
-from stages.contracts.objects import Box, Mounting, Objects, SceneObject
-from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, TaskAssets
-from stages.contracts.provenance import Provenance
+from roomkin.stages.contracts.archives import pack
+from roomkin.stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
+from roomkin.stages.contracts.files import read_json, write_json
+from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject, Plausibility
+from roomkin.stages.contracts.library import Library, LibraryEntry, SnapshotShard
+from roomkin.stages.contracts.objects import Box, Mounting, Objects, SceneObject
+from roomkin.stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, TaskAssets
+from roomkin.stages.contracts.provenance import Provenance
 from tests.unit.demo_assets import FRONT
 
 VIEWER = Path(__file__).parents[2] / "plugins/report/page/three/three.min.js"
@@ -55,7 +55,7 @@ def film(path: Path, frames: int = 6) -> None:
 
 def films(folder: Path, roles: list[str]) -> None:
     """A success and a failure per asset and their list, and the archive of them."""
-    from plugins.films.contract import Film, Films
+    from roomkin.plugins.films.contract import Film, Films
 
     entries = []
     for role in roles:
@@ -209,8 +209,8 @@ def _room(results: Path, name: str) -> None:
 
 
 def _policies(results: Path) -> None:
-    from plugins.films.contract import Films
-    from plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
+    from roomkin.plugins.films.contract import Films
+    from roomkin.plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
 
     assets = [
         TaskAsset(role=role, asset=f"cabinet_{number:02d}", category="cabinet", joint="door", size=(0.5, 0.6, 0.7),

@@ -1,10 +1,10 @@
 """Cousins that open otherwise than was stated say so, and a scene of them doubts it first."""
 
-from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
-from stages.contracts.library import Library
-from stages.contracts.objects import SceneObject
-from stages.matching.affordances import describe_counts, note_differences
-from stages.matching.match import describe_doubts
+from roomkin.stages.contracts.cousins import Cousin, ObjectCousins, Orientation
+from roomkin.stages.contracts.library import Library
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.matching.affordances import describe_counts, note_differences
+from roomkin.stages.matching.match import describe_doubts
 from tests.unit.test_matching_labels import entry
 
 VIEW = Orientation(yaw=0.0, distance=0.0)

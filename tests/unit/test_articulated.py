@@ -10,29 +10,29 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from plugins.furniture.handles import STYLES, Style
-from stages.articulated.asset_folder import (
+from roomkin.plugins.furniture.handles import STYLES, Style
+from roomkin.stages.articulated.asset_folder import (
     Description,
     atomic_folder,
     read_asset,
     read_model,
     write_asset,
 )
-from stages.articulated.attributes import merge_visuals
-from stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
-from stages.articulated.handle import find_handle
-from stages.articulated.handle_extents import handle_extents
-from stages.articulated.mesh_reader import texture_of
-from stages.articulated.model import Link, RobotModel, Texture, Visual
-from stages.articulated.part_types import assign_part_types, contract_joints
-from stages.articulated.resizing import resize_model
-from stages.articulated.stretching import stretch_model
-from stages.articulated.urdf_reader import read_urdf
-from stages.articulated.urdf_tree import UrdfTree
-from stages.articulated.urdf_writer import write_urdf
-from stages.config.code import closure, source
-from stages.contracts.errors import InputError
-from stages.geometry.frames import make_transform
+from roomkin.stages.articulated.attributes import merge_visuals
+from roomkin.stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
+from roomkin.stages.articulated.handle import find_handle
+from roomkin.stages.articulated.handle_extents import handle_extents
+from roomkin.stages.articulated.mesh_reader import texture_of
+from roomkin.stages.articulated.model import Link, RobotModel, Texture, Visual
+from roomkin.stages.articulated.part_types import assign_part_types, contract_joints
+from roomkin.stages.articulated.resizing import resize_model
+from roomkin.stages.articulated.stretching import stretch_model
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.articulated.urdf_tree import UrdfTree
+from roomkin.stages.articulated.urdf_writer import write_urdf
+from roomkin.stages.config.code import closure, source
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.geometry.frames import make_transform
 from tests.unit.articulated_models import CABINET, textured_box, write_cabinet
 from tests.unit.demo_assets import cabinet
 
@@ -44,7 +44,7 @@ NO_SIMULATOR = [
     "extraction",
     "geometry",
     "matching",
-    "plugins.furniture",
+    "roomkin.plugins.furniture",
 ]
 SIMULATORS = {"sapien", "mani_skill", "gymnasium"}
 
@@ -105,7 +105,7 @@ def test_a_link_without_mass_weighs_boards_spread_as_in_a_solid_box(tmp_path: Pa
 
 
 def test_rigid_meshes_have_the_inertia_of_their_hull(tmp_path: Path) -> None:
-    from plugins.importing.single_body import read_mesh
+    from roomkin.plugins.importing.single_body import read_mesh
 
     trimesh.creation.box([0.2, 0.3, 0.4]).export(tmp_path / "box.obj")
     base = read_mesh(tmp_path / "box.obj", tmp_path).links["base"]
@@ -114,7 +114,7 @@ def test_rigid_meshes_have_the_inertia_of_their_hull(tmp_path: Path) -> None:
 
 
 def test_a_mass_told_by_hand_scales_mass_and_inertia_of_every_link(tmp_path: Path) -> None:
-    from plugins.importing.inertia_repair import with_mass
+    from roomkin.plugins.importing.inertia_repair import with_mass
 
     robot = read_urdf(write_cabinet(tmp_path), tmp_path)
     heavy = with_mass(robot, 3 * robot.mass)
@@ -311,7 +311,7 @@ def test_what_turns_without_end_follows_or_hardly_moves_is_fixed(tmp_path: Path,
 
 
 def test_the_chain_of_an_arm_is_read_from_the_same_tree(tmp_path: Path) -> None:
-    from stages.simulation.kinematics import read_chain
+    from roomkin.stages.simulation.kinematics import read_chain
 
     def hinge(number: int, origin: str) -> str:
         limit = f'<limit lower="-{number}" upper="2"/>'
@@ -342,7 +342,7 @@ def test_a_mirrored_mesh_keeps_its_outside_out(tmp_path: Path) -> None:
 @pytest.mark.parametrize("room", NO_SIMULATOR)
 def test_rooms_that_import_no_simulator(room: str) -> None:
     """DESIGN, rule 5: neither these rooms nor anything they import names one, not even inside a function."""
-    home = source(room if "." in room else f"stages.{room}")
+    home = source(room if "." in room else f"roomkin.stages.{room}")
     assert home is not None
     modules = {name for path in home.parent.rglob("*.py") for name in closure(module_name(path, home))}
     assert len(modules) > 3
@@ -355,7 +355,7 @@ def test_rooms_that_import_no_simulator(room: str) -> None:
 
 def module_name(path: Path, home: Path) -> str:
     inside = path.relative_to(home.parents[1]).with_suffix("").parts
-    return ".".join([home.parents[1].name, *(part for part in inside if part != "__init__")])
+    return ".".join(["roomkin", home.parents[1].name, *(part for part in inside if part != "__init__")])
 
 
 def imported(path: Path) -> set[str]:
@@ -371,10 +371,13 @@ def imported(path: Path) -> set[str]:
 
 def test_the_walk_over_imports_would_find_a_simulator() -> None:
     found = {
-        name for module in closure("stages.simulation.loading") if (path := source(module)) for name in imported(path)
+        name
+        for module in closure("roomkin.stages.simulation.loading")
+        if (path := source(module))
+        for name in imported(path)
     }
     assert "sapien" in found
-    assert read_model.__module__ in closure("stages.generation.models")
+    assert read_model.__module__ in closure("roomkin.stages.generation.models")
 
 
 @pytest.mark.parametrize("kind", ["bar", "arch", "knob", "edge"])

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from plugins.furniture.library import make, run
-from stages.articulated.asset_folder import checksum, read_asset
-from stages.assets.join import run as join
-from stages.contracts.categories import known_categories
-from stages.contracts.category import describe_unusual, find_category
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json, write_json
-from stages.contracts.library import Asset, Library, LibraryEntry, LibraryPart
-from stages.contracts.library_folder import AssetFolders, write_part
+from roomkin.plugins.furniture.library import make, run
+from roomkin.stages.articulated.asset_folder import checksum, read_asset
+from roomkin.stages.assets.join import run as join
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.category import describe_unusual, find_category
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json, write_json
+from roomkin.stages.contracts.library import Asset, Library, LibraryEntry, LibraryPart
+from roomkin.stages.contracts.library_folder import AssetFolders, write_part
 from tests.refusals import refused
 
 OPTIONS = json.dumps({"counts": {"mug": 2, "bottom_cabinet": 2, "picture": 1}})

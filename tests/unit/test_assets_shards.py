@@ -7,17 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from plugins.importing import own
-from plugins.importing.shards import MEAN, Shard, groups, own_shards
-from plugins.pictures import snapshots as sheets
-from stages.assets import snapshots
-from stages.config.assets import AssetsConfig
-from stages.config.matching import EncoderOptions
-from stages.contracts import InputError, LibraryPart, read_json
-from stages.contracts.__main__ import main as check
-from stages.matching.encoders import make_encoder, settings_digest
-from stages.matching.features import run as encode
-from stages.matching.store import FeatureStore
+from roomkin.plugins.importing import own
+from roomkin.plugins.importing.shards import MEAN, Shard, groups, own_shards
+from roomkin.plugins.pictures import snapshots as sheets
+from roomkin.stages.assets import snapshots
+from roomkin.stages.config.assets import AssetsConfig
+from roomkin.stages.config.matching import EncoderOptions
+from roomkin.stages.contracts import InputError, LibraryPart, read_json
+from roomkin.stages.contracts.__main__ import main as check
+from roomkin.stages.matching.encoders import make_encoder, settings_digest
+from roomkin.stages.matching.features import run as encode
+from roomkin.stages.matching.store import FeatureStore
 from tests.refusals import refused
 
 HOG = EncoderOptions(encoder="hog")
@@ -65,7 +65,7 @@ def test_a_change_makes_anew_what_may_read_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, changed: str, models: set[str] | None
 ) -> None:
     """A model's own folder, and what lies in no model's; everything, where other folders are named; no page of ours."""
-    monkeypatch.setattr("plugins.importing.shards.MEAN", 1)  # every model by itself
+    monkeypatch.setattr("roomkin.plugins.importing.shards.MEAN", 1)  # every model by itself
     mine = write(tmp_path / "mine", "bowl/a/model.urdf", "bowl/a/meshes/a.obj", "bowl/flat.obj", "45/mobility.urdf")
     write(mine, "45/meta.json", "common/wood.png", "jug/c/c.urdf")
     (mine / "jug/c/c.urdf").write_text('<mesh filename="package://bowl/a.obj"/>')

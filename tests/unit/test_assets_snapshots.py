@@ -7,22 +7,22 @@ import h5py
 import numpy as np
 import pytest
 
-from plugins.furniture import library
-from plugins.furniture.library import make
-from plugins.importing import own
-from plugins.pictures.snapshots import run as draw
-from stages.articulated.asset_folder import read_asset
-from stages.assets import join, snapshots
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json, write_json
-from stages.contracts.library import SnapshotShard
-from stages.contracts.library_folder import write_part
-from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
-from stages.geometry.frames import transform_points
-from stages.simulation import shaders
-from stages.simulation.loading import load_asset, root_pose
-from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
-from stages.simulation.shaders import make_skyless_pack
+from roomkin.plugins.furniture import library
+from roomkin.plugins.furniture.library import make
+from roomkin.plugins.importing import own
+from roomkin.plugins.pictures.snapshots import run as draw
+from roomkin.stages.articulated.asset_folder import read_asset
+from roomkin.stages.assets import join, snapshots
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json, write_json
+from roomkin.stages.contracts.library import SnapshotShard
+from roomkin.stages.contracts.library_folder import write_part
+from roomkin.stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
+from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.simulation import shaders
+from roomkin.stages.simulation.loading import load_asset, root_pose
+from roomkin.stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
+from roomkin.stages.simulation.shaders import make_skyless_pack
 
 OPTIONS = json.dumps({"n_snap": 4, "image_size": 96})
 

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plugins.furniture.catalogue import CATEGORIES as RECORDS
-from plugins.furniture.library import make
-from stages.config.assets import AssetsConfig
-from stages.simulation.loading import load_asset, physics_scene, root_pose
+from roomkin.plugins.furniture.catalogue import CATEGORIES as RECORDS
+from roomkin.plugins.furniture.library import make
+from roomkin.stages.config.assets import AssetsConfig
+from roomkin.stages.simulation.loading import load_asset, physics_scene, root_pose
 from tests.unit.physics import add_ground, position_of
 
 CATEGORIES = sorted(AssetsConfig().counts)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stages.policies.base import CheckedPolicy
+from roomkin.stages.policies.base import CheckedPolicy
 from tests.refusals import refused
 
 

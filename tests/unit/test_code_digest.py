@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from stages.config import code
+from roomkin.stages.config import code
 from tests.packages import needs
 
 ROOT = Path(__file__).parents[2] / "stages"
@@ -23,8 +23,7 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(PLUGINS, folder.with_name("plugins"), ignore=shutil.ignore_patterns("__pycache__", "tests"))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(code.ROOTS, "stages", folder)
-        patch.setitem(code.ROOTS, "plugins", folder.with_name("plugins"))
+        patch.setitem(code.ROOTS, "roomkin", folder.parent)
         code.forget()
         yield folder
     code.forget()
@@ -43,13 +42,13 @@ def test_the_page_has_templates_a_style_and_a_script() -> None:
 @needs("report")
 @pytest.mark.parametrize("name", DATA, ids=str)
 def test_an_edit_of_a_template_style_or_script_changes_the_digest_of_the_page(copied: Path, name: Path) -> None:
-    page = "plugins.report.viewer" if "three" in name.parts else "plugins.report.report"
-    before = {command: digest(command) for command in (page, "stages.matching.match")}
+    page = "roomkin.plugins.report.viewer" if "three" in name.parts else "roomkin.plugins.report.report"
+    before = {command: digest(command) for command in (page, "roomkin.stages.matching.match")}
     text = (copied.parent / name).read_text()
     (copied.parent / name).write_text(text + "\n")
     try:
         assert digest(page) != before[page]
-        assert digest("stages.matching.match") == before["stages.matching.match"]
+        assert digest("roomkin.stages.matching.match") == before["roomkin.stages.matching.match"]
     finally:
         (copied.parent / name).write_text(text)
     assert digest(page) == before[page]
@@ -57,41 +56,48 @@ def test_an_edit_of_a_template_style_or_script_changes_the_digest_of_the_page(co
 
 @pytest.mark.parametrize("suffix", [".json", ".safetensors", ".csv", ".npz", ".txt"])
 def test_other_data_beside_a_module_counts(copied: Path, suffix: str) -> None:
-    before, file = digest("stages.matching.match"), copied / f"matching/weights{suffix}"
+    before, file = digest("roomkin.stages.matching.match"), copied / f"matching/weights{suffix}"
     file.write_text("1")
     try:
-        with_file = digest("stages.matching.match")
+        with_file = digest("roomkin.stages.matching.match")
         file.write_text("2")
-        assert len({before, with_file, digest("stages.matching.match")}) == 3
+        assert len({before, with_file, digest("roomkin.stages.matching.match")}) == 3
     finally:
         file.unlink()
 
 
 def test_a_package_that_imports_all_its_modules_needs_them_and_those_to_come(copied: Path) -> None:
-    before = {command: digest(command) for command in ("plugins.furniture.library", "stages.extraction.extract")}
+    before = {
+        command: digest(command)
+        for command in ("roomkin.plugins.furniture.library", "roomkin.stages.extraction.extract")
+    }
     new = copied.with_name("plugins") / "furniture/categories/plinths.py"
     new.write_text('"""Plinths."""\n')
     try:
-        assert digest("plugins.furniture.library") != before["plugins.furniture.library"]
-        assert digest("stages.extraction.extract") == before["stages.extraction.extract"]
+        assert digest("roomkin.plugins.furniture.library") != before["roomkin.plugins.furniture.library"]
+        assert digest("roomkin.stages.extraction.extract") == before["roomkin.stages.extraction.extract"]
     finally:
         new.unlink()
 
 
 @needs("furniture")
 def test_who_resizes_models_needs_the_code_of_their_maker() -> None:
-    for command in ("stages.generation.generate", "plugins.scenes.render"):
-        assert "plugins.furniture.folder" in code.closure(command)
+    for command in ("roomkin.stages.generation.generate", "roomkin.plugins.scenes.render"):
+        assert "roomkin.plugins.furniture.folder" in code.closure(command)
 
 
 @needs("mujoco")
 def test_a_rollout_needs_the_code_of_its_own_simulator() -> None:
-    for command in ("stages.evaluation.selection_rollout", "stages.evaluation.rollout", "plugins.scripted.skill"):
+    for command in (
+        "roomkin.stages.evaluation.selection_rollout",
+        "roomkin.stages.evaluation.rollout",
+        "roomkin.plugins.scripted.skill",
+    ):
         assert len(needed := code.closure(command)) > 20
         assert not [name for name in needed if "mujoco" in name or "mjcf" in name]
-    needed = code.closure("plugins.mujoco.environment")
-    assert "plugins.mujoco.mjcf_writer" in needed
-    assert not [name for name in needed if name.startswith("stages.generation")]
+    needed = code.closure("roomkin.plugins.mujoco.environment")
+    assert "roomkin.plugins.mujoco.mjcf_writer" in needed
+    assert not [name for name in needed if name.startswith("roomkin.stages.generation")]
 
 
 def test_jobs_find_packages_where_the_config_found_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

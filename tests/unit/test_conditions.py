@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from stages.config.evaluation import EvaluationConfig, SceneOptions, SensingOptions, SkillOptions
-from stages.contracts.task_options import TaskConfig
-from stages.evaluation.vector_env import make_sensing, move_robot
-from stages.tasks.api import EnvWrapper
-from stages.tasks.cameras import displace_pose
-from stages.tasks.observation import Sensing, with_noise
+from roomkin.stages.config.evaluation import EvaluationConfig, SceneOptions, SensingOptions, SkillOptions
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.evaluation.vector_env import make_sensing, move_robot
+from roomkin.stages.tasks.api import EnvWrapper
+from roomkin.stages.tasks.cameras import displace_pose
+from roomkin.stages.tasks.observation import Sensing, with_noise
 from tests.unit.demo_assets import cabinet
 
 SEED = 2**31 + 3

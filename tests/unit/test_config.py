@@ -6,14 +6,14 @@ from pathlib import Path
 import pytest
 from pydantic import Field
 
-from stages.config.code import ROOTS, closure, code_digest, files_digest, forget
-from stages.config.experiment import ExperimentConfig
-from stages.config.model import load
-from stages.config.packages import find_packages, home_of
-from stages.config.reference import write_yaml
-from stages.config.replaced import COMMANDS
-from stages.contracts import InputError
-from stages.contracts.section import Section
+from roomkin.stages.config.code import ROOTS, closure, code_digest, files_digest, forget
+from roomkin.stages.config.experiment import ExperimentConfig
+from roomkin.stages.config.model import load
+from roomkin.stages.config.packages import find_packages, home_of
+from roomkin.stages.config.reference import write_yaml
+from roomkin.stages.config.replaced import COMMANDS
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.section import Section
 from tests.refusals import refused
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -134,12 +134,14 @@ def test_unknown_key_suggests_the_right_one() -> None:
 
 
 def test_code_digest_follows_imports_but_not_other_stages() -> None:
-    modules = closure("stages.matching.match")
-    assert "stages.matching.match" in modules
-    assert "stages.contracts.cousins" in modules
-    assert not any(module.startswith("stages.training") for module in modules)
-    assert "stages.contracts.policies" not in modules  # re-exports of stages.contracts are followed by name
-    assert code_digest("stages.matching.match") != code_digest("stages.tables.policies")
+    modules = closure("roomkin.stages.matching.match")
+    assert "roomkin.stages.matching.match" in modules
+    assert "roomkin.stages.contracts.cousins" in modules
+    assert not any(module.startswith("roomkin.stages.training") for module in modules)
+    assert (
+        "roomkin.stages.contracts.policies" not in modules
+    )  # re-exports of roomkin.stages.contracts are followed by name
+    assert code_digest("roomkin.stages.matching.match") != code_digest("roomkin.stages.tables.policies")
 
 
 def test_code_digest_follows_what_a_registry_names_as_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from stages.cli import main
-from stages.config.__main__ import show
-from stages.config.files import check, read_file
-from stages.config.model import read_files
+from roomkin.stages.cli import main
+from roomkin.stages.config.__main__ import show
+from roomkin.stages.config.files import check, read_file
+from roomkin.stages.config.model import read_files
 from tests.refusals import refused
 from tests.workflow.workspace import ROOT, dry_run, make
 
@@ -108,7 +108,7 @@ def test_snakemake_says_so_in_a_line(tmp_path: Path, words: tuple[str, ...], say
 
 
 def test_a_snakemake_that_does_not_find_the_package_says_how_to(tmp_path: Path) -> None:
-    code = "import sys; sys.modules['stages'] = None; from snakemake.cli import main; main(['-n'])"
+    code = "import sys; sys.modules['roomkin'] = None; from snakemake.cli import main; main(['-n'])"
     folder = make(tmp_path / "clone")
     done = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True)
     assert done.returncode == 1 and "Fix: source .venv/bin/activate" in done.stderr.splitlines()[-1], done.stderr
@@ -119,9 +119,9 @@ def test_an_unknown_command_is_told_with_the_nearest(
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["tables", "resluts"])
     with pytest.raises(SystemExit):
-        main("stages.tables", {"results": "...", "report": "..."})
+        main("roomkin.stages.tables", {"results": "...", "report": "..."})
     assert capsys.readouterr().err.startswith(
-        "error: stages.tables has no command 'resluts'. Fix: did you mean 'results'?\n"
+        "error: roomkin tables has no command 'resluts'. Fix: did you mean 'results'?\n"
     )
 
 
@@ -149,9 +149,9 @@ def test_every_key_of_a_run_is_shown(tmp_path: Path, capsys: pytest.CaptureFixtu
 @pytest.mark.parametrize("words", [(), ("show_all",), ("--help",)])
 def test_no_reference_is_written_beside_a_clone(tmp_path: Path, words: tuple[str, ...]) -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-m", "stages.config", *words]
+    command = [sys.executable, "-m", "roomkin.stages.config", *words]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environment)
     asked = words == ("--help",)
     assert done.returncode == (not asked)
-    assert (done.stdout if asked else done.stderr).startswith("`python -m stages.config`: ")
+    assert (done.stdout if asked else done.stderr).startswith("`roomkin config`: ")
     assert not list(tmp_path.iterdir())

@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 import yaml
 
-from plugins.furniture.facts import counts_text
-from stages.config import categories
-from stages.config.assets import COUNTS, AssetsConfig
-from stages.config.files import read_file
-from stages.config.inputs import INPUT_FILES
-from stages.config.model import load, merge_mappings, with_defaults
-from stages.contracts import InputError
+from roomkin.plugins.furniture.facts import counts_text
+from roomkin.stages.config import categories
+from roomkin.stages.config.assets import COUNTS, AssetsConfig
+from roomkin.stages.config.files import read_file
+from roomkin.stages.config.inputs import INPUT_FILES
+from roomkin.stages.config.model import load, merge_mappings, with_defaults
+from roomkin.stages.contracts import InputError
 from tests.packages import needs
 from tests.refusals import refused
 
@@ -253,12 +253,14 @@ CASES = [
 OF_PACKAGES = [
     (
         ("diffusion",),
-        "{plugins: [plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {gmm_modes: 9}}}}}",
+        "plugins: [roomkin.plugins.diffusion]\n"
+        "training: {configs: {lite: {policy: diffusion, kwargs: {gmm_modes: 9}}}}",
         "training.configs.lite.kwargs.gmm_modes: unknown key. Fix: there are: cloud, cloud_frame",
     ),
     (
         ("diffusion",),
-        "{plugins: [plugins.diffusion], training: {configs: {lite: {policy: diffusion, kwargs: {n_action_step: 9}}}}}",
+        "plugins: [roomkin.plugins.diffusion]\n"
+        "training: {configs: {lite: {policy: diffusion, kwargs: {n_action_step: 9}}}}",
         "training.configs.lite.kwargs.n_action_step: unknown key. Fix: did you mean 'n_action_steps'?",
     ),
     (
@@ -296,7 +298,7 @@ OF_PACKAGES = [
         "vlm: {key_env: sk-1234}",
         "vlm.key_env: is no name of an environment variable. Fix: e.g. OPENAI_API_KEY; the key itself",
     ),
-    (("pretrained",), "matching: {encoder: dinov2}", "matching.dinov2.path: no config.json in ''"),
+    (("pretrained",), "matching: {encoder: dinov2, dinov2: {path: a}}", "matching.dinov2.path: no config.json in 'a'"),
     (
         ("mujoco", "bowl"),
         "{evaluation: {simulator: mujoco}, experiment: {targets: {bowl: {task: put_away_bowl, object: oven_1}}}}",
@@ -318,7 +320,7 @@ def test_a_mistake_is_one_line_with_its_key(text: str, line: str) -> None:
 @pytest.mark.parametrize("file", sorted(ROOT.glob("config/swaps/*.yaml")), ids=lambda file: str(file.stem))
 def test_the_shipped_swaps_are_no_mistake(file: Path) -> None:
     found = lines(file.read_text(encoding="utf-8"))
-    assert [line for line in found if not line.startswith("matching.dinov2.path: no config.json in 'weights/")] == []
+    assert [line for line in found if not line.startswith("matching.dinov2.path: no vit_s_focus.onnx in ")] == []
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from stages.config.model import load
-from stages.config.perception import GROUNDING
-from stages.config.reads import describe_picture
+from roomkin.stages.config.model import load
+from roomkin.stages.config.perception import GROUNDING
+from roomkin.stages.config.reads import describe_picture
 
 
 def test_a_picture_has_its_own_field_of_view_and_others_propose_where_a_network_measures(tmp_path: Path) -> None:

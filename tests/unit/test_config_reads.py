@@ -9,10 +9,11 @@ import pytest
 import yaml
 from pydantic import BaseModel
 
-from stages.config.matching import MatchingConfig, matching_model
-from stages.config.model import complete, load, merge_mappings, read_files, with_defaults
-from stages.config.packages import find_packages, home_of
-from stages.config.reads import READS, options_of, section_name, stores
+from roomkin.stages.config.matching import MatchingConfig, matching_model
+from roomkin.stages.config.model import complete, load, merge_mappings, read_files, with_defaults
+from roomkin.stages.config.packages import find_packages, home_of
+from roomkin.stages.config.reads import READS, options_of, section_name, stores
+from roomkin.stages.config.weights import DINOV2, is_there
 from tests.commands import list_rule_files
 from tests.packages import needs
 
@@ -180,6 +181,7 @@ def test_variants_with_different_encoder_settings_have_stores_side_by_side() -> 
 
 
 @needs("render_and_compare")
+@pytest.mark.skipif(not is_there(DINOV2), reason="no weights of DINOv2")
 def test_row_b_of_the_study_is_the_papers() -> None:
     theirs, ours = (read_files([ROOT / "config" / name]) for name in ("paper/scenes.yaml", "study/table2.yaml"))
     for variant in ("b", "b-votes"):

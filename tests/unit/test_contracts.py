@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from stages.contracts import Camera, read_json, read_options, write_atomically, write_json
-from stages.contracts.__main__ import main
-from stages.contracts.checksums import digest_of
-from stages.contracts.hand import digest_of_picture
-from stages.contracts.policies import Attempt
+from roomkin.stages.contracts import Camera, read_json, read_options, write_atomically, write_json
+from roomkin.stages.contracts.__main__ import main
+from roomkin.stages.contracts.checksums import digest_of
+from roomkin.stages.contracts.hand import digest_of_picture
+from roomkin.stages.contracts.policies import Attempt
 from tests.refusals import refused
 
 CAMERA = Camera(width=4, height=3, intrinsics=[[1, 0, 2], [0, 1, 1.5], [0, 0, 1]])
@@ -122,7 +122,7 @@ def test_refused_files_are_kept_beside_their_place(tmp_path: Path, capsys: pytes
 
 def test_stage_command_lines_end_with_one_line(tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "stages.contracts", "camera", str(tmp_path / "none.json")],
+        [sys.executable, "-m", "roomkin.stages.contracts", "camera", str(tmp_path / "none.json")],
         capture_output=True,
         text=True,
     )

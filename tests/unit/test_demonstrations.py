@@ -9,16 +9,16 @@ import h5py
 import numpy as np
 import pytest
 
-from stages.articulated.urdf_writer import SURFACE_FRICTION
-from stages.config.demonstrations import RandomiseOptions
-from stages.contracts import Attempt, InputError, TaskAssets, write_json
-from stages.contracts.episode_store import read_episodes
-from stages.contracts.ledgers import read_attempts
-from stages.contracts.library_folder import write_part
-from stages.contracts.task_options import TaskConfig
-from stages.demonstrations.collect import attempt_seeds, run
-from stages.tasks.api import EnvWrapper
-from stages.tasks.randomised import sample_factors
+from roomkin.stages.articulated.urdf_writer import SURFACE_FRICTION
+from roomkin.stages.config.demonstrations import RandomiseOptions
+from roomkin.stages.contracts import Attempt, InputError, TaskAssets, write_json
+from roomkin.stages.contracts.episode_store import read_episodes
+from roomkin.stages.contracts.ledgers import read_attempts
+from roomkin.stages.contracts.library_folder import write_part
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.demonstrations.collect import attempt_seeds, run
+from roomkin.stages.tasks.api import EnvWrapper
+from roomkin.stages.tasks.randomised import sample_factors
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset, cabinet
 

@@ -5,17 +5,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.config.extraction import DepthNoiseConfig, ExtractionConfig
-from stages.contracts import Annotations, InputError, Objects
-from stages.contracts.files import parse_json
-from stages.contracts.objects import USUAL_ERROR, DepthError
-from stages.contracts.scenes import Annotation
-from stages.extraction.depth_error import Surface, measure_error
-from stages.extraction.noise import noisy_depth
-from stages.extraction.observation import AnnotatedImage
-from stages.extraction.reconstruct import reconstruct
-from stages.extraction.sources.folder import observe
-from stages.geometry.boxes import UprightBox
+from roomkin.stages.config.extraction import DepthNoiseConfig, ExtractionConfig
+from roomkin.stages.contracts import Annotations, InputError, Objects
+from roomkin.stages.contracts.files import parse_json
+from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError
+from roomkin.stages.contracts.scenes import Annotation
+from roomkin.stages.extraction.depth_error import Surface, measure_error
+from roomkin.stages.extraction.noise import noisy_depth
+from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.reconstruct import reconstruct
+from roomkin.stages.extraction.sources.folder import observe
+from roomkin.stages.geometry.boxes import UprightBox
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, trace, write_room
 
 BOX = UprightBox([2.5, 0.0, 0.3], [0.5, 0.6, 0.6], 0.0)
@@ -25,7 +25,7 @@ NOISE = DepthNoiseConfig(range_constant=0.004, range_quadratic=0.002, scale=0)
 @pytest.fixture(autouse=True)
 def _even(monkeypatch: pytest.MonkeyPatch) -> None:
     """No further error at the picture's border."""
-    monkeypatch.setattr("stages.extraction.noise.PERIPHERY", 0.0)
+    monkeypatch.setattr("roomkin.stages.extraction.noise.PERIPHERY", 0.0)
 
 
 def extracted(image: AnnotatedImage) -> Objects:

@@ -6,22 +6,31 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stages.articulated.affordance import target_joint
-from stages.config.matching import MatchingConfig
-from stages.contracts import Asset, GeneratedScene, InputError, Objects, TaskAssets, Truth, read_json, write_json
-from stages.contracts.archives import pack
-from stages.contracts.cousins import Distances
-from stages.contracts.generated import PlacedObject
-from stages.contracts.library import FrontPanel, Joint
-from stages.contracts.policies import TaskAsset
-from stages.contracts.scenes import TrueObject
-from stages.experiment.cousins import choose_cousins, choose_dissimilar
-from stages.experiment.select import run as select
-from stages.geometry.frames import make_transform
-from stages.matching.distances import measure_distances
-from stages.matching.distances import run as distances
-from stages.matching.encoders import column_weights, make_encoder, settings_digest
-from stages.matching.store import FeatureStore
+from roomkin.stages.articulated.affordance import target_joint
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts import (
+    Asset,
+    GeneratedScene,
+    InputError,
+    Objects,
+    TaskAssets,
+    Truth,
+    read_json,
+    write_json,
+)
+from roomkin.stages.contracts.archives import pack
+from roomkin.stages.contracts.cousins import Distances
+from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.library import FrontPanel, Joint
+from roomkin.stages.contracts.policies import TaskAsset
+from roomkin.stages.contracts.scenes import TrueObject
+from roomkin.stages.experiment.cousins import choose_cousins, choose_dissimilar
+from roomkin.stages.experiment.select import run as select
+from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.matching.distances import measure_distances
+from roomkin.stages.matching.distances import run as distances
+from roomkin.stages.matching.encoders import column_weights, make_encoder, settings_digest
+from roomkin.stages.matching.store import FeatureStore
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset
 from tests.unit.matching_data import MODELS, World

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from stages.contracts.errors import explain
+from roomkin.stages.contracts.errors import explain
 
 ROOT = Path(__file__).resolve().parents[2]
 NAMED = re.compile(r"__class__\.__name__|type\(\w+\)\.__name__")

@@ -14,28 +14,28 @@ import torch
 import trimesh
 import yaml
 
-from plugins.importing.own import run as own
-from plugins.importing.shards import own_shards
-from plugins.scenes.layout import arrange
-from plugins.scenes.room_files import read_room, room_files
-from stages.config import code
-from stages.config.assets import AssetsConfig
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.model import load, merge_mappings, with_defaults
-from stages.contracts import InputError, Library, LibraryPart, Objects, read_json, write_json
-from stages.contracts.policy_folder import read_config
-from stages.contracts.task_options import TaskConfig
-from stages.demonstrations.attempt import Recorder
-from stages.extraction.extract import run as extract
-from stages.geometry.boxes import UprightBox
-from stages.plugins import KINDS, find, list_available
-from stages.plugins import load as implementation
-from stages.policies.checkpoint import load_network
-from stages.tasks.api import EnvWrapper
-from stages.tasks.base_placement import CLOSED
-from stages.training import loop
-from stages.training.logbook import Logbook
-from stages.training.train import run as train
+from roomkin.plugins.importing.own import run as own
+from roomkin.plugins.importing.shards import own_shards
+from roomkin.plugins.scenes.layout import arrange
+from roomkin.plugins.scenes.room_files import read_room, room_files
+from roomkin.stages.config import code
+from roomkin.stages.config.assets import AssetsConfig
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.config.model import load, merge_mappings, with_defaults
+from roomkin.stages.contracts import InputError, Library, LibraryPart, Objects, read_json, write_json
+from roomkin.stages.contracts.policy_folder import read_config
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.demonstrations.attempt import Recorder
+from roomkin.stages.extraction.extract import run as extract
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.plugins import KINDS, find, list_available
+from roomkin.stages.plugins import load as implementation
+from roomkin.stages.policies.checkpoint import load_network
+from roomkin.stages.tasks.api import EnvWrapper
+from roomkin.stages.tasks.base_placement import CLOSED
+from roomkin.stages.training import loop
+from roomkin.stages.training.logbook import Logbook
+from roomkin.stages.training.train import run as train
 from tests.refusals import refused
 from tests.toy_reach import write_store
 from tests.unit.demo_assets import cabinet
@@ -152,7 +152,7 @@ def test_an_edit_of_a_plugin_or_of_what_it_imports_changes_the_digest(
 
     def digest() -> str:
         code.forget()
-        return code.code_digest("stages.matching.match", "my_package.encoders.colors")
+        return code.code_digest("roomkin.stages.matching.match", "my_package.encoders.colors")
 
     seen = {digest()}
     encoder, helper = package / "encoders" / "colors.py", package / "helper.py"
@@ -315,7 +315,7 @@ def stop(self: object) -> None:
 FITTED = """\
 import torch
 
-from stages.policies.base import TrainablePolicy
+from roomkin.stages.policies.base import TrainablePolicy
 
 
 class Policy(TrainablePolicy):

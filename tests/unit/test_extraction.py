@@ -11,16 +11,16 @@ import cv2
 import numpy as np
 import pytest
 
-from stages.config.extraction import ExtractionConfig
-from stages.config.packages import load_command
-from stages.contracts import Objects, read_json
-from stages.contracts.__main__ import main as check_contract
-from stages.contracts.checksums import digest_of
-from stages.contracts.objects import Mounting
-from stages.extraction.extract import merge_own_options, run
-from stages.extraction.observation import read_folder
-from stages.geometry.boxes import UprightBox, oriented_iou
-from stages.geometry.frames import invert_transform, transform_points, wrap_angle, yaw_of_matrix
+from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.packages import load_command
+from roomkin.stages.contracts import Objects, read_json
+from roomkin.stages.contracts.__main__ import main as check_contract
+from roomkin.stages.contracts.checksums import digest_of
+from roomkin.stages.contracts.objects import Mounting
+from roomkin.stages.extraction.extract import merge_own_options, run
+from roomkin.stages.extraction.observation import read_folder
+from roomkin.stages.geometry.boxes import UprightBox, oriented_iou
+from roomkin.stages.geometry.frames import invert_transform, transform_points, wrap_angle, yaw_of_matrix
 from tests.packages import needs
 from tests.refusals import refused
 from tests.unit.synthetic_room import BACK_WALL, INTRINSICS, OBJECT, WALL, WORLD_FROM_CAMERA, write_room

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stages.config.extraction import ExtractionConfig
-from stages.extraction.clouds import make_object_cloud
-from stages.extraction.contact import DepthView
-from stages.geometry.masks import erode
+from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.extraction.clouds import make_object_cloud
+from roomkin.stages.extraction.contact import DepthView
+from roomkin.stages.geometry.masks import erode
 
 HEIGHT, WIDTH, FOCAL = 240, 320, 140.0
 LENS = np.array([[FOCAL, 0, WIDTH / 2], [0, FOCAL, HEIGHT / 2], [0, 0, 1]])

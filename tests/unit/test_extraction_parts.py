@@ -5,16 +5,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stages.config.extraction import DepthNoiseConfig, ExtractionConfig
-from stages.contracts.objects import USUAL_ERROR, DepthError, Wall, object_ids
-from stages.extraction import clouds, noise
-from stages.extraction.clouds import clean_cloud, continue_depth
-from stages.extraction.contact import DepthView, extend_to_wall, find_touched_walls
-from stages.extraction.mounting import find_carrier
-from stages.extraction.noise import blur_outlines, noisy_depth, periphery_ramp
-from stages.geometry.boxes import UprightBox
-from stages.geometry.masks import central_crop, erode, remove_specks
-from stages.geometry.room_planes import PLANE_THRESHOLD, WallPlane, find_walls, fit_wall, merge_walls, scale_threshold
+from roomkin.stages.config.extraction import DepthNoiseConfig, ExtractionConfig
+from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError, Wall, object_ids
+from roomkin.stages.extraction import clouds, noise
+from roomkin.stages.extraction.clouds import clean_cloud, continue_depth
+from roomkin.stages.extraction.contact import DepthView, extend_to_wall, find_touched_walls
+from roomkin.stages.extraction.mounting import find_carrier
+from roomkin.stages.extraction.noise import blur_outlines, noisy_depth, periphery_ramp
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.masks import central_crop, erode, remove_specks
+from roomkin.stages.geometry.room_planes import (
+    PLANE_THRESHOLD,
+    WallPlane,
+    find_walls,
+    fit_wall,
+    merge_walls,
+    scale_threshold,
+)
 
 DOWN = np.array([[1.0, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 9], [0, 0, 0, 1]])
 FROM_ABOVE = DepthView(np.zeros((9, 9)), np.array([[900.0, 0, 4], [0, 900, 4], [0, 0, 1]]), DOWN)

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.contracts.task_options import TaskConfig
-from stages.simulation.film_renderer import HAND_SHARE, LIT, FilmRenderer, Shot, directions, pick_evenly
-from stages.simulation.framing import FIELD_OF_VIEW, MARGIN, frame_all
-from stages.tasks.api import EnvWrapper
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.simulation.film_renderer import HAND_SHARE, LIT, FilmRenderer, Shot, directions, pick_evenly
+from roomkin.stages.simulation.framing import FIELD_OF_VIEW, MARGIN, frame_all
+from roomkin.stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.simulation.film_robot import SHARE, thin_scene
-from stages.simulation.robot import PANDA
+from roomkin.stages.simulation.film_robot import SHARE, thin_scene
+from roomkin.stages.simulation.robot import PANDA
 
 
 @pytest.mark.parametrize("name", ["hand", "link5"])

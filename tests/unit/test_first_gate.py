@@ -5,15 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from stages.contracts.task_options import TaskConfig
-from stages.demonstrations.collect import run as collect
-from stages.evaluation.episodes import roll_out
-from stages.evaluation.states import FIRST_STATE
-from stages.policies.base import TrainablePolicy, make_policy
-from stages.policies.checkpoint import load_network
-from stages.tasks.api import EnvWrapper
-from stages.training import dataset
-from stages.training.train import run as train
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.demonstrations.collect import run as collect
+from roomkin.stages.evaluation.episodes import roll_out
+from roomkin.stages.evaluation.states import FIRST_STATE
+from roomkin.stages.policies.base import TrainablePolicy, make_policy
+from roomkin.stages.policies.checkpoint import load_network
+from roomkin.stages.tasks.api import EnvWrapper
+from roomkin.stages.training import dataset
+from roomkin.stages.training.train import run as train
 from tests.unit.demo_assets import an_asset
 from tests.unit.test_demonstrations import experiment
 

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from stages.config.extraction import ExtractionConfig
-from stages.contracts import Annotations
-from stages.contracts.objects import Box, SceneObject
-from stages.contracts.scenes import Annotation
-from stages.extraction.camera_height import doubt_height, doubt_unit
-from stages.extraction.floor import check_frame, find_floor_frame, find_unnamed_floor, fit_shown_floor
-from stages.extraction.observation import AnnotatedImage
-from stages.extraction.reconstruct import ExtractedScene, reconstruct
-from stages.geometry.boxes import UprightBox
-from stages.geometry.cameras import PointMap
-from stages.geometry.frames import make_transform
-from stages.geometry.room_planes import Plane, WallPlane, make_floor_frame
+from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.contracts import Annotations
+from roomkin.stages.contracts.objects import Box, SceneObject
+from roomkin.stages.contracts.scenes import Annotation
+from roomkin.stages.extraction.camera_height import doubt_height, doubt_unit
+from roomkin.stages.extraction.floor import check_frame, find_floor_frame, find_unnamed_floor, fit_shown_floor
+from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.reconstruct import ExtractedScene, reconstruct
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.cameras import PointMap
+from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.geometry.room_planes import Plane, WallPlane, make_floor_frame
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, WORLD_FROM_CAMERA, trace
 
@@ -88,7 +88,7 @@ def test_a_floor_above_the_camera_is_none() -> None:
 
 def test_a_room_that_cannot_be_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     behind = WallPlane(np.array([-1.0, 0, 0]), 1.0, 100)  # the camera is behind this wall
-    monkeypatch.setattr("stages.extraction.walls.fit_wall", lambda *_: behind)
+    monkeypatch.setattr("roomkin.stages.extraction.walls.fit_wall", lambda *_: behind)
     with refused("E-ROOM-BROKEN", "the camera is behind 'wall_1'"):
         extracted(None)
 
@@ -164,7 +164,7 @@ def see_things(times: float, heights: dict[str, float] = HEIGHTS) -> list[SceneO
 @pytest.mark.parametrize(("unit", "says"), [(256, "--unit 256"), (4000, "--unit 4000"), (5000, "--unit 5000")])
 def test_one_factor_of_all_things_is_told_with_the_unit_that_fits(unit: float, says: str) -> None:
     """Depth of which `unit` stands for a metre was read as millimetres."""
-    assert doubt_unit(see_things(unit / 1000)).endswith(says)
+    assert f"{says} if depth was read as mm" in doubt_unit(see_things(unit / 1000))
     assert "things are" in doubt_unit([*see_things(unit / 1000), *see_things(1, {"gearbox": 0.01})])
 
 
@@ -172,3 +172,5 @@ def test_things_of_usual_size_or_wrong_by_several_factors_ask_for_no_unit() -> N
     assert doubt_unit(see_things(1)) == "" and doubt_unit(see_things(1.3)) == ""
     assert doubt_unit(see_things(0.25, {"chair": 0.9})) == "", "one thing may be wrong for other reasons"
     assert doubt_unit(see_things(1, {"chair": 0.2, "dining table": 3.0, "fridge": 1.8})) == ""
+    assert doubt_unit(see_things(1, {"chair": 0.22, "fridge": 0.45, "dining table": 3.0})) == "", "one fits no factor"
+    assert doubt_unit(see_things(1, {"book": 0.041, "vase": 0.151})) == "", "low, and usual"

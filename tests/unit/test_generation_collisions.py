@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from shapely import Point
 
-from stages.config.generation import GenerationConfig
-from stages.generation import collisions
-from stages.generation.collisions import forbidden_shifts, resolve_collisions
-from stages.generation.mounting import move_out_of_walls
-from stages.geometry.boxes import UprightBox, corners
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.generation import collisions
+from roomkin.stages.generation.collisions import forbidden_shifts, resolve_collisions
+from roomkin.stages.generation.mounting import move_out_of_walls
+from roomkin.stages.geometry.boxes import UprightBox, corners
 from tests.unit.generation_scenes import BACK, solid, thing, upright
 
 OPTIONS = GenerationConfig().model_copy(update={"touch": 0.0})

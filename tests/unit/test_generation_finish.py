@@ -7,14 +7,14 @@ import cv2
 import numpy as np
 import pytest
 
-from stages.articulated.asset_folder import read_model
-from stages.contracts import GeneratedScene, read_json
-from stages.contracts.images import read_masks
-from stages.contracts.library_folder import AssetFolders
-from stages.contracts.look import GAMMA
-from stages.generation.finishing import find_main_color, paint
-from stages.generation.generate import run
-from stages.generation.scene_file import read_items
+from roomkin.stages.articulated.asset_folder import read_model
+from roomkin.stages.contracts import GeneratedScene, read_json
+from roomkin.stages.contracts.images import read_masks
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.contracts.look import GAMMA
+from roomkin.stages.generation.finishing import find_main_color, paint
+from roomkin.stages.generation.generate import run
+from roomkin.stages.generation.scene_file import read_items
 from tests.refusals import refused
 from tests.unit.generation_scenes import thing
 from tests.unit.test_generation_run import scene  # noqa: F401  (a fixture)

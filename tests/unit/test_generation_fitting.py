@@ -8,17 +8,17 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from stages.config.generation import GenerationConfig
-from stages.contracts.category import Category, SizeSpread
-from stages.contracts.objects import DepthError, Wall
-from stages.generation import sizing
-from stages.generation.fitting import TOO_SURE, Observation, Prior, find_correspondences, fit_box
-from stages.generation.solid import Solid
-from stages.geometry.boxes import UprightBox, corners
-from stages.geometry.cameras import back_project, intrinsics_from_fov
-from stages.geometry.frames import Array, make_transform, transform_points, yaw_matrix
-from stages.geometry.outlines import Outline, measure_outline
-from stages.geometry.solids import find_outermost
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.contracts.category import Category, SizeSpread
+from roomkin.stages.contracts.objects import DepthError, Wall
+from roomkin.stages.generation import sizing
+from roomkin.stages.generation.fitting import TOO_SURE, Observation, Prior, find_correspondences, fit_box
+from roomkin.stages.generation.solid import Solid
+from roomkin.stages.geometry.boxes import UprightBox, corners
+from roomkin.stages.geometry.cameras import back_project, intrinsics_from_fov
+from roomkin.stages.geometry.frames import Array, make_transform, transform_points, yaw_matrix
+from roomkin.stages.geometry.outlines import Outline, measure_outline
+from roomkin.stages.geometry.solids import find_outermost
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 from tests.unit.generation_scenes import BACK, thing

@@ -5,19 +5,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plugins.furniture.catalogue import sample
-from plugins.furniture.folder import build
-from stages.config.generation import GenerationConfig
-from stages.contracts import Asset, read_json
-from stages.contracts.objects import Mounting
-from stages.generation.collisions import resolve_collisions
-from stages.generation.models import read_collisions, to_prisms
-from stages.generation.nesting import find_landing
-from stages.generation.placed import Placed
-from stages.generation.settling import load_items, run_physics
-from stages.generation.stacking import assign_supports
-from stages.geometry.boxes import UprightBox
-from stages.simulation.loading import physics_scene
+from roomkin.plugins.furniture.catalogue import sample
+from roomkin.plugins.furniture.folder import build
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.contracts import Asset, read_json
+from roomkin.stages.contracts.objects import Mounting
+from roomkin.stages.generation.collisions import resolve_collisions
+from roomkin.stages.generation.models import read_collisions, to_prisms
+from roomkin.stages.generation.nesting import find_landing
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.settling import load_items, run_physics
+from roomkin.stages.generation.stacking import assign_supports
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.simulation.loading import physics_scene
 from tests.unit.physics import add_ground
 
 

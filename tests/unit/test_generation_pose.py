@@ -5,14 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stages.contracts.categories import known_categories
-from stages.contracts.cousins import Orientation
-from stages.contracts.objects import Mounting
-from stages.generation.placing import reaches_walls
-from stages.generation.turning import find_wall_axes, measure_rectangularity, pick_rear_at_wall, prefer_front, turn_to
-from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import wrap_angle, yaw_matrix
-from stages.geometry.viewing import view_yaw
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.cousins import Orientation
+from roomkin.stages.contracts.objects import Mounting
+from roomkin.stages.generation.placing import reaches_walls
+from roomkin.stages.generation.turning import (
+    find_wall_axes,
+    measure_rectangularity,
+    pick_rear_at_wall,
+    prefer_front,
+    turn_to,
+)
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.frames import wrap_angle, yaw_matrix
+from roomkin.stages.geometry.viewing import view_yaw
 from tests.unit.generation_scenes import thing
 
 DEGREE = np.pi / 180

@@ -13,31 +13,31 @@ import pytest
 import trimesh
 from PIL import Image
 
-from plugins.furniture.catalogue import sample
-from plugins.furniture.folder import build as build_asset
-from stages.articulated.asset_folder import read_model
-from stages.articulated.forward_kinematics import measure_closed_box
-from stages.config.generation import GenerationConfig
-from stages.config.packages import load_command
-from stages.contracts import Asset, Cousins, GeneratedScene, InputError, Objects, read_json, write_json
-from stages.contracts.categories import known_categories
-from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
-from stages.contracts.generated import EVEN, measure_place_sureness, measure_sureness
-from stages.contracts.library_folder import AssetFolders, write_part
-from stages.contracts.objects import Box, Mounting, SceneObject, Wall
-from stages.generation.doubts import doubt_placement
-from stages.generation.generate import run
-from stages.generation.inputs import Inputs, read_inputs
-from stages.generation.models import read_collisions
-from stages.generation.placed import Placed
-from stages.generation.placing import Places
-from stages.generation.scene_file import read_items, summarise, to_contract
-from stages.generation.settling import describe_fall, find_behind, load_items, run_physics, simulate
-from stages.geometry.boxes import THINNEST, UprightBox, corners
-from stages.geometry.cameras import intrinsics_from_fov, look_at, project
-from stages.geometry.frames import invert_transform, transform_points, yaw_matrix
-from stages.geometry.masks import polygon
-from stages.simulation.loading import physics_scene
+from roomkin.plugins.furniture.catalogue import sample
+from roomkin.plugins.furniture.folder import build as build_asset
+from roomkin.stages.articulated.asset_folder import read_model
+from roomkin.stages.articulated.forward_kinematics import measure_closed_box
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.config.packages import load_command
+from roomkin.stages.contracts import Asset, Cousins, GeneratedScene, InputError, Objects, read_json, write_json
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.cousins import Cousin, ObjectCousins, Orientation
+from roomkin.stages.contracts.generated import EVEN, measure_place_sureness, measure_sureness
+from roomkin.stages.contracts.library_folder import AssetFolders, write_part
+from roomkin.stages.contracts.objects import Box, Mounting, SceneObject, Wall
+from roomkin.stages.generation.doubts import doubt_placement
+from roomkin.stages.generation.generate import run
+from roomkin.stages.generation.inputs import Inputs, read_inputs
+from roomkin.stages.generation.models import read_collisions
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.placing import Places
+from roomkin.stages.generation.scene_file import read_items, summarise, to_contract
+from roomkin.stages.generation.settling import describe_fall, find_behind, load_items, run_physics, simulate
+from roomkin.stages.geometry.boxes import THINNEST, UprightBox, corners
+from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at, project
+from roomkin.stages.geometry.frames import invert_transform, transform_points, yaw_matrix
+from roomkin.stages.geometry.masks import polygon
+from roomkin.stages.simulation.loading import physics_scene
 from tests.packages import needs
 from tests.refusals import refused
 from tests.unit.generation_scenes import build, thing
@@ -546,7 +546,7 @@ def test_a_scene_that_fails_leaves_nothing(
     def unreadable(*args: object) -> None:
         raise InputError("mesh.obj", "is broken.", code="E-MESH-BROKEN")
 
-    monkeypatch.setattr("stages.generation.generate.simulate", unreadable)
+    monkeypatch.setattr("roomkin.stages.generation.generate.simulate", unreadable)
     with pytest.raises(InputError, match="is broken"):
         run(cousins=scene["cousins"], objects=scene["objects"], library=scene["library"], variant="b",
             out=tmp_path / "out")  # fmt: skip

@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stages.config.generation import GenerationConfig
-from stages.contracts.categories import known_categories
-from stages.contracts.objects import Wall
-from stages.generation import stacking
-from stages.generation.collisions import resolve_collisions
-from stages.generation.mounting import extend_to_wall
-from stages.generation.placed import Placed
-from stages.generation.stacking import find_stack, find_supports, put_on_supports, sort_by_height
-from stages.generation.surfaces import find_surface
-from stages.geometry.boxes import THINNEST, UprightBox, corners
-from stages.geometry.frames import yaw_matrix
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.objects import Wall
+from roomkin.stages.generation import stacking
+from roomkin.stages.generation.collisions import resolve_collisions
+from roomkin.stages.generation.mounting import extend_to_wall
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.stacking import find_stack, find_supports, put_on_supports, sort_by_height
+from roomkin.stages.generation.surfaces import find_surface
+from roomkin.stages.geometry.boxes import THINNEST, UprightBox, corners
+from roomkin.stages.geometry.frames import yaw_matrix
 from tests.unit.askew_desk import ASKEW_DESK
 from tests.unit.generation_scenes import BACK, solid, thing, upright
 

@@ -4,15 +4,15 @@ from pathlib import Path
 
 import pytest
 
-from stages.config.generation import GenerationConfig
-from stages.config.provenance import record_provenance
-from stages.contracts import GeneratedScene, InputError, Objects, read_json, write_json
-from stages.contracts.corrections import Correction, Corrections
-from stages.contracts.doubt import DoubtKind
-from stages.generation.generate import run
-from stages.generation.inputs import read_inputs
-from stages.generation.placed import Placed
-from stages.generation.stacking import apply_stated
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.config.provenance import record_provenance
+from roomkin.stages.contracts import GeneratedScene, InputError, Objects, read_json, write_json
+from roomkin.stages.contracts.corrections import Correction, Corrections
+from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.generation.generate import run
+from roomkin.stages.generation.inputs import read_inputs
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.stacking import apply_stated
 from tests.unit.generation_scenes import Built, build, thing
 from tests.unit.test_generation_run import scene  # noqa: F401
 
@@ -84,7 +84,9 @@ def test_a_place_that_a_person_said_is_not_doubted(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("stages.generation.doubts.measure_place_sureness", lambda spread: 0.1 if spread else 1.0)
+    monkeypatch.setattr(
+        "roomkin.stages.generation.doubts.measure_place_sureness", lambda spread: 0.1 if spread else 1.0
+    )
     unsure = DoubtKind.PLACE_UNSURE.of(share=10)
     before, after = (
         {item.id for item in _built(scene, tmp_path, 1, *told).items if unsure in item.doubts}
@@ -114,7 +116,7 @@ def test_a_scene_says_that_corrections_were_among_what_it_was_made_of(scene: dic
     options = GenerationConfig(ranks=1, sizes="measured")
     run(**scene, variant="v", out=tmp_path, corrections=(told,), options=options.model_dump_json())
     made = read_json(GeneratedScene, tmp_path / "scene_1.json").made
-    assert made == record_provenance("stages.generation.generate", options, [*scene.values(), told])
+    assert made == record_provenance("roomkin.stages.generation.generate", options, [*scene.values(), told])
 
 
 def test_a_broken_file_is_named(scene: dict[str, Path], tmp_path: Path) -> None:  # noqa: F811

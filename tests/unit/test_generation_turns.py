@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import sapien
 
-from stages.config.generation import GenerationConfig
-from stages.contracts.cousins import Cousin, Orientation
-from stages.contracts.objects import Wall
-from stages.generation.settling import run_physics
-from stages.generation.turning import find_yaw
-from stages.geometry.boxes import UprightBox
-from stages.geometry.viewing import view_angle
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.contracts.cousins import Cousin, Orientation
+from roomkin.stages.contracts.objects import Wall
+from roomkin.stages.generation.settling import run_physics
+from roomkin.stages.generation.turning import find_yaw
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.viewing import view_angle
 from tests.unit.generation_scenes import thing
 
 CAMERA = (0.0, 0.0, 1.4)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stages.geometry.boxes import (
+from roomkin.stages.geometry.boxes import (
     UprightBox,
     axis_aligned_iou,
     bounds,
@@ -13,9 +13,16 @@ from stages.geometry.boxes import (
     oriented_iou,
     surface_points,
 )
-from stages.geometry.cameras import PointMap, back_project, intrinsics_from_fov, look_at, make_intrinsics, project
-from stages.geometry.clouds import dbscan, farthest_points, statistical_inliers
-from stages.geometry.frames import (
+from roomkin.stages.geometry.cameras import (
+    PointMap,
+    back_project,
+    intrinsics_from_fov,
+    look_at,
+    make_intrinsics,
+    project,
+)
+from roomkin.stages.geometry.clouds import dbscan, farthest_points, statistical_inliers
+from roomkin.stages.geometry.frames import (
     angle_difference,
     invert_transform,
     make_transform,
@@ -26,9 +33,9 @@ from stages.geometry.frames import (
     yaw_of_matrix,
     yaw_quaternion,
 )
-from stages.geometry.minimum_box import minimum_box
-from stages.geometry.ray_depth import ray_lengths
-from stages.geometry.room_planes import fit_plane
+from roomkin.stages.geometry.minimum_box import minimum_box
+from roomkin.stages.geometry.ray_depth import ray_lengths
+from roomkin.stages.geometry.room_planes import fit_plane
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import torch
 
-from stages.contracts.policy_config import PolicyConfig
-from stages.policies.base import make_policy, make_rollout_policy
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.policies.base import make_policy, make_rollout_policy
 from tests.unit.clouds import cabinet
 
 GOLDEN = Path(__file__).with_name("golden_actions.json")
@@ -22,9 +22,11 @@ POLICIES = {
     "bc_rnn_gmm": PolicyConfig(points=64, horizon=3, kwargs=SMALL),
     "bc_rnn_gmm, handle": PolicyConfig(points=64, horizon=3, handle=True, kwargs=SMALL),
     "bc_rnn_gmm, no cloud": PolicyConfig(points=64, horizon=3, kwargs=SMALL | {"cloud": False}),
-    "diffusion": PolicyConfig(policy="plugins.diffusion.policies.diffusion", points=64, horizon=4, kwargs=DENOISE),
+    "diffusion": PolicyConfig(
+        policy="roomkin.plugins.diffusion.policies.diffusion", points=64, horizon=4, kwargs=DENOISE
+    ),
     "diffusion, handle": PolicyConfig(
-        policy="plugins.diffusion.policies.diffusion", points=64, horizon=4, handle=True, kwargs=DENOISE
+        policy="roomkin.plugins.diffusion.policies.diffusion", points=64, horizon=4, handle=True, kwargs=DENOISE
     ),
 }
 

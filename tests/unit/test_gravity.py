@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stages.geometry.boxes import UprightBox
-from stages.geometry.cameras import back_project
-from stages.geometry.gravity import estimate_up, find_up, is_upside_down
-from stages.geometry.levels import find_floor, find_levels
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.gravity import estimate_up, find_up, is_upside_down
+from roomkin.stages.geometry.levels import find_floor, find_levels
 from tests.unit.synthetic_room import HEIGHT, INTRINSICS, OBJECT, WIDTH, WORLD_FROM_CAMERA, trace
 
 UP = WORLD_FROM_CAMERA[2, :3]
@@ -84,3 +84,5 @@ def test_a_picture_upside_down_shows_no_level_that_faces_up() -> None:
     along = np.where(np.abs(rise) > 0.05, np.where(rise > 0, 1.0, -1.6) / np.where(rise == 0, 1, rise), 0)
     shown = rays * np.where(along < 6, along, 0)[..., None]
     assert not is_upside_down(shown, shown[..., 2] > 0, 75.0)
+    wall = np.where((rays[..., 2] > 0)[..., None], 2.0 * rays / rays[..., 2:], 0)
+    assert not is_upside_down(wall, wall[..., 2] > 0, 75.0), "a wall alone tells nothing"

@@ -5,13 +5,20 @@ from pathlib import Path
 
 import pytest
 
-from stages.contracts import Camera, read_json, write_json
-from stages.contracts.corrections import CORRECTIONS, Correction, Corrections, read_corrections
-from stages.contracts.hand import PROJECT, digest_of_image, digest_of_picture, find_hand_file, hand_folder, is_by_hand
-from stages.contracts.images import read_masks
-from stages.contracts.matched import match_corrections
-from stages.geometry.boxes import UprightBox
-from stages.perception.read.photo import read_photo
+from roomkin.stages.contracts import Camera, read_json, write_json
+from roomkin.stages.contracts.corrections import CORRECTIONS, Correction, Corrections, read_corrections
+from roomkin.stages.contracts.hand import (
+    PROJECT,
+    digest_of_image,
+    digest_of_picture,
+    find_hand_file,
+    hand_folder,
+    is_by_hand,
+)
+from roomkin.stages.contracts.images import read_masks
+from roomkin.stages.contracts.matched import match_corrections
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.perception.read.photo import read_photo
 from tests.unit.synthetic_room import OBJECT, write_room
 
 BOXES = [UprightBox((3.7, -0.8, 0.4), (0.6, 0.8, 0.8), 0.0), UprightBox((2.5, 0.6, 0.3), (0.5, 0.5, 0.6), 0.3)]

@@ -5,16 +5,16 @@ import pytest
 import torch
 from torch import Tensor
 
-from stages.contracts.policy_config import PolicyConfig
-from stages.contracts.task_options import TaskConfig
-from stages.contracts.trained import TrainingStore
-from stages.policies.base import make_policy, make_rollout_policy
-from stages.policies.handle_points import find_handle_middles, offsets_to_handle, segment_handles
-from stages.training import handle_augmentation
-from stages.training.batches import Batch, make_batch, put_handle_first
-from stages.training.dataset import DemonstrationSet, steps_until_release
-from stages.training.fronts import find_still, segment_episodes
-from stages.training.handle_augmentation import hide_handles, move_fronts, vary_handles, widen_grips
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.trained import TrainingStore
+from roomkin.stages.policies.base import make_policy, make_rollout_policy
+from roomkin.stages.policies.handle_points import find_handle_middles, offsets_to_handle, segment_handles
+from roomkin.stages.training import handle_augmentation
+from roomkin.stages.training.batches import Batch, make_batch, put_handle_first
+from roomkin.stages.training.dataset import DemonstrationSet, steps_until_release
+from roomkin.stages.training.fronts import find_still, segment_episodes
+from roomkin.stages.training.handle_augmentation import hide_handles, move_fronts, vary_handles, widen_grips
 from tests.unit.clouds import cabinet
 
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from plugins.importing.tests.test_fronts import box, joint
-from stages.articulated.attributes import explain_ungraspable, measure_handle
-from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.handle import exact_width, find_handle
-from stages.articulated.model import RobotModel
-from stages.articulated.urdf_reader import read_urdf
+from roomkin.plugins.importing.tests.test_fronts import box, joint
+from roomkin.stages.articulated.attributes import explain_ungraspable, measure_handle
+from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.articulated.handle import exact_width, find_handle
+from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.urdf_reader import read_urdf
 
 FRAME = [  # a raised frame of 60 x 80 cm, 6 cm wide, 2 cm before its panel
     box("0.02 0.06 0.8", "0.02 -0.27 0"), box("0.02 0.06 0.8", "0.02 0.27 0"),
@@ -96,5 +96,5 @@ def test_only_what_stands_near_is_in_the_way(tmp_path: Path, distance: float, wh
 def test_a_front_that_few_rays_hit_has_no_handle(count: int, known: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     hits = np.zeros((count, 3))
     hits[-2:] = [[0.05, 0.0, -0.1], [0.05, 0.0, 0.1]]
-    monkeypatch.setattr("stages.articulated.handle.front_hits", lambda mesh: hits)
+    monkeypatch.setattr("roomkin.stages.articulated.handle.front_hits", lambda mesh: hits)
     assert (find_handle(trimesh.Trimesh()) is not None) == known

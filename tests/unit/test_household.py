@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from plugins.furniture.catalogue import CATEGORIES, has_fronts, leaves, sample
-from plugins.furniture.folder import generate
-from plugins.furniture.library import make
-from plugins.furniture.robot import robot_of
-from plugins.furniture.shapes import bounds_of
-from stages.articulated.part_types import contract_joints
-from stages.contracts.categories import category_in
-from stages.simulation.loading import load_asset, physics_scene, root_pose
+from roomkin.plugins.furniture.catalogue import CATEGORIES, has_fronts, leaves, sample
+from roomkin.plugins.furniture.folder import generate
+from roomkin.plugins.furniture.library import make
+from roomkin.plugins.furniture.robot import robot_of
+from roomkin.plugins.furniture.shapes import bounds_of
+from roomkin.stages.articulated.part_types import contract_joints
+from roomkin.stages.contracts.categories import category_in
+from roomkin.stages.simulation.loading import load_asset, physics_scene, root_pose
 from tests.unit.physics import add_ground, position_of
 
 ROOM = (

@@ -4,20 +4,20 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stages.config.extraction import ExtractionConfig
-from stages.contracts import Annotations
-from stages.contracts.corrections import Correction
-from stages.contracts.objects import USUAL_ERROR, Box, DepthError, SceneObject, Wall
-from stages.contracts.scenes import Annotation, Held
-from stages.extraction.contact import DepthView, measure_shelf
-from stages.extraction.corrected_masks import Cutter, correct_masks, paint_masks
-from stages.extraction.corrections import correct_image
-from stages.extraction.observation import AnnotatedImage
-from stages.extraction.reconstruct import ExtractedScene, find_hanging, reconstruct
-from stages.extraction.reflections import remove_reflections
-from stages.geometry.boxes import UprightBox
-from stages.geometry.cameras import PointMap
-from stages.geometry.masks import central_crop, erode
+from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.contracts import Annotations
+from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.objects import USUAL_ERROR, Box, DepthError, SceneObject, Wall
+from roomkin.stages.contracts.scenes import Annotation, Held
+from roomkin.stages.extraction.contact import DepthView, measure_shelf
+from roomkin.stages.extraction.corrected_masks import Cutter, correct_masks, paint_masks
+from roomkin.stages.extraction.corrections import correct_image
+from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.reconstruct import ExtractedScene, find_hanging, reconstruct
+from roomkin.stages.extraction.reflections import remove_reflections
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.cameras import PointMap
+from roomkin.stages.geometry.masks import central_crop, erode
 from tests.refusals import refused
 from tests.unit.synthetic_room import (
     BACK_WALL,

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 from numpy.typing import NDArray
 
-from stages.config.tables import TablesConfig
-from stages.tables.intervals import (
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.tables.intervals import (
     PLACE,
     Side,
     difference_interval,
@@ -16,7 +16,7 @@ from stages.tables.intervals import (
     rate_of,
     score_interval,
 )
-from stages.tables.statistics import wilson
+from roomkin.stages.tables.statistics import wilson
 
 OPTIONS = TablesConfig(bootstrap_samples=300)
 

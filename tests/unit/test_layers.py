@@ -34,31 +34,31 @@ ON_OTHERS = {  # few, each for a reason
 
 
 def room_of(module: str) -> str:
-    """The room of `stages.<room>...`."""
-    return module.split(".")[1]
+    """The room of `roomkin.stages.<room>...`."""
+    return module.split(".")[2]
 
 
 def imports(file: Path) -> set[str]:
-    """Modules under `stages` and `plugins` that a file imports, inside functions and for types, too."""
+    """Modules under `roomkin` that a file imports, inside functions and for types, too."""
     found = set()
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module in ("stages", "plugins"):
+        elif isinstance(node, ast.ImportFrom) and node.module in ("roomkin.stages", "roomkin.plugins"):
             found.update(f"{node.module}.{alias.name}" for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and not node.level:
             found.add(node.module or "")
-    return {name for name in found if name.startswith(("stages.", "plugins."))}
+    return {name for name in found if name.startswith("roomkin.")}
 
 
 def edges() -> dict[tuple[str, str], list[str]]:
     """From room to room, and which files import so."""
     found: dict[tuple[str, str], list[str]] = {}
     for file in sorted((ROOT / "stages").rglob("*.py")):
-        module = ".".join(file.relative_to(ROOT).with_suffix("").parts)
-        if module == "stages.__init__":
+        module = ".".join(["roomkin", *file.relative_to(ROOT).with_suffix("").parts])
+        if module == "roomkin.stages.__init__":
             continue
-        for name in (name for name in imports(file) if name.startswith("stages.")):
+        for name in (name for name in imports(file) if name.startswith("roomkin.stages.")):
             found.setdefault((room_of(module), room_of(name)), []).append(f"{module} imports {name}")
     return found
 
@@ -70,13 +70,14 @@ def test_no_room_imports_upward() -> None:
 
 def test_the_core_imports_no_package() -> None:
     files = sorted((ROOT / "stages").rglob("*.py"))
-    assert [(str(file), name) for file in files for name in imports(file) if name.startswith("plugins.")] == []
+    found = [(str(file), name) for file in files for name in imports(file)]
+    assert [one for one in found if not one[1].startswith("roomkin.stages.")] == []
 
 
 def test_the_core_names_no_package() -> None:
     """Neither as a module in a string, nor where it asks whether one is on or where one lies."""
     packages = sorted(path.parent.name for path in (ROOT / "plugins").glob("*/package.py"))
-    module = re.compile(rf"plugins\.({'|'.join(packages)})(\.\w+)*")
+    module = re.compile(rf"roomkin\.plugins\.({'|'.join(packages)})(\.\w+)*")
     asked = re.compile(
         rf"""(home_of|command|replacement)\([^)"']*["']({"|".join(packages)})["']"""
         rf"""|packages(\.get\(|\[)\s*["']({"|".join(packages)})["']"""
@@ -95,15 +96,24 @@ def test_packages_import_no_other() -> None:
     found = []
     for file in sorted((ROOT / "plugins").rglob("*.py")):
         package, *inside = file.relative_to(ROOT).parts[1:]
-        others = {name.split(".")[1] for name in imports(file) if name.startswith("plugins.")} - {package}
+        others = {name.split(".")[2] for name in imports(file) if name.startswith("roomkin.plugins.")} - {package}
         found += [(package, other) for other in others if "tests" not in inside and (package, other) not in ON_OTHERS]
     assert found == []
 
 
 def test_every_import_is_seen(tmp_path: Path) -> None:
-    text = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from stages.a.b import C\n"
-    (tmp_path / "m.py").write_text(text + "def f():\n    import stages.d\n    from stages import e\n")
-    assert imports(tmp_path / "m.py") == {"stages.a.b", "stages.d", "stages.e"}
+    text = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from roomkin.stages.a.b import C\n"
+    (tmp_path / "m.py").write_text(text + "def f():\n    import roomkin.stages.d\n    from roomkin.stages import e\n")
+    assert imports(tmp_path / "m.py") == {"roomkin.stages.a.b", "roomkin.stages.d", "roomkin.stages.e"}
+
+
+def test_no_module_is_loaded_under_a_second_name() -> None:
+    """In a clone `stages` and `plugins` could be imported beside `roomkin.stages` and `roomkin.plugins`."""
+    folders = ("roomkin", "stages", "plugins", "rules", "reference", "benchmarks", "tests")
+    files = [path for folder in folders for path in (ROOT / folder).rglob("*") if path.suffix in (".py", ".smk")]
+    second = re.compile(r"^\s*(from|import) (stages|plugins)\b", re.MULTILINE)
+    assert len(files) > 600
+    assert [path.name for path in files if second.search(path.read_text(encoding="utf-8"))] == []
 
 
 @needs("report")

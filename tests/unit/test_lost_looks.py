@@ -9,9 +9,9 @@ import pytest
 import trimesh
 from PIL import Image
 
-from plugins.importing.tests.own_models import import_folder
-from stages.articulated.mesh_reader import has_texture, load_meshes
-from stages.articulated.urdf_reader import read_urdf
+from roomkin.plugins.importing.tests.own_models import import_folder
+from roomkin.stages.articulated.mesh_reader import has_texture, load_meshes
+from roomkin.stages.articulated.urdf_reader import read_urdf
 
 QUAD = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
 FACES = "usemtl skin\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\nf 1/1 5/2 4/3\n"

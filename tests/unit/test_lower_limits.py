@@ -7,14 +7,14 @@ import pytest
 import torch
 import trimesh
 
-from plugins.mujoco.environment import MujocoTaskEnv
-from plugins.mujoco.world import MODEL
-from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import make_transform
-from stages.planning.path import make_handle_path
-from stages.simulation.target import Target
-from stages.tasks.api import EnvWrapper
-from stages.tasks.base_placement import find_success_opening
+from roomkin.plugins.mujoco.environment import MujocoTaskEnv
+from roomkin.plugins.mujoco.world import MODEL
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.planning.path import make_handle_path
+from roomkin.stages.simulation.target import Target
+from roomkin.stages.tasks.api import EnvWrapper
+from roomkin.stages.tasks.base_placement import find_success_opening
 from tests.unit.demo_assets import cabinet, shifted
 
 SHIFT = {"door": 0.4, "drawer": -0.25}  # what is added to both limits: radians, metres

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from stages.contracts import InputError, Objects, read_json
-from stages.contracts.__main__ import main
-from stages.contracts.extracted import read_clouds
-from stages.matching.scene import Scene
-from stages.matching.snapshots import SnapshotFile
-from stages.matching.store import FeatureStore
+from roomkin.stages.contracts import InputError, Objects, read_json
+from roomkin.stages.contracts.__main__ import main
+from roomkin.stages.contracts.extracted import read_clouds
+from roomkin.stages.matching.scene import Scene
+from roomkin.stages.matching.snapshots import SnapshotFile
+from roomkin.stages.matching.store import FeatureStore
 from tests.refusals import refused
 from tests.unit.contract_files import CLOUD, HEIGHT, WIDTH, Bench, masks, with_value
 

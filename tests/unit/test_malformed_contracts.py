@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from stages.contracts.__main__ import main
-from stages.contracts.kinds import KINDS
+from roomkin.stages.contracts.__main__ import main
+from roomkin.stages.contracts.kinds import KINDS
 from tests.unit.contract_files import FILES, POSE, Bench
 
 NAN, INF = float("nan"), float("inf")

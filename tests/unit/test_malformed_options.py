@@ -11,22 +11,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.furniture.catalogue import sample
-from plugins.furniture.folder import generate
-from plugins.scenes.config import ScenesConfig
-from stages.cli import main
-from stages.config.assets import AssetsConfig
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.evaluation import EvaluationConfig
-from stages.config.extraction import ExtractionConfig
-from stages.config.generation import GenerationConfig
-from stages.config.matching import MatchingConfig
-from stages.config.packages import home_of
-from stages.config.tables import TablesConfig
-from stages.contracts import InputError, read_options
-from stages.contracts.library import Recipe
-from stages.contracts.policy_config import PolicyConfig
-from stages.contracts.task_options import TaskConfig
+from roomkin.plugins.furniture.catalogue import sample
+from roomkin.plugins.furniture.folder import generate
+from roomkin.plugins.scenes.config import ScenesConfig
+from roomkin.stages.cli import main
+from roomkin.stages.config.assets import AssetsConfig
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.config.evaluation import EvaluationConfig
+from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.config.packages import home_of
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts import InputError, read_options
+from roomkin.stages.contracts.library import Recipe
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.task_options import TaskConfig
 from tests.packages import needs
 from tests.unit.contract_files import contents, write_files
 
@@ -165,7 +165,7 @@ def test_a_stage_ends_with_one_line(
 
 def digest_of_the_store(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let matching believe that the made-up store is its encoder's, so that it looks at the rows."""
-    monkeypatch.setattr(importlib.import_module("stages.matching.match"), "settings_digest", lambda *_: "abc")
+    monkeypatch.setattr(importlib.import_module("roomkin.stages.matching.match"), "settings_digest", lambda *_: "abc")
 
 
 # recipes: read from asset.json, made again at another size

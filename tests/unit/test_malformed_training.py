@@ -12,13 +12,13 @@ import torch
 from safetensors.numpy import save_file
 from safetensors.torch import save_file as save_torch
 
-from stages.contracts import InputError
-from stages.contracts.__main__ import main
-from stages.contracts.policy_config import PolicyConfig
-from stages.policies.base import TrainablePolicy, make_policy
-from stages.policies.checkpoint import load_network, save_weights
-from stages.training.dataset import read_demonstrations
-from stages.training.state import TrainingState
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.__main__ import main
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.policies.base import TrainablePolicy, make_policy
+from roomkin.stages.policies.checkpoint import load_network, save_weights
+from roomkin.stages.training.dataset import read_demonstrations
+from roomkin.stages.training.state import TrainingState
 from tests.refusals import refused
 from tests.unit.contract_files import HAND, Bench, weights, with_value
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from plugins.importing.tests.own_models import import_folder
-from stages.articulated.mesh_reader import load_meshes
-from stages.articulated.urdf_reader import read_urdf
-from stages.contracts.errors import InputError
+from roomkin.plugins.importing.tests.own_models import import_folder
+from roomkin.stages.articulated.mesh_reader import load_meshes
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.contracts.errors import InputError
 from tests.unit.articulated_models import CABINET, write_cabinet
 
 BODY_BOX = '<box size="0.4 0.6 0.8"/>'

@@ -11,16 +11,16 @@ import pytest
 import yaml
 from PIL import Image
 
-from stages.articulated.urdf_reader import read_urdf
-from stages.config.files import read_file
-from stages.config.inputs import list_objects
-from stages.config.pictures import read_sources
-from stages.config.recordings import list_frames
-from stages.contracts.files import read_text
-from stages.perception.read.depth_scale import find_stated_units
-from stages.perception.read.lens import read_lens
-from stages.perception.read.mask_files import read_labelled
-from stages.tables.rows import read_table
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.config.files import read_file
+from roomkin.stages.config.inputs import list_objects
+from roomkin.stages.config.pictures import read_sources
+from roomkin.stages.config.recordings import list_frames
+from roomkin.stages.contracts.files import read_text
+from roomkin.stages.perception.read.depth_scale import find_stated_units
+from roomkin.stages.perception.read.lens import read_lens
+from roomkin.stages.perception.read.mask_files import read_labelled
+from roomkin.stages.tables.rows import read_table
 from tests.refusals import refused
 
 MARKED = {

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stages.contracts.corrections import Correction, Corrections, read_corrections
-from stages.contracts.files import write_json
-from stages.contracts.matched import digest_masks, match_corrections, show_masks
-from stages.contracts.scenes import Held
+from roomkin.stages.contracts.corrections import Correction, Corrections, read_corrections
+from roomkin.stages.contracts.files import write_json
+from roomkin.stages.contracts.matched import digest_masks, match_corrections, show_masks
+from roomkin.stages.contracts.scenes import Held
 
 Masks = NDArray[np.uint16]
 PICTURE, OTHER = "a" * 64, "b" * 64

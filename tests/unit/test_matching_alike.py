@@ -2,9 +2,9 @@
 
 import pytest
 
-from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
-from stages.contracts.objects import Box, Mounting, SceneObject
-from stages.matching.agreement import agree_on_order, group_alike
+from roomkin.stages.contracts.cousins import Cousin, ObjectCousins, Orientation
+from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
+from roomkin.stages.matching.agreement import agree_on_order, group_alike
 
 
 def _thing(name: str, height: float = 0.9, **fields: object) -> SceneObject:

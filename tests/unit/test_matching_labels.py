@@ -4,15 +4,15 @@ from pathlib import Path
 
 import pytest
 
-import plugins.scenes.rooms
-from stages.config.matching import MatchingConfig
-from stages.contracts import Library
-from stages.contracts.categories import known_categories
-from stages.contracts.library import LibraryEntry
-from stages.contracts.objects import SceneObject
-from stages.matching.candidates import Candidates, find_candidates
-from stages.matching.text_encoders import find_nearest_categories, make_text_encoder
-from stages.matching.text_encoders.lexical import TextEncoder, split_words
+import roomkin.plugins.scenes.rooms
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts import Library
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.matching.candidates import Candidates, find_candidates
+from roomkin.stages.matching.text_encoders import find_nearest_categories, make_text_encoder
+from roomkin.stages.matching.text_encoders.lexical import TextEncoder, split_words
 
 LEXICAL = TextEncoder(MatchingConfig())
 CATEGORIES = [
@@ -152,7 +152,7 @@ def test_a_category_of_ones_own_is_known() -> None:
 
 
 def test_labels_of_our_rooms_are_understood() -> None:
-    rooms = Path(plugins.scenes.rooms.__file__).parent.glob("*.yaml")
+    rooms = Path(roomkin.plugins.scenes.rooms.__file__).parent.glob("*.yaml")
     labels = {
         line.split("label:")[1].strip(" }")
         for room in rooms

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from stages.config.matching import MatchingConfig
-from stages.contracts.corrections import Correction
-from stages.contracts.fronts import Panel
-from stages.contracts.library import FrontPanel, LibraryEntry
-from stages.contracts.objects import SceneObject
-from stages.contracts.scenes import Annotation
-from stages.matching.candidates import Candidates
-from stages.matching.panels import layout_gap, measure_overlaps, panel_gap, to_boxes
-from stages.matching.priors import list_addends
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.fronts import Panel
+from roomkin.stages.contracts.library import FrontPanel, LibraryEntry
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.contracts.scenes import Annotation
+from roomkin.stages.matching.candidates import Candidates
+from roomkin.stages.matching.panels import layout_gap, measure_overlaps, panel_gap, to_boxes
+from roomkin.stages.matching.priors import list_addends
 
 
 def panel(kind: str, left: float, right: float, bottom: float, top: float) -> Panel:

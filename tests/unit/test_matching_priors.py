@@ -6,16 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.config.matching import MatchingConfig
-from stages.contracts.cousins import CategoryMatch
-from stages.contracts.library import LibraryEntry
-from stages.contracts.objects import Box, Mounting, SceneObject
-from stages.geometry.crop import foreground
-from stages.matching.candidates import Candidates
-from stages.matching.colors import patch_colors
-from stages.matching.encoders import make_encoder
-from stages.matching.priors import is_misplaced, list_addends, size_gap
-from stages.matching.ranking import make_query
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts.cousins import CategoryMatch
+from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
+from roomkin.stages.geometry.crop import foreground
+from roomkin.stages.matching.candidates import Candidates
+from roomkin.stages.matching.colors import patch_colors
+from roomkin.stages.matching.encoders import make_encoder
+from roomkin.stages.matching.priors import is_misplaced, list_addends, size_gap
+from roomkin.stages.matching.ranking import make_query
 from tests.unit.matching_data import World, view_of_box
 
 OFF = {

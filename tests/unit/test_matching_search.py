@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stages.matching.search import distance_table
-from stages.matching.voting import embedding_distance, vote
-from stages.plugins import list_available
+from roomkin.stages.matching.search import distance_table
+from roomkin.stages.matching.voting import embedding_distance, vote
+from roomkin.stages.plugins import list_available
 
 Patches = list[NDArray[np.float32]]
 

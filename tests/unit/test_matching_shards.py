@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from stages.assets.part import run as part
-from stages.contracts import Cousins, LibraryPart, read_json
-from stages.contracts.library import LibraryEntry
-from stages.contracts.library_parts import SceneShards, holds, name_part
-from stages.matching.features import run as features
-from stages.matching.match import run as match
-from stages.matching.shards import choose_shards
-from stages.matching.shards import run as shards
+from roomkin.stages.assets.part import run as part
+from roomkin.stages.contracts import Cousins, LibraryPart, read_json
+from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.contracts.library_parts import SceneShards, holds, name_part
+from roomkin.stages.matching.features import run as features
+from roomkin.stages.matching.match import run as match
+from roomkin.stages.matching.shards import choose_shards
+from roomkin.stages.matching.shards import run as shards
 from tests.refusals import refused
 from tests.unit.matching_data import World, write_scene, write_snapshots
 

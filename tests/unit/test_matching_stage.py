@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.config.packages import load_command
-from stages.contracts import LeftOut, write_json
-from stages.geometry.frames import angle_difference
-from stages.matching.match import run as match
-from stages.plugins import list_available
+from roomkin.stages.config.packages import load_command
+from roomkin.stages.contracts import LeftOut, write_json
+from roomkin.stages.geometry.frames import angle_difference
+from roomkin.stages.matching.match import run as match
+from roomkin.stages.plugins import list_available
 from tests.packages import needs
 from tests.refusals import refused
 from tests.unit.matching_data import SHOWN, World

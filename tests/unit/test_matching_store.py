@@ -5,18 +5,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.config.matching import MatchingConfig
-from stages.contracts import Library, read_json
-from stages.contracts.cousins import CategoryMatch
-from stages.contracts.features import check_features
-from stages.contracts.objects import SceneObject
-from stages.geometry.cameras import look_at
-from stages.matching.candidates import Candidates
-from stages.matching.codec import learn
-from stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
-from stages.matching.ranking import make_query, shortlist
-from stages.matching.snapshots import SnapshotFile, up_of_camera
-from stages.matching.store import FeatureStore, Snapshot
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts import Library, read_json
+from roomkin.stages.contracts.cousins import CategoryMatch
+from roomkin.stages.contracts.features import check_features
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.geometry.cameras import look_at
+from roomkin.stages.matching.candidates import Candidates
+from roomkin.stages.matching.codec import learn
+from roomkin.stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
+from roomkin.stages.matching.ranking import make_query, shortlist
+from roomkin.stages.matching.snapshots import SnapshotFile, up_of_camera
+from roomkin.stages.matching.store import FeatureStore, Snapshot
 from tests.refusals import refused
 from tests.unit.matching_data import MODELS, World
 

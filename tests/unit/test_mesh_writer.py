@@ -7,8 +7,8 @@ import pytest
 from trimesh import Trimesh
 from trimesh.creation import box
 
-from stages.articulated.mesh_writer import Surface, is_box, write_obj
-from stages.articulated.model import Texture
+from roomkin.stages.articulated.mesh_writer import Surface, is_box, write_obj
+from roomkin.stages.articulated.model import Texture
 
 CORNERS = np.array([[1 / 3, -0.0, 0.0], [1.0, -2e-6, 0.0], [2.0, 1.0, 0.123456]])
 SEEN = Surface(CORNERS, np.array([[0, 2, 1]]), -CORNERS / 3, CORNERS[:, :2] ** 2)

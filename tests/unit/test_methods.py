@@ -12,24 +12,24 @@ import pytest
 import yaml
 from matplotlib.figure import Figure
 
-from plugins.claims import claims
-from plugins.report import report
-from plugins.studies import conditions, results
-from stages.config.model import Config, load, with_defaults
-from stages.config.policy_kinds import policy_tables
-from stages.config.tables import PolicyAbout, PolicyTables, TablesConfig
-from stages.contracts.policies import Rollout
-from stages.tables import policies
-from stages.tables.methods import check_methods, join_published, kinds_of, read_pooled
-from stages.tables.order import target_title
-from stages.tables.policy_notes import policy_notes
-from stages.tables.rows import published_runs
+from roomkin.plugins.claims import claims
+from roomkin.plugins.report import report
+from roomkin.plugins.studies import conditions, results
+from roomkin.stages.config.model import Config, load, with_defaults
+from roomkin.stages.config.policy_kinds import policy_tables
+from roomkin.stages.config.tables import PolicyAbout, PolicyTables, TablesConfig
+from roomkin.stages.contracts.policies import Rollout
+from roomkin.stages.tables import policies
+from roomkin.stages.tables.methods import check_methods, join_published, kinds_of, read_pooled
+from roomkin.stages.tables.order import target_title
+from roomkin.stages.tables.policy_notes import policy_notes
+from roomkin.stages.tables.rows import published_runs
 from tests.refusals import refused
 from tests.unit.tables_results import declared, rollout, write_rows, write_run
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "report" / "published"
-MORE = ("plugins.claims.more",)
+MORE = ("roomkin.plugins.claims.more",)
 OPTIONS = TablesConfig(bootstrap_samples=100)
 SHORT = '{"bootstrap_samples": 100}'
 OPENED = {"lite": (16, 11), "mine": (7, 4)}  # of 16 on the twin, of 16 unseen assets
@@ -215,7 +215,7 @@ def test_trials_choose_among_policies_of_one_kind() -> None:
 
 def test_what_policies_are_is_told_by_the_config_and_by_no_name() -> None:
     config = config_of("""
-    plugins: [plugins.diffusion]
+    plugins: [roomkin.plugins.diffusion]
     experiment:
       targets: {fridge_handle: {task: door, room: room_3, object: hanging_cabinet_1}}
       policies: {lite_handle: null, door_handle: {configs: [long]}, blind: {}, diffusion: {},

@@ -11,9 +11,9 @@ from unittest.mock import Mock
 
 import pytest
 
-from stages.config import other_pictures, pictures
-from stages.config.inputs import INPUT_FILES
-from stages.config.model import Config, load
+from roomkin.stages.config import other_pictures, pictures
+from roomkin.stages.config.inputs import INPUT_FILES
+from roomkin.stages.config.model import Config, load
 from tests.refusals import refused
 
 HELD = (

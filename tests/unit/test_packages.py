@@ -5,12 +5,12 @@ from typing import Any
 
 import pytest
 
-from stages.config.model import load
-from stages.config.packages import check_rules, check_targets, find_packages, home_of
-from stages.config.reads import READS, options_of, stores
-from stages.contracts.errors import InputError
-from stages.contracts.section import Section
-from stages.plugins import list_available
+from roomkin.stages.config.model import load
+from roomkin.stages.config.packages import check_rules, check_targets, find_packages, home_of
+from roomkin.stages.config.reads import READS, options_of, stores
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.section import Section
+from roomkin.stages.plugins import list_available
 from tests.packages import needs
 from tests.refusals import refused
 from tests.workflow.workspace import ROOT
@@ -21,7 +21,9 @@ pytestmark = needs("exports", "importing", "mujoco", "pretrained", "studies", "v
 def test_all_that_are_here_are_on_unless_one_says_otherwise() -> None:
     config = load({"packages": {"mujoco": False}})
     assert config.packages == dict.fromkeys(find_packages(), True) | {"mujoco": False}
-    assert "plugins.mujoco" not in config.implementations and "plugins.exports" in config.implementations
+    assert (
+        "roomkin.plugins.mujoco" not in config.implementations and "roomkin.plugins.exports" in config.implementations
+    )
 
 
 def test_a_package_that_is_off_offers_no_implementation() -> None:
@@ -47,8 +49,8 @@ def test_a_section_belongs_to_its_package(name: str) -> None:
 
 
 def test_commands_are_found_in_their_homes() -> None:
-    assert home_of("matching") == "stages.matching" and home_of("exports") == "plugins.exports"
-    assert list_available("simulators")["mujoco"] == "plugins.mujoco.simulators.mujoco"
+    assert home_of("matching") == "roomkin.stages.matching" and home_of("exports") == "roomkin.plugins.exports"
+    assert list_available("simulators")["mujoco"] == "roomkin.plugins.mujoco.simulators.mujoco"
 
 
 @pytest.mark.parametrize("name", find_packages())

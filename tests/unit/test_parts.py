@@ -7,9 +7,9 @@ from typing import get_args
 import pytest
 from pydantic import ValidationError
 
-from stages.contracts.files import as_json
-from stages.contracts.library import Asset, Joint, LibraryEntry
-from stages.contracts.parts import FRONTS, PARTS, PartType
+from roomkin.stages.contracts.files import as_json
+from roomkin.stages.contracts.library import Asset, Joint, LibraryEntry
+from roomkin.stages.contracts.parts import FRONTS, PARTS, PartType
 
 STAGES = Path(__file__).resolve().parents[2] / "stages"
 # The table; the tasks about a part; the target of the usual config; words of parts that are no things by themselves.

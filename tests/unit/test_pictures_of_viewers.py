@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageCms
 
-from stages.contracts.images import read_masks, read_rgb
+from roomkin.stages.contracts.images import read_masks, read_rgb
 from tests.refusals import refused
 
 RED = np.tile(np.uint8([200, 40, 40]), (32, 32, 1))

@@ -8,11 +8,11 @@ import pytest
 import torch
 from torch.nn import functional
 
-from stages.contracts.policy_config import PolicyConfig
-from stages.policies.base import ActionMode
-from stages.policies.bc_rnn_gmm import Policy
-from stages.policies.mixture import Mixture
-from stages.policies.pointnet import PointNet
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.policies.base import ActionMode
+from roomkin.stages.policies.bc_rnn_gmm import Policy
+from roomkin.stages.policies.mixture import Mixture
+from roomkin.stages.policies.pointnet import PointNet
 
 
 def dense(net: PointNet, clouds: torch.Tensor) -> torch.Tensor:

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.config.generation import GenerationConfig
-from stages.config.provenance import record_provenance
+from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.config.provenance import record_provenance
 
-COMMAND = "stages.generation.generate"
+COMMAND = "roomkin.stages.generation.generate"
 
 
 def test_each_of_what_a_file_is_made_of_changes_its_own_digest(tmp_path: Path) -> None:
@@ -20,7 +20,7 @@ def test_each_of_what_a_file_is_made_of_changes_its_own_digest(tmp_path: Path) -
     assert other.options != first.options and (other.inputs, other.code) == (first.inputs, first.code)
     file.write_text("[]")
     assert record_provenance(COMMAND, GenerationConfig(), [file]).inputs != first.inputs
-    assert record_provenance("stages.matching.match", GenerationConfig(), [file]).code != first.code
+    assert record_provenance("roomkin.stages.matching.match", GenerationConfig(), [file]).code != first.code
 
 
 def test_arrays_are_known_by_their_values_not_by_the_header_of_their_archive(tmp_path: Path) -> None:

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.contracts.task_options import TaskConfig
-from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.recovery import sample_disturbance
-from stages.skills import FAR
-from stages.skills.motion import CLOSED
-from stages.skills.open import OpenSkill
-from stages.tasks.api import EnvWrapper
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.demonstrations.attempt import Recorder
+from roomkin.stages.demonstrations.recovery import sample_disturbance
+from roomkin.stages.skills import FAR
+from roomkin.stages.skills.motion import CLOSED
+from roomkin.stages.skills.open import OpenSkill
+from roomkin.stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
 
 

@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 from pydantic import BaseModel
 
-from stages.config.evaluation import RolloutOptions
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json, read_rows, write_json
-from stages.contracts.kinds import KINDS
-from stages.contracts.library import Asset
-from stages.contracts.library_folder import write_part
-from stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
-from stages.evaluation import choose, merge, rollout, selection_rollout, vector_env
-from stages.evaluation.episodes import roll_out
-from stages.evaluation.simulators import maniskill
-from stages.evaluation.states import Purpose, Start, initial_states, share_states, starts_of
-from stages.policies.checkpoint import save_weights
-from stages.tasks.api import Observation, StepResult
-from stages.tasks.observation import Sensing
-from stages.training.train import run as train
+from roomkin.stages.config.evaluation import RolloutOptions
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json, read_rows, write_json
+from roomkin.stages.contracts.kinds import KINDS
+from roomkin.stages.contracts.library import Asset
+from roomkin.stages.contracts.library_folder import write_part
+from roomkin.stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
+from roomkin.stages.evaluation import choose, merge, rollout, selection_rollout, vector_env
+from roomkin.stages.evaluation.episodes import roll_out
+from roomkin.stages.evaluation.simulators import maniskill
+from roomkin.stages.evaluation.states import Purpose, Start, initial_states, share_states, starts_of
+from roomkin.stages.policies.checkpoint import save_weights
+from roomkin.stages.tasks.api import Observation, StepResult
+from roomkin.stages.tasks.observation import Sensing
+from roomkin.stages.training.train import run as train
 from tests.refusals import refused
 from tests.toy_reach import Float, ToyReach, write_store
 from tests.unit.demo_assets import an_asset
@@ -231,6 +231,14 @@ def test_too_short_a_split_is_said(folder: Path, tmp_path: Path, capsys: pytest.
     plan = read_json(TaskAssets, folder / "task.json").model_copy(update={"test_assets": []})
     assert set(starts_of(plan, folder, RolloutOptions(test_assets=["twin"]), (), 0)) == {"twin"}
     assert "the test split has 0 assets of 24: only roles are tested" in capsys.readouterr().err
+
+
+def test_the_twin_may_be_tried_more_often_than_the_others(folder: Path) -> None:
+    plan = read_json(TaskAssets, folder / "task.json")
+    asked = RolloutOptions(test_assets=["twin", "cousin_2"], rollouts=3, twin_rollouts=5, assets=0)
+    starts = starts_of(plan, folder, asked, (), 0)
+    states = {role: [state for _, state in each] for role, each in starts.items()}
+    assert len(states["twin"]) == 5 and states["cousin_2"] == states["twin"][:3]
 
 
 def test_of_more_assets_than_states_some_are_left_out_evenly() -> None:

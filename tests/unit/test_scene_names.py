@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from pydantic import TypeAdapter
 
-from stages.config.inputs import LONGEST, NAME, is_scene, scene_of, scene_of_folder
-from stages.config.model import load
-from stages.contracts.types import SceneName
+from roomkin.stages.config.inputs import LONGEST, NAME, is_scene, scene_of, scene_of_folder
+from roomkin.stages.config.model import load
+from roomkin.stages.contracts.types import SceneName
 from tests.refusals import refused
 
 PLAIN = [

@@ -6,21 +6,21 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plugins.furniture.catalogue import sample
-from plugins.furniture.folder import build
-from stages.contracts import Asset, Cousins, GeneratedScene, Library, Objects, Truth, write_json
-from stages.contracts.__main__ import main as check_contract
-from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
-from stages.contracts.generated import PlacedObject, Plausibility
-from stages.contracts.library import LibraryEntry
-from stages.contracts.library_folder import write_part
-from stages.contracts.objects import Box, Mounting, SceneObject
-from stages.contracts.scenes import TrueObject
-from stages.evaluation.score import run
-from stages.evaluation.scoring import score_scene
-from stages.evaluation.shapes import measure_likeness
-from stages.geometry.cameras import look_at
-from stages.geometry.frames import invert_transform, transform_points, yaw_of_matrix
+from roomkin.plugins.furniture.catalogue import sample
+from roomkin.plugins.furniture.folder import build
+from roomkin.stages.contracts import Asset, Cousins, GeneratedScene, Library, Objects, Truth, write_json
+from roomkin.stages.contracts.__main__ import main as check_contract
+from roomkin.stages.contracts.cousins import Cousin, ObjectCousins, Orientation
+from roomkin.stages.contracts.generated import PlacedObject, Plausibility
+from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.contracts.library_folder import write_part
+from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
+from roomkin.stages.contracts.scenes import TrueObject
+from roomkin.stages.evaluation.score import run
+from roomkin.stages.evaluation.scoring import score_scene
+from roomkin.stages.evaluation.shapes import measure_likeness
+from roomkin.stages.geometry.cameras import look_at
+from roomkin.stages.geometry.frames import invert_transform, transform_points, yaw_of_matrix
 from tests.refusals import refused
 
 WORLD_FROM_CAMERA = look_at([5.0, 1.0, 1.6], [0.0, 0.0, 0.6])  # the room's frame

@@ -11,23 +11,23 @@ import pandas as pd
 import pytest
 import torch
 
-from plugins.furniture.catalogue import sample
-from stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
-from stages.config.experiment import ExperimentConfig
-from stages.config.tables import TablesConfig
-from stages.contracts.task_options import TaskConfig
-from stages.demonstrations.attempt import draw_approach_speed
-from stages.demonstrations.collect import attempt_seeds
-from stages.evaluation.states import initial_states
-from stages.policies.bc_rnn_gmm import Rollout
-from stages.simulation.robot import REST
-from stages.tables.intervals import PLACE, resample_rates
-from stages.tasks.cameras import jitter, shoulder
-from stages.tasks.initial_state import sample_initial_state
-from stages.tasks.observation import CameraRig, Sensing
-from stages.tasks.randomised import sample_factors
-from stages.training.loop import generator
-from stages.training.train import run as train
+from roomkin.plugins.furniture.catalogue import sample
+from roomkin.stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
+from roomkin.stages.config.experiment import ExperimentConfig
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.demonstrations.attempt import draw_approach_speed
+from roomkin.stages.demonstrations.collect import attempt_seeds
+from roomkin.stages.evaluation.states import initial_states
+from roomkin.stages.policies.bc_rnn_gmm import Rollout
+from roomkin.stages.simulation.robot import REST
+from roomkin.stages.tables.intervals import PLACE, resample_rates
+from roomkin.stages.tasks.cameras import jitter, shoulder
+from roomkin.stages.tasks.initial_state import sample_initial_state
+from roomkin.stages.tasks.observation import CameraRig, Sensing
+from roomkin.stages.tasks.randomised import sample_factors
+from roomkin.stages.training.loop import generator
+from roomkin.stages.training.train import run as train
 from tests.toy_reach import write_store
 
 LARGEST = 2**53 - 1

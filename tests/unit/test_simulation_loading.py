@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 import sapien
 
-from plugins.furniture.library import make
-from stages.articulated.asset_folder import read_asset
-from stages.articulated.resizing import resize_asset
-from stages.articulated.urdf_writer import FRICTION
-from stages.contracts.errors import InputError
-from stages.contracts.library import Asset
-from stages.simulation.loading import load_asset, move, physics_scene, remove, root_pose
-from stages.simulation.rendering import make_scene
+from roomkin.plugins.furniture.library import make
+from roomkin.stages.articulated.asset_folder import read_asset
+from roomkin.stages.articulated.resizing import resize_asset
+from roomkin.stages.articulated.urdf_writer import FRICTION
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.library import Asset
+from roomkin.stages.simulation.loading import load_asset, move, physics_scene, remove, root_pose
+from roomkin.stages.simulation.rendering import make_scene
 from tests.refusals import refused
 from tests.unit.physics import add_ground, position_of
 

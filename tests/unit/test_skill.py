@@ -10,22 +10,22 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from stages.articulated.handle import Handle
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.contracts.errors import InputError
-from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import invert_transform, make_transform, yaw_matrix
-from stages.planning.articulation import plan_articulation
-from stages.planning.clearance import Surroundings
-from stages.planning.handle_grasp import Grasp, grasp_pose
-from stages.planning.path import Pursuit, make_handle_path, make_line, measure_distance
-from stages.simulation.kinematics import Array
-from stages.skills import FAR, Act, Outcome
-from stages.skills.close import CloseSkill
-from stages.skills.motion import Motion
-from stages.skills.open import OpenSkill
-from stages.tasks.api import EnvWrapper
-from stages.tasks.base_placement import _passes
+from roomkin.stages.articulated.handle import Handle
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.geometry.frames import invert_transform, make_transform, yaw_matrix
+from roomkin.stages.planning.articulation import plan_articulation
+from roomkin.stages.planning.clearance import Surroundings
+from roomkin.stages.planning.handle_grasp import Grasp, grasp_pose
+from roomkin.stages.planning.path import Pursuit, make_handle_path, make_line, measure_distance
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.skills import FAR, Act, Outcome
+from roomkin.stages.skills.close import CloseSkill
+from roomkin.stages.skills.motion import Motion
+from roomkin.stages.skills.open import OpenSkill
+from roomkin.stages.tasks.api import EnvWrapper
+from roomkin.stages.tasks.base_placement import _passes
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 
@@ -291,7 +291,7 @@ def test_no_plan_goes_through_an_obstacle(door: EnvWrapper) -> None:
 
 
 def test_the_tasks_are_known_to_gym_and_end_at_their_own_horizon(tmp_path: Path) -> None:
-    import stages.tasks  # noqa: F401
+    import roomkin.stages.tasks  # noqa: F401
 
     cabinet(tmp_path / "door")
     options = TaskConfig(max_steps=12)

@@ -7,20 +7,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.contracts.task_options import TaskConfig
-from stages.planning import rollout
-from stages.planning.articulation import choose_open_goals, choose_release_opening, list_approaches
-from stages.planning.clearance import Surroundings
-from stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, list_grasps, list_last_resorts
-from stages.planning.path import make_line, measure_distance
-from stages.planning.rollout import Stretch, find_feasible, roll_out
-from stages.simulation.kinematics import Chain, track
-from stages.simulation.robot import REST
-from stages.skills import FAR, Outcome
-from stages.skills.motion import OPEN_STEPS, Motion
-from stages.skills.open import OpenSkill
-from stages.tasks.api import EnvWrapper
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.planning import rollout
+from roomkin.stages.planning.articulation import choose_open_goals, choose_release_opening, list_approaches
+from roomkin.stages.planning.clearance import Surroundings
+from roomkin.stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, list_grasps, list_last_resorts
+from roomkin.stages.planning.path import make_line, measure_distance
+from roomkin.stages.planning.rollout import Stretch, find_feasible, roll_out
+from roomkin.stages.simulation.kinematics import Chain, track
+from roomkin.stages.simulation.robot import REST
+from roomkin.stages.skills import FAR, Outcome
+from roomkin.stages.skills.motion import OPEN_STEPS, Motion
+from roomkin.stages.skills.open import OpenSkill
+from roomkin.stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
 
 OPTIONS = TaskConfig(scale_variants=1)

@@ -10,17 +10,17 @@ import trimesh
 from mani_skill.utils.geometry.trimesh_utils import get_component_meshes
 from sapien.physx import PhysxArticulation
 
-from plugins.furniture.library import make
-from plugins.importing.tests.own_models import import_folder
-from stages.articulated.asset_folder import read_asset
-from stages.articulated.resizing import resize_model
-from stages.articulated.urdf_writer import write_urdf
-from stages.contracts.task_options import TaskConfig
-from stages.simulation.loading import ParsedAsset, load_asset, physics_scene
-from stages.simulation.stretching import stretch_builder
-from stages.tasks.api import EnvWrapper
-from stages.tasks.environment import OpenTaskEnv
-from stages.tasks.filmed import FilmedEnv
+from roomkin.plugins.furniture.library import make
+from roomkin.plugins.importing.tests.own_models import import_folder
+from roomkin.stages.articulated.asset_folder import read_asset
+from roomkin.stages.articulated.resizing import resize_model
+from roomkin.stages.articulated.urdf_writer import write_urdf
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.simulation.loading import ParsedAsset, load_asset, physics_scene
+from roomkin.stages.simulation.stretching import stretch_builder
+from roomkin.stages.tasks.api import EnvWrapper
+from roomkin.stages.tasks.environment import OpenTaskEnv
+from roomkin.stages.tasks.filmed import FilmedEnv
 from tests.unit.articulated_models import write_cabinet
 from tests.unit.demo_assets import cabinet
 
@@ -150,7 +150,7 @@ def test_a_scene_is_built_again_before_its_ids_run_out(tmp_path: Path, monkeypat
     task = EnvWrapper("door", tmp_path / "door", "door_0_joint", None, TaskConfig(), render=False)
     task.place(0)
     scene = task.env.scene
-    monkeypatch.setattr("stages.tasks.environment.LARGEST_ID", 1)
+    monkeypatch.setattr("roomkin.stages.tasks.environment.LARGEST_ID", 1)
     task.place(1)
     assert task.env.scene is not scene and task.env.measure_opening().item() == 0.0
     task.close()
@@ -164,7 +164,7 @@ def test_what_a_scene_is_built_again_for(
     on_gpu: bool, other: bool, largest: int, again: bool, door: OpenTaskEnv, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(OpenTaskEnv, "gpu_sim_enabled", on_gpu)
-    monkeypatch.setattr("stages.tasks.environment.LARGEST_ID", largest)
+    monkeypatch.setattr("roomkin.stages.tasks.environment.LARGEST_ID", largest)
     monkeypatch.setattr(FilmedEnv, "reset", lambda _, seed, options: options)
     monkeypatch.setattr(door, "asset_folder", Path("other") if other else door.asset_folder)
     assert door.reset(0, {"mine": 1}) == ({"mine": 1, "reconfigure": True} if again else {"mine": 1})

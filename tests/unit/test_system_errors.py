@@ -16,14 +16,14 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from stages.contracts import system
-from stages.contracts.__main__ import main as check
-from stages.contracts.arrays import read_npz
-from stages.contracts.errors import file_missing
-from stages.contracts.files import read_text, write_atomically, write_json
-from stages.contracts.images import read_rgb
-from stages.contracts.system import line_of
-from stages.training.logbook import Logbook
+from roomkin.stages.contracts import system
+from roomkin.stages.contracts.__main__ import main as check
+from roomkin.stages.contracts.arrays import read_npz
+from roomkin.stages.contracts.errors import file_missing
+from roomkin.stages.contracts.files import read_text, write_atomically, write_json
+from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.contracts.system import line_of
+from roomkin.stages.training.logbook import Logbook
 from tests.refusals import refused
 
 NOISE = np.random.default_rng(0).integers(0, 255, (200, 200, 3), np.uint8)
@@ -87,9 +87,9 @@ FILL = """
 import sys
 from pathlib import Path
 import numpy as np
-from stages.contracts.features import FeatureIndex
-from stages.contracts.system import line_of
-from stages.matching.store import write_store
+from roomkin.stages.contracts.features import FeatureIndex
+from roomkin.stages.contracts.system import line_of
+from roomkin.stages.matching.store import write_store
 index = FeatureIndex(encoder="x", settings="0" * 12, upright=True, assets=["a"], yaws=[0.0], starts=[0, 9000, 9001])
 rows = [np.ones((9000, 50), np.float16), np.ones((1, 50), np.float16)]
 try:
@@ -142,7 +142,7 @@ def test_other_errors_are_ours() -> None:
 
 
 def test_a_stage_ends_with_one_line() -> None:
-    command = [sys.executable, "-m", "plugins.furniture", "library", "--out", "/proc/none/library.json"]
+    command = [sys.executable, "-m", "roomkin.plugins.furniture", "library", "--out", "/proc/none/library.json"]
     done = subprocess.run([*command, "--options", '{"counts": {"mug": 1}}'], capture_output=True, text=True)
     assert done.returncode == 1 and "Traceback" not in done.stderr
     assert done.stderr.strip().splitlines()[-1].startswith("error: /proc/none: ")

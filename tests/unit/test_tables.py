@@ -7,18 +7,18 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from stages.config.tables import PolicyTables, TablesConfig
-from stages.contracts.policies import Rollout, SceneScore
-from stages.tables import policies, policy_tables, scene_tables, scenes, table2, table3
-from stages.tables.drawing import draw_rates
-from stages.tables.markup import Table, html, latex, markdown
-from stages.tables.methods import join_published
-from stages.tables.order import set_key, sort_key
-from stages.tables.policy_figures import figure9
-from stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
-from stages.tables.statistics import t_interval, wilson
-from stages.tables.text import cell as text_cell
-from stages.tables.text import percent, points, span
+from roomkin.stages.config.tables import PolicyTables, TablesConfig
+from roomkin.stages.contracts.policies import Rollout, SceneScore
+from roomkin.stages.tables import policies, policy_tables, scene_tables, scenes, table2, table3
+from roomkin.stages.tables.drawing import draw_rates
+from roomkin.stages.tables.markup import Table, html, latex, markdown
+from roomkin.stages.tables.methods import join_published
+from roomkin.stages.tables.order import set_key, sort_key
+from roomkin.stages.tables.policy_figures import figure9
+from roomkin.stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
+from roomkin.stages.tables.statistics import t_interval, wilson
+from roomkin.stages.tables.text import cell as text_cell
+from roomkin.stages.tables.text import percent, points, span
 from tests.refusals import refused
 from tests.unit.tables_results import rollout, rollouts, score, write_rows
 
@@ -346,3 +346,13 @@ def test_layouts_show_ours_beside_the_paper() -> None:
     assert first[4] == "not run\npaper 91 ± 9 %"
     bowl = next(row for row in shown.rows if row[0] == "Putting away bowl")
     assert bowl not in shown.drop_empty().rows and bowl[4] == ""  # the paper has no such cell either
+
+
+def test_table_3_tells_the_steps_of_the_episodes_that_succeed() -> None:
+    rows = [rollout(n, n < 3, steps=steps) for n, steps in enumerate((20, 30, 70, 200))]
+    (cell,) = table3.cells(frame(rows), OPTIONS).to_dict("records")
+    assert cell["steps"] == 40 and table3.build(frame(rows), papers(frame(rows)), OPTIONS)["steps"].iloc[0] == 40
+    shown = markdown(policy_tables.policies_table(table3.cells(frame(rows), OPTIONS), papers(frame(rows)), OPTIONS))
+    assert "3/4, 1 run, official 75 %, 40 steps" in shown
+    never = table3.cells(frame([rollout(0, False)]), OPTIONS)
+    assert "steps" not in markdown(policy_tables.policies_table(never, papers(frame(rows)), OPTIONS))

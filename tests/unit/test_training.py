@@ -12,20 +12,20 @@ import pytest
 import torch
 from safetensors.torch import load_file
 
-from stages.contracts.errors import InputError
-from stages.contracts.policy_config import PolicyConfig
-from stages.contracts.policy_folder import read_config, weights_of
-from stages.contracts.task_options import TaskConfig
-from stages.policies import point_cloud
-from stages.policies.base import make_policy
-from stages.policies.checkpoint import load_network
-from stages.training import augment, dataset, loop
-from stages.training.batches import list_windows, make_batch
-from stages.training.dataset import constant_error, frames_of, read_demonstrations, split_episodes
-from stages.training.logbook import Line
-from stages.training.state import TrainingState, copy_weights
-from stages.training.train import outcome, plateau
-from stages.training.train import run as train
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.policy_folder import read_config, weights_of
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.policies import point_cloud
+from roomkin.stages.policies.base import make_policy
+from roomkin.stages.policies.checkpoint import load_network
+from roomkin.stages.training import augment, dataset, loop
+from roomkin.stages.training.batches import list_windows, make_batch
+from roomkin.stages.training.dataset import constant_error, frames_of, read_demonstrations, split_episodes
+from roomkin.stages.training.logbook import Line
+from roomkin.stages.training.state import TrainingState, copy_weights
+from roomkin.stages.training.train import outcome, plateau
+from roomkin.stages.training.train import run as train
 from tests.refusals import refused
 from tests.toy_reach import ToyReach, write_store
 
@@ -123,7 +123,7 @@ def test_another_run_does_not_go_on_from_the_state(
 
     monkeypatch.setattr(loop, "validation_batches", lambda *args: iter(()))
     train(episodes=(store,), per_store=8, options=options(), out=tmp_path / "a", seed=1)
-    monkeypatch.setattr("stages.training.train.save_weights", stop)
+    monkeypatch.setattr("roomkin.stages.training.train.save_weights", stop)
     with pytest.raises(KeyboardInterrupt):
         train(episodes=(store,), per_store=8, options=options(), out=tmp_path / "b", seed=0)
     monkeypatch.undo()

@@ -10,20 +10,20 @@ import pytest
 import torch
 from pydantic import ValidationError
 
-from stages.config.tables import TablesConfig
-from stages.contracts import InputError
-from stages.contracts.objects import Box, DepthError, Wall, distance_between
-from stages.contracts.policy_config import PolicyConfig
-from stages.contracts.policy_folder import check_policy
-from stages.extraction.contact import CONTACT_DISTANCE, DepthView
-from stages.geometry.frames import make_transform
-from stages.geometry.outlines import measure_outline
-from stages.matching.panels import lay_over
-from stages.policies.checkpoint import save_weights
-from stages.skills.open import OpenSkill
-from stages.tables.cells import tabulate_gains
-from stages.training.batches import Batch
-from stages.training.handle_augmentation import widen_grips
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.objects import Box, DepthError, Wall, distance_between
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.policy_folder import check_policy
+from roomkin.stages.extraction.contact import CONTACT_DISTANCE, DepthView
+from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.geometry.outlines import measure_outline
+from roomkin.stages.matching.panels import lay_over
+from roomkin.stages.policies.checkpoint import save_weights
+from roomkin.stages.skills.open import OpenSkill
+from roomkin.stages.tables.cells import tabulate_gains
+from roomkin.stages.training.batches import Batch
+from roomkin.stages.training.handle_augmentation import widen_grips
 from tests.unit.tables_results import rollout
 from tests.unit.trained_policy import trained
 

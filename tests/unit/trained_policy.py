@@ -4,12 +4,12 @@ from pathlib import Path
 
 import torch
 
-from stages.contracts import write_json
-from stages.contracts.policy_config import PolicyConfig
-from stages.contracts.task_options import TaskConfig
-from stages.contracts.trained import TrainedPolicy, TrainingStore
-from stages.policies.bc_rnn_gmm import Policy
-from stages.policies.checkpoint import save_weights
+from roomkin.stages.contracts import write_json
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.trained import TrainedPolicy, TrainingStore
+from roomkin.stages.policies.bc_rnn_gmm import Policy
+from roomkin.stages.policies.checkpoint import save_weights
 
 
 def trained(folder: Path, config: PolicyConfig) -> Path:

@@ -16,7 +16,7 @@ import time
 from hashlib import sha256
 from pathlib import Path
 
-from plugins.ops.guard import descendants
+from roomkin.plugins.ops.guard import descendants
 from tests.workflow.workspace import MICRO, make
 
 KINDS = ("process group", "workflow", "job")  # what is killed

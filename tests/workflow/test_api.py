@@ -1,4 +1,4 @@
-"""`plugins.api` gives what the workflow gives, byte for byte, and the lines of the pages run."""
+"""`roomkin` gives what the workflow gives, byte for byte, and the lines of the pages run."""
 
 import json
 import os
@@ -15,8 +15,8 @@ import pytest
 import yaml
 from PIL import Image
 
-from plugins import api
-from stages.contracts import GeneratedScene, read_json
+import roomkin
+from roomkin.stages.contracts import GeneratedScene, read_json
 from tests.refusals import refused
 from tests.workflow.workspace import ROOT
 
@@ -42,7 +42,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     run_lines(
         folder,
         f"""
-from plugins.api import make_library, make_room, make_scenes
+from roomkin import make_library, make_room, make_scenes
 library = make_library("library", {SMALL!r})
 picture = make_room("room_1", library, "rooms", {SMALL!r})
 make_scenes(picture, library, "scenes", {SMALL!r})
@@ -75,7 +75,7 @@ def test_the_same_config_gives_the_same_bytes(run: Path, made: Path, ours: str) 
 def test_a_picture_of_yours_comes_out_in_its_colors_and_is_the_same_otherwise(made: Path, tmp_path: Path) -> None:
     shutil.copytree(made / "rooms/room_1/input", tmp_path / "room_1")
     library = str(made / "library/library.json")
-    run_lines(tmp_path, f"from plugins.api import make_scenes\nmake_scenes('room_1', {library!r}, 'scenes', {SMALL!r})")
+    run_lines(tmp_path, f"from roomkin import make_scenes\nmake_scenes('room_1', {library!r}, 'scenes', {SMALL!r})")
     for path in sorted((tmp_path / "scenes").glob("scene_?.json")):
         ours, theirs = (read_json(GeneratedScene, folder / path.name) for folder in (path.parent, made / "scenes"))
         assert any(each.finish for each in ours.objects) and not any(each.finish for each in theirs.objects)
@@ -109,9 +109,9 @@ def test_the_lines_of_a_page_make_scenes(
         pytest.skip("it shows none")
     (tmp_path / "kitchen").symlink_to(made / "rooms/room_1/input")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(api, "make_library", lambda out: made / "library/library.json")
-    monkeypatch.setattr(api, "make_room", partial(api.make_room, config=SMALL))
-    monkeypatch.setattr(api, "make_scenes", partial(api.make_scenes, config=SMALL))
+    monkeypatch.setattr(roomkin, "make_library", lambda out: made / "library/library.json")
+    monkeypatch.setattr(roomkin, "make_room", partial(roomkin.make_room, config=SMALL))
+    monkeypatch.setattr(roomkin, "make_scenes", partial(roomkin.make_scenes, config=SMALL))
     exec(texts[0], {})
     assert (tmp_path / "scenes/scene_2.glb").is_file()
     assert json.loads((tmp_path / "scenes/scene_1.json").read_text())["scene"] in ("kitchen", "room_1")
@@ -121,7 +121,7 @@ def test_scenes_of_another_picture_are_not_replaced(
     made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     library = made / "library/library.json"
-    monkeypatch.setattr(api.extract, "run", Mock(side_effect=InterruptedError))  # it begins
+    monkeypatch.setattr("roomkin.stages.extraction.extract.run", Mock(side_effect=InterruptedError))  # it begins
     for folder, noise in (("a/kitchen", 0), ("b/kitchen", 1)):
         shutil.copytree(made / "rooms/room_1/input", tmp_path / folder)
         with (tmp_path / folder / "rgb.png").open("ab") as picture:
@@ -130,10 +130,10 @@ def test_scenes_of_another_picture_are_not_replaced(
     shutil.copytree(made / "scenes", objects.parent)
     before = objects.read_bytes()
     with refused("E-PICTURE-OTHER", f"{objects}: is of another picture. Fix: choose another folder"):
-        api.make_scenes(tmp_path / "b/kitchen", library, tmp_path / "scenes", SMALL)
+        roomkin.make_scenes(tmp_path / "b/kitchen", library, tmp_path / "scenes", SMALL)
     assert objects.read_bytes() == before
     with pytest.raises(InterruptedError):  # the same picture
-        api.make_scenes(tmp_path / "a/kitchen", library, tmp_path / "scenes", SMALL)
+        roomkin.make_scenes(tmp_path / "a/kitchen", library, tmp_path / "scenes", SMALL)
     objects.write_text("{")
     with pytest.raises(InterruptedError):  # broken: made anew
-        api.make_scenes(tmp_path / "b/kitchen", library, tmp_path / "scenes", SMALL)
+        roomkin.make_scenes(tmp_path / "b/kitchen", library, tmp_path / "scenes", SMALL)

@@ -12,9 +12,11 @@ from typing import NamedTuple
 import pytest
 import yaml
 
-from stages.config.inputs import INPUT_FILES
-from stages.config.model import load, merge_mappings, with_defaults
-from stages.config.packages import home_of
+from roomkin.homes import COMMANDS, ELSEWHERE, list_homes
+from roomkin.stages.config.inputs import INPUT_FILES
+from roomkin.stages.config.model import load, merge_mappings, with_defaults
+from roomkin.stages.config.packages import home_of
+from roomkin.stages.config.weights import DINOV2, is_there
 from tests.commands import list_passed_flags, read_flags
 from tests.workflow.workspace import ROOT, make, plan, put
 
@@ -24,7 +26,7 @@ PAGES = [ROOT / "README.md", ROOT / "config/README.md", *GUIDES]
 FENCE = re.compile(
     r"(?:^ *<!-- not run: (?P<why>[^\n]+) -->\n)?^ *```(?P<kind>\w*)\n(?P<text>.*?)^ *```", re.DOTALL | re.MULTILINE
 )
-OURS = re.compile(r"^(\.venv/bin/)?(snakemake|python -m stages\.|make |source )")
+OURS = re.compile(r"^(\.venv/bin/)?(snakemake|roomkin |make |source )")
 # The package of docs/extending.md is run by tests/unit/test_extending.py; a page's room file by the test of that room.
 PACKAGE = re.compile("my_package|colors")
 
@@ -73,8 +75,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     known = {"version": 1, "objects": [{"mask": 1, "label": "cabinet", "articulated": True, "doors": 1}]}
     (folder / "my/kitchen/annotations.json").write_text(json.dumps(known))
     shutil.copytree(folder / "my/kitchen", folder / "kitchen")
-    weights = [f"weights/dinov2_small/{name}" for name in ("config.json", "model.safetensors")]
-    for name in ("my/assets/chair/one.urdf", "mine.sh", "lib/part.sh", "my_matching.py", *weights):
+    for name in ("my/assets/chair/one.urdf", "mine.sh", "lib/part.sh", "my_matching.py"):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).touch(mode=0o755)
     (folder / "mine.yaml").write_text("experiment: {targets: {door: null}}")
@@ -88,6 +89,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_yaml_block_is_a_config(folder: Path, monkeypatch: pytest.MonkeyPatch, block: Block) -> None:
     if block.text.startswith("# attic.yaml"):
         pytest.skip("a room, which the block after it names")
+    if "encoder: dinov2" in block.text and not is_there(DINOV2):
+        pytest.skip("no weights of DINOv2")
     monkeypatch.chdir(folder)
     default = with_defaults({})
     load(merge_mappings(default, yaml.safe_load(block.text)))
@@ -100,6 +103,8 @@ def test_a_command_is_one(folder: Path, page: str, line: str) -> None:
         assert re.search(rf"^{words[1]}:", (ROOT / "Makefile").read_text(), re.MULTILINE)
     elif words[0] == "python":
         check_flags(words[2], words[3:])
+    elif words[0] == "roomkin":
+        check_roomkin(words[1:])
     elif words[0] == "snakemake":
         check_snakemake(folder, words[1:])
     else:
@@ -112,11 +117,18 @@ def check_flags(package: str, words: list[str]) -> None:
     if not folder.is_dir():  # doctor
         assert folder.with_suffix(".py").is_file() and words in ([], ["--slurm"])
         return
-    if package in ("stages.config", "stages.contracts"):
+    if package in ("roomkin.stages.config", "roomkin.stages.contracts"):
         return
     given = {word for word in words if word.startswith("--")}
     known, needed = read_flags(folder, words[0])
     assert "--help" in given or (given <= known and needed <= given), (sorted(given - known), sorted(needed - given))
+
+
+def check_roomkin(words: list[str]) -> None:
+    """A word of its own, or a stage or package with its command; with flags that it takes."""
+    word, *given = words
+    module, *command = ELSEWHERE.get(word, ["roomkin", word]) if word in COMMANDS else [list_homes()[word]]
+    check_flags(module, [*command, *given])
 
 
 def check_snakemake(folder: Path, words: list[str]) -> None:

@@ -7,7 +7,7 @@ from collections import defaultdict
 
 import pytest
 
-from stages.cli import find_module
+from roomkin.stages.cli import find_module
 from tests.commands import list_commands, list_rule_files
 from tests.workflow.workspace import ROOT
 
@@ -20,7 +20,7 @@ def plain(name): return re.sub(r"[-_.]+", "-", name).lower()
 lines = open(sys.argv[1]).read().splitlines()
 there = {plain(line.split("==")[0]) for line in lines if "==" in line and not line.startswith(("#", " "))}
 packages = importlib.metadata.packages_distributions().items()
-OURS = {"stages", "plugins", "reference", "benchmarks", "tests"}
+OURS = {"roomkin", "reference", "benchmarks", "tests"}
 missing = {name for name, of in packages if name not in OURS and not there & {plain(each) for each in of}}
 class Image:
     def find_spec(self, name, path=None, target=None):
@@ -40,7 +40,7 @@ for name in sys.argv[2:]:
 
 def list_modules() -> dict[str, set[str]]:
     """Modules of the commands that rules run, by the family of the rule's image."""
-    folders = {folder.rpartition("/")[2]: folder.replace("/", ".") for folder, _ in list_commands()}
+    folders = {folder.rpartition("/")[2]: f"roomkin.{folder.replace('/', '.')}" for folder, _ in list_commands()}
     found: dict[str, set[str]] = defaultdict(set)
     for path in list_rule_files():
         head, *rules = re.split(r"^ *(?:rule|checkpoint) \w+:$", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
@@ -55,7 +55,7 @@ def list_modules() -> dict[str, set[str]]:
 
 def test_every_command_of_a_rule_is_found() -> None:
     found = set().union(*list_modules().values())
-    known = {f"{folder.replace('/', '.')}.{find_module(name)}" for folder, name in list_commands()}
+    known = {f"roomkin.{folder.replace('/', '.')}.{find_module(name)}" for folder, name in list_commands()}
     assert len(found) > 40 and found <= known
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from stages.config.inputs import INPUT_FILES
+from roomkin.stages.config.inputs import INPUT_FILES
 from tests.workflow.workspace import dry_run, make, planned, put, snakemake
 
 SCENES = 30
@@ -46,7 +46,7 @@ def test_every_picture_is_taken_to_scenes_and_the_overview(folder: Path) -> None
 def test_the_report_shows_a_handful(folder: Path) -> None:
     done = dry_run(folder, "all", "-p", "--configfile", "mine.yaml")
     assert planned(done.stdout)["overview_page"] == 1, done.stdout[-3000:]
-    report = re.search(r"plugins.report report .*", done.stdout)
+    report = re.search(r"roomkin.plugins.report report .*", done.stdout)
     assert report and "--more 22 " in report[0] and len(set(re.findall(r"results/extraction/(\w+)/", report[0]))) == 9
 
 

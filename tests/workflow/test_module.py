@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from stages.config.model import merge_mappings
+from roomkin.stages.config.model import merge_mappings
 from tests.workflow.workspace import MICRO, ROOT, dry_run, make, planned, snakemake
 
 MODULE = """

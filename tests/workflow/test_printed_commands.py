@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from plugins.report import overview, picture, report
-from stages.contracts import Camera, write_json
+from roomkin.plugins.report import overview, picture, report
+from roomkin.stages.contracts import Camera, write_json
 from tests.unit.tables_results import CAMERA, VIEWER, declared, write_run
-from tests.workflow.test_documents import check_flags, check_snakemake, folder  # noqa: F401
+from tests.workflow.test_documents import check_roomkin, check_snakemake, folder  # noqa: F401
 from tests.workflow.workspace import ROOT
 
 PRINTED = re.compile(r"<(?:code|pre)[^>]*>(.*?)</(?:code|pre)>", re.DOTALL)
@@ -35,15 +35,15 @@ def printed(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
     lines = [
         re.sub(r"\s+# .*", "", line).strip() for text in texts for line in re.sub(r"\n--", " --", text).splitlines()
     ]
-    return {" ".join(line.split()) for line in lines if re.match(r"(python|snakemake|make) ", line)}
+    return {" ".join(line.split()) for line in lines if re.match(r"(roomkin|snakemake|make) ", line)}
 
 
 def test_a_command_on_a_page_is_one(printed: set[str], folder: Path) -> None:  # noqa: F811
     words = [shlex.split(line) for line in sorted(printed)]
-    assert {line[0] for line in words} == {"make", "python", "snakemake"} and len(words) > 6
+    assert {line[0] for line in words} == {"make", "roomkin", "snakemake"} and len(words) > 6
     for program, *rest in words:
-        if program == "python":
-            check_flags(rest[1], rest[2:])
+        if program == "roomkin":
+            check_roomkin(rest)
         elif program == "snakemake":
             check_snakemake(folder, rest)
         else:

@@ -12,8 +12,8 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from stages.contracts.files import read_json
-from stages.contracts.policies import ChosenRuns
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.policies import ChosenRuns
 from tests.packages import needs
 from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, overlay, planned, snakemake
 
@@ -187,6 +187,7 @@ def test_more_snapshots_keep_library_rooms_and_extraction(run: Path, tmp_path: P
 
 def test_an_edit_reruns_what_uses_it_and_a_touch_nothing(run: Path, tmp_path: Path) -> None:
     folder = copy(run, tmp_path / "run")
+    shutil.copytree(ROOT / "roomkin", folder / "roomkin", symlinks=True)
     shutil.copytree(ROOT / "stages", folder / "stages", ignore=shutil.ignore_patterns("__pycache__"))
     here = {"PYTHONPATH": str(folder)}
     module = folder / "stages/tables/policies.py"

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stages.config.model import Config, read_files
-from stages.config.reads import options_of
-from stages.extraction import extract
-from stages.matching import match
+from roomkin.stages.config.model import Config, read_files
+from roomkin.stages.config.reads import options_of
+from roomkin.stages.extraction import extract
+from roomkin.stages.matching import match
 from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, planned
 
 COUSINS = "results/matching/b/room_1/cousins.json"

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from plugins.report.tests.test_report_browser import browser as browser
+from roomkin.plugins.report.tests.test_report_browser import browser as browser
 from tests.workflow.workspace import ROOT
 
 LOADS = {"script": "src", "link": "href", "img": "src", "iframe": "src", "source": "src", "video": "src"}

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from stages.config.inputs import INPUT_FILES, scene_of
+from roomkin.stages.config.inputs import INPUT_FILES, scene_of
 from tests.workflow.workspace import dry_run, make, planned, put
 
 FRAME = ("depth=depth.png", "camera=k.json")

@@ -81,7 +81,7 @@ def dry_run(folder: Path, *arguments: str) -> Done:
     """The same for `snakemake -n`, in a fork of this process: Snakemake and our config are imported once."""
     from snakemake import cli
 
-    import stages.config.reads  # noqa: F401  (by the Snakefile)
+    import roomkin.stages.config.reads  # noqa: F401  (by the Snakefile)
 
     cli.get_argument_parser()
     with tempfile.TemporaryFile("w+") as output:

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.annotator.server import PageServer
-from plugins.annotator.session import Session
-from stages.contracts import Annotations, Camera, Truth, read_json
-from stages.contracts.scenes import TrueObject
-from stages.geometry.boxes import UprightBox, corners
-from stages.geometry.cameras import project
-from stages.geometry.frames import invert_transform, transform_points, wrap_angle
+from roomkin.plugins.annotator.server import PageServer
+from roomkin.plugins.annotator.session import Session
+from roomkin.stages.contracts import Annotations, Camera, Truth, read_json
+from roomkin.stages.contracts.scenes import TrueObject
+from roomkin.stages.geometry.boxes import UprightBox, corners
+from roomkin.stages.geometry.cameras import project
+from roomkin.stages.geometry.frames import invert_transform, transform_points, wrap_angle
 
 
 @dataclass

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plugins.annotator.clicking import Clicker, Seen
-from stages.geometry.masks import Mask, pixel_bounds
-from stages.perception.classification.propose import Names, Proposal
-from stages.perception.segmentation.mobile_sam import Outlines
-from stages.perception.segmentation.ssd import Box
+from roomkin.plugins.annotator.clicking import Clicker, Seen
+from roomkin.stages.geometry.masks import Mask, pixel_bounds
+from roomkin.stages.perception.classification.propose import Names, Proposal
+from roomkin.stages.perception.segmentation.mobile_sam import Outlines
+from roomkin.stages.perception.segmentation.ssd import Box
 
 
 class KnownPicture:

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.annotator.session import Session
-from plugins.annotator.tests.annotate_page import Hand, TrueRoom, watched
-from plugins.report.tests.test_report_browser import CONTRAST, FLAGS
-from stages.contracts import Annotations, Camera, Objects, read_json, write_json
-from stages.contracts.hand import PROJECT
-from stages.extraction.extract import run as extract
-from stages.geometry.frames import invert_transform, transform_points
-from stages.perception.drawing.project import Project
-from stages.perception.read.photo import read_photo
+from roomkin.plugins.annotator.session import Session
+from roomkin.plugins.annotator.tests.annotate_page import Hand, TrueRoom, watched
+from roomkin.plugins.report.tests.test_report_browser import CONTRAST, FLAGS
+from roomkin.stages.contracts import Annotations, Camera, Objects, read_json, write_json
+from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.extraction.extract import run as extract
+from roomkin.stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.perception.drawing.project import Project
+from roomkin.stages.perception.read.photo import read_photo
 
 WIDE = """
 () => [...document.querySelectorAll('main *, header *')]
@@ -26,7 +26,7 @@ WIDE = """
   .map((e) => e.outerHTML.slice(0, 80))
 """
 
-ROOM = Path(__file__).parents[3] / "tests/data/photographed_room"
+ROOM = Path(__file__).resolve().parents[3] / "tests/data/photographed_room"
 NOISE = 1.5  # pixels: how far clicks are beside the truth
 NEAR = 0.05  # of the distance from the camera: how far a box's center may be off
 

@@ -15,25 +15,25 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
-from plugins.annotator import annotate
-from plugins.annotator.server import PageServer
-from plugins.annotator.session import UNCOUNTED, Session, describe_room, find_carriers
-from plugins.annotator.tests.annotate_page import serve
-from stages.contracts import Annotations, Camera, InputError, Objects, read_json, write_json
-from stages.contracts.categories import sizes_of
-from stages.contracts.hand import PROJECT
-from stages.contracts.images import read_rgb
-from stages.contracts.scenes import Annotation
-from stages.extraction.extract import run as extract
-from stages.geometry.boxes import UprightBox, corners, oriented_iou
-from stages.geometry.frames import transform_points
-from stages.perception.camera.perspective import Guide, Perspective, find_weak_lines, fit_view
-from stages.perception.drawing.outlined import support_at
-from stages.perception.drawing.paint import extend, paint
-from stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale
-from stages.perception.drawing.solve import UNSURE, solve
-from stages.perception.drawing.write import Written, at_size, finish_drawing, write_folder
-from stages.perception.read.photo import LONGEST_SIDE, read_photo
+from roomkin.plugins.annotator import annotate
+from roomkin.plugins.annotator.server import PageServer
+from roomkin.plugins.annotator.session import UNCOUNTED, Session, describe_room, find_carriers
+from roomkin.plugins.annotator.tests.annotate_page import serve
+from roomkin.stages.contracts import Annotations, Camera, InputError, Objects, read_json, write_json
+from roomkin.stages.contracts.categories import sizes_of
+from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.contracts.scenes import Annotation
+from roomkin.stages.extraction.extract import run as extract
+from roomkin.stages.geometry.boxes import UprightBox, corners, oriented_iou
+from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.perception.camera.perspective import Guide, Perspective, find_weak_lines, fit_view
+from roomkin.stages.perception.drawing.outlined import support_at
+from roomkin.stages.perception.drawing.paint import extend, paint
+from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale
+from roomkin.stages.perception.drawing.solve import UNSURE, solve
+from roomkin.stages.perception.drawing.write import Written, at_size, finish_drawing, write_folder
+from roomkin.stages.perception.read.photo import LONGEST_SIDE, read_photo
 from tests.refusals import refused
 
 WIDTH, HEIGHT = 320, 240

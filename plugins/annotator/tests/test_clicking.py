@@ -10,32 +10,32 @@ import cv2
 import numpy as np
 import pytest
 
-from plugins.annotator import annotate, clicking
-from plugins.annotator.clicking import LACKING, Asked, Clicker
-from plugins.annotator.correcting import Correcting
-from plugins.annotator.server import PageServer
-from plugins.annotator.session import Session
-from plugins.annotator.tests.annotate_page import watched
-from plugins.annotator.tests.seen_things import KnownClicker
-from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
-from plugins.annotator.tests.test_by_hand import BOXES, HEIGHT, VIEW, WIDTH, _drawing, _pixels
-from plugins.annotator.tests.test_correcting import BOXES as ROOM
-from stages.contracts import Annotations, Objects, read_json
-from stages.contracts.corrections import CORRECTIONS
-from stages.contracts.hand import PROJECT
-from stages.contracts.scene_input import read_scene_input
-from stages.extraction.extract import run as extract
-from stages.geometry.boxes import UprightBox, corners
-from stages.geometry.masks import CORNERS, Mask, outline_mask, outline_pieces, polygon, polygons
-from stages.perception.camera.metrology import MetrologyError
-from stages.perception.classification.propose import Names, Proposal
-from stages.perception.drawing import outlined
-from stages.perception.drawing.outlined import propose_box, weigh_names
-from stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale
-from stages.perception.drawing.room import mark_box
-from stages.perception.drawing.solve import solve
-from stages.perception.read.photo import Photo
-from stages.perception.segmentation.ssd import Box
+from roomkin.plugins.annotator import annotate, clicking
+from roomkin.plugins.annotator.clicking import LACKING, Asked, Clicker
+from roomkin.plugins.annotator.correcting import Correcting
+from roomkin.plugins.annotator.server import PageServer
+from roomkin.plugins.annotator.session import Session
+from roomkin.plugins.annotator.tests.annotate_page import watched
+from roomkin.plugins.annotator.tests.seen_things import KnownClicker
+from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
+from roomkin.plugins.annotator.tests.test_by_hand import BOXES, HEIGHT, VIEW, WIDTH, _drawing, _pixels
+from roomkin.plugins.annotator.tests.test_correcting import BOXES as ROOM
+from roomkin.stages.contracts import Annotations, Objects, read_json
+from roomkin.stages.contracts.corrections import CORRECTIONS
+from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.contracts.scene_input import read_scene_input
+from roomkin.stages.extraction.extract import run as extract
+from roomkin.stages.geometry.boxes import UprightBox, corners
+from roomkin.stages.geometry.masks import CORNERS, Mask, outline_mask, outline_pieces, polygon, polygons
+from roomkin.stages.perception.camera.metrology import MetrologyError
+from roomkin.stages.perception.classification.propose import Names, Proposal
+from roomkin.stages.perception.drawing import outlined
+from roomkin.stages.perception.drawing.outlined import propose_box, weigh_names
+from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale
+from roomkin.stages.perception.drawing.room import mark_box
+from roomkin.stages.perception.drawing.solve import solve
+from roomkin.stages.perception.read.photo import Photo
+from roomkin.stages.perception.segmentation.ssd import Box
 from tests.refusals import refused
 from tests.unit.perception.conftest import published  # noqa: F401
 from tests.unit.perception.test_networks import MIDDLE, draw_sign
@@ -152,7 +152,7 @@ def test_the_networks_outline_a_sign_by_a_click_and_by_a_box(published: None) ->
 def test_without_weights_nothing_is_offered(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(clicking, "is_there", lambda weights: False)
+    monkeypatch.setattr(clicking, "list_lacking", lambda: ["clip"])
     session = Session(Photo(PICTURE, None, 1.0), "a.jpg", tmp_path)
     session.begin_looking()
     assert capsys.readouterr().out.strip() == LACKING and "make weights" in LACKING
@@ -391,7 +391,7 @@ def test_a_frame_without_masks_says_so_until_they_are_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     _bare(tmp_path / "frame")
-    monkeypatch.setattr(clicking, "is_there", lambda weights: False)
+    monkeypatch.setattr(clicking, "list_lacking", lambda: ["clip"])
     monkeypatch.setattr(PageServer, "serve_forever", lambda self, poll_interval: None)
     annotate.run(tmp_path / "frame", results=tmp_path, browser=False)
     said = capsys.readouterr().out

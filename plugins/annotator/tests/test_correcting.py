@@ -11,26 +11,26 @@ import pytest
 from PIL import Image
 from pydantic import ValidationError
 
-from plugins.annotator import annotate
-from plugins.annotator.correcting import Correcting
-from plugins.annotator.shown import Drawing, Thing
-from plugins.annotator.tests.annotate_page import watched
-from plugins.annotator.tests.corrected_scene import read_told_to
-from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
-from stages.contracts import Camera, InputError, Objects, read_json, write_json, write_text
-from stages.contracts.corrections import CORRECTIONS, Correction, Corrections
-from stages.contracts.extracted import check_extracted
-from stages.contracts.fronts import Panel
-from stages.contracts.objects import Box, Mounting, SceneObject, Wall, distance_between
-from stages.contracts.scene_input import read_scene_input
-from stages.contracts.scenes import Held
-from stages.extraction.corrected_masks import Cutter
-from stages.extraction.corrections import correct_image, correct_scene
-from stages.extraction.extract import run as extract
-from stages.extraction.observation import read_folder
-from stages.extraction.reconstruct import ExtractedScene
-from stages.geometry.boxes import UprightBox
-from stages.perception.drawing.project import DrawnObject
+from roomkin.plugins.annotator import annotate
+from roomkin.plugins.annotator.correcting import Correcting
+from roomkin.plugins.annotator.shown import Drawing, Thing
+from roomkin.plugins.annotator.tests.annotate_page import watched
+from roomkin.plugins.annotator.tests.corrected_scene import read_told_to
+from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
+from roomkin.stages.contracts import Camera, InputError, Objects, read_json, write_json, write_text
+from roomkin.stages.contracts.corrections import CORRECTIONS, Correction, Corrections
+from roomkin.stages.contracts.extracted import check_extracted
+from roomkin.stages.contracts.fronts import Panel
+from roomkin.stages.contracts.objects import Box, Mounting, SceneObject, Wall, distance_between
+from roomkin.stages.contracts.scene_input import read_scene_input
+from roomkin.stages.contracts.scenes import Held
+from roomkin.stages.extraction.corrected_masks import Cutter
+from roomkin.stages.extraction.corrections import correct_image, correct_scene
+from roomkin.stages.extraction.extract import run as extract
+from roomkin.stages.extraction.observation import read_folder
+from roomkin.stages.extraction.reconstruct import ExtractedScene
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.perception.drawing.project import DrawnObject
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, OBJECT, WALL, WIDTH, write_room
 

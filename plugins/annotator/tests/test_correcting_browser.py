@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plugins.annotator.correcting import Correcting
-from plugins.annotator.tests.annotate_page import watched
-from plugins.annotator.tests.corrected_scene import read_told, read_told_to, write_run
-from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
-from plugins.annotator.tests.test_correcting import BOXES
-from plugins.report.tests.test_report_browser import CONTRAST
-from stages.contracts import Objects, read_json
-from stages.contracts.corrections import CORRECTIONS, Correction
-from stages.contracts.doubt import DoubtKind
-from stages.extraction.corrected_masks import find_corners
-from stages.extraction.extract import run as extract
+from roomkin.plugins.annotator.correcting import Correcting
+from roomkin.plugins.annotator.tests.annotate_page import watched
+from roomkin.plugins.annotator.tests.corrected_scene import read_told, read_told_to, write_run
+from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
+from roomkin.plugins.annotator.tests.test_correcting import BOXES
+from roomkin.plugins.report.tests.test_report_browser import CONTRAST
+from roomkin.stages.contracts import Objects, read_json
+from roomkin.stages.contracts.corrections import CORRECTIONS, Correction
+from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.extraction.corrected_masks import find_corners
+from roomkin.stages.extraction.extract import run as extract
 from tests.unit.synthetic_room import OBJECT, WALL, write_room
 
 CABINET, BOX = OBJECT, OBJECT + 1

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.annotator.correcting import Correcting
-from plugins.annotator.cures import find_beneath, list_cures, match_walls
-from plugins.annotator.tests.annotate_page import watched
-from plugins.annotator.tests.corrected_scene import read_told, write_run
-from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
-from plugins.report.tests.test_report_browser import CONTRAST
-from stages.contracts import write_json
-from stages.contracts.doubt import Doubt, DoubtKind
-from stages.contracts.things import THINGS, Thing, Things
-from stages.geometry.boxes import UprightBox
+from roomkin.plugins.annotator.correcting import Correcting
+from roomkin.plugins.annotator.cures import find_beneath, list_cures, match_walls
+from roomkin.plugins.annotator.tests.annotate_page import watched
+from roomkin.plugins.annotator.tests.corrected_scene import read_told, write_run
+from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
+from roomkin.plugins.report.tests.test_report_browser import CONTRAST
+from roomkin.stages.contracts import write_json
+from roomkin.stages.contracts.doubt import Doubt, DoubtKind
+from roomkin.stages.contracts.things import THINGS, Thing, Things
+from roomkin.stages.geometry.boxes import UprightBox
 from tests.unit.synthetic_room import OBJECT, WALL, write_room
 
 CABINET, BOX = OBJECT, OBJECT + 1

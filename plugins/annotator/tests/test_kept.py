@@ -16,17 +16,17 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plugins.annotator import correcting, session
-from plugins.annotator.correcting import Correcting
-from plugins.annotator.kept import Kept, OutdatedError
-from plugins.annotator.server import PageServer
-from plugins.annotator.session import Session
-from plugins.annotator.tests.annotate_page import serve
-from plugins.annotator.tests.test_correcting import BOXES
-from stages.contracts import checksums, files
-from stages.contracts.corrections import CORRECTIONS
-from stages.contracts.hand import PROJECT
-from stages.perception.read.photo import read_photo
+from roomkin.plugins.annotator import correcting, session
+from roomkin.plugins.annotator.correcting import Correcting
+from roomkin.plugins.annotator.kept import Kept, OutdatedError
+from roomkin.plugins.annotator.server import PageServer
+from roomkin.plugins.annotator.session import Session
+from roomkin.plugins.annotator.tests.annotate_page import serve
+from roomkin.plugins.annotator.tests.test_correcting import BOXES
+from roomkin.stages.contracts import checksums, files
+from roomkin.stages.contracts.corrections import CORRECTIONS
+from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.perception.read.photo import read_photo
 from tests.unit.synthetic_room import write_room
 
 DRAWN = "drawn_90"
@@ -231,8 +231,8 @@ def test_a_kill_in_the_middle_of_a_save_leaves_the_last_whole_state(tmp_path: Pa
     path = tmp_path / "a.json"
     Kept(path).write("whole")
     killed = (
-        "import os, sys; from pathlib import Path; from plugins.annotator.kept import Kept; "
-        "from stages.contracts import files; files.sync = lambda path: os.kill(os.getpid(), 9); "
+        "import os, sys; from pathlib import Path; from roomkin.plugins.annotator.kept import Kept; "
+        "from roomkin.stages.contracts import files; files.sync = lambda path: os.kill(os.getpid(), 9); "
         "Kept(Path(sys.argv[1])).write('half')"
     )
     assert subprocess.run([sys.executable, "-c", killed, str(path)], check=False).returncode == -9

@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
-from plugins.annotator.server import PageServer
-from plugins.annotator.session import Session
-from plugins.annotator.tests.annotate_page import serve
-from plugins.annotator.tests.test_annotate_browser import ROOM, browser  # noqa: F401
-from stages.contracts import files
-from stages.contracts.hand import PROJECT
-from stages.perception.read.photo import read_photo
+from roomkin.plugins.annotator.server import PageServer
+from roomkin.plugins.annotator.session import Session
+from roomkin.plugins.annotator.tests.annotate_page import serve
+from roomkin.plugins.annotator.tests.test_annotate_browser import ROOM, browser  # noqa: F401
+from roomkin.stages.contracts import files
+from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.perception.read.photo import read_photo
 
 WALL = """async (many) => {
   const { edit, freeId } = await import('./state.js');

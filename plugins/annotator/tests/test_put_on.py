@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from stages.contracts.corrections import Correction
-from stages.extraction.corrections import correct_scene
-from stages.geometry.boxes import UprightBox
+from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.extraction.corrections import correct_scene
+from roomkin.stages.geometry.boxes import UprightBox
 from tests.unit.synthetic_room import OBJECT, trace
 from tests.unit.test_inexact_masks import ends, extracted
 

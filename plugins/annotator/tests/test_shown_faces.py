@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.annotator.last_run import LastRun, hang_on, read_last_run
-from plugins.report.snapshots import Snapshots
-from stages.contracts import Library, Objects, write_json
-from stages.contracts.corrections import Correction
-from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
-from stages.contracts.generated import PlacedObject
-from stages.contracts.library import LibraryEntry
-from stages.contracts.objects import Wall
-from stages.geometry.cameras import intrinsics_from_fov, look_at
+from roomkin.plugins.annotator.last_run import LastRun, hang_on, read_last_run
+from roomkin.plugins.report.snapshots import Snapshots
+from roomkin.stages.contracts import Library, Objects, write_json
+from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
+from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.contracts.objects import Wall
+from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
 
 MASK, TURN = 3, Orientation(yaw=3.0, distance=1.0)
 CHEST = PlacedObject(

@@ -7,16 +7,16 @@ from typing import Any
 import cv2
 import pytest
 
-from plugins.annotator.correcting import Correcting
-from plugins.annotator.tests.annotate_page import watched
-from plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
-from plugins.annotator.tests.test_correcting import BOXES
-from stages.contracts import Annotations, Objects, read_json, write_json
-from stages.contracts.corrections import CORRECTIONS, Correction, read_corrections
-from stages.contracts.images import read_masks
-from stages.contracts.scenes import Annotation
-from stages.extraction.extract import run as extract
-from stages.generation.inputs import _match_corrections as match
+from roomkin.plugins.annotator.correcting import Correcting
+from roomkin.plugins.annotator.tests.annotate_page import watched
+from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
+from roomkin.plugins.annotator.tests.test_correcting import BOXES
+from roomkin.stages.contracts import Annotations, Objects, read_json, write_json
+from roomkin.stages.contracts.corrections import CORRECTIONS, Correction, read_corrections
+from roomkin.stages.contracts.images import read_masks
+from roomkin.stages.contracts.scenes import Annotation
+from roomkin.stages.extraction.extract import run as extract
+from roomkin.stages.generation.inputs import _match_corrections as match
 from tests.unit.synthetic_room import FLOOR, OBJECT, WALL, write_room
 
 CABINET, BOX, FOUND = OBJECT, OBJECT + 1, 30

@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-from plugins.api import _features, _settings, load_policy, make_library, make_room, make_scenes, models_of
-from stages.config.assets import COUNTS
+from roomkin import load_policy, make_library, make_room, make_scenes, models_of
+from roomkin.plugins.api.making import _features, _settings
+from roomkin.stages.config.assets import COUNTS
 from tests.refusals import refused
 
 

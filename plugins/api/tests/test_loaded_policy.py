@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import torch
 
-from plugins.api.loaded import LoadedPolicy, load_policy
-from stages.contracts.policy_config import PolicyConfig
-from stages.policies.base import make_rollout_policy
-from stages.policies.checkpoint import load_network
+from roomkin.plugins.api.loaded import LoadedPolicy, load_policy
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.policies.base import make_rollout_policy
+from roomkin.stages.policies.checkpoint import load_network
 from tests.refusals import refused
 from tests.unit.trained_policy import trained
 

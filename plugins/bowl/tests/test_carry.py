@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plugins.bowl.carry import can_hold
-from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import invert_transform
-from stages.planning.clearance import Surroundings
-from stages.planning.rollout import Stretch
-from stages.tasks.api import EnvWrapper
+from roomkin.plugins.bowl.carry import can_hold
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.geometry.frames import invert_transform
+from roomkin.stages.planning.clearance import Surroundings
+from roomkin.stages.planning.rollout import Stretch
+from roomkin.stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
 
 OPTIONS = TaskConfig(scale_variants=1)

@@ -9,17 +9,23 @@ import pytest
 import torch
 import trimesh
 
-from plugins.bowl.region import find_level_region, measure_headroom
-from plugins.bowl.skills.pick.grasps import TURNS, measure_turn, sample_grasps, sample_object_cloud, sort_by_turn
-from plugins.bowl.skills.place.predicates import DROP, find_places_inside, sample_placements
-from plugins.bowl.tasks.put_away_bowl.bowl import AROUND, default_bowl, fitting_scale, load_visual_mesh
-from plugins.bowl.tasks.put_away_bowl.environment import with_stand_in_view
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.contracts.task_options import TaskConfig
-from stages.demonstrations.attempt import Recorder
-from stages.geometry.frames import make_transform, transform_points, yaw_matrix
-from stages.planning.path import ANGLE_WEIGHT
-from stages.tasks.api import EnvWrapper
+from roomkin.plugins.bowl.region import find_level_region, measure_headroom
+from roomkin.plugins.bowl.skills.pick.grasps import (
+    TURNS,
+    measure_turn,
+    sample_grasps,
+    sample_object_cloud,
+    sort_by_turn,
+)
+from roomkin.plugins.bowl.skills.place.predicates import DROP, find_places_inside, sample_placements
+from roomkin.plugins.bowl.tasks.put_away_bowl.bowl import AROUND, default_bowl, fitting_scale, load_visual_mesh
+from roomkin.plugins.bowl.tasks.put_away_bowl.environment import with_stand_in_view
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.demonstrations.attempt import Recorder
+from roomkin.stages.geometry.frames import make_transform, transform_points, yaw_matrix
+from roomkin.stages.planning.path import ANGLE_WEIGHT
+from roomkin.stages.tasks.api import EnvWrapper
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 
@@ -217,7 +223,7 @@ def test_the_bowl_is_put_away(task: EnvWrapper) -> None:
 
 
 def test_the_third_task_is_known_to_gym(tmp_path: Path) -> None:
-    import stages.tasks  # noqa: F401
+    import roomkin.stages.tasks  # noqa: F401
 
     cabinet(tmp_path / "drawer", layout=[["drawer", "open"]])
     env = gymnasium.make(

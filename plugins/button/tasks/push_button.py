@@ -12,8 +12,8 @@
 - Push the button on the front of a box with the closed gripper
 """
 
-from stages.tasks.task import Task, register
+from roomkin.stages.tasks.task import Task, register
 
 TASK = register(
-    Task(gym_id="ACDC-PushButton-v1", skills=("plugins.button.skills.push",), part_type="button", horizon=60)
+    Task(gym_id="ACDC-PushButton-v1", skills=("roomkin.plugins.button.skills.push",), part_type="button", horizon=60)
 )

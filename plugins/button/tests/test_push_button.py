@@ -6,22 +6,22 @@ import numpy as np
 import pytest
 import sapien
 
-from plugins.button.skills.push import Skill, list_pushes
-from plugins.furniture.catalogue import CATEGORIES, sample
-from plugins.furniture.folder import build
-from stages.articulated.asset_folder import read_asset
-from stages.articulated.handle_extents import handle_extents
-from stages.config.assets import COUNTS
-from stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
-from stages.contracts.categories import known_categories
-from stages.contracts.parts import PARTS
-from stages.contracts.task_options import TaskConfig
-from stages.planning.handle_grasp import HALF_PAD
-from stages.plugins import load
-from stages.simulation.loading import load_asset, physics_scene
-from stages.skills import FAR, Float
-from stages.skills.chain import SkillChain
-from stages.tasks.api import EnvWrapper
+from roomkin.plugins.button.skills.push import Skill, list_pushes
+from roomkin.plugins.furniture.catalogue import CATEGORIES, sample
+from roomkin.plugins.furniture.folder import build
+from roomkin.stages.articulated.asset_folder import read_asset
+from roomkin.stages.articulated.handle_extents import handle_extents
+from roomkin.stages.config.assets import COUNTS
+from roomkin.stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.parts import PARTS
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.planning.handle_grasp import HALF_PAD
+from roomkin.stages.plugins import load
+from roomkin.stages.simulation.loading import load_asset, physics_scene
+from roomkin.stages.skills import FAR, Float
+from roomkin.stages.skills.chain import SkillChain
+from roomkin.stages.tasks.api import EnvWrapper
 from tests.refusals import refused
 from tests.unit.demo_assets import shifted
 

@@ -6,20 +6,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plugins.claims import assets, claims
-from plugins.claims.tables import claims_table, stability_table
-from plugins.report.page.result import sentences
-from stages.config.tables import PolicyTables, TablesConfig
-from stages.contracts.policies import Rollout
-from stages.tables import table3
-from stages.tables.intervals import PLACE, Side, score_interval, unit_rates
-from stages.tables.markup import markdown
-from stages.tables.methods import join_published
-from stages.tables.rows import published_policies, published_runs
-from stages.tables.text import percent
+from roomkin.plugins.claims import assets, claims, power
+from roomkin.plugins.claims.tables import claims_table, stability_table
+from roomkin.plugins.report.page.result import sentences
+from roomkin.stages.config.tables import PolicyTables, TablesConfig
+from roomkin.stages.contracts.policies import Rollout
+from roomkin.stages.tables import table3
+from roomkin.stages.tables.intervals import PLACE, POLICY, Side, score_interval, unit_rates
+from roomkin.stages.tables.markup import markdown
+from roomkin.stages.tables.methods import join_published
+from roomkin.stages.tables.rows import published_policies, published_runs
+from roomkin.stages.tables.text import percent
 from tests.unit.tables_results import rollout
 
-PUBLISHED = Path(__file__).parents[3] / "report" / "published"
+PUBLISHED = Path(__file__).resolve().parents[3] / "report" / "published"
 OPTIONS = TablesConfig(bootstrap_samples=400)
 ROLES = ("cousin_2", "cousin_6", "dissimilar")
 STATES, ASSETS = 60, 60
@@ -94,8 +94,47 @@ def test_over_the_roles_alone_nothing_is_said_of_other_assets() -> None:
     table = answers(AS_PAPER, "roles")
     assert table["over"]["unseen"] == "roles" and table["assets"]["unseen"] == 3
     open_claims = {"unseen", "flat", "all"}
-    assert {name for name, verdict in table["verdict"].items() if verdict == "cannot be said"} >= open_claims
+    assert {name for name, verdict in table["verdict"].items() if verdict == "too few assets to decide"} >= open_claims
+    shown = table["shows"]
+    assert not (shown[["unseen", "flat", "all"]] <= 0.6).any()  # a gain of 60 points on each would not do
+    assert shown["equal"] == 0  # sixty starts do
     assert answers(AS_PAPER, "validation")["verdict"]["unseen"] == "holds"
+
+
+def sides_of(assets: int, states: int, runs: int = 6) -> claims.Sides:
+    """Policies and places of the twin and of so many unseen assets, a family each."""
+    policies = pd.MultiIndex.from_tuples([("lite", seed, "last") for seed in range(runs)], names=POLICY)
+
+    def side(count: int) -> Side:
+        places = [(f"f{n}", f"a{n}", k) for n in range(count) for k in range(states)]
+        return pd.DataFrame(0.0, policies, pd.MultiIndex.from_tuples(places, names=PLACE))
+
+    return {"twin": side(1), "unseen": side(assets)}
+
+
+@pytest.mark.parametrize(
+    ("claim", "assets", "states", "least"),
+    [("unseen", 3, 25, 0.7), ("unseen", 40, 2, 0.2), ("flat", 3, 25, 0.7), ("equal", 3, 25, 1), ("equal", 3, 60, 0)],
+)
+def test_what_a_claim_can_show_is_known_beforehand(claim: str, assets: int, states: int, least: float) -> None:
+    """Three assets show no gain but of 70 points and more, forty one of 20; 25 starts never show `as well as`."""
+    sides = sides_of(assets, states)
+    shown = claims.find_shown(claim, sides, sides, OPTIONS)
+    assert np.isnan(shown) or shown >= least if assets == 3 and least else shown <= least + 0.1
+
+
+def test_what_can_be_shown_is_shown_and_where_nothing_is_there_nothing_holds() -> None:
+    """Verdicts on made-up results of known truths: a gain of half holds, none holds once in twenty at most."""
+    sides, rng = sides_of(30, 2), np.random.default_rng(3)
+    said = {
+        effect: [
+            claims.compare("unseen", *power.imagine(sides, sides, "unseen", effect, rng), OPTIONS)["verdict"]
+            for _ in range(40)
+        ]
+        for effect in (0.0, 0.5)
+    }
+    assert said[0.5].count("holds") >= 36
+    assert said[0.0].count("holds") <= 2 and said[0.0].count("does not hold") <= 2
 
 
 def test_all_claims_fail_where_the_rollouts_say_the_opposite() -> None:

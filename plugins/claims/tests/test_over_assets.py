@@ -5,21 +5,21 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from plugins.claims import asset_panels, assets
-from plugins.claims.more import make_panels
-from plugins.claims.tables import assets_table, by_handle_table
-from plugins.report.roles import lists_table, role_title, roles_table
-from stages.config.tables import PolicyTables, TablesConfig
-from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
-from stages.tables import table3
-from stages.tables.markup import Table, markdown
-from stages.tables.methods import join_published
-from stages.tables.order import row_title, set_key, target_title, title
-from stages.tables.policy_figures import figure4
-from stages.tables.rows import published_policies
+from roomkin.plugins.claims import asset_panels, assets
+from roomkin.plugins.claims.more import make_panels
+from roomkin.plugins.claims.tables import assets_table, by_handle_table
+from roomkin.plugins.report.roles import lists_table, role_title, roles_table
+from roomkin.stages.config.tables import PolicyTables, TablesConfig
+from roomkin.stages.contracts.policies import Rollout, TaskAsset, TaskAssets
+from roomkin.stages.tables import table3
+from roomkin.stages.tables.markup import Table, markdown
+from roomkin.stages.tables.methods import join_published
+from roomkin.stages.tables.order import row_title, set_key, target_title, title
+from roomkin.stages.tables.policy_figures import figure4
+from roomkin.stages.tables.rows import published_policies
 from tests.unit.tables_results import ABOUT, UNSEEN, over_assets, rollout
 
-PUBLISHED = Path(__file__).parents[3] / "report" / "published"
+PUBLISHED = Path(__file__).resolve().parents[3] / "report" / "published"
 OPTIONS = TablesConfig(bootstrap_samples=400)
 KINDS = {"lite": "64-wide network", "lite_handle": "handle flagged"}
 FIRST = {"door": "lite"}

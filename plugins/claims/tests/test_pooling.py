@@ -5,17 +5,17 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from plugins.claims import assets
-from plugins.claims.more import target_tables
-from plugins.studies import conditions
-from plugins.studies.progress import policy_file, progress_table
-from stages.config.model import Config, load
-from stages.config.policy_kinds import policy_tables
-from stages.config.tables import PolicyTables
-from stages.config.targets import Cell
-from stages.contracts.policies import Rollout
-from stages.tables.methods import kinds_of
-from stages.tables.pooling import pool_rollouts
+from roomkin.plugins.claims import assets
+from roomkin.plugins.claims.more import target_tables
+from roomkin.plugins.studies import conditions
+from roomkin.plugins.studies.progress import policy_file, progress_table
+from roomkin.stages.config.model import Config, load
+from roomkin.stages.config.policy_kinds import policy_tables
+from roomkin.stages.config.tables import PolicyTables
+from roomkin.stages.config.targets import Cell
+from roomkin.stages.contracts.policies import Rollout
+from roomkin.stages.tables.methods import kinds_of
+from roomkin.stages.tables.pooling import pool_rollouts
 from tests.unit.tables_results import over_assets
 
 DOOR = {"task": "door", "room": "room_1", "object": "cabinet_1"}

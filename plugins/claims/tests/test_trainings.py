@@ -5,19 +5,19 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from plugins.claims import trainings
-from plugins.claims.trainings import collect, failed, failed_note, trainings_table
-from plugins.report import report
-from plugins.studies import results
-from stages.contracts.files import write_json
-from stages.contracts.policy_config import PolicyConfig
-from stages.contracts.task_options import TaskConfig
-from stages.contracts.trained import TrainedPolicy, TrainingStore
-from stages.tables import policies
-from stages.tables.markup import markdown
+from roomkin.plugins.claims import trainings
+from roomkin.plugins.claims.trainings import collect, failed, failed_note, trainings_table
+from roomkin.plugins.report import report
+from roomkin.plugins.studies import results
+from roomkin.stages.contracts.files import write_json
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.trained import TrainedPolicy, TrainingStore
+from roomkin.stages.tables import policies
+from roomkin.stages.tables.markup import markdown
 from tests.unit.tables_results import declared, rollout, rollouts, write_rows, write_run
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).resolve().parents[3]
 PUBLISHED = ROOT / "report" / "published"
 STUCK = "Door opening, lite, 4 cousins: seed 1 did not learn: validation loss -3.5, others -7.1"
 
@@ -130,7 +130,7 @@ def test_the_command_names_them_and_table_3_and_the_page_do(tmp_path: Path, caps
     assert STUCK in capsys.readouterr().err
     assert {f"trainings.{suffix}" for suffix in ("csv", "html", "tex")} == {path.name for path in tables.iterdir()}
     policies.run(
-        out=tables, figures=root / "results/figures", rollouts=(episodes,), more=("plugins.claims.more",),
+        out=tables, figures=root / "results/figures", rollouts=(episodes,), more=("roomkin.plugins.claims.more",),
         trainings=(tables / "trainings.csv",), published=PUBLISHED, options='{"bootstrap_samples": 100}',
     )  # fmt: skip
     names = [f"{name}.{suffix}" for name in ("assets", "table3", "trainings") for suffix in ("csv", "html", "tex")]

@@ -12,12 +12,12 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from plugins.diffusion.policies.diffusion_options import Options
-from stages.contracts.episode_store import ACTION
-from stages.contracts.policy_config import PolicyConfig
-from stages.plugins import parse_kwargs
-from stages.policies.base import ActionMode, Float
-from stages.policies.point_cloud import PointCloudPolicy
+from roomkin.plugins.diffusion.policies.diffusion_options import Options
+from roomkin.stages.contracts.episode_store import ACTION
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.plugins import parse_kwargs
+from roomkin.stages.policies.base import ActionMode, Float
+from roomkin.stages.policies.point_cloud import PointCloudPolicy
 
 TEMPERATURE: dict[ActionMode, float] = {"sample": 1.0, "sharpened": 0.5, "most_likely": 0.0}  # of the noise begun with
 

@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 import torch
 
-from plugins.diffusion.policies.diffusion import Policy, signal_levels
-from stages.contracts.policy_config import PolicyConfig
-from stages.plugins import find, qualify_module
-from stages.policies.base import ActionMode, TrainablePolicy
-from stages.policies.checkpoint import load_network
-from stages.training.batches import list_windows, make_batch
-from stages.training.dataset import read_demonstrations
-from stages.training.state import TrainingState
-from stages.training.train import run as train
+from roomkin.plugins.diffusion.policies.diffusion import Policy, signal_levels
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.plugins import find, qualify_module
+from roomkin.stages.policies.base import ActionMode, TrainablePolicy
+from roomkin.stages.policies.checkpoint import load_network
+from roomkin.stages.training.batches import list_windows, make_batch
+from roomkin.stages.training.dataset import read_demonstrations
+from roomkin.stages.training.state import TrainingState
+from roomkin.stages.training.train import run as train
 from tests.refusals import refused
 from tests.toy_reach import ToyReach, write_store
 
-NAME = "plugins.diffusion.policies.diffusion"
+NAME = "roomkin.plugins.diffusion.policies.diffusion"
 SMALL = {
     "policy": NAME,
     "points": 48,
@@ -41,7 +41,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_it_is_found_by_its_name_where_the_package_is_named() -> None:
-    assert qualify_module("policies", find("policies", "diffusion", ["plugins.diffusion"])) == NAME
+    assert qualify_module("policies", find("policies", "diffusion", ["roomkin.plugins.diffusion"])) == NAME
 
 
 def test_loss_and_error_of_the_sampled_actions_fall(tmp_path: Path, store: Path) -> None:

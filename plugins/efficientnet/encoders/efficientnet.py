@@ -8,12 +8,12 @@ import torch
 from numpy.typing import NDArray
 from torch.nn import functional
 
-from stages.config.matching import EncoderOptions
-from stages.contracts.section import NotNegative, Section
-from stages.geometry.crop import View, cut, foreground, masked_square, patch_positions
-from stages.matching.encoders import Patches
-from stages.perception.classification.efficientnet import COLUMNS, SIZE, STRIDE, load, to_input
-from stages.plugins import parse_kwargs
+from roomkin.stages.config.matching import EncoderOptions
+from roomkin.stages.contracts.section import NotNegative, Section
+from roomkin.stages.geometry.crop import View, cut, foreground, masked_square, patch_positions
+from roomkin.stages.matching.encoders import Patches
+from roomkin.stages.perception.classification.efficientnet import COLUMNS, SIZE, STRIDE, load, to_input
+from roomkin.stages.plugins import parse_kwargs
 
 GRID = SIZE // STRIDE  # patches per side
 

@@ -11,15 +11,15 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from plugins.efficientnet.encoders.efficientnet import Encoder
-from stages.config.matching import MatchingConfig
-from stages.config.model import load, with_defaults
-from stages.matching.encoders import make_encoder
-from stages.perception.classification import efficientnet as network
+from roomkin.plugins.efficientnet.encoders.efficientnet import Encoder
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.config.model import load, with_defaults
+from roomkin.stages.matching.encoders import make_encoder
+from roomkin.stages.perception.classification import efficientnet as network
 from tests.refusals import refused
 from tests.unit.matching_data import before_noise, view_of_box
 
-OPTIONS = MatchingConfig(encoder="plugins.efficientnet.encoders.efficientnet")
+OPTIONS = MatchingConfig(encoder="roomkin.plugins.efficientnet.encoders.efficientnet")
 
 
 @pytest.fixture(scope="module")

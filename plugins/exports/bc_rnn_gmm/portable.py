@@ -5,10 +5,10 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
-from stages.contracts.episode_store import ACTION
-from stages.policies.base import ActionMode
-from stages.policies.bc_rnn_gmm import Policy
-from stages.policies.mixture import POWERS
+from roomkin.stages.contracts.episode_store import ACTION
+from roomkin.stages.policies.base import ActionMode
+from roomkin.stages.policies.bc_rnn_gmm import Policy
+from roomkin.stages.policies.mixture import POWERS
 
 
 def portable(policy: Policy, mode: ActionMode) -> tuple[dict[str, Tensor], dict[str, Any]]:

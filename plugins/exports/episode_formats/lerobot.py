@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from stages.contracts import InputError, write_json
-from stages.contracts.episode_store import EpisodeStore, read_episodes
-from stages.plugins import load
+from roomkin.stages.contracts import InputError, write_json
+from roomkin.stages.contracts.episode_store import EpisodeStore, read_episodes
+from roomkin.stages.plugins import load
 
 try:
     import pyarrow

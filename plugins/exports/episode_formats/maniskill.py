@@ -13,11 +13,11 @@ import numpy as np
 from mani_skill.utils.wrappers.record import RecordEpisode
 from numpy.typing import NDArray
 
-from stages.articulated.resizing import resize_asset
-from stages.contracts import InputError, write_json
-from stages.contracts.episode_store import AGAIN, EpisodeStore, read_episodes
-from stages.contracts.library_folder import AssetFolders
-from stages.plugins import load
+from roomkin.stages.articulated.resizing import resize_asset
+from roomkin.stages.contracts import InputError, write_json
+from roomkin.stages.contracts.episode_store import AGAIN, EpisodeStore, read_episodes
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.plugins import load
 
 Trajectory = tuple[int, NDArray[np.float32]]  # seed and executed actions of an episode
 
@@ -86,7 +86,7 @@ def record(out: Path, folder: Path, subject: Subject, store: EpisodeStore, episo
         "obs_mode": "state",
         "render_backend": "none",
     }
-    name = f"stages.tasks:{load('tasks', store.task).gym_id}"
+    name = f"roomkin.stages.tasks:{load('tasks', store.task).gym_id}"
     made = gymnasium.make(name, **options)
     made.unwrapped.spec.kwargs.pop("task")  # type: ignore[union-attr]  # known by its registration, and no JSON
     env = RecordEpisode(

@@ -7,8 +7,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from stages.contracts import write_atomically
-from stages.contracts.episode_store import read_episodes
+from roomkin.stages.contracts import write_atomically
+from roomkin.stages.contracts.episode_store import read_episodes
 
 VALIDATION = 10  # every n-th episode
 

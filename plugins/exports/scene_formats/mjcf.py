@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from plugins.mujoco.mjcf_writer import TOUCHED, ModelWriter, document, text
-from stages.contracts.look import GAMMA
-from stages.generation.scene_models import CAMERA, Room
-from stages.geometry.cameras import OPENGL
-from stages.geometry.frames import quaternion_from_matrix, yaw_quaternion
+from roomkin.plugins.mujoco.mjcf_writer import TOUCHED, ModelWriter, document, text
+from roomkin.stages.contracts.look import GAMMA
+from roomkin.stages.generation.scene_models import CAMERA, Room
+from roomkin.stages.geometry.cameras import OPENGL
+from roomkin.stages.geometry.frames import quaternion_from_matrix, yaw_quaternion
 
 
 def write(room: Room, out: Path) -> None:

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from stages.articulated.asset_folder import atomic_folder
-from stages.articulated.model import Matrix
-from stages.contracts.look import GAMMA
-from stages.contracts.system import sync
-from stages.generation.scene_models import CAMERA, Body, Room
-from stages.geometry.frames import make_transform, quaternion_from_matrix, yaw_matrix
-from stages.simulation.backdrop import Block
+from roomkin.stages.articulated.asset_folder import atomic_folder
+from roomkin.stages.articulated.model import Matrix
+from roomkin.stages.contracts.look import GAMMA
+from roomkin.stages.contracts.system import sync
+from roomkin.stages.generation.scene_models import CAMERA, Body, Room
+from roomkin.stages.geometry.frames import make_transform, quaternion_from_matrix, yaw_matrix
+from roomkin.stages.simulation.backdrop import Block
 
 WORLD = "world"
 NAMES = {"link": "name", "joint": "name", "material": "name", "parent": "link", "child": "link", "mimic": "joint"}

@@ -5,15 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from stages.articulated.asset_folder import atomic_folder
-from stages.articulated.model import JointModel, Link, Matrix
-from stages.articulated.surfaces import ColoredMesh, surfaces
-from stages.articulated.urdf_writer import DAMPING, SURFACE_FRICTION
-from stages.contracts import InputError
-from stages.contracts.system import sync
-from stages.generation.scene_models import CAMERA, Body, Room, surface_of
-from stages.geometry.cameras import OPENGL
-from stages.geometry.frames import make_transform, quaternion_from_matrix, yaw_matrix
+from roomkin.stages.articulated.asset_folder import atomic_folder
+from roomkin.stages.articulated.model import JointModel, Link, Matrix
+from roomkin.stages.articulated.surfaces import ColoredMesh, surfaces
+from roomkin.stages.articulated.urdf_writer import DAMPING, SURFACE_FRICTION
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.system import sync
+from roomkin.stages.generation.scene_models import CAMERA, Body, Room, surface_of
+from roomkin.stages.geometry.cameras import OPENGL
+from roomkin.stages.geometry.frames import make_transform, quaternion_from_matrix, yaw_matrix
 
 try:
     from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, Vt

@@ -12,17 +12,17 @@ import h5py
 import numpy as np
 import pytest
 
-from plugins.exports.demonstrations import run
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.contracts import InputError
-from stages.contracts.episode_store import read_episodes
-from stages.contracts.task_options import TaskConfig
-from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.store import RecordedEpisode, write_episodes
-from stages.tasks.api import EnvWrapper
+from roomkin.plugins.exports.demonstrations import run
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.episode_store import read_episodes
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.demonstrations.attempt import Recorder
+from roomkin.stages.demonstrations.store import RecordedEpisode, write_episodes
+from roomkin.stages.tasks.api import EnvWrapper
 from tests.unit.test_demonstrations import experiment
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).resolve().parents[3]
 READERS = ROOT / ".venv-readers" / "bin" / "python"
 OPTIONS = TaskConfig(points=64)
 LENGTHS = {"cab": (6, 4), "fridge": (5,)}
@@ -170,7 +170,7 @@ def test_maniskill_gets_trajectories_of_its_own_kind(done_again: Path) -> None:
     stored = read_episodes(done_again / "episodes.h5").episodes
     for name, numbers in (("cab", (0, 1)), ("narrow", (2, 3))):
         about = json.loads((done_again / "out" / f"{name}.json").read_text())
-        assert about["env_info"]["env_id"] == "stages.tasks:ACDC-OpenDoor-v1" and "commit_info" not in about
+        assert about["env_info"]["env_id"] == "roomkin.stages.tasks:ACDC-OpenDoor-v1" and "commit_info" not in about
         kwargs = about["env_info"]["env_kwargs"]
         assert kwargs["joint"] == "door_0_joint" and TaskConfig.model_validate(kwargs["options"]).points == 64
         assert [(each["success"], each["elapsed_steps"]) for each in about["episodes"]] == [

@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 import torch
 
-from plugins.exports.bc_rnn_gmm.loader import PortablePolicy
-from plugins.exports.policy import run
-from stages.contracts.policy_config import PolicyConfig
-from stages.contracts.task_options import TaskConfig
-from stages.policies.base import make_rollout_policy
-from stages.policies.checkpoint import load_network, save_weights
-from stages.policies.handle_points import segment_handles
+from roomkin.plugins.exports.bc_rnn_gmm.loader import PortablePolicy
+from roomkin.plugins.exports.policy import run
+from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.policies.base import make_rollout_policy
+from roomkin.stages.policies.checkpoint import load_network, save_weights
+from roomkin.stages.policies.handle_points import segment_handles
 from tests.refusals import refused
 from tests.unit.trained_policy import trained
 
 STRANGER = """
 import sys
-sys.modules["stages"] = None  # installed here, but not where the policy goes
+sys.modules["roomkin"] = None  # installed here, but not where the policy goes
 folder, *exported = sys.argv[1:]
 sys.path.insert(0, exported[0])
 import torch
@@ -85,8 +85,8 @@ def test_modes_are_drawn_by_the_square_of_their_weight_unless_told_otherwise(tmp
 def test_the_loader_is_short_and_names_what_it_reads(tmp_path: Path) -> None:
     run(policy=trained(tmp_path / "policy", PolicyConfig()), out=tmp_path / "out")
     loader = (tmp_path / "out" / "loader.py").read_text()
-    assert len(loader.splitlines()) <= 45 and "stages" not in loader
-    assert "stages" not in (tmp_path / "out" / "handle_points.py").read_text()
+    assert len(loader.splitlines()) <= 45 and "roomkin" not in loader
+    assert "roomkin" not in (tmp_path / "out" / "handle_points.py").read_text()
     about = json.loads((tmp_path / "out" / "policy.json").read_text())
     assert about["task"] == "door" and about["control_frequency_hz"] == TaskConfig().control_frequency
 

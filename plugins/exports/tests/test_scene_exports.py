@@ -12,21 +12,21 @@ import trimesh
 from PIL import Image
 from trimesh import Trimesh
 
-from plugins.exports import scenes
-from plugins.exports.scene_formats import mjcf, urdf
-from plugins.furniture.catalogue import sample
-from plugins.furniture.folder import build
-from plugins.pictures import glb
-from stages.articulated.asset_folder import Description, read_asset, write_asset
-from stages.articulated.model import Link, RobotModel, Visual
-from stages.articulated.urdf_reader import read_urdf
-from stages.contracts import GeneratedScene, LibraryPart, write_json
-from stages.contracts.look import ROOM_LIGHT, Look, Surface
-from stages.contracts.objects import Mounting, Wall
-from stages.generation.placed import Placed
-from stages.generation.scene_models import Room, room_of
-from stages.geometry.boxes import UprightBox
-from stages.geometry.cameras import look_at
+from roomkin.plugins.exports import scenes
+from roomkin.plugins.exports.scene_formats import mjcf, urdf
+from roomkin.plugins.furniture.catalogue import sample
+from roomkin.plugins.furniture.folder import build
+from roomkin.plugins.pictures import glb
+from roomkin.stages.articulated.asset_folder import Description, read_asset, write_asset
+from roomkin.stages.articulated.model import Link, RobotModel, Visual
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.contracts import GeneratedScene, LibraryPart, write_json
+from roomkin.stages.contracts.look import ROOM_LIGHT, Look, Surface
+from roomkin.stages.contracts.objects import Mounting, Wall
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.scene_models import Room, room_of
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.cameras import look_at
 
 FOCAL, MIDDLE = 150.0, (90.0, 80.0)  # pixels; not the middle of the picture
 WIDTH, HEIGHT = 200, 150
@@ -240,7 +240,7 @@ def test_pxr_reads_the_usd(room: Room, tmp_path: Path) -> None:
     pxr = pytest.importorskip("pxr.Usd", reason="usd-core is missing: make setup")
     from pxr import UsdGeom, UsdPhysics
 
-    from plugins.exports.scene_formats import usd
+    from roomkin.plugins.exports.scene_formats import usd
 
     for name in ("a", "b"):
         usd.write(room, tmp_path / name)

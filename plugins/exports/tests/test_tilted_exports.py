@@ -11,14 +11,14 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
-from plugins.exports.scene_formats import mjcf, urdf
-from plugins.pictures import glb
-from stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
-from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.model import JointModel, Link, RobotModel, Visual
-from stages.contracts import GeneratedScene
-from stages.generation.scene_models import Body, Room
-from stages.geometry.frames import invert_transform, make_transform
+from roomkin.plugins.exports.scene_formats import mjcf, urdf
+from roomkin.plugins.pictures import glb
+from roomkin.stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
+from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.articulated.model import JointModel, Link, RobotModel, Visual
+from roomkin.stages.contracts import GeneratedScene
+from roomkin.stages.generation.scene_models import Body, Room
+from roomkin.stages.geometry.frames import invert_transform, make_transform
 
 LOWER, UPPER = 0.35, 1.2
 POSE = make_transform(Rotation.from_euler("xyz", [0.3, -0.5, 0.9]).as_matrix(), [2.0, 0.3, 0.8])
@@ -117,7 +117,7 @@ def test_usd(room: Room, tmp_path: Path) -> None:
     pxr = pytest.importorskip("pxr.Usd", reason="usd-core is missing: make setup")
     from pxr import UsdGeom, UsdPhysics
 
-    from plugins.exports.scene_formats import usd
+    from roomkin.plugins.exports.scene_formats import usd
 
     usd.write(room, tmp_path / "out")
     stage = pxr.Stage.Open(str(tmp_path / "out/scene.usdc"))
@@ -176,7 +176,7 @@ def rotation(quaternion: Any) -> np.ndarray:
 
 
 def test_a_body_stretched_along_an_axis_keeps_its_closed_places(room: Room) -> None:
-    from stages.articulated.stretching import stretch_model
+    from roomkin.stages.articulated.stretching import stretch_model
 
     model, scale = room.bodies[0].model, (1.5, 0.8, 1.2)
     made = stretch_model(model, scale)

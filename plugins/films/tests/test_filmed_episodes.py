@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plugins.films import rollouts
-from plugins.films.contract import Film, Films
-from plugins.films.rollouts import RolloutFilms, add_caption, pick_episodes
-from stages.contracts.archives import unpack
-from stages.contracts.files import read_json
-from stages.demonstrations.collect import run
-from stages.evaluation.episodes import RolloutEpisode
+from roomkin.plugins.films import rollouts
+from roomkin.plugins.films.contract import Film, Films
+from roomkin.plugins.films.rollouts import RolloutFilms, add_caption, pick_episodes
+from roomkin.stages.contracts.archives import unpack
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.demonstrations.collect import run
+from roomkin.stages.evaluation.episodes import RolloutEpisode
 from tests.unit.demo_assets import an_asset
 from tests.unit.test_demonstrations import TASK, experiment
 from tests.unit.test_rollout import Made, evaluate, folder, toy_simulator
 
 __all__ = ["folder", "toy_simulator"]
-MODULE = ("plugins.films.rollouts",)
+MODULE = ("roomkin.plugins.films.rollouts",)
 
 
 class ToyRenderer:
@@ -83,7 +83,7 @@ def test_the_first_success_of_demonstrations_is_filmed(tmp_path: Path) -> None:
     for name in ("a", "b"):
         run(
             **inputs, role="twin", episodes=2, out=tmp_path / name / "episodes.h5", seed=3, options='{"noise": 0.004}',
-            films=("plugins.films.demonstrations",), task_options=json.dumps(TASK),
+            films=("roomkin.plugins.films.demonstrations",), task_options=json.dumps(TASK),
         )  # fmt: skip
     assert (tmp_path / "a" / "films.zip").read_bytes() == (tmp_path / "b" / "films.zip").read_bytes()
     (filmed,) = read_films(tmp_path / "a" / "films.zip")

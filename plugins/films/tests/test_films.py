@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plugins.films.contract import Film
-from plugins.films.writing import LAST, write_film
+from roomkin.plugins.films.contract import Film
+from roomkin.plugins.films.writing import LAST, write_film
 from tests.refusals import refused
 
 PICTURES = [np.full((31, 40, 3), level, np.uint8) for level in (0, 120, 240)]

@@ -7,9 +7,9 @@ import numpy as np
 import sapien
 import torch
 
-import stages.tasks  # noqa: F401
-from stages.simulation.film_renderer import _bounds
-from stages.simulation.loading import load_asset, physics_scene
+import roomkin.stages.tasks  # noqa: F401
+from roomkin.stages.simulation.film_renderer import _bounds
+from roomkin.stages.simulation.loading import load_asset, physics_scene
 from tests.unit.demo_assets import cabinet
 from tests.unit.test_cameras import OPTIONS, folder
 from tests.unit.test_stretching import SCALE, bounds

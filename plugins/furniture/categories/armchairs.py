@@ -5,11 +5,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from plugins.furniture.category import category
-from plugins.furniture.colors import FABRICS, METALS, WOODS, pick
-from plugins.furniture.model import FOAM, Model, Part, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, of, round_size
-from plugins.furniture.shapes import beam, box, cushion, hull, rod
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import FABRICS, METALS, WOODS, pick
+from roomkin.plugins.furniture.model import FOAM, Model, Part, Parts, Size
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, of, round_size
+from roomkin.plugins.furniture.shapes import beam, box, cushion, hull, rod
 
 UPHOLSTERY = 100.0  # kg / m^3
 

@@ -2,12 +2,12 @@
 
 from typing import Literal
 
-from plugins.furniture.category import Category, sized
-from plugins.furniture.colors import METALS, PAINTS
-from plugins.furniture.finishes import shade
-from plugins.furniture.model import PLASTIC, Model, Moving, Parts, Size, part
-from plugins.furniture.recipe import Coating, Generator, between, chance, in_turn, of, one_of
-from plugins.furniture.shapes import box, rod
+from roomkin.plugins.furniture.category import Category, sized
+from roomkin.plugins.furniture.colors import METALS, PAINTS
+from roomkin.plugins.furniture.finishes import shade
+from roomkin.plugins.furniture.model import PLASTIC, Model, Moving, Parts, Size, part
+from roomkin.plugins.furniture.recipe import Coating, Generator, between, chance, in_turn, of, one_of
+from roomkin.plugins.furniture.shapes import box, rod
 
 FILLING = 400.0  # kg / m^3: a case with switches and wires in it
 

@@ -2,13 +2,13 @@
 
 from typing import Any
 
-from plugins.furniture.cabinet import Cabinet
-from plugins.furniture.category import Fronts, category
-from plugins.furniture.colors import PAINTS, STONES, TILES, WOODS, Palette, pick
-from plugins.furniture.finishes import shade
-from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
-from plugins.furniture.model import Size
-from plugins.furniture.recipe import Rng, Sampled, round_size, uniform
+from roomkin.plugins.furniture.cabinet import Cabinet
+from roomkin.plugins.furniture.category import Fronts, category
+from roomkin.plugins.furniture.colors import PAINTS, STONES, TILES, WOODS, Palette, pick
+from roomkin.plugins.furniture.finishes import shade
+from roomkin.plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
+from roomkin.plugins.furniture.model import Size
+from roomkin.plugins.furniture.recipe import Rng, Sampled, round_size, uniform
 
 Layout = list[list[str]]  # of kinds of cells; the recipe checks them
 KINDS = {"D": "door", "P": "drawer", "O": "open", "F": "flap", "C": "panel"}

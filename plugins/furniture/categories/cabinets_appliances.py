@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from plugins.furniture.cabinet import Cabinet
-from plugins.furniture.categories.cabinets import Layout, box_of, cabinet_of, cells_of
-from plugins.furniture.category import category
-from plugins.furniture.colors import APPLIANCE, METALS, pick
-from plugins.furniture.finishes import finish_of, shade
-from plugins.furniture.recipe import Rng, Sampled, uniform
+from roomkin.plugins.furniture.cabinet import Cabinet
+from roomkin.plugins.furniture.categories.cabinets import Layout, box_of, cabinet_of, cells_of
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import APPLIANCE, METALS, pick
+from roomkin.plugins.furniture.finishes import finish_of, shade
+from roomkin.plugins.furniture.recipe import Rng, Sampled, uniform
 
 
 def _appliance(rng: Rng, layout: Layout, **changes: Any) -> Cabinet:

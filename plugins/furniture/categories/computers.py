@@ -7,13 +7,13 @@ import numpy as np
 import trimesh
 from trimesh import Trimesh
 
-from plugins.furniture.categories.decor import Television
-from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colors import METALS, PAINTS
-from plugins.furniture.finishes import Surface, finish_of, shade
-from plugins.furniture.model import PLASTIC, Model, Part, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, uniform
-from plugins.furniture.shapes import box, hull, rod
+from roomkin.plugins.furniture.categories.decor import Television
+from roomkin.plugins.furniture.category import Category, category, sized
+from roomkin.plugins.furniture.colors import METALS, PAINTS
+from roomkin.plugins.furniture.finishes import Surface, finish_of, shade
+from roomkin.plugins.furniture.model import PLASTIC, Model, Part, Parts, Size
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, uniform
+from roomkin.plugins.furniture.shapes import box, hull, rod
 
 SHELL = 700.0  # kg / m^3: a case with air and electronics in it
 CASES = METALS[:3] + PAINTS[:1]

@@ -5,12 +5,12 @@ from typing import Literal
 
 import numpy as np
 
-from plugins.furniture.categories.vessels import hollow
-from plugins.furniture.category import category
-from plugins.furniture.colors import APPLIANCE, FABRICS, METALS, PAINTS, WICKER
-from plugins.furniture.model import FILLED, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size
-from plugins.furniture.shapes import box, cushion, lathe, make_sides, rod
+from roomkin.plugins.furniture.categories.vessels import hollow
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import APPLIANCE, FABRICS, METALS, PAINTS, WICKER
+from roomkin.plugins.furniture.model import FILLED, Model, Parts, Size
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size
+from roomkin.plugins.furniture.shapes import box, cushion, lathe, make_sides, rod
 
 LIGHT = 300.0  # kg / m^3: a shell with little or machinery in it
 DARK = (0.04, 0.04, 0.05)

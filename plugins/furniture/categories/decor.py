@@ -2,11 +2,11 @@
 
 from typing import Literal
 
-from plugins.furniture.category import category
-from plugins.furniture.colors import GLAZES, METALS, PAINTS, WOODS, pick
-from plugins.furniture.finishes import change_material
-from plugins.furniture.model import STEEL, Model, Parts, Size
-from plugins.furniture.recipe import (
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import GLAZES, METALS, PAINTS, WOODS, pick
+from roomkin.plugins.furniture.finishes import change_material
+from roomkin.plugins.furniture.model import STEEL, Model, Parts, Size
+from roomkin.plugins.furniture.recipe import (
     Coating,
     Generator,
     Rng,
@@ -19,7 +19,7 @@ from plugins.furniture.recipe import (
     sampled_by,
     zero_or,
 )
-from plugins.furniture.shapes import beam, box, cushion, hull, rim, rod
+from roomkin.plugins.furniture.shapes import beam, box, cushion, hull, rim, rod
 
 
 class Television(Generator):

@@ -4,15 +4,15 @@ from typing import Literal
 
 import numpy as np
 
-from plugins.furniture.cabinet import Cabinet
-from plugins.furniture.cabinet_recipe import PanelStyle
-from plugins.furniture.categories.tables_and_beds import Legs, supports
-from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colors import FABRICS, METALS, PAINTS, WOODS, pick
-from plugins.furniture.finishes import shade
-from plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES, Style
-from plugins.furniture.model import FOAM, METAL, Model, Moving, Parts, Size, move_model
-from plugins.furniture.recipe import (
+from roomkin.plugins.furniture.cabinet import Cabinet
+from roomkin.plugins.furniture.cabinet_recipe import PanelStyle
+from roomkin.plugins.furniture.categories.tables_and_beds import Legs, supports
+from roomkin.plugins.furniture.category import Category, category, sized
+from roomkin.plugins.furniture.colors import FABRICS, METALS, PAINTS, WOODS, pick
+from roomkin.plugins.furniture.finishes import shade
+from roomkin.plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES, Style
+from roomkin.plugins.furniture.model import FOAM, METAL, Model, Moving, Parts, Size, move_model
+from roomkin.plugins.furniture.recipe import (
     Coating,
     Generator,
     Rng,
@@ -27,7 +27,7 @@ from plugins.furniture.recipe import (
     uniform,
     whole,
 )
-from plugins.furniture.shapes import beam, box, cushion
+from roomkin.plugins.furniture.shapes import beam, box, cushion
 
 RIM = 0.012  # between the top's rim and a pedestal's handles
 

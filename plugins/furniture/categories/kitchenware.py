@@ -5,13 +5,13 @@ from typing import Literal
 
 import numpy as np
 
-from plugins.furniture.categories.containers import DARK, LIGHT
-from plugins.furniture.categories.vessels import ear, hollow
-from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colors import APPLIANCE, GLAZES, METALS, PAINTS, WOODS
-from plugins.furniture.model import FILLED, METAL, PLASTIC, Model, Part, Parts, Size, move_model
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, uniform
-from plugins.furniture.shapes import box, cushion, lathe, rod
+from roomkin.plugins.furniture.categories.containers import DARK, LIGHT
+from roomkin.plugins.furniture.categories.vessels import ear, hollow
+from roomkin.plugins.furniture.category import Category, category, sized
+from roomkin.plugins.furniture.colors import APPLIANCE, GLAZES, METALS, PAINTS, WOODS
+from roomkin.plugins.furniture.model import FILLED, METAL, PLASTIC, Model, Part, Parts, Size, move_model
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, uniform
+from roomkin.plugins.furniture.shapes import box, cushion, lathe, rod
 
 
 class Kettle(Generator):

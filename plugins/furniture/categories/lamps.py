@@ -4,13 +4,13 @@ from typing import Literal
 
 import numpy as np
 
-from plugins.furniture.categories.turned import revolve_outline
-from plugins.furniture.category import category
-from plugins.furniture.colors import GLAZES, METALS, SHADES
-from plugins.furniture.model import CERAMIC, METAL, STEEL, WOOD, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, uniform
-from plugins.furniture.shapes import ball, lathe, rod
-from stages.contracts.library import Placement
+from roomkin.plugins.furniture.categories.turned import revolve_outline
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import GLAZES, METALS, SHADES
+from roomkin.plugins.furniture.model import CERAMIC, METAL, STEEL, WOOD, Model, Parts, Size
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, uniform
+from roomkin.plugins.furniture.shapes import ball, lathe, rod
+from roomkin.stages.contracts.library import Placement
 
 LAMPSHADE = 40.0  # kg / m^3: mostly air
 

@@ -5,12 +5,23 @@ from typing import Literal
 
 import numpy as np
 
-from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colors import FABRICS, METALS, PAINTS, WOODS
-from plugins.furniture.finishes import DARK, shade
-from plugins.furniture.model import METAL, PLASTIC, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, one_of, round_size, whole
-from plugins.furniture.shapes import beam, box, cushion, hull, rod
+from roomkin.plugins.furniture.category import Category, category, sized
+from roomkin.plugins.furniture.colors import FABRICS, METALS, PAINTS, WOODS
+from roomkin.plugins.furniture.finishes import DARK, shade
+from roomkin.plugins.furniture.model import METAL, PLASTIC, Model, Parts, Size
+from roomkin.plugins.furniture.recipe import (
+    Coating,
+    Generator,
+    Rng,
+    Sampled,
+    between,
+    in_turn,
+    of,
+    one_of,
+    round_size,
+    whole,
+)
+from roomkin.plugins.furniture.shapes import beam, box, cushion, hull, rod
 
 PACKED = 120.0  # kg / m^3: half full
 CLASP = "metal 0.62 0.48 0.22 0"

@@ -5,12 +5,12 @@ from typing import Literal
 import numpy as np
 from trimesh import Trimesh
 
-from plugins.furniture.category import category
-from plugins.furniture.colors import FABRICS, SHADES, WOODS
-from plugins.furniture.finishes import finish_of
-from plugins.furniture.model import FOAM, Model, Part, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size
-from plugins.furniture.shapes import box, cushion, hull, lathe, rod, widen
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import FABRICS, SHADES, WOODS
+from roomkin.plugins.furniture.finishes import finish_of
+from roomkin.plugins.furniture.model import FOAM, Model, Part, Parts, Size
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size
+from roomkin.plugins.furniture.shapes import box, cushion, hull, lathe, rod, widen
 
 PADDED = 120.0  # kg / m^3: a padded frame
 GRID = 12  # of a cushion's surface, per side

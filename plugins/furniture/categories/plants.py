@@ -4,11 +4,11 @@ from typing import Literal
 
 import numpy as np
 
-from plugins.furniture.category import category
-from plugins.furniture.colors import CARDBOARD, GLAZES, GREENS
-from plugins.furniture.model import FILLED, WOOD, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, whole
-from plugins.furniture.shapes import ball, hull, lathe, rod
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import CARDBOARD, GLAZES, GREENS
+from roomkin.plugins.furniture.model import FILLED, WOOD, Model, Parts, Size
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, whole
+from roomkin.plugins.furniture.shapes import ball, hull, lathe, rod
 
 LEAF = 20.0  # kg / m^3: foliage is mostly air
 BARK, EARTH = (0.25, 0.15, 0.08), (0.10, 0.06, 0.03)

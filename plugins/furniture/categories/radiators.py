@@ -3,11 +3,11 @@
 from dataclasses import replace
 from typing import Literal
 
-from plugins.furniture.category import Category, sized
-from plugins.furniture.finishes import shade
-from plugins.furniture.model import METAL, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, between, in_turn, one_of
-from plugins.furniture.shapes import box, hull, rod
+from roomkin.plugins.furniture.category import Category, sized
+from roomkin.plugins.furniture.finishes import shade
+from roomkin.plugins.furniture.model import METAL, Model, Parts, Size
+from roomkin.plugins.furniture.recipe import Coating, Generator, between, in_turn, one_of
+from roomkin.plugins.furniture.shapes import box, hull, rod
 
 WATER = 900.0  # kg / m^3: steel with water in it
 WHITE = "paint 0.86 0.86 0.84 0"

@@ -6,13 +6,24 @@ from typing import Literal
 import numpy as np
 from trimesh import Trimesh
 
-from plugins.furniture.categories.vessels import Profile, hollow
-from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colors import METALS, WOODS
-from plugins.furniture.model import METAL, PLASTIC, Model, Parts, Size, move_model
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, chance, in_turn, of, one_of, round_size
-from plugins.furniture.shapes import box, cushion, hull, lathe, rod, rotate, widen
-from stages.contracts.library import Placement
+from roomkin.plugins.furniture.categories.vessels import Profile, hollow
+from roomkin.plugins.furniture.category import Category, category, sized
+from roomkin.plugins.furniture.colors import METALS, WOODS
+from roomkin.plugins.furniture.model import METAL, PLASTIC, Model, Parts, Size, move_model
+from roomkin.plugins.furniture.recipe import (
+    Coating,
+    Generator,
+    Rng,
+    Sampled,
+    between,
+    chance,
+    in_turn,
+    of,
+    one_of,
+    round_size,
+)
+from roomkin.plugins.furniture.shapes import box, cushion, hull, lathe, rod, rotate, widen
+from roomkin.stages.contracts.library import Placement
 
 CHROME = "metal 0.6 0.61 0.63 0"
 WHITE = "paint 0.86 0.86 0.84 0"

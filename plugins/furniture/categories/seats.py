@@ -5,10 +5,10 @@ from typing import Literal
 import numpy as np
 from trimesh import Trimesh
 
-from plugins.furniture.category import category
-from plugins.furniture.colors import FABRICS, METALS, PAINTS, WOODS, pick
-from plugins.furniture.model import Model, Part, Parts, Size
-from plugins.furniture.recipe import (
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import FABRICS, METALS, PAINTS, WOODS, pick
+from roomkin.plugins.furniture.model import Model, Part, Parts, Size
+from roomkin.plugins.furniture.recipe import (
     Coating,
     Generator,
     Rng,
@@ -22,7 +22,7 @@ from plugins.furniture.recipe import (
     uniform,
     zero_or,
 )
-from plugins.furniture.shapes import beam, box, cushion, hull, lathe, rod, widen
+from roomkin.plugins.furniture.shapes import beam, box, cushion, hull, lathe, rod, widen
 
 Point = tuple[float, float, float]
 

@@ -4,11 +4,11 @@ import itertools
 
 from pydantic import Field
 
-from plugins.furniture.category import category
-from plugins.furniture.colors import FABRICS, METALS, WOODS, pick
-from plugins.furniture.model import FOAM, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, of, round_size
-from plugins.furniture.shapes import box, cushion, rod
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import FABRICS, METALS, WOODS, pick
+from roomkin.plugins.furniture.model import FOAM, Model, Parts, Size
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, of, round_size
+from roomkin.plugins.furniture.shapes import box, cushion, rod
 
 
 class Sofa(Generator):

@@ -6,11 +6,11 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from plugins.furniture.category import category
-from plugins.furniture.colors import CARDBOARD, FABRICS, GLAZES, METALS, PAINTS, WOODS, pick
-from plugins.furniture.finishes import change_material, shade
-from plugins.furniture.model import PAPER, Model, Part, Parts, Size
-from plugins.furniture.recipe import (
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import CARDBOARD, FABRICS, GLAZES, METALS, PAINTS, WOODS, pick
+from roomkin.plugins.furniture.finishes import change_material, shade
+from roomkin.plugins.furniture.model import PAPER, Model, Part, Parts, Size
+from roomkin.plugins.furniture.recipe import (
     Coating,
     Generator,
     Rng,
@@ -23,7 +23,7 @@ from plugins.furniture.recipe import (
     round_size,
     whole,
 )
-from plugins.furniture.shapes import box, make_sides
+from roomkin.plugins.furniture.shapes import box, make_sides
 
 
 class Bookshelf(Generator):

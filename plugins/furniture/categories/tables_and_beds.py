@@ -5,12 +5,23 @@ from typing import Literal
 
 import numpy as np
 
-from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colors import FABRICS, METALS, PAINTS, STONES, TILES, WOODS, pick
-from plugins.furniture.finishes import Surface, finish_of
-from plugins.furniture.model import FOAM, METAL, Model, Part, Parts, Size, part
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size, zero_or
-from plugins.furniture.shapes import beam, box, cushion, lathe, rod, widen
+from roomkin.plugins.furniture.category import Category, category, sized
+from roomkin.plugins.furniture.colors import FABRICS, METALS, PAINTS, STONES, TILES, WOODS, pick
+from roomkin.plugins.furniture.finishes import Surface, finish_of
+from roomkin.plugins.furniture.model import FOAM, METAL, Model, Part, Parts, Size, part
+from roomkin.plugins.furniture.recipe import (
+    Coating,
+    Generator,
+    Rng,
+    Sampled,
+    between,
+    fixed,
+    in_turn,
+    of,
+    round_size,
+    zero_or,
+)
+from roomkin.plugins.furniture.shapes import beam, box, cushion, lathe, rod, widen
 
 SLATTED = 180.0  # kg / m^3: a bed frame is not solid
 

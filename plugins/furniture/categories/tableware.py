@@ -5,12 +5,23 @@ from typing import Literal
 
 import numpy as np
 
-from plugins.furniture.categories.vessels import hollow
-from plugins.furniture.category import Category, category, sized
-from plugins.furniture.colors import GLAZES, METALS, WOODS
-from plugins.furniture.model import FILLED, GLASS, STEEL, Model, Part, Parts, Size, move_model, part
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, one_of, round_size, uniform
-from plugins.furniture.shapes import hull, lathe, rod
+from roomkin.plugins.furniture.categories.vessels import hollow
+from roomkin.plugins.furniture.category import Category, category, sized
+from roomkin.plugins.furniture.colors import GLAZES, METALS, WOODS
+from roomkin.plugins.furniture.model import FILLED, GLASS, STEEL, Model, Part, Parts, Size, move_model, part
+from roomkin.plugins.furniture.recipe import (
+    Coating,
+    Generator,
+    Rng,
+    Sampled,
+    between,
+    in_turn,
+    of,
+    one_of,
+    round_size,
+    uniform,
+)
+from roomkin.plugins.furniture.shapes import hull, lathe, rod
 
 TIN = "metal 0.6 0.61 0.63 0"
 CLEAR = "paint 0.82 0.86 0.87 0"  # glass is opaque here

@@ -5,13 +5,13 @@ from typing import Literal
 import numpy as np
 from trimesh import Trimesh
 
-from plugins.furniture.categories.computers import SHELL, grid, seen
-from plugins.furniture.category import Category, sized
-from plugins.furniture.colors import METALS, PAINTS
-from plugins.furniture.finishes import DARK
-from plugins.furniture.model import PLASTIC, Model, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, between, in_turn, of, one_of
-from plugins.furniture.shapes import box, cushion, hull, rod, rotate, translate
+from roomkin.plugins.furniture.categories.computers import SHELL, grid, seen
+from roomkin.plugins.furniture.category import Category, sized
+from roomkin.plugins.furniture.colors import METALS, PAINTS
+from roomkin.plugins.furniture.finishes import DARK
+from roomkin.plugins.furniture.model import PLASTIC, Model, Parts, Size
+from roomkin.plugins.furniture.recipe import Coating, Generator, between, in_turn, of, one_of
+from roomkin.plugins.furniture.shapes import box, cushion, hull, rod, rotate, translate
 
 
 class Telephone(Generator):

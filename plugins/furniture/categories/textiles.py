@@ -5,12 +5,12 @@ from typing import Literal
 import numpy as np
 from trimesh import Trimesh
 
-from plugins.furniture.category import category
-from plugins.furniture.colors import FABRICS, METALS, SHADES, WOODS
-from plugins.furniture.finishes import finish_of, shade
-from plugins.furniture.model import METAL, Model, Part, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, whole
-from plugins.furniture.shapes import box, lathe, rod, widen
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import FABRICS, METALS, SHADES, WOODS
+from roomkin.plugins.furniture.finishes import finish_of, shade
+from roomkin.plugins.furniture.model import METAL, Model, Part, Parts, Size
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, whole
+from roomkin.plugins.furniture.shapes import box, lathe, rod, widen
 
 WOOL = 250.0  # kg / m^3: a pile on its backing
 

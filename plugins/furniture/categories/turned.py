@@ -4,13 +4,13 @@ import numpy as np
 from pydantic import Field
 from scipy.interpolate import PchipInterpolator
 
-from plugins.furniture.categories.vessels import Profile
-from plugins.furniture.category import category
-from plugins.furniture.colors import GLAZES, pick
-from plugins.furniture.finishes import Surface, finish_of, shade
-from plugins.furniture.model import FILLED, Model, Part, Size
-from plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
-from plugins.furniture.shapes import hull, lathe
+from roomkin.plugins.furniture.categories.vessels import Profile
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import GLAZES, pick
+from roomkin.plugins.furniture.finishes import Surface, finish_of, shade
+from roomkin.plugins.furniture.model import FILLED, Model, Part, Size
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
+from roomkin.plugins.furniture.shapes import hull, lathe
 
 
 def revolve_outline(outline: Profile, step: int, color: Surface, density: float) -> Part:

@@ -4,11 +4,11 @@ import itertools
 
 import numpy as np
 
-from plugins.furniture.category import category
-from plugins.furniture.colors import GLAZES, METALS, pick
-from plugins.furniture.finishes import Surface, finish_of
-from plugins.furniture.model import CERAMIC, METAL, PLASTIC, Model, Part, Parts, Size, move_model, part
-from plugins.furniture.recipe import (
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import GLAZES, METALS, pick
+from roomkin.plugins.furniture.finishes import Surface, finish_of
+from roomkin.plugins.furniture.model import CERAMIC, METAL, PLASTIC, Model, Part, Parts, Size, move_model, part
+from roomkin.plugins.furniture.recipe import (
     Coating,
     Generator,
     Rng,
@@ -21,7 +21,7 @@ from plugins.furniture.recipe import (
     uniform,
     zero_or,
 )
-from plugins.furniture.shapes import cushion, hull, lathe, rod, shell_pieces
+from roomkin.plugins.furniture.shapes import cushion, hull, lathe, rod, shell_pieces
 
 Profile = list[tuple[float, float]]  # (radius, z), bottom first
 

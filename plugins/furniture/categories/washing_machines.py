@@ -5,13 +5,13 @@ from typing import Literal
 import numpy as np
 from trimesh import Trimesh
 
-from plugins.furniture.category import Category, sized
-from plugins.furniture.colors import METALS
-from plugins.furniture.finishes import DARK, finish_of, shade
-from plugins.furniture.handles import STYLES, handle_parts
-from plugins.furniture.model import GLASS, METAL, PLASTIC, Model, Moving, Part, Parts, Size
-from plugins.furniture.recipe import Coating, Generator, between, in_turn, of, one_of, whole
-from plugins.furniture.shapes import box, cushion, lathe, rod, rotate, translate
+from roomkin.plugins.furniture.category import Category, sized
+from roomkin.plugins.furniture.colors import METALS
+from roomkin.plugins.furniture.finishes import DARK, finish_of, shade
+from roomkin.plugins.furniture.handles import STYLES, handle_parts
+from roomkin.plugins.furniture.model import GLASS, METAL, PLASTIC, Model, Moving, Part, Parts, Size
+from roomkin.plugins.furniture.recipe import Coating, Generator, between, in_turn, of, one_of, whole
+from roomkin.plugins.furniture.shapes import box, cushion, lathe, rod, rotate, translate
 
 MACHINE = 200.0  # kg / m^3: 65 kg in 60 x 60 x 85 cm
 WHITE = "paint 0.84 0.84 0.83 0"

@@ -1,7 +1,7 @@
-"""The maker of recipes for the core: a `stages.articulated.resizing.Maker`."""
+"""The maker of recipes for the core: a `roomkin.stages.articulated.resizing.Maker`."""
 
-from plugins.furniture.folder import make_model
-from plugins.furniture.refinishing import paint, refinish
+from roomkin.plugins.furniture.folder import make_model
+from roomkin.plugins.furniture.refinishing import paint, refinish
 
 
 class Maker:

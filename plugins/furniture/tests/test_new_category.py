@@ -10,18 +10,18 @@ USE = """
 import sys
 from pathlib import Path
 
-from plugins.furniture import categories
+from roomkin.plugins.furniture import categories
 
 categories.__path__.append(sys.argv[1])
 
-from stages.config import categories as counts
-from stages.contracts import categories as rows
-from plugins.furniture import catalogue, facts, folder
+from roomkin.stages.config import categories as counts
+from roomkin.stages.contracts import categories as rows
+from roomkin.plugins.furniture import catalogue, facts, folder
 
 counts.FILE, rows.FILE = Path(sys.argv[1]) / "counts.json", Path(sys.argv[1]) / "categories.json"
 facts.run()  # what `make config` writes, for config and rooms, and for all that know categories by name
 assert '"plinth": [5, false, false]' in counts.FILE.read_text()
-from stages.matching.text_encoders.lexical import lexical_distance
+from roomkin.stages.matching.text_encoders.lexical import lexical_distance
 
 asset = folder.build(catalogue.sample("plinth", 4, seed=0), None, Path(sys.argv[1]) / "made", "plinth_04", "plinth")
 assert (asset.category, asset.symmetry, asset.placement) == ("plinth", "quarter_turn", "floor")

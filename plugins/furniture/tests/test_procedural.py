@@ -8,25 +8,25 @@ import pytest
 import trimesh
 import yaml
 
-from plugins.furniture.cabinet import Cabinet
-from plugins.furniture.catalogue import ALL, CATEGORIES, sample
-from plugins.furniture.facts import categories_text, counts_text, describe_category
-from plugins.furniture.finishes import finish_of
-from plugins.furniture.folder import build, generate, make_model
-from plugins.furniture.front_cells import cells
-from plugins.furniture.model import bounds
-from plugins.furniture.real_sizes import REAL_SIZES
-from plugins.furniture.robot import mass_properties
-from plugins.furniture.shapes import bounds_of, cushion, rod, shell_pieces, slab
-from stages.articulated.asset_folder import Description, checksum
-from stages.articulated.forward_kinematics import link_frames, measure_closed_box
-from stages.articulated.urdf_reader import read_urdf
-from stages.config import categories as counts
-from stages.config.assets import COUNTS
-from stages.contracts import categories
-from stages.contracts.category import describe_unusual
-from stages.contracts.errors import InputError
-from stages.contracts.library import Recipe
+from roomkin.plugins.furniture.cabinet import Cabinet
+from roomkin.plugins.furniture.catalogue import ALL, CATEGORIES, sample
+from roomkin.plugins.furniture.facts import categories_text, counts_text, describe_category
+from roomkin.plugins.furniture.finishes import finish_of
+from roomkin.plugins.furniture.folder import build, generate, make_model
+from roomkin.plugins.furniture.front_cells import cells
+from roomkin.plugins.furniture.model import bounds
+from roomkin.plugins.furniture.real_sizes import REAL_SIZES
+from roomkin.plugins.furniture.robot import mass_properties
+from roomkin.plugins.furniture.shapes import bounds_of, cushion, rod, shell_pieces, slab
+from roomkin.stages.articulated.asset_folder import Description, checksum
+from roomkin.stages.articulated.forward_kinematics import link_frames, measure_closed_box
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.config import categories as counts
+from roomkin.stages.config.assets import COUNTS
+from roomkin.stages.contracts import categories
+from roomkin.stages.contracts.category import describe_unusual
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.library import Recipe
 from tests.refusals import refused
 from tests.unit.demo_assets import PARAMETERS
 
@@ -80,7 +80,7 @@ def test_written_files_fill_the_promised_box(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("overlay", [None, "study/table2", "study/table3", "paper/scenes"])
 def test_libraries_are_as_large_as_promised(overlay: str | None) -> None:
-    file = Path(__file__).parents[3] / f"config/{overlay}.yaml"
+    file = Path(__file__).resolve().parents[3] / f"config/{overlay}.yaml"
     counts = COUNTS | (yaml.safe_load(file.read_text())["assets"]["counts"] if overlay else {})
     given = {name: count for name, count in counts.items() if count}  # without categories that came later
     assert all(count >= (CATEGORIES[name].further or [COUNTS[name]])[0] for name, count in given.items())
@@ -203,7 +203,7 @@ def test_handles_are_on_the_free_side_and_keep_their_size() -> None:
 
 
 def test_mass_properties_of_a_known_solid() -> None:
-    from plugins.furniture.model import part
+    from roomkin.plugins.furniture.model import part
 
     halves = [part(slab((0, y, 0.5), (2, 1, 1)), (1, 1, 1), 100.0) for y in (-0.5, 0.5)]
     mass, center, inertia = mass_properties(halves)

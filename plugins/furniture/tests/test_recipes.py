@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from plugins.furniture.catalogue import CATEGORIES, GENERATORS, has_fronts, sample
-from plugins.furniture.colors import PAINTS
-from plugins.furniture.model import Model, Size
-from plugins.furniture.recipe import (
+from roomkin.plugins.furniture.catalogue import CATEGORIES, GENERATORS, has_fronts, sample
+from roomkin.plugins.furniture.colors import PAINTS
+from roomkin.plugins.furniture.model import Model, Size
+from roomkin.plugins.furniture.recipe import (
     Coating,
     Generator,
     between,

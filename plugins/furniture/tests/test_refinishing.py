@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from plugins.furniture.catalogue import CATEGORIES, sample
-from plugins.furniture.finishes import finish_of
-from plugins.furniture.folder import generate
-from plugins.furniture.model import bounds, parts_of
-from plugins.furniture.refinishing import is_finish, paint, refinish
+from roomkin.plugins.furniture.catalogue import CATEGORIES, sample
+from roomkin.plugins.furniture.finishes import finish_of
+from roomkin.plugins.furniture.folder import generate
+from roomkin.plugins.furniture.model import bounds, parts_of
+from roomkin.plugins.furniture.refinishing import is_finish, paint, refinish
 
 
 @pytest.mark.parametrize("category", sorted(CATEGORIES))

@@ -5,15 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plugins.furniture.catalogue import sample
-from plugins.furniture.finishes import MATERIALS, Finish, change_material, finish_of, shade
-from plugins.furniture.folder import build, generate
-from plugins.furniture.robot import robot_of
-from plugins.furniture.textures import SIDE, pattern_of, texture_of
-from stages.articulated.model import Texture
-from stages.articulated.resizing import resize_asset
-from stages.articulated.urdf_reader import read_urdf
-from stages.contracts.library import Recipe
+from roomkin.plugins.furniture.catalogue import sample
+from roomkin.plugins.furniture.finishes import MATERIALS, Finish, change_material, finish_of, shade
+from roomkin.plugins.furniture.folder import build, generate
+from roomkin.plugins.furniture.robot import robot_of
+from roomkin.plugins.furniture.textures import SIDE, pattern_of, texture_of
+from roomkin.stages.articulated.model import Texture
+from roomkin.stages.articulated.resizing import resize_asset
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.contracts.library import Recipe
 
 PATTERNS = [
     (material, pattern) for material, kind in MATERIALS.items() if kind.repeat for pattern in range(kind.patterns)

@@ -5,25 +5,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from stages.articulated.model import RobotModel
+from roomkin.stages.articulated.model import RobotModel
 
 Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 IMPORTERS = (  # in this order, unless the config names others
-    "plugins.importing.importers.urdf",
-    "plugins.importing.importers.mjcf",
-    "plugins.importing.importers.glb",
-    "plugins.importing.importers.gltf",
-    "plugins.importing.importers.obj",
-    "plugins.importing.importers.dae",
-    "plugins.importing.importers.ply",
-    "plugins.importing.importers.stl",
+    "roomkin.plugins.importing.importers.urdf",
+    "roomkin.plugins.importing.importers.mjcf",
+    "roomkin.plugins.importing.importers.glb",
+    "roomkin.plugins.importing.importers.gltf",
+    "roomkin.plugins.importing.importers.obj",
+    "roomkin.plugins.importing.importers.dae",
+    "roomkin.plugins.importing.importers.ply",
+    "roomkin.plugins.importing.importers.stl",
 )
 MESH_FILES = (  # found by their suffix; named here so that an edit of one imports models anew
-    "plugins.importing.mesh_files.dae",
-    "plugins.importing.mesh_files.glb",
-    "plugins.importing.mesh_files.gltf",
-    "plugins.importing.mesh_files.ply",
-    "plugins.importing.mesh_files.stl",
+    "roomkin.plugins.importing.mesh_files.dae",
+    "roomkin.plugins.importing.mesh_files.glb",
+    "roomkin.plugins.importing.mesh_files.gltf",
+    "roomkin.plugins.importing.mesh_files.ply",
+    "roomkin.plugins.importing.mesh_files.stl",
 )
 
 

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 
-from plugins.importing.importers import Importer
-from plugins.importing.mesh_files.dae import up_of
-from plugins.importing.single_body import read_mesh
-from stages.articulated.forward_kinematics import change_root
-from stages.articulated.model import RobotModel
-from stages.geometry.frames import make_transform
+from roomkin.plugins.importing.importers import Importer
+from roomkin.plugins.importing.mesh_files.dae import up_of
+from roomkin.plugins.importing.single_body import read_mesh
+from roomkin.stages.articulated.forward_kinematics import change_root
+from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.geometry.frames import make_transform
 
 TURNS = {  # rows: x, y and z of a model whose file faces +z, as with glTF
     "X_UP": [[0, 0, 1], [0, -1, 0], [1, 0, 0]],

@@ -12,16 +12,16 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
-from plugins.importing.buttons import mark_buttons
-from plugins.importing.importers import Importer
-from plugins.importing.mjcf_file import compile_model
-from stages.articulated.mesh_reader import convex_pieces
-from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, transform_mesh
-from stages.articulated.urdf_reader import close_at_lower
-from stages.articulated.urdf_tree import MOST_LINKS, MOST_SHAPES, THIN
-from stages.contracts.errors import InputError
-from stages.geometry.frames import make_transform
-from stages.geometry.solids import MINIMUM_MASS, board_mass, box_around, box_inertia
+from roomkin.plugins.importing.buttons import mark_buttons
+from roomkin.plugins.importing.importers import Importer
+from roomkin.plugins.importing.mjcf_file import compile_model
+from roomkin.stages.articulated.mesh_reader import convex_pieces
+from roomkin.stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, transform_mesh
+from roomkin.stages.articulated.urdf_reader import close_at_lower
+from roomkin.stages.articulated.urdf_tree import MOST_LINKS, MOST_SHAPES, THIN
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.geometry.solids import MINIMUM_MASS, board_mass, box_around, box_inertia
 
 
 def read_mjcf(path: Path, folder: Path) -> RobotModel:

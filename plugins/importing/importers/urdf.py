@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from plugins.importing.buttons import mark_buttons, read_semantics
-from plugins.importing.importers import Importer
-from stages.articulated.model import RobotModel
-from stages.articulated.urdf_reader import read_urdf
+from roomkin.plugins.importing.buttons import mark_buttons, read_semantics
+from roomkin.plugins.importing.importers import Importer
+from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.urdf_reader import read_urdf
 
 
 def read(path: Path, folder: Path) -> RobotModel:

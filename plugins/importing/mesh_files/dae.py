@@ -8,11 +8,11 @@ import numpy as np
 import trimesh
 from trimesh import Scene
 
-from stages.articulated.mesh_files import MeshReader
-from stages.articulated.mesh_files.polygons import Corners, Triangles, split
-from stages.articulated.mesh_resolver import MeshResolver
-from stages.articulated.urdf_tree import MAX_NUMBER
-from stages.contracts.errors import InputError
+from roomkin.stages.articulated.mesh_files import MeshReader
+from roomkin.stages.articulated.mesh_files.polygons import Corners, Triangles, split
+from roomkin.stages.articulated.mesh_resolver import MeshResolver
+from roomkin.stages.articulated.urdf_tree import MAX_NUMBER
+from roomkin.stages.contracts.errors import InputError
 
 SPACE = "http://www.collada.org/2005/11/COLLADASchema"
 UNREAD = {
@@ -68,7 +68,7 @@ def _parse_file(path: Path) -> ET.Element:
         ValueError: it is no XML, or declares a DOCTYPE, which may hold more than the file.
     """
     data = path.read_bytes()
-    if b"<!DOCTYPE" in data:
+    if b"<!DOCTYPE" in data.replace(b"\0", b""):  # UTF-16, too
         raise ValueError("it declares a DOCTYPE, which COLLADA does not need")
     try:
         root = ET.fromstring(data)

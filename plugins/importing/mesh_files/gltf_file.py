@@ -19,7 +19,7 @@ from trimesh import Scene
 from trimesh.visual import ColorVisuals, TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
-from plugins.importing.mesh_files.gltf_header import (
+from roomkin.plugins.importing.mesh_files.gltf_header import (
     GLOSSY,
     INSTANCES,
     MOVED,
@@ -34,10 +34,10 @@ from plugins.importing.mesh_files.gltf_header import (
     refuse_unread,
     split_file,
 )
-from stages.articulated.mesh_resolver import MeshResolver
-from stages.articulated.urdf_tree import MOST_SHAPES
-from stages.contracts.errors import explain
-from stages.contracts.look import GAMMA
+from roomkin.stages.articulated.mesh_resolver import MeshResolver
+from roomkin.stages.articulated.urdf_tree import MOST_SHAPES
+from roomkin.stages.contracts.errors import explain
+from roomkin.stages.contracts.look import GAMMA
 
 Numbers = NDArray[np.float64]
 LARGEST = {5120: 127, 5121: 255, 5122: 32767, 5123: 65535}  # what is 1 in a normalized accessor, by component type

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from stages.articulated.urdf_tree import MOST_SHAPES
-from stages.contracts.errors import InputError
+from roomkin.stages.articulated.urdf_tree import MOST_SHAPES
+from roomkin.stages.contracts.errors import InputError
 
 Header = dict[str, Any]
 MAGIC = b"glTF"

@@ -5,8 +5,8 @@ from pathlib import Path
 import trimesh
 from trimesh import Scene
 
-from stages.articulated.mesh_files import MeshReader
-from stages.articulated.mesh_resolver import MeshResolver
+from roomkin.stages.articulated.mesh_files import MeshReader
+from roomkin.stages.articulated.mesh_resolver import MeshResolver
 
 
 def read_plain(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:

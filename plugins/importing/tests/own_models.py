@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from plugins.importing.imports import (
+from roomkin.plugins.importing.imports import (
     IMPORTERS,
     Found,
     by_suffix,
@@ -12,8 +12,8 @@ from plugins.importing.imports import (
     named_models,
     with_notes,
 )
-from stages.contracts.errors import InputError
-from stages.contracts.library import Asset
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.library import Asset
 
 
 def import_folder(folder: Path, models: Path, taken: Sequence[str] = ()) -> list[Asset]:

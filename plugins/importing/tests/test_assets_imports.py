@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 import trimesh
 
-from plugins.importing import imports
-from plugins.importing.discover import discover
-from plugins.importing.naming import snake_case
-from plugins.importing.tests.own_models import import_folder, import_model
-from stages.articulated.forward_kinematics import link_frames, measure_closed_box
-from stages.articulated.mesh_reader import convex_pieces
-from stages.articulated.model import RobotModel
-from stages.articulated.resizing import resize_asset
-from stages.articulated.stretching import stretch_model
-from stages.articulated.urdf_reader import read_urdf
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json
-from stages.contracts.library import Asset
+from roomkin.plugins.importing import imports
+from roomkin.plugins.importing.discover import discover
+from roomkin.plugins.importing.naming import snake_case
+from roomkin.plugins.importing.tests.own_models import import_folder, import_model
+from roomkin.stages.articulated.forward_kinematics import link_frames, measure_closed_box
+from roomkin.stages.articulated.mesh_reader import convex_pieces
+from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.resizing import resize_asset
+from roomkin.stages.articulated.stretching import stretch_model
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.library import Asset
 from tests.refusals import refused
 from tests.unit.articulated_models import CABINET, textured_box, write_cabinet, write_kitchen
 
@@ -73,7 +73,7 @@ def test_stretching_a_turned_link_scales_along_the_assets_axes(folder: Path) -> 
 
 
 def test_stretched_inertia_is_that_of_the_stretched_box() -> None:
-    from stages.articulated.model import Link, RobotModel, Visual
+    from roomkin.stages.articulated.model import Link, RobotModel, Visual
 
     box = trimesh.creation.box([0.2, 0.3, 0.4])
     link = Link("a", [Visual(box)], [box], 2.0, np.zeros(3), 2 / 12 * np.diag([0.25, 0.20, 0.13]))

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 import trimesh
 
-import plugins.importing.sandbox as limits
-from plugins.importing.examine import read
-from plugins.importing.import_ import run
-from plugins.importing.imports import IMPORTERS, by_suffix, import_models, named_models
-from plugins.importing.sandbox import MEGABYTES, SIMPLER, run_in_fork
-from stages.contracts.errors import InputError
+import roomkin.plugins.importing.sandbox as limits
+from roomkin.plugins.importing.examine import read
+from roomkin.plugins.importing.import_ import run
+from roomkin.plugins.importing.imports import IMPORTERS, by_suffix, import_models, named_models
+from roomkin.plugins.importing.sandbox import MEGABYTES, SIMPLER, run_in_fork
+from roomkin.stages.contracts.errors import InputError
 from tests.refusals import refused
 
 FLOODS = {

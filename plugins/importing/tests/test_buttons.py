@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from plugins.importing.buttons import explain_unpushable, mark_buttons
-from plugins.importing.import_ import run
-from plugins.importing.importers.mjcf import read_mjcf
-from plugins.importing.tests.own_models import import_folder
-from plugins.importing.tests.test_fronts import box, cabinet, joint
-from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.urdf_reader import read_urdf
-from stages.plugins import load
+from roomkin.plugins.importing.buttons import explain_unpushable, mark_buttons
+from roomkin.plugins.importing.import_ import run
+from roomkin.plugins.importing.importers.mjcf import read_mjcf
+from roomkin.plugins.importing.tests.own_models import import_folder
+from roomkin.plugins.importing.tests.test_fronts import box, cabinet, joint
+from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.plugins import load
 
 CASE = f'<link name="case">{box("0.2 0.3 0.3", "0 0 0.15")}</link>'
 

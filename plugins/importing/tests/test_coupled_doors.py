@@ -9,14 +9,14 @@ import pytest
 import sapien
 from sapien.physx import PhysxArticulation
 
-from plugins.importing.importers.mjcf import read_mjcf
-from plugins.mujoco.mjcf_writer import document
-from stages.articulated.asset_folder import Description, read_model, write_asset
-from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.model import RobotModel
-from stages.articulated.part_types import assign_part_types
-from stages.articulated.urdf_reader import read_urdf
-from stages.simulation.loading import load_asset, physics_scene
+from roomkin.plugins.importing.importers.mjcf import read_mjcf
+from roomkin.plugins.mujoco.mjcf_writer import document
+from roomkin.stages.articulated.asset_folder import Description, read_model, write_asset
+from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.part_types import assign_part_types
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.simulation.loading import load_asset, physics_scene
 
 LIMIT = '<limit lower="0" upper="1.6"/>'
 PAIR = """<robot name="pair">

@@ -9,19 +9,19 @@ import pytest
 import sapien
 import trimesh
 
-from plugins.importing.discover import discover
-from plugins.importing.fronts import doors_and_drawers, front_direction
-from plugins.importing.pushing import stuck_joints
-from plugins.importing.solid_handle import with_solid_handles
-from plugins.importing.tests.own_models import import_folder
-from stages.articulated.asset_folder import read_model
-from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.handle import find_handle
-from stages.articulated.part_types import assign_part_types, contract_joints
-from stages.articulated.resizing import resize_asset
-from stages.articulated.urdf_reader import read_urdf
-from stages.contracts.categories import category_in
-from stages.simulation.loading import load_asset, physics_scene
+from roomkin.plugins.importing.discover import discover
+from roomkin.plugins.importing.fronts import doors_and_drawers, front_direction
+from roomkin.plugins.importing.pushing import stuck_joints
+from roomkin.plugins.importing.solid_handle import with_solid_handles
+from roomkin.plugins.importing.tests.own_models import import_folder
+from roomkin.stages.articulated.asset_folder import read_model
+from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.articulated.handle import find_handle
+from roomkin.stages.articulated.part_types import assign_part_types, contract_joints
+from roomkin.stages.articulated.resizing import resize_asset
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.contracts.categories import category_in
+from roomkin.stages.simulation.loading import load_asset, physics_scene
 
 FACING = {"+x": 0, "+y": 90, "-x": 180, "-y": 270}
 
@@ -212,7 +212,7 @@ def test_a_joint_that_is_slow_does_not_stick(tmp_path: Path, monkeypatch: pytest
     (place / "a.urdf").write_text(rubbing(0.01))
     (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
     for damping in (600.0, 6000.0):  # 20 N: 3 cm/s, six seconds; or 3 mm/s, which are not over in time
-        monkeypatch.setattr("stages.simulation.loading.DAMPING", damping)
+        monkeypatch.setattr("roomkin.stages.simulation.loading.DAMPING", damping)
         assert stuck_joints(tmp_path / "models" / asset.id) == []
 
 

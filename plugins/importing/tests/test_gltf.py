@@ -10,11 +10,11 @@ import pytest
 import trimesh
 from PIL import Image
 
-from plugins.importing.mesh_files import gltf_file, gltf_header
-from plugins.importing.tests.gltf_files import BOX, Gltf
-from stages.articulated.mesh_reader import has_texture, load_meshes, texture_of
-from stages.articulated.mesh_writer import write_glb
-from stages.contracts.errors import InputError
+from roomkin.plugins.importing.mesh_files import gltf_file, gltf_header
+from roomkin.plugins.importing.tests.gltf_files import BOX, Gltf
+from roomkin.stages.articulated.mesh_reader import has_texture, load_meshes, texture_of
+from roomkin.stages.articulated.mesh_writer import write_glb
+from roomkin.stages.contracts.errors import InputError
 from tests.refusals import refused
 
 SIZE = (0.2, 0.4, 0.6)

@@ -9,9 +9,9 @@ import pytest
 import trimesh
 from trimesh import Scene, Trimesh
 
-from plugins.importing.import_ import run
-from plugins.importing.imports import Notes
-from plugins.importing.single_body import find_ground, read_mesh
+from roomkin.plugins.importing.import_ import run
+from roomkin.plugins.importing.imports import Notes
+from roomkin.plugins.importing.single_body import find_ground, read_mesh
 
 LEGS = [(x, y) for x in (-0.55, 0.55) for y in (-0.3, 0.3)]
 Y_UP = trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0])
@@ -36,6 +36,7 @@ def chair() -> list[Trimesh]:
 GROUNDS = {
     "square": box((4, 4, 0.002), bottom=-0.002),
     "disc": trimesh.creation.cylinder(radius=1.5, height=0.01).apply_translation([0, 0, -0.005]),
+    "slab": box((2.5, 2.5, 0.12), bottom=-0.12),
     "sheet": Trimesh([[-3, -2, 0], [3, -2, 0], [3, 2, 0], [-3, 2, 0]], [[0, 1, 2], [0, 2, 3]]),
 }
 

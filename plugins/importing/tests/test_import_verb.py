@@ -1,4 +1,4 @@
-"""`plugins.importing import`: what models are taken for, that corrections count, that the library takes it."""
+"""`roomkin importing import`: what models are taken for, that corrections count, that the library takes it."""
 
 import io
 import json
@@ -11,15 +11,15 @@ import pytest
 import trimesh
 from PIL import Image
 
-from plugins.importing.evidence import Evidence
-from plugins.importing.import_ import describe_left_behind, run
-from plugins.importing.own import run as own
-from plugins.importing.portrait import ARROW
-from plugins.importing.tests.own_models import import_folder
-from plugins.importing.tests.test_fronts import box, cabinet, joint, write_partnet
-from stages.contracts.categories import known_categories
-from stages.contracts.category import describe_unusual
-from stages.contracts.errors import InputError
+from roomkin.plugins.importing.evidence import Evidence
+from roomkin.plugins.importing.import_ import describe_left_behind, run
+from roomkin.plugins.importing.own import run as own
+from roomkin.plugins.importing.portrait import ARROW
+from roomkin.plugins.importing.tests.own_models import import_folder
+from roomkin.plugins.importing.tests.test_fronts import box, cabinet, joint, write_partnet
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.category import describe_unusual
+from roomkin.stages.contracts.errors import InputError
 from tests.refusals import refused
 
 
@@ -210,8 +210,8 @@ def test_one_file_is_enough_and_parts_alone_are_none(tmp_path: Path) -> None:
     (sim / "box/part.xml").write_text("<mujocoinclude><geom type='box' size='.3 .2 .1'/></mujocoinclude>")
     model = "<mujoco><worldbody><body><include file='box/part.xml'/></body></worldbody></mujoco>"
     (sim / "wooden_box.xml").write_text(model)
-    run(sim / "wooden_box.xml", out=sim / "mine")
-    told = json.loads((sim / "mine/box/wooden_box/asset.json").read_text())
+    run(sim / "wooden_box.xml")
+    told = json.loads(Path("imported/wooden_box/box/wooden_box/asset.json").read_text())
     assert (told["category"], told["provenance"]) == ("box", "imported: wooden_box.xml")
     with refused("E-MODELS-NONE"):
         run(sim / "box", out=tmp_path / "mine")

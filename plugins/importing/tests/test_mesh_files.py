@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plugins.importing.importers.dae import read_dae
-from stages.articulated.mesh_files.polygons import split, triangles_of
-from stages.articulated.mesh_reader import has_texture, load_meshes
-from stages.articulated.urdf_reader import read_urdf
+from roomkin.plugins.importing.importers.dae import read_dae
+from roomkin.stages.articulated.mesh_files.polygons import split, triangles_of
+from roomkin.stages.articulated.mesh_reader import has_texture, load_meshes
+from roomkin.stages.articulated.urdf_reader import read_urdf
 from tests.refusals import refused
 
 U_SHAPE = np.array([[0, 0], [3, 0], [3, 3], [2, 3], [2, 1], [1, 1], [1, 3], [0, 3]], dtype=float)  # 7 square metres
@@ -231,6 +231,13 @@ def test_skins_of_collada_are_refused(tmp_path: Path) -> None:
 def test_broken_collada_is_one_line(tmp_path: Path, old: str, new: str, says: str) -> None:
     (tmp_path / "a.dae").write_text(dae("polylist").replace(old, new))
     with refused("E-MESH-BROKEN", says):
+        read(tmp_path / "a.dae", tmp_path)
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
+def test_a_doctype_of_collada_is_seen_in_any_encoding(tmp_path: Path, encoding: str) -> None:
+    (tmp_path / "a.dae").write_text(f"<!DOCTYPE a>{dae('polylist')}", encoding=encoding)
+    with refused("E-MESH-BROKEN", "declares a DOCTYPE"):
         read(tmp_path / "a.dae", tmp_path)
 
 

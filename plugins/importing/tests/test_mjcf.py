@@ -8,11 +8,11 @@ import pytest
 import trimesh
 from PIL import Image
 
-from plugins.importing.discover import discover
-from plugins.importing.importers.mjcf import read_mjcf
-from plugins.importing.tests.own_models import import_folder
-from stages.articulated.forward_kinematics import link_frames
-from stages.geometry.frames import transform_points
+from roomkin.plugins.importing.discover import discover
+from roomkin.plugins.importing.importers.mjcf import read_mjcf
+from roomkin.plugins.importing.tests.own_models import import_folder
+from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.geometry.frames import transform_points
 from tests.refusals import refused
 
 ASSETS = """<mujocoinclude><asset><texture name="wood" type="2d" file="common/wood.png"/>

@@ -9,12 +9,12 @@ import pytest
 import trimesh
 from PIL import Image
 
-from plugins.importing import mjcf_sources
-from plugins.importing.importers.mjcf import read_mjcf
-from plugins.importing.imports import IMPORTERS, by_suffix, import_models, named_models
-from stages.articulated.mesh_reader import load_meshes
-from stages.articulated.urdf_reader import read_urdf
-from stages.contracts.errors import InputError
+from roomkin.plugins.importing import mjcf_sources
+from roomkin.plugins.importing.importers.mjcf import read_mjcf
+from roomkin.plugins.importing.imports import IMPORTERS, by_suffix, import_models, named_models
+from roomkin.stages.articulated.mesh_reader import load_meshes
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.contracts.errors import InputError
 from tests.opened import unopened
 from tests.refusals import refused
 

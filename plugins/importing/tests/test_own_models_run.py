@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from plugins.importing.own import run as own
-from plugins.importing.shards import own_shards
-from stages.config.assets import COUNTS, AssetsConfig
-from stages.config.model import load, with_defaults
-from stages.config.reads import stores
+from roomkin.plugins.importing.own import run as own
+from roomkin.plugins.importing.shards import own_shards
+from roomkin.stages.config.assets import COUNTS, AssetsConfig
+from roomkin.stages.config.model import load, with_defaults
+from roomkin.stages.config.reads import stores
 from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, make, overlay, planned, put, snakemake
 
 LIBRARY = "results/assets/library"

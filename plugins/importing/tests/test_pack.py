@@ -8,13 +8,13 @@ import pytest
 import trimesh
 import yaml
 
-from plugins.importing.evidence import Shared
-from plugins.importing.import_ import run
-from plugins.importing.imports import Notes
-from plugins.importing.pack import read_pack
-from plugins.importing.tests.test_fronts import box, cabinet, joint, write_partnet
-from plugins.report.tests.test_report_browser import FLAGS
-from stages.contracts.errors import InputError
+from roomkin.plugins.importing.evidence import Shared
+from roomkin.plugins.importing.import_ import run
+from roomkin.plugins.importing.imports import Notes
+from roomkin.plugins.importing.pack import read_pack
+from roomkin.plugins.importing.tests.test_fronts import box, cabinet, joint, write_partnet
+from roomkin.plugins.report.tests.test_report_browser import FLAGS
+from roomkin.stages.contracts.errors import InputError
 
 Y_UP = '<origin rpy="-1.5707963 -1.5707963 0"/></joint><link'
 FLAP = (

@@ -7,14 +7,14 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from plugins.importing.fronts import doors_and_drawers, front_direction
-from plugins.importing.importers.mjcf import read_mjcf
-from plugins.importing.shut import shut_where_smallest
-from plugins.importing.tests.test_coupled_doors import PAIR
-from plugins.importing.tests.test_fronts import box
-from stages.articulated.forward_kinematics import link_frames, measure_closed_box
-from stages.articulated.model import RobotModel
-from stages.articulated.urdf_reader import read_urdf
+from roomkin.plugins.importing.fronts import doors_and_drawers, front_direction
+from roomkin.plugins.importing.importers.mjcf import read_mjcf
+from roomkin.plugins.importing.shut import shut_where_smallest
+from roomkin.plugins.importing.tests.test_coupled_doors import PAIR
+from roomkin.plugins.importing.tests.test_fronts import box
+from roomkin.stages.articulated.forward_kinematics import link_frames, measure_closed_box
+from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.urdf_reader import read_urdf
 from tests.unit.articulated_models import write_cabinet
 
 SIZE = (0.57, 0.6, 0.8)  # closed: a body 50 cm deep that faces +x, fronts of 2 cm and handles of 5 before it

@@ -6,22 +6,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.furniture.library import make
-from plugins.importing import reach
-from plugins.importing.reach import find_middle_state, list_unreachable
-from plugins.importing.tests.own_models import import_model
-from plugins.importing.tests.test_fronts import box, joint
-from stages.config.demonstrations import DemonstrationsConfig
-from stages.contracts.task_options import TaskConfig
-from stages.demonstrations.attempt import Recorder
-from stages.planning.articulation import choose_open_goals
-from stages.planning.clearance import Surroundings
-from stages.simulation.robot import REST
-from stages.skills import FAR
-from stages.skills.open import OpenSkill
-from stages.tasks.api import EnvWrapper
-from stages.tasks.base_placement import MOTION, NEARBY, can_follow, reachable_base
-from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state, sample_scale
+from roomkin.plugins.furniture.library import make
+from roomkin.plugins.importing import reach
+from roomkin.plugins.importing.reach import find_middle_state, list_unreachable
+from roomkin.plugins.importing.tests.own_models import import_model
+from roomkin.plugins.importing.tests.test_fronts import box, joint
+from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.demonstrations.attempt import Recorder
+from roomkin.stages.planning.articulation import choose_open_goals
+from roomkin.stages.planning.clearance import Surroundings
+from roomkin.stages.simulation.robot import REST
+from roomkin.stages.skills import FAR
+from roomkin.stages.skills.open import OpenSkill
+from roomkin.stages.tasks.api import EnvWrapper
+from roomkin.stages.tasks.base_placement import MOTION, NEARBY, can_follow, reachable_base
+from roomkin.stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state, sample_scale
 
 OPTIONS = TaskConfig()
 

@@ -8,20 +8,20 @@ import pytest
 import trimesh
 from PIL import Image
 
-from plugins.importing import pushing
-from plugins.importing.discover import discover
-from plugins.importing.fronts import doors_and_drawers
-from plugins.importing.import_ import run
-from plugins.importing.importers.mjcf import read_mjcf
-from plugins.importing.inertia_repair import repair_inertias
-from plugins.importing.naming import number_names, strip_name
-from plugins.importing.portrait import Portraits
-from plugins.importing.tests.test_fronts import box, joint
-from stages.articulated.mesh_writer import write_glb
-from stages.articulated.model import Link
-from stages.articulated.part_types import assign_part_types, contract_joints
-from stages.articulated.urdf_reader import read_urdf
-from stages.contracts.categories import category_in
+from roomkin.plugins.importing import pushing
+from roomkin.plugins.importing.discover import discover
+from roomkin.plugins.importing.fronts import doors_and_drawers
+from roomkin.plugins.importing.import_ import run
+from roomkin.plugins.importing.importers.mjcf import read_mjcf
+from roomkin.plugins.importing.inertia_repair import repair_inertias
+from roomkin.plugins.importing.naming import number_names, strip_name
+from roomkin.plugins.importing.portrait import Portraits
+from roomkin.plugins.importing.tests.test_fronts import box, joint
+from roomkin.stages.articulated.mesh_writer import write_glb
+from roomkin.stages.articulated.model import Link
+from roomkin.stages.articulated.part_types import assign_part_types, contract_joints
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.contracts.categories import category_in
 from tests.refusals import refused
 
 

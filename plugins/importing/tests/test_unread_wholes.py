@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from plugins.importing.discover import discover
-from plugins.importing.import_ import run
+from roomkin.plugins.importing.discover import discover
+from roomkin.plugins.importing.import_ import run
 from tests.refusals import refused
 
 KINDS = [".urdf", ".glb", ".obj"]
@@ -41,6 +41,8 @@ WHOLES = [
     "a.sdf",
     "a.skp",
     "a.3ds",
+    "a.max",
+    "a.step",
 ]
 
 
@@ -77,6 +79,20 @@ def test_what_lies_elsewhere_or_is_called_otherwise_stays(tmp_path: Path, whole:
 def test_a_package_has_its_model_and_its_meshes_side_by_side(tmp_path: Path) -> None:
     package = ("kitchen_description/urdf/k.urdf.xacro", "kitchen_description/meshes/top.obj")
     assert models(write(tmp_path, (*package, "chair/a.obj"))) == {"chair/a.obj"}
+
+
+def test_a_mesh_called_as_another_models_part_stays(tmp_path: Path) -> None:
+    """Below its own model it is a part, and where that names its folder; elsewhere many things are called so."""
+    urdf = '<robot name="a"><link name="l"><visual><geometry><mesh filename="package://far/base/model.obj"/></geometry></visual></link></robot>'
+    write(
+        tmp_path,
+        ("chair/a/model.obj", "chair/b/model.obj", "table/c/urdf/c.urdf", "table/c/model.obj", "lib/base/model.obj"),
+    )
+    (tmp_path / "table/c/urdf/c.urdf").write_text(urdf)
+    assert models(tmp_path) == {"chair/a/model.obj", "chair/b/model.obj", "table/c/urdf/c.urdf"}
+    pack = write(tmp_path / "pack", ("urdf/c.urdf", "set/model.obj"))
+    (pack / "urdf/c.urdf").write_text(urdf)
+    assert models(pack) == {"urdf/c.urdf"}
 
 
 def test_xacro_that_is_called_urdf(tmp_path: Path) -> None:

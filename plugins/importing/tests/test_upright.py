@@ -5,15 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plugins.importing.evidence import collect_evidence
-from plugins.importing.fronts import doors_and_drawers
-from plugins.importing.importers import Axis
-from plugins.importing.imports import axis_vector
-from plugins.importing.tests.test_fronts import box, joint
-from stages.articulated.forward_kinematics import change_root, measure_closed_box
-from stages.articulated.model import RobotModel
-from stages.articulated.urdf_reader import read_urdf
-from stages.geometry.frames import make_transform
+from roomkin.plugins.importing.evidence import collect_evidence
+from roomkin.plugins.importing.fronts import doors_and_drawers
+from roomkin.plugins.importing.importers import Axis
+from roomkin.plugins.importing.imports import axis_vector
+from roomkin.plugins.importing.tests.test_fronts import box, joint
+from roomkin.stages.articulated.forward_kinematics import change_root, measure_closed_box
+from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.urdf_reader import read_urdf
+from roomkin.stages.geometry.frames import make_transform
 
 BACK, LEVEL, UPRIGHT = "0 -1 0", "0 1 0", "0 0 -1"
 

@@ -6,20 +6,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plugins.films.contract import read_films
-from plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
-from plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
-from plugins.in_scene.demonstrate import run
-from plugins.in_scene.room import OBSTACLES_WITHIN, GeneratedRoom, read_room
-from stages.contracts import InputError, read_json, write_json
-from stages.contracts.archives import unpack
-from stages.contracts.episode_store import read_episodes
-from stages.contracts.errors import ObjectError
-from stages.contracts.generated import GeneratedScene, PlacedObject
-from stages.contracts.library_folder import write_part
-from stages.contracts.objects import Wall
-from stages.contracts.task_options import TaskConfig
-from stages.tasks.api import EnvWrapper
+from roomkin.plugins.films.contract import read_films
+from roomkin.plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
+from roomkin.plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
+from roomkin.plugins.in_scene.demonstrate import run
+from roomkin.plugins.in_scene.room import OBSTACLES_WITHIN, GeneratedRoom, read_room
+from roomkin.stages.contracts import InputError, read_json, write_json
+from roomkin.stages.contracts.archives import unpack
+from roomkin.stages.contracts.episode_store import read_episodes
+from roomkin.stages.contracts.errors import ObjectError
+from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject
+from roomkin.stages.contracts.library_folder import write_part
+from roomkin.stages.contracts.objects import Wall
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.tasks.api import EnvWrapper
 from tests.packages import needs
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
@@ -156,8 +156,8 @@ def test_a_model_that_cannot_be_used_fails_alone_and_a_broken_file_ends_the_comm
         raise faults[path.name]("model.urdf", "is broken.", code="E-MODEL-BROKEN")
 
     faults: dict[str, type[InputError]] = {"scene_1.json": ObjectError, "scene_2.json": ObjectError}
-    monkeypatch.setattr("plugins.in_scene.demonstrate.demonstrate_in_scene", demonstrate)
-    monkeypatch.setattr("plugins.in_scene.demonstrate.FilmRenderer", lambda light: None)
+    monkeypatch.setattr("roomkin.plugins.in_scene.demonstrate.demonstrate_in_scene", demonstrate)
+    monkeypatch.setattr("roomkin.plugins.in_scene.demonstrate.FilmRenderer", lambda light: None)
     paths = tuple(tmp_path / name for name in faults)
     for rank, path in enumerate(paths, 1):
         write_json(path, scene(rank))

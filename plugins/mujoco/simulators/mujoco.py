@@ -1,5 +1,5 @@
 """MuJoCo, for door and drawer."""
 
-from plugins.mujoco.environment import MujocoTaskEnv as Environment
+from roomkin.plugins.mujoco.environment import MujocoTaskEnv as Environment
 
 __all__ = ["Environment"]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from plugins.ops.clean import run
+from roomkin.plugins.ops.clean import run
 from tests.refusals import refused
 
 BY_HAND, FOUND = json.dumps({"version": 1, "objects": []}), json.dumps({"untouched": True})
@@ -39,9 +39,14 @@ def test_results_go_and_hand_work_stays(
     assert (tmp_path / "hand/bath/project.json").read_text() == BY_HAND
     assert (tmp_path / "demo/hand/living/corrections.json").read_text() == BY_HAND
     assert not (tmp_path / "hand/found").exists(), "what networks drew is a result"
-    assert "results/photo/bath/project.json: moved to hand/bath/project.json" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "results/photo/bath/project.json: moved to hand/bath/project.json" in said
+    assert said.splitlines()[-1] == (
+        "deleted results/ (3 files), logs/ (1 file), .snakemake/ (1 file), benchmarks/scenes/see.tsv, demo/results/ "
+        "(0 files), demo/logs/ (1 file); kept hand, demo/hand"
+    )
     run()
-    assert kept.exists()
+    assert kept.exists() and capsys.readouterr().err == "deleted nothing; kept hand, demo/hand\n"
 
 
 @pytest.mark.parametrize("name", ["mine/corrections.json", "photo/a/corrections.json"])

@@ -1,4 +1,4 @@
-"""What `plugins.ops cluster` says of a cluster that lacks something."""
+"""What `roomkin ops cluster` says of a cluster that lacks something."""
 
 import errno
 import fcntl
@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from plugins.ops import cluster as checked
-from plugins.ops import doctor
+from roomkin.plugins.ops import cluster as checked
+from roomkin.plugins.ops import doctor
 
 CLUSTER = """\
 AccountingStorageType   = accounting_storage/none

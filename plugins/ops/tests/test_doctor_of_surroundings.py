@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from plugins.ops import doctor
+from roomkin.plugins.ops import doctor
 
 TOOL = """
 from setuptools import setup

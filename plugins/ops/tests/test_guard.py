@@ -11,16 +11,16 @@ from pathlib import Path
 
 import pytest
 
-from plugins.ops.guard import asks_for_run, descendants, hold_folder
-from plugins.ops.lock import LOCK, WORKFLOW, Holder, start_time, stop_if_taken_over
-from stages.articulated.asset_folder import atomic_folder
-from stages.contracts import write_atomically
+from roomkin.plugins.ops.guard import asks_for_run, descendants, hold_folder
+from roomkin.plugins.ops.lock import LOCK, WORKFLOW, Holder, start_time, stop_if_taken_over
+from roomkin.stages.articulated.asset_folder import atomic_folder
+from roomkin.stages.contracts import write_atomically
 from tests.refusals import refused
 
-HOLD = "import sys, plugins.ops.guard as g; lock = g.hold_folder(); print('held', flush=True); sys.stdin.read()"
+HOLD = "import sys, roomkin.plugins.ops.guard as g; lock = g.hold_folder(); print('held', flush=True); sys.stdin.read()"
 # keeps Python's lock for long in native code, as the renderer does
 WATCH = """
-import plugins.ops.guard as g
+import roomkin.plugins.ops.guard as g
 g.LOOK_EVERY = 0.1
 g.end_with_workflow()
 print("on", flush=True)
@@ -94,7 +94,7 @@ def test_what_a_job_has_begun_is_not_written_once_another_workflow_has_its_folde
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv(WORKFLOW, FAR.text)
-    monkeypatch.setattr("stages.contracts.files.BEFORE_WRITING", [stop_if_taken_over])
+    monkeypatch.setattr("roomkin.stages.contracts.files.BEFORE_WRITING", [stop_if_taken_over])
     LOCK.parent.mkdir()
     LOCK.write_text(FAR.text)
     with write_atomically(Path("a.txt")) as first, write_atomically(Path("a.txt")) as second:
@@ -138,7 +138,7 @@ def test_descendants_are_children_and_theirs() -> None:
     job.wait()
 
 
-@pytest.mark.parametrize("command", [(), ("-m", "plugins.ops.guard")], ids=["stage", "foreign program"])
+@pytest.mark.parametrize("command", [(), ("-m", "roomkin.plugins.ops.guard")], ids=["stage", "foreign program"])
 def test_a_job_ends_with_its_workflow(command: tuple[str, ...]) -> None:
     workflow = start("sleep", "60")
     holder = Holder.this_process()._replace(pid=workflow.pid, started=start_time(workflow.pid))
@@ -171,7 +171,7 @@ def test_a_job_without_its_workflow_here_runs_on(known: str, tmp_path: Path) -> 
 
 
 def test_a_foreign_program_keeps_its_exit_code_and_a_missing_one_is_one_line() -> None:
-    guard = [sys.executable, "-m", "plugins.ops.guard"]
+    guard = [sys.executable, "-m", "roomkin.plugins.ops.guard"]
     assert subprocess.call([*guard, "sh", "-c", "exit 7"]) == 7
     done = subprocess.run([*guard, "./none.sh"], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (127, "error: ./none.sh: cannot be run (No such file or directory).\n")

@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plugins.ops import finished
-from plugins.ops.finished import METADATA, NAMED, list_files, list_for_run, warn_of_changed
-from plugins.ops.verify import run
-from stages.articulated.asset_folder import atomic_folder
-from stages.contracts import checksums
-from stages.contracts.__main__ import main as check
-from stages.contracts.archives import pack
-from stages.contracts.errors import escape_control
-from stages.contracts.files import write_atomically, write_json, write_text
+from roomkin.plugins.ops import finished
+from roomkin.plugins.ops.finished import METADATA, NAMED, list_files, list_for_run, warn_of_changed
+from roomkin.plugins.ops.verify import run
+from roomkin.stages.articulated.asset_folder import atomic_folder
+from roomkin.stages.contracts import checksums
+from roomkin.stages.contracts.__main__ import main as check
+from roomkin.stages.contracts.archives import pack
+from roomkin.stages.contracts.errors import escape_control
+from roomkin.stages.contracts.files import write_atomically, write_json, write_text
 from tests.refusals import refused
 
 TABLE = "results/evaluation/rollouts.csv"
@@ -109,7 +109,11 @@ def test_what_has_no_checksum_is_listed(folder: Path, capsys: pytest.CaptureFixt
 def test_without_a_checksum_the_contract_is_held(folder: Path) -> None:
     (record,) = folder.glob("results/.checksums/camera.json")
     record.unlink()
-    know(folder, "results/camera.json", "(x && python -m stages.contracts --refuse truth results/camera.json) 2>&1")
+    know(
+        folder,
+        "results/camera.json",
+        "(x && python -m roomkin.stages.contracts --refuse truth results/camera.json) 2>&1",
+    )
     assert "results/camera.json: results/camera.json: " in tell_fault()
 
 
@@ -148,6 +152,17 @@ def test_what_is_no_result_gets_no_record(tmp_path: Path, monkeypatch: pytest.Mo
     write_text(Path("results/.partial-1-folder/a.csv"), "a\n")
     assert not list(tmp_path.rglob(".checksums"))
     assert "holds no finished file" in tell_fault(code="E-FILE-MISSING")
+
+
+def test_where_only_the_demo_was_made_it_is_looked_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "demo").mkdir()
+    monkeypatch.chdir(tmp_path / "demo")
+    write_text(Path("results/tables/a.csv"), "a\n")
+    monkeypatch.chdir(tmp_path)
+    run()
+    assert capsys.readouterr().err == "demo/results: 1 files with a checksum, 0 without\n"
 
 
 def test_the_workflows_own_check_records_what_a_command_of_the_users_wrote(
@@ -197,9 +212,13 @@ def test_a_command_line_that_cannot_be_parsed_is_passed_over(folder: Path, line:
     """Names of files may hold what ends a check in a command line."""
     (record,) = folder.glob("results/.checksums/camera.json")
     record.unlink()
-    know(folder, "results/a", f"(x && python -m stages.contracts --refuse {line}) 2>&1")
+    know(folder, "results/a", f"(x && python -m roomkin.stages.contracts --refuse {line}) 2>&1")
     run()
-    know(folder, "results/camera.json", "(x && python -m stages.contracts --refuse truth results/camera.json) 2>&1")
+    know(
+        folder,
+        "results/camera.json",
+        "(x && python -m roomkin.stages.contracts --refuse truth results/camera.json) 2>&1",
+    )
     assert "results/camera.json: results/camera.json: " in tell_fault()
 
 

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.furniture.catalogue import sample
-from plugins.furniture.folder import build
-from plugins.pictures.look import (
+from roomkin.plugins.furniture.catalogue import sample
+from roomkin.plugins.furniture.folder import build
+from roomkin.plugins.pictures.look import (
     Seen,
     estimate_light,
     estimate_look,
@@ -16,15 +16,15 @@ from plugins.pictures.look import (
     merge_meshes,
     to_direction,
 )
-from plugins.pictures.painting import furnish
-from stages.contracts import GeneratedScene, Objects
-from stages.contracts.look import ROOM_LIGHT, Look, Surface
-from stages.contracts.objects import Mounting, SceneObject, Wall
-from stages.generation.placed import Placed
-from stages.geometry.boxes import UprightBox
-from stages.geometry.cameras import intrinsics_from_fov, look_at
-from stages.simulation.backdrop import WALL_HEIGHT
-from stages.simulation.rendering import RenderCamera, instance_id
+from roomkin.plugins.pictures.painting import furnish
+from roomkin.stages.contracts import GeneratedScene, Objects
+from roomkin.stages.contracts.look import ROOM_LIGHT, Look, Surface
+from roomkin.stages.contracts.objects import Mounting, SceneObject, Wall
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
+from roomkin.stages.simulation.backdrop import WALL_HEIGHT
+from roomkin.stages.simulation.rendering import RenderCamera, instance_id
 
 WIDTH, HEIGHT = 200, 150
 WALL = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=99)  # the plane x = 4

@@ -1,9 +1,9 @@
-"""Source of depth `depth_anything`: Depth-Anything V2, metric (weights: `stages.perception fetch --networks`)."""
+"""Source of depth `depth_anything`: Depth-Anything V2, metric (weights: `roomkin perception fetch --networks`)."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.perception import MeasureOptions
+from roomkin.stages.config.perception import MeasureOptions
 
 
 def measure_depth(rgb: NDArray[np.uint8], options: MeasureOptions, device: str) -> NDArray[np.float32]:
@@ -12,6 +12,6 @@ def measure_depth(rgb: NDArray[np.uint8], options: MeasureOptions, device: str) 
     Raises:
         InputError: the weights are missing, broken, or of another kind.
     """
-    from plugins.pretrained.networks import depth_of
+    from roomkin.plugins.pretrained.networks import depth_of
 
     return depth_of(rgb, options, device)

@@ -3,18 +3,18 @@
 import cv2
 import numpy as np
 
-from stages.config.perception import OutlineSection
-from stages.contracts.categories import known_categories
-from stages.perception.segmentation.proposal import Proposal, RoomView
+from roomkin.stages.config.perception import OutlineSection
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.perception.segmentation.proposal import Proposal, RoomView
 
 
 def propose(view: RoomView, options: OutlineSection) -> list[Proposal]:
     """An outline for each box, with its label.
 
     Raises:
-        InputError: the weights are missing or broken (`stages.perception fetch --networks`).
+        InputError: the weights are missing or broken (`roomkin perception fetch --networks`).
     """
-    from plugins.pretrained.networks import detect, segment
+    from roomkin.plugins.pretrained.networks import detect, segment
 
     labels = options.labels or [name.replace("_", " ") for name in known_categories()]
     boxes = detect(view.rgb, labels, options, view.device)

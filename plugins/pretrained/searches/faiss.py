@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.matching.search import Backward, Rows
+from roomkin.stages.matching.search import Backward, Rows
 
 
 def search(queries: NDArray[np.float32], rows: Rows, count: int, both: bool) -> tuple[NDArray[np.float32], Backward]:

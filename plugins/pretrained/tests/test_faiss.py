@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from stages.matching.search import distance_table
-from stages.matching.voting import vote
-from stages.plugins import load
+from roomkin.stages.matching.search import distance_table
+from roomkin.stages.matching.voting import vote
+from roomkin.stages.plugins import load
 from tests.unit.test_matching_search import patches
 
 

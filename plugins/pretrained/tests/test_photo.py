@@ -10,30 +10,30 @@ import cv2
 import numpy as np
 import pytest
 
-from plugins.pretrained import networks
-from plugins.pretrained.networks import Detection, depth_of, detect, segment
-from plugins.vlm.ask import Asker, NoAnswerError
-from plugins.vlm.captioners import vlm
-from plugins.vlm.config import VlmConfig
-from plugins.vlm.prompt import draw_box
-from plugins.vlm.tests.chat_server import KEY, ChatServer, says, serving
-from stages.config.perception import MeasureOptions, PerceptionSection, SeeOptions
-from stages.contracts import Camera, InputError, Objects, read_json
-from stages.contracts.images import color_of
-from stages.contracts.objects import Mounting
-from stages.contracts.scene_input import read_scene_input
-from stages.contracts.scenes import Held
-from stages.extraction.extract import run as extract
-from stages.geometry.boxes import UprightBox
-from stages.geometry.cameras import back_project
-from stages.geometry.frames import transform_points
-from stages.geometry.room_planes import STRAY
-from stages.perception import measure, see
-from stages.perception.captions import state
-from stages.perception.read import photo
-from stages.perception.read.frame import Frame
-from stages.perception.read.photo import Photo
-from stages.perception.write import draw_numbers
+from roomkin.plugins.pretrained import networks
+from roomkin.plugins.pretrained.networks import Detection, depth_of, detect, segment
+from roomkin.plugins.vlm.ask import Asker, NoAnswerError
+from roomkin.plugins.vlm.captioners import vlm
+from roomkin.plugins.vlm.config import VlmConfig
+from roomkin.plugins.vlm.prompt import draw_box
+from roomkin.plugins.vlm.tests.chat_server import KEY, ChatServer, says, serving
+from roomkin.stages.config.perception import MeasureOptions, PerceptionSection, SeeOptions
+from roomkin.stages.contracts import Camera, InputError, Objects, read_json
+from roomkin.stages.contracts.images import color_of
+from roomkin.stages.contracts.objects import Mounting
+from roomkin.stages.contracts.scene_input import read_scene_input
+from roomkin.stages.contracts.scenes import Held
+from roomkin.stages.extraction.extract import run as extract
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.room_planes import STRAY
+from roomkin.stages.perception import measure, see
+from roomkin.stages.perception.captions import state
+from roomkin.stages.perception.read import photo
+from roomkin.stages.perception.read.frame import Frame
+from roomkin.stages.perception.read.photo import Photo
+from roomkin.stages.perception.write import draw_numbers
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, write_room
 from tests.unit.tiny_networks import depth_anything, save_all

@@ -8,9 +8,9 @@ import torch
 from numpy.typing import NDArray
 from transformers import CLIPTextModelWithProjection, CLIPTokenizer
 
-from plugins.pretrained.weights import load_pretrained
-from stages.config.matching import CandidateOptions
-from stages.contracts import InputError
+from roomkin.plugins.pretrained.weights import load_pretrained
+from roomkin.stages.config.matching import CandidateOptions
+from roomkin.stages.contracts import InputError
 
 
 class TextEncoder:

@@ -9,13 +9,13 @@ follow by distance.
 from collections.abc import Sequence
 from typing import Any
 
-from plugins.render_and_compare.config import GeometryConfig
-from plugins.render_and_compare.fits import Fit
-from plugins.render_and_compare.workbench import Workbench
-from stages.config.matching import MatchingConfig
-from stages.contracts.cousins import Candidate, Orientation
-from stages.matching.priors import sum_priors
-from stages.matching.question import DIGITS, Question
+from roomkin.plugins.render_and_compare.config import GeometryConfig
+from roomkin.plugins.render_and_compare.fits import Fit
+from roomkin.plugins.render_and_compare.workbench import Workbench
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts.cousins import Candidate, Orientation
+from roomkin.stages.matching.priors import sum_priors
+from roomkin.stages.matching.question import DIGITS, Question
 
 MIN_FIT = 0.7  # of a perfect score: below it, how models differ in their scores says nothing; chosen
 

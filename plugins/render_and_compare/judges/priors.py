@@ -5,12 +5,12 @@ Named for models and for orientations, nothing is encoded and nothing compared (
 
 import numpy as np
 
-from plugins.render_and_compare.yaws import aligned_yaws, is_front_known
-from stages.config.matching import MatchingConfig
-from stages.contracts.cousins import Candidate, Orientation
-from stages.geometry.viewing import view_angle
-from stages.matching.priors import sum_priors
-from stages.matching.question import DIGITS, AbstainedError, Question
+from roomkin.plugins.render_and_compare.yaws import aligned_yaws, is_front_known
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts.cousins import Candidate, Orientation
+from roomkin.stages.geometry.viewing import view_angle
+from roomkin.stages.matching.priors import sum_priors
+from roomkin.stages.matching.question import DIGITS, AbstainedError, Question
 
 
 class Judge:

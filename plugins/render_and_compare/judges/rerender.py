@@ -3,13 +3,13 @@
 The k_ori nearest stored views are rendered again so, and ordered by their distance to the object, all in one batch.
 """
 
-from plugins.render_and_compare.rendering import render
-from plugins.render_and_compare.workbench import Workbench
-from stages.config.matching import MatchingConfig
-from stages.contracts.cousins import Candidate, Orientation
-from stages.matching.encoders import encode_rows, make_encoder
-from stages.matching.question import DIGITS, AbstainedError, Question
-from stages.matching.ranking import compare, make_query
+from roomkin.plugins.render_and_compare.rendering import render
+from roomkin.plugins.render_and_compare.workbench import Workbench
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts.cousins import Candidate, Orientation
+from roomkin.stages.matching.encoders import encode_rows, make_encoder
+from roomkin.stages.matching.question import DIGITS, AbstainedError, Question
+from roomkin.stages.matching.ranking import compare, make_query
 
 
 class Judge:

@@ -7,16 +7,16 @@ import cv2
 import numpy as np
 import pytest
 
-from plugins.render_and_compare.judges.priors import Judge
-from stages.config.matching import MatchingConfig
-from stages.contracts import Cousins, Objects, read_json
-from stages.contracts.cousins import Candidate, Orientation
-from stages.contracts.objects import Box, Mounting, SceneObject, Wall
-from stages.geometry.crop import View
-from stages.geometry.frames import angle_difference, make_transform, wrap_angle
-from stages.matching.judges import AbstainedError, Question
-from stages.matching.match import run as match
-from stages.matching.snapshots import Snapshots
+from roomkin.plugins.render_and_compare.judges.priors import Judge
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts import Cousins, Objects, read_json
+from roomkin.stages.contracts.cousins import Candidate, Orientation
+from roomkin.stages.contracts.objects import Box, Mounting, SceneObject, Wall
+from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.frames import angle_difference, make_transform, wrap_angle
+from roomkin.stages.matching.judges import AbstainedError, Question
+from roomkin.stages.matching.match import run as match
+from roomkin.stages.matching.snapshots import Snapshots
 from tests.refusals import refused
 from tests.unit.matching_data import SHOWN, World
 

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-import plugins.render_and_compare
-from stages.config.model import load
-from stages.config.reads import options_of
+import roomkin.plugins.render_and_compare
+from roomkin.stages.config.model import load
+from roomkin.stages.config.reads import options_of
 from tests.refusals import refused
 from tests.workflow.workspace import dry_run, make
 
@@ -29,6 +29,9 @@ def test_where_the_section_was_is_told() -> None:
 
 def test_cousins_are_shown_in_place_if_the_package_is_on(tmp_path: Path) -> None:
     folder = make(tmp_path)
-    assert f"--in-place {plugins.render_and_compare.__name__}.in_place --out" in dry_run(folder, PICTURE, "-p").stdout
+    assert (
+        f"--in-place {roomkin.plugins.render_and_compare.__name__}.in_place --out"
+        in dry_run(folder, PICTURE, "-p").stdout
+    )
     (folder / "off.yaml").write_text(f"packages: {{render_and_compare: false}}\nmatching: {CORES}\n")
     assert "--in-place --out" in " ".join(dry_run(folder, PICTURE, "-p", "--configfile", "off.yaml").stdout.split())

@@ -12,32 +12,38 @@ import pytest
 import trimesh
 from PIL import Image
 
-from plugins.pictures.cousins import write_picture
-from plugins.render_and_compare.config import GeometryConfig
-from plugins.render_and_compare.fitting import Measured, lay_over, measure
-from plugins.render_and_compare.in_place import InPlace
-from plugins.render_and_compare.judges.geometry import MIN_FIT
-from plugins.render_and_compare.judges.geometry import Judge as Geometry
-from plugins.render_and_compare.judges.rerender import Judge as Rerender
-from plugins.render_and_compare.noisy_cloud import NoisyCloud
-from plugins.render_and_compare.observation import Observation, free_sides, observe
-from plugins.render_and_compare.rendering import Rendering, render
-from plugins.render_and_compare.solid import ColoredSolid
-from plugins.render_and_compare.terms import color_agreement, compare, line_agreement, line_field, outline_agreement
-from stages.articulated.asset_folder import Description, write_asset
-from stages.articulated.model import Link, RobotModel, Visual
-from stages.config.matching import matching_model
-from stages.contracts import Cousins, Library, LibraryPart, Objects, read_json, write_json
-from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
-from stages.contracts.library import LibraryEntry
-from stages.contracts.library_folder import write_part
-from stages.contracts.objects import USUAL_ERROR, Box, Mounting, SceneObject, Wall
-from stages.geometry.boxes import UprightBox
-from stages.geometry.cameras import intrinsics_from_fov, look_at
-from stages.geometry.crop import View
-from stages.geometry.frames import make_transform, wrap_angle, yaw_matrix
-from stages.matching.judges import AbstainedError, Question
-from stages.matching.snapshots import Snapshots
+from roomkin.plugins.pictures.cousins import write_picture
+from roomkin.plugins.render_and_compare.config import GeometryConfig
+from roomkin.plugins.render_and_compare.fitting import Measured, lay_over, measure
+from roomkin.plugins.render_and_compare.in_place import InPlace
+from roomkin.plugins.render_and_compare.judges.geometry import MIN_FIT
+from roomkin.plugins.render_and_compare.judges.geometry import Judge as Geometry
+from roomkin.plugins.render_and_compare.judges.rerender import Judge as Rerender
+from roomkin.plugins.render_and_compare.noisy_cloud import NoisyCloud
+from roomkin.plugins.render_and_compare.observation import Observation, free_sides, observe
+from roomkin.plugins.render_and_compare.rendering import Rendering, render
+from roomkin.plugins.render_and_compare.solid import ColoredSolid
+from roomkin.plugins.render_and_compare.terms import (
+    color_agreement,
+    compare,
+    line_agreement,
+    line_field,
+    outline_agreement,
+)
+from roomkin.stages.articulated.asset_folder import Description, write_asset
+from roomkin.stages.articulated.model import Link, RobotModel, Visual
+from roomkin.stages.config.matching import matching_model
+from roomkin.stages.contracts import Cousins, Library, LibraryPart, Objects, read_json, write_json
+from roomkin.stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
+from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.contracts.library_folder import write_part
+from roomkin.stages.contracts.objects import USUAL_ERROR, Box, Mounting, SceneObject, Wall
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
+from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.frames import make_transform, wrap_angle, yaw_matrix
+from roomkin.stages.matching.judges import AbstainedError, Question
+from roomkin.stages.matching.snapshots import Snapshots
 from tests.unit.matching_data import trace_box, write_snapshots
 
 Options: Any = matching_model(["render_and_compare"])

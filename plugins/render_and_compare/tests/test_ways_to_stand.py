@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from plugins.render_and_compare.fits import leave_out_equal
-from stages.geometry.frames import SYMMETRY_PERIOD
+from roomkin.plugins.render_and_compare.fits import leave_out_equal
+from roomkin.stages.geometry.frames import SYMMETRY_PERIOD
 
 QUARTERS = [k * np.pi / 2 for k in range(4)]
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from stages.contracts.errors import InputError
-from stages.tables.markup import Table
-from stages.tables.rows import records
-from stages.tables.text import number
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.text import number
 
 JOB = ["stage", "name", "seconds", "cpu_seconds", "memory"]
 

@@ -10,8 +10,8 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
-from stages.tables.drawing import GREY, color, marker, style
-from stages.tables.order import SKILL, set_key, title
+from roomkin.stages.tables.drawing import GREY, color, marker, style
+from roomkin.stages.tables.order import SKILL, set_key, title
 
 Points = list[tuple[float, float]]
 

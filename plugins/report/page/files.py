@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from stages.contracts.errors import InputError
-from stages.tables.order import sort_key
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.tables.order import sort_key
 
 
 class RunFiles:

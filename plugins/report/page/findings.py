@@ -5,13 +5,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from plugins.report.doubts import collect_doubts
-from stages.contracts.cousins import Cousins, ObjectCousins
-from stages.contracts.doubt import Doubt, DoubtKind
-from stages.contracts.files import read_json
-from stages.contracts.generated import GeneratedScene, PlacedObject
-from stages.contracts.objects import Objects, SceneObject
-from stages.extraction.camera_height import doubt_height
+from roomkin.plugins.report.doubts import collect_doubts
+from roomkin.stages.contracts.cousins import Cousins, ObjectCousins
+from roomkin.stages.contracts.doubt import Doubt, DoubtKind
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject
+from roomkin.stages.contracts.objects import Objects, SceneObject
+from roomkin.stages.extraction.camera_height import doubt_height
 
 
 @dataclass(frozen=True)

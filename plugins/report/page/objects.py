@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from plugins.report.album import THUMBNAIL, Album, Picture
-from plugins.report.doubts import collect_doubts, collect_notes
-from plugins.report.snapshots import Snapshots
-from stages.contracts.cousins import Candidate, Cousin, ObjectCousins
-from stages.contracts.doubt import Doubt
-from stages.contracts.generated import PlacedObject
-from stages.contracts.objects import Objects, SceneObject
-from stages.geometry.cameras import project
-from stages.geometry.frames import invert_transform, transform_points, wrap_angle, yaw_matrix
-from stages.tables.text import NOTHING
+from roomkin.plugins.report.album import THUMBNAIL, Album, Picture
+from roomkin.plugins.report.doubts import collect_doubts, collect_notes
+from roomkin.plugins.report.snapshots import Snapshots
+from roomkin.stages.contracts.cousins import Candidate, Cousin, ObjectCousins
+from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.objects import Objects, SceneObject
+from roomkin.stages.geometry.cameras import project
+from roomkin.stages.geometry.frames import invert_transform, transform_points, wrap_angle, yaw_matrix
+from roomkin.stages.tables.text import NOTHING
 
 LISTED = 5  # cousins, models compared and categories of an object that are listed
 Pixels = NDArray[np.uint8]

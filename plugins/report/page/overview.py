@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from plugins.report.doubts import Group, group_doubts
-from plugins.report.page.findings import Findings
-from stages.contracts.generated import Plausibility
-from stages.tables.order import sort_key
-from stages.tables.text import NOT_RUN
+from roomkin.plugins.report.doubts import Group, group_doubts
+from roomkin.plugins.report.page.findings import Findings
+from roomkin.stages.contracts.generated import Plausibility
+from roomkin.stages.tables.order import sort_key
+from roomkin.stages.tables.text import NOT_RUN
 
 NUMBER = re.compile(r"\d+(\.\d+)?")
 

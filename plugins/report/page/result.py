@@ -6,14 +6,15 @@ from typing import Any, NamedTuple
 import pandas as pd
 from markupsafe import Markup
 
-from plugins.claims.claims import OPEN
-from plugins.claims.tables import count_lacking_runs, evidence, title_of
-from plugins.report.page.charts import success_chart
-from stages.tables.methods import Kinds
-from stages.tables.order import SKILL, set_key, target_title, title
-from stages.tables.rows import records
-from stages.tables.table2 import TOTAL
-from stages.tables.text import number, percent
+from roomkin.plugins.claims.claims import FAILS, HOLDS
+from roomkin.plugins.claims.tables import count_lacking_runs, evidence, title_of
+from roomkin.plugins.report.page.charts import success_chart
+from roomkin.stages.contracts.words import count
+from roomkin.stages.tables.methods import Kinds
+from roomkin.stages.tables.order import SKILL, set_key, target_title, title
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.table2 import TOTAL
+from roomkin.stages.tables.text import number, percent
 
 
 class Result(NamedTuple):
@@ -51,7 +52,11 @@ def _verdict(row: dict[str, Any], name: str) -> str:
     """The difference, its interval, and what it says of training."""
     text = f"{name}: {evidence(row)} with {title(row['training_set'])} instead of the twin"
     seeds = f"over {row['runs']} and {row['baseline_runs']} seeds of training"
-    verdict = "whether cousins help cannot be said" if row["verdict"] == OPEN else f"that cousins help {row['verdict']}"
+    verdict = (
+        f"that cousins help {row['verdict']}"
+        if row["verdict"] in (HOLDS, FAILS)
+        else "whether cousins help cannot be said"
+    )
     return f"{text}, {seeds}: {verdict}."
 
 
@@ -72,6 +77,9 @@ def sentences(claims: pd.DataFrame | None, target: str, names: dict[str, str]) -
         f"{what} on {over} succeeds {percent(first['ours'])} of the time after training on "
         f"{title(first['training_set'])}, {percent(first['theirs'])} after training on the twin: {evidence(first)}"
     )
+    if count_lacking_runs(first):
+        runs = count(min(first["runs"], first["baseline_runs"]), "training")
+        line += f"; {runs} a side, and another may turn out otherwise"
     again = [AGAIN] if any(map(count_lacking_runs, rows)) else []
     verdicts = [_verdict(row, names[row["policy"]]) for row in rows if not count_lacking_runs(row)]
     return line, [*(one[0].upper() + one[1:] for one in verdicts), *again]

@@ -9,21 +9,21 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from plugins.report.album import Album, Picture
-from plugins.report.page.files import RunFiles
-from plugins.report.page.findings import Findings
-from plugins.report.page.objects import Evidence, Match, match
-from plugins.report.snapshots import Snapshots, views_of
-from stages.contracts.cousins import Cousins
-from stages.contracts.doubt import Doubt
-from stages.contracts.extracted import read_clouds, read_object_masks
-from stages.contracts.generated import GeneratedScene
-from stages.contracts.images import read_rgb
-from stages.contracts.objects import Objects
-from stages.contracts.provenance import Provenance
-from stages.plugins import shorten_name
-from stages.tables.order import sort_key, title
-from stages.tables.table2 import judge
+from roomkin.plugins.report.album import Album, Picture
+from roomkin.plugins.report.page.files import RunFiles
+from roomkin.plugins.report.page.findings import Findings
+from roomkin.plugins.report.page.objects import Evidence, Match, match
+from roomkin.plugins.report.snapshots import Snapshots, views_of
+from roomkin.stages.contracts.cousins import Cousins
+from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.extracted import read_clouds, read_object_masks
+from roomkin.stages.contracts.generated import GeneratedScene
+from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.contracts.objects import Objects
+from roomkin.stages.contracts.provenance import Provenance
+from roomkin.stages.plugins import shorten_name
+from roomkin.stages.tables.order import sort_key, title
+from roomkin.stages.tables.table2 import judge
 
 
 class RebuiltScene(NamedTuple):
@@ -147,7 +147,7 @@ def _rebuild(
             for scene, picture in zip(found.scenes, pictures, strict=True)
         ],
         matches=_match_objects(files, name, found, image, album, snapshots),
-        correct=f"python -m plugins.annotator {correct}" if image else "",
+        correct=f"roomkin annotator {correct}" if image else "",
         furnished=image is not None and image.match(f"scenes/{name}/input/*"),
     )
 

@@ -5,12 +5,12 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from stages.contracts.corrections import CORRECTIONS, read_corrections
-from stages.contracts.hand import digest_of_picture, find_hand_file
-from stages.contracts.images import read_masks
-from stages.contracts.matched import Matched, match_corrections
-from stages.contracts.things import Thing, Things
-from stages.geometry.masks import outline_mask
+from roomkin.stages.contracts.corrections import CORRECTIONS, read_corrections
+from roomkin.stages.contracts.hand import digest_of_picture, find_hand_file
+from roomkin.stages.contracts.images import read_masks
+from roomkin.stages.contracts.matched import Matched, match_corrections
+from roomkin.stages.contracts.things import Thing, Things
+from roomkin.stages.geometry.masks import outline_mask
 
 
 class LeftOut(NamedTuple):
@@ -26,7 +26,7 @@ class LeftOut(NamedTuple):
 
 def draw_again(image: Path) -> str:
     """The command that opens the drawing in the folder of a picture."""
-    return shlex.join(["python", "-m", "plugins.annotator", "annotate", str(image), "--out", str(image.parent)])
+    return shlex.join(["roomkin", "annotator", "annotate", str(image), "--out", str(image.parent)])
 
 
 def read_said(folder: Path) -> Matched:

@@ -11,15 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from plugins.report.album import Album, Picture
-from plugins.report.doubts import measure_side
-from plugins.report.page.files import RunFiles
-from plugins.report.page.rooms import RebuiltScene, Reconstruction, RoomPart
-from stages.contracts.doubt import MEND, Doubt, DoubtKind
-from stages.contracts.extracted import read_metres
-from stages.contracts.objects import Objects
-from stages.contracts.scenes import Camera
-from stages.extraction.camera_height import doubt_unit
+from roomkin.plugins.report.album import Album, Picture
+from roomkin.plugins.report.doubts import measure_side
+from roomkin.plugins.report.page.files import RunFiles
+from roomkin.plugins.report.page.rooms import RebuiltScene, Reconstruction, RoomPart
+from roomkin.stages.contracts.doubt import MEND, Doubt, DoubtKind
+from roomkin.stages.contracts.extracted import read_metres
+from roomkin.stages.contracts.objects import Objects
+from roomkin.stages.contracts.scenes import Camera
+from roomkin.stages.extraction.camera_height import doubt_unit
 
 
 class CameraFacts(NamedTuple):

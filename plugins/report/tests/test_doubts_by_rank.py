@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from plugins.report.doubts import collect_doubts
-from plugins.report.page.findings import Findings
-from stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
-from stages.contracts.doubt import Doubt
-from stages.contracts.generated import GeneratedScene, PlacedObject
-from stages.contracts.objects import Box, Mounting, Objects, SceneObject
+from roomkin.plugins.report.doubts import collect_doubts
+from roomkin.plugins.report.page.findings import Findings
+from roomkin.stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
+from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject
+from roomkin.stages.contracts.objects import Box, Mounting, Objects, SceneObject
 
 CAMERA = [[0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 1.1], [0.0, 0.0, 0.0, 1.0]]
 VIEW: dict[str, Any] = {"width": 90, "height": 60, "intrinsics": [[60, 0, 45], [0, 60, 30], [0, 0, 1]]}

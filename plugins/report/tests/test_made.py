@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from plugins.report.made import list_causes, name_pages
+from roomkin.plugins.report.made import list_causes, name_pages
 
 
 def test_new_pages_are_named_and_the_report_stands_for_all(tmp_path: Path) -> None:

@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 from PIL import Image
 
-from plugins.report import overview
-from plugins.report.page.overview import Layout, count_failures, row
-from plugins.report.tests.test_report_browser import WIDE, browser  # noqa: F401
-from plugins.report.tests.test_tables_report import Checker
-from stages.contracts.files import read_json
-from stages.contracts.generated import GeneratedScene
+from roomkin.plugins.report import overview
+from roomkin.plugins.report.page.overview import Layout, count_failures, row
+from roomkin.plugins.report.tests.test_report_browser import WIDE, browser  # noqa: F401
+from roomkin.plugins.report.tests.test_tables_report import Checker
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.generated import GeneratedScene
 from tests.refusals import refused
 from tests.unit.tables_results import write_run
 

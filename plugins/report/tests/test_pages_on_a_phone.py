@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from plugins.report import overview
-from plugins.report.tests.test_report_browser import WIDE, address, browser, unfold  # noqa: F401
-from plugins.report.tests.test_scene_page import made  # noqa: F401
+from roomkin.plugins.report import overview
+from roomkin.plugins.report.tests.test_report_browser import WIDE, address, browser, unfold  # noqa: F401
+from roomkin.plugins.report.tests.test_scene_page import made  # noqa: F401
 
 PHONE = {"width": 390, "height": 844}
 HIDDEN = """

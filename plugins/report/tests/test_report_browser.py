@@ -8,20 +8,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.pictures import glb
-from plugins.report import report
-from stages.contracts.files import read_json
-from stages.contracts.generated import GeneratedScene
-from stages.contracts.objects import Mounting, Wall
-from stages.generation.placed import Placed
-from stages.generation.scene_models import room_of
-from stages.geometry.boxes import UprightBox
-from stages.geometry.cameras import look_at
-from stages.tables import policies, scenes
+from roomkin.plugins.pictures import glb
+from roomkin.plugins.report import report
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.generated import GeneratedScene
+from roomkin.stages.contracts.objects import Mounting, Wall
+from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.scene_models import room_of
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.cameras import look_at
+from roomkin.stages.tables import policies, scenes
 from tests.unit.demo_assets import cabinet
 from tests.unit.tables_results import VIEWER, declared, write_run
 
-PUBLISHED = Path(__file__).parents[3] / "report" / "published"
+PUBLISHED = Path(__file__).resolve().parents[3] / "report" / "published"
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"]
 FLAGS += ["--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 WIDE = """
@@ -86,7 +86,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     scenes.run(out=results / "tables", figures=results / "figures", scores=scores, published=PUBLISHED)
     rollouts = tuple(sorted(results.glob("evaluation/policies/*/rollouts.csv")))
     out = {"out": results / "tables", "figures": results / "figures"}
-    policies.run(**out, rollouts=rollouts, more=("plugins.claims.more",), published=PUBLISHED)
+    policies.run(**out, rollouts=rollouts, more=("roomkin.plugins.claims.more",), published=PUBLISHED)
     viewer = Path(shutil.copy(VIEWER, root))
     report.run(out=root / "index.html", published=PUBLISHED, viewer=viewer, **declared(root))  # type: ignore[arg-type]
     return (root / "index.html").as_uri()

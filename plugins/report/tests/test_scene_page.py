@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.report import picture, report
-from plugins.report.page.single import color_depth
-from plugins.report.tests.test_report_browser import BROKEN, CONTRAST, WIDE, browser, cabinet_to_turn, unfold  # noqa: F401
-from plugins.report.tests.test_tables_report import Checker
-from stages.contracts import Camera, write_json
+from roomkin.plugins.report import picture, report
+from roomkin.plugins.report.page.single import color_depth
+from roomkin.plugins.report.tests.test_report_browser import BROKEN, CONTRAST, WIDE, browser, cabinet_to_turn, unfold  # noqa: F401
+from roomkin.plugins.report.tests.test_tables_report import Checker
+from roomkin.stages.contracts import Camera, write_json
 from tests.refusals import refused
 from tests.unit.tables_results import CAMERA, VIEWER, declared, write_run
 
@@ -61,7 +61,7 @@ def test_every_doubt_has_the_command_that_opens_the_page_to_put_it_right(made: P
     for about, command in doubts:
         if not about.startswith("scene of"):
             one = about.split(" failed in ")[0].replace(" ", "_")
-            assert command == f"python -m plugins.annotator {opens} {one}"
+            assert command == f"roomkin annotator {opens} {one}"
 
 
 def test_it_is_called_as_the_picture_that_went_in(made: Path, tmp_path: Path) -> None:

@@ -9,16 +9,16 @@ import cv2
 import numpy as np
 import pytest
 
-from plugins.report.page.rooms import RebuiltScene
-from plugins.report.page.single import doubt_camera, doubt_physics
-from plugins.report.tests.test_report_browser import browser  # noqa: F401
-from plugins.report.tests.test_scene_page import page
-from stages.contracts import Camera, Objects, read_json, write_json
-from stages.contracts.doubt import Doubt, DoubtKind
-from stages.contracts.generated import GeneratedScene, Plausibility
-from stages.contracts.hand import PROJECT
-from stages.contracts.objects import Box, Mounting
-from stages.contracts.things import THINGS, Ground, Name, Thing, Things
+from roomkin.plugins.report.page.rooms import RebuiltScene
+from roomkin.plugins.report.page.single import doubt_camera, doubt_physics
+from roomkin.plugins.report.tests.test_report_browser import browser  # noqa: F401
+from roomkin.plugins.report.tests.test_scene_page import page
+from roomkin.stages.contracts import Camera, Objects, read_json, write_json
+from roomkin.stages.contracts.doubt import Doubt, DoubtKind
+from roomkin.stages.contracts.generated import GeneratedScene, Plausibility
+from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.contracts.objects import Box, Mounting
+from roomkin.stages.contracts.things import THINGS, Ground, Name, Thing, Things
 from tests.unit.tables_results import CAMERA, write_run
 
 SURFACE = "a level surface below which 0.3 % of the points lie"
@@ -59,7 +59,7 @@ def test_it_says_the_root_before_the_doubts(root: Path) -> None:
     assert re.search(r"\d things were found, 1 left out", said) and re.search(r"walls? (was|were) found|No wall", said)
     assert "<b>armchair, 41 %</b>: no name is sure" in said and "clock" not in said, "a person has taken it"
     folder = root / "results/scenes/room_1/input"
-    assert f"<code>python -m plugins.annotator annotate {folder} --scene room_1 --variant b</code>" in said
+    assert f"<code>roomkin annotator annotate {folder} --scene room_1 --variant b</code>" in said
     assert said.count("<polygon") == 1
     assert "box: no pixel shows it, left out" in said
     assert said.index("above the ground") < said.index('class="doubt"')
@@ -170,7 +170,7 @@ def test_what_a_drawing_leaves_out_is_taken_on_the_page_that_draws(root: Path) -
     folder = root / "results/scenes/room_1/input"
     (folder / PROJECT).touch()
     page(root, "room_1", root / "page.html")
-    command = f"python -m plugins.annotator annotate {folder}/rgb.png --out {folder}"
+    command = f"roomkin annotator annotate {folder}/rgb.png --out {folder}"
     assert f"<code>{command}</code>" in _section(root / "page.html")
 
 

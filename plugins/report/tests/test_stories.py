@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plugins.report.album import THUMBNAIL, Album
-from plugins.report.doubts import group_doubts, measure_side
-from plugins.report.page.objects import Evidence, Match, cloud_picture, match
-from plugins.report.report import WORDS
-from plugins.report.snapshots import Snapshots, views_of
-from stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
-from stages.contracts.doubt import MEND, Doubt, DoubtKind
-from stages.contracts.generated import GeneratedScene, PlacedObject
-from stages.contracts.objects import Box, Mounting, Objects, SceneObject
-from stages.geometry.cameras import intrinsics_from_fov, look_at
-from stages.tables.markup import environment
+from roomkin.plugins.report.album import THUMBNAIL, Album
+from roomkin.plugins.report.doubts import group_doubts, measure_side
+from roomkin.plugins.report.page.objects import Evidence, Match, cloud_picture, match
+from roomkin.plugins.report.report import WORDS
+from roomkin.plugins.report.snapshots import Snapshots, views_of
+from roomkin.stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
+from roomkin.stages.contracts.doubt import MEND, Doubt, DoubtKind
+from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject
+from roomkin.stages.contracts.objects import Box, Mounting, Objects, SceneObject
+from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
+from roomkin.stages.tables.markup import environment
 
 WIDTH, HEIGHT = 120, 90
 VIEW = Orientation(yaw=0.5, distance=1.0)
@@ -64,13 +64,13 @@ def told(entry: ObjectCousins, item: SceneObject, **changes: Any) -> Match:
 
 def facts(made: Match) -> dict[str, str]:
     """What the page says of an object."""
-    page: Any = environment("plugins.report").get_template("page/matches.html.jinja").make_module(WORDS)
+    page: Any = environment("roomkin.plugins.report").get_template("page/matches.html.jinja").make_module(WORDS)
     text = unescape(page.matches({"matches": [made], "choose": lambda _: ""}))
     return dict(re.findall(r"<dt>(.*?)</dt>\s*<dd>\s*(.*?)\s*</dd>", text))
 
 
 def test_a_size_says_whether_it_is_measured_or_placed() -> None:
-    page: Any = environment("plugins.report").get_template("page/matches.html.jinja").make_module(WORDS)
+    page: Any = environment("roomkin.plugins.report").get_template("page/matches.html.jinja").make_module(WORDS)
     said = page.about(thing(), placed())
     assert re.search(r"\d+ cm high as measured in the picture, 120 wide × 60 deep × 80 cm high as placed$", said), said
     assert "placed" not in page.about(thing(), None)

@@ -14,22 +14,23 @@ import pytest
 import yaml
 from PIL import Image
 
-from plugins.report import report
-from plugins.report.album import Album
-from plugins.report.page import charts
-from plugins.report.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
-from plugins.report.page.charts import line_chart
-from plugins.report.page.files import RunFiles
-from plugins.report.page.policies import losses
-from plugins.report.snapshots import Snapshots
-from stages.config.model import Config
-from stages.contracts.images import read_narrow
-from stages.tables import policies, scenes
+from roomkin.plugins.report import report
+from roomkin.plugins.report.album import Album
+from roomkin.plugins.report.page import charts
+from roomkin.plugins.report.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
+from roomkin.plugins.report.page.charts import line_chart
+from roomkin.plugins.report.page.files import RunFiles
+from roomkin.plugins.report.page.policies import losses
+from roomkin.plugins.report.page.result import sentences
+from roomkin.plugins.report.snapshots import Snapshots
+from roomkin.stages.config.model import Config
+from roomkin.stages.contracts.images import read_narrow
+from roomkin.stages.tables import policies, scenes
 from tests.refusals import refused
 from tests.unit.tables_results import MADE, VIEWER, declared, picture, write_run
 
 OPTIONS = '{"bootstrap_samples": 400}'
-PUBLISHED = Path(__file__).parents[3] / "report" / "published"
+PUBLISHED = Path(__file__).resolve().parents[3] / "report" / "published"
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +47,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def write_policies(root: Path, out: Path, figures: Path) -> None:
     rolled = tuple(sorted((root / "results/evaluation/policies").glob("*/rollouts.csv")))
-    more = ("plugins.claims.more",)
+    more = ("roomkin.plugins.claims.more",)
     policies.run(out=out, figures=figures, rollouts=rolled, more=more, published=PUBLISHED, options=OPTIONS)
 
 
@@ -146,6 +147,14 @@ def test_page_tells_what_happened(made: Path) -> None:
     assert "no cloud" not in text
 
 
+def test_a_headline_of_one_training_a_side_says_so(made: Path) -> None:
+    (path,) = (made / "results/tables").glob("*claims*.csv")
+    claims = pd.read_csv(path, keep_default_na=False, na_values=[""])
+    names = dict.fromkeys(claims["policy"], "a policy")
+    told = [sentences(claims.assign(runs=runs, baseline_runs=2), "door", names)[0] for runs in (1, 2)]
+    assert told[0] == f"{told[1]}; 1 training a side, and another may turn out otherwise" and told[1]
+
+
 def test_first_screen_shows_unseen_assets_and_the_roles_stand_below(made: Path, tmp_path: Path) -> None:
     text = unescape((made / "results/report/index.html").read_text())
     first, below = text[: text.index('<p class="lede">')], text[text.index('id="policies"') :]
@@ -176,7 +185,7 @@ def test_page_and_figures_are_the_same_bytes_again(made: Path, tmp_path: Path) -
 
 
 def test_figures_without_results_are_drawn_as_not_run(tmp_path: Path) -> None:
-    policies.run(out=tmp_path, more=("plugins.claims.more",), published=PUBLISHED)
+    policies.run(out=tmp_path, more=("roomkin.plugins.claims.more",), published=PUBLISHED)
     scenes.run(out=tmp_path, published=PUBLISHED)
     assert sorted(path.name for path in tmp_path.glob("figure*")) == sorted(
         f"figure{n}.{suffix}" for n in (4, 6, 9) for suffix in ("png", "svg")

@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plugins.furniture.catalogue import sample
-from plugins.furniture.folder import build
-from plugins.robustness import leave_out
-from plugins.robustness import rows as robustness
-from plugins.robustness.table import robustness_table, run
-from stages.contracts import LeftOut, read_json, write_json
-from stages.contracts.library_folder import write_part
+from roomkin.plugins.furniture.catalogue import sample
+from roomkin.plugins.furniture.folder import build
+from roomkin.plugins.robustness import leave_out
+from roomkin.plugins.robustness import rows as robustness
+from roomkin.plugins.robustness.table import robustness_table, run
+from roomkin.stages.contracts import LeftOut, read_json, write_json
+from roomkin.stages.contracts.library_folder import write_part
 from tests.unit.tables_results import score, write_rows
 from tests.unit.test_score import TRUTH, true
 from tests.unit.test_tables import cell, frame, scene_cells

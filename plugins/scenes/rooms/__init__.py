@@ -1,1 +1,1 @@
-"""The eight rooms of Table 2, a YAML file each (`plugins.scenes.recipe`)."""
+"""The eight rooms of Table 2, a YAML file each (`roomkin.plugins.scenes.recipe`)."""

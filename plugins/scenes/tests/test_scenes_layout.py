@@ -8,24 +8,24 @@ import numpy as np
 import pytest
 import yaml
 
-from plugins.scenes.casting import CastRoom, cast
-from plugins.scenes.chance import EYE, are_all_seen, draw_room, redraw_recipe
-from plugins.scenes.config import ScenesConfig
-from plugins.scenes.framing import frame
-from plugins.scenes.layout import arrange, scale_of
-from plugins.scenes.recipe import Against, Beside, Floor, Item, On, Room
-from plugins.scenes.room_files import read_room, room_files, series
-from stages.contracts import InputError
-from stages.geometry.boxes import UprightBox, corners, footprint
-from stages.geometry.cameras import look_at, project
-from stages.geometry.frames import invert_transform, transform_points
+from roomkin.plugins.scenes.casting import CastRoom, cast
+from roomkin.plugins.scenes.chance import EYE, are_all_seen, draw_room, redraw_recipe
+from roomkin.plugins.scenes.config import ScenesConfig
+from roomkin.plugins.scenes.framing import frame
+from roomkin.plugins.scenes.layout import arrange, scale_of
+from roomkin.plugins.scenes.recipe import Against, Beside, Floor, Item, On, Room
+from roomkin.plugins.scenes.room_files import read_room, room_files, series
+from roomkin.stages.contracts import InputError
+from roomkin.stages.geometry.boxes import UprightBox, corners, footprint
+from roomkin.stages.geometry.cameras import look_at, project
+from roomkin.stages.geometry.frames import invert_transform, transform_points
 from tests.refusals import refused
 from tests.unit.scene_models import default_models
 from tests.unit.synthetic_room import hit_box
 
 TABLE_2 = [(5, 3.68), (6, 3.42), (6, 2.91), (5, 3.54), (6, 3.24), (8, 4.17), (12, 6.89), (15, 10.23)]
 MIN_PIXELS = 100  # per object at 800 x 600
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).resolve().parents[3]
 ROOMS = [read_room(path) for path in series()]
 NOWHERE = Path("library.json")
 

@@ -7,16 +7,16 @@ import cv2
 import numpy as np
 import pytest
 
-from plugins.furniture.library import run as make_library
-from plugins.scenes.casting import cast
-from plugins.scenes.photograph import furnish
-from plugins.scenes.render import run
-from plugins.scenes.room_files import read_room, series
-from stages.contracts import Annotations, Camera, InputError, Truth, read_json
-from stages.contracts.library_folder import AssetFolders
-from stages.geometry.cameras import back_project
-from stages.geometry.frames import transform_points, yaw_matrix
-from stages.simulation.loading import physics_scene
+from roomkin.plugins.furniture.library import run as make_library
+from roomkin.plugins.scenes.casting import cast
+from roomkin.plugins.scenes.photograph import furnish
+from roomkin.plugins.scenes.render import run
+from roomkin.plugins.scenes.room_files import read_room, series
+from roomkin.stages.contracts import Annotations, Camera, InputError, Truth, read_json
+from roomkin.stages.contracts.library_folder import AssetFolders
+from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.frames import transform_points, yaw_matrix
+from roomkin.stages.simulation.loading import physics_scene
 from tests.refusals import refused
 from tests.unit.physics import add_ground, position_of
 

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from plugins.scripted.skill import run
-from stages.config.evaluation import RolloutOptions
-from stages.contracts.files import read_json, read_rows, write_json
-from stages.contracts.library_folder import write_part
-from stages.contracts.policies import Rollout, TaskAssets
-from stages.evaluation.states import starts_of
+from roomkin.plugins.scripted.skill import run
+from roomkin.stages.config.evaluation import RolloutOptions
+from roomkin.stages.contracts.files import read_json, read_rows, write_json
+from roomkin.stages.contracts.library_folder import write_part
+from roomkin.stages.contracts.policies import Rollout, TaskAssets
+from roomkin.stages.evaluation.states import starts_of
 from tests.unit.demo_assets import an_asset, cabinet
 from tests.unit.test_demonstrations import experiment
 

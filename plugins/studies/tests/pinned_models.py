@@ -4,9 +4,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-from plugins.furniture.catalogue import sample
-from plugins.furniture.folder import build
-from plugins.studies.pinned_file import read_pinned
+from roomkin.plugins.furniture.catalogue import sample
+from roomkin.plugins.furniture.folder import build
+from roomkin.plugins.studies.pinned_file import read_pinned
 
 seed, plans = int(sys.argv[1]), [read_pinned(Path(file)) for file in sys.argv[2:]]
 items = {item.asset: item for plan in plans for item in (*plan.assets, *plan.test_assets)}

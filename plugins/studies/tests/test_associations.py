@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plugins.studies.associations import Shown, _correlation, associations_table, build, traits
-from stages.config.tables import TablesConfig
-from stages.contracts.policies import TaskAsset
+from roomkin.plugins.studies.associations import Shown, _correlation, associations_table, build, traits
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts.policies import TaskAsset
 from tests.unit.tables_results import ABOUT, UNSEEN, over_assets
 
 OPTIONS = TablesConfig(bootstrap_samples=300)

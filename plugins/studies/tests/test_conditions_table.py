@@ -5,12 +5,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from plugins.studies import conditions
-from stages.config.tables import TablesConfig
-from stages.contracts.files import read_rows
-from stages.contracts.policies import Rollout
-from stages.evaluation.rows import write_rows
-from stages.tables.intervals import difference_interval, side_of
+from roomkin.plugins.studies import conditions
+from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts.files import read_rows
+from roomkin.stages.contracts.policies import Rollout
+from roomkin.stages.evaluation.rows import write_rows
+from roomkin.stages.tables.intervals import difference_interval, side_of
 from tests.refusals import refused
 from tests.unit.tables_results import rollout
 

@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from plugins.studies.pinned import run as pinned
-from plugins.studies.pinned_file import read_pinned, write_pinned
-from stages.config.model import load, merge_mappings, with_defaults
-from stages.contracts import InputError, TaskAssets, read_json, write_json
-from stages.contracts.library_folder import write_part
+from roomkin.plugins.studies.pinned import run as pinned
+from roomkin.plugins.studies.pinned_file import read_pinned, write_pinned
+from roomkin.stages.config.model import load, merge_mappings, with_defaults
+from roomkin.stages.contracts import InputError, TaskAssets, read_json, write_json
+from roomkin.stages.contracts.library_folder import write_part
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset, cabinet
 
@@ -121,7 +121,7 @@ def test_committed_models_are_the_same_on_other_processors(seed: str, folder: st
     files = sorted((ROOT / "config/study/assets" / folder).glob("*.csv"))
     plans = [read_pinned(file) for file in files]
     known = {item.asset: item.digest for plan in plans for item in (*plan.assets, *plan.test_assets)}
-    command = [sys.executable, "-m", "plugins.studies.tests.pinned_models", seed, *map(str, files)]
+    command = [sys.executable, "-m", "roomkin.plugins.studies.tests.pinned_models", seed, *map(str, files)]
     made = subprocess.run(command, cwd=ROOT, env=os.environ | kernels, check=True, capture_output=True, text=True)
     assert dict(line.split() for line in made.stdout.splitlines()) == known
 

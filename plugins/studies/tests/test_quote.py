@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from plugins.studies.quote import FORMS, quote, read_row, run
+from roomkin.plugins.studies.quote import FORMS, quote, read_row, run
 from tests.refusals import refused
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -22,7 +22,7 @@ def copy(tmp_path: Path) -> Path:
 
 def test_pages_quote_what_the_results_say(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(root=copy)
-    assert capsys.readouterr().out == "", "run `python -m plugins.studies quote`"
+    assert capsys.readouterr().out == "", "run `roomkin studies quote`"
 
 
 def test_a_result_that_changes_is_quoted_anew(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:

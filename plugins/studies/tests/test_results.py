@@ -1,20 +1,21 @@
 """What a study found, while it is still running: cells that are there, cells that are not, and how it was made."""
 
 import shutil
+import tarfile
 from pathlib import Path
 
 import pandas as pd
 import pytest
 from PIL import Image
 
-from plugins.studies import results
-from stages.config.model import Config, load
-from stages.contracts.files import read_json, write_json
-from stages.contracts.policies import ChosenRuns, RunScore, TaskAssets
+from roomkin.plugins.studies import results
+from roomkin.stages.config.model import Config, load
+from roomkin.stages.contracts.files import read_json, write_json
+from roomkin.stages.contracts.policies import ChosenRuns, RunScore, TaskAssets
 from tests.refusals import refused
 from tests.unit.tables_results import over_assets, picture, rollout, score, write_rows, write_run
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).resolve().parents[3]
 PUBLISHED = ROOT / "report" / "published"
 STUDY = """
 seed: 7
@@ -72,6 +73,7 @@ def write(study: Path, out: Path, **flags: object) -> str:
 def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(study: Path, tmp_path: Path) -> None:
     text = write(study, tmp_path / "out", machine="2 cores, a test", commit="abc1234")
     table = pd.read_csv(tmp_path / "out/table3.csv")
+    assert set(table["commit"]) == {"abc1234"}
     ran = table[table["status"] == "run"]
     keys = ["target", "policy", "test_asset", "training_set", "run", "seed"]
     assert len(ran) == len(ran.drop_duplicates(keys)) == 3 * 3
@@ -86,7 +88,7 @@ def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(study: Path, tmp
     for words in (
         "Machine: 2 cores, a test", "Commit: `abc1234`", "Seeds: 0, 3 of training; 7 of everything else",
         "102 episodes of 3 policies, 10 per role", "6 of 3 families, 2 initial states each", "scripted skill: 100 %",
-        "n = 1", "not run", "official 90 %", "*paper 90 ± 4 %*",
+        "n = 1", "not run", "official 90 %, 80 steps", "*paper 90 ± 4 %*",
         "lite 9/15, lite_slow 7/15", "bar, hinge", "cannot be said", "1 run a side", "| total | ", "figure9.webp",
         "cloud of the target link", "0 of 2", "12 cm, at 50 % of the front", "true handle",
     ):  # fmt: skip
@@ -189,3 +191,18 @@ def test_a_study_of_table_2_tells_what_is_there_and_counts_whole_draws_alone(tmp
         assert figure.format == "WEBP" and figure.height > figure.width / 4
     for words in ("noise 1 2, unknown 0", "a test", "`abc1234`", "4 scored, 4 obj", "(figure6.webp)"):
         assert words in text, words
+
+
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "docs/results").rglob("*.csv")), ids=lambda path: f"{path.parent.name}/{path.name}"
+)
+def test_a_published_table_names_its_commit(path: Path) -> None:
+    column = pd.read_csv(path, dtype=str, low_memory=False)["commit"]
+    assert column.str.fullmatch("[0-9a-f]{7,40}").all() and column.nunique() <= 1
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "docs/results").rglob("*.tar.xz")), ids=lambda path: str(path.name))
+def test_a_published_archive_names_its_commit(path: Path) -> None:
+    with tarfile.open(path) as archive:
+        named = archive.extractfile("COMMIT")
+        assert named is not None and len(named.read().strip()) >= 7

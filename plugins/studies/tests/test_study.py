@@ -2,8 +2,8 @@
 
 import pytest
 
-from plugins.studies.study import FOLDED, fold_table, split_totals
-from stages.tables.markup import Table, markdown
+from roomkin.plugins.studies.study import FOLDED, fold_table, split_totals
+from roomkin.stages.tables.markup import Table, markdown
 
 
 def table(rows: int, notes: list[str]) -> Table:

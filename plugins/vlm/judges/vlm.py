@@ -8,17 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, create_model
 
-from plugins.vlm.ask import Asker, NoAnswerError
-from plugins.vlm.config import VlmConfig
-from plugins.vlm.prompt import Prompt, draw_box
-from stages.config.matching import MatchingConfig
-from stages.contracts.cousins import NO_MODEL, Candidate, Orientation
-from stages.geometry.crop import darken_rest
-from stages.geometry.frames import wrap_angle
-from stages.geometry.masks import pixel_bounds
-from stages.matching.question import AbstainedError, Question
-from stages.matching.question import Judge as JudgeOf
-from stages.plugins import load
+from roomkin.plugins.vlm.ask import Asker, NoAnswerError
+from roomkin.plugins.vlm.config import VlmConfig
+from roomkin.plugins.vlm.prompt import Prompt, draw_box
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts.cousins import NO_MODEL, Candidate, Orientation
+from roomkin.stages.geometry.crop import darken_rest
+from roomkin.stages.geometry.frames import wrap_angle
+from roomkin.stages.geometry.masks import pixel_bounds
+from roomkin.stages.matching.question import AbstainedError, Question
+from roomkin.stages.matching.question import Judge as JudgeOf
+from roomkin.stages.plugins import load
 
 NONE = "none"
 FRAME_GAP = 4  # pixels between the object and its box

@@ -8,14 +8,14 @@ import h5py
 import numpy as np
 import pytest
 
-from plugins.vlm.judges import vlm
-from plugins.vlm.package import keys
-from plugins.vlm.tests.chat_server import Handler, chooses, pictures, says, serving
-from stages.config.model import complete, load, read_files
-from stages.config.reads import options_of
-from stages.contracts import InputError
-from stages.contracts.cousins import ObjectCousins
-from stages.plugins import shorten_name
+from roomkin.plugins.vlm.judges import vlm
+from roomkin.plugins.vlm.package import keys
+from roomkin.plugins.vlm.tests.chat_server import Handler, chooses, pictures, says, serving
+from roomkin.stages.config.model import complete, load, read_files
+from roomkin.stages.config.reads import options_of
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.cousins import ObjectCousins
+from roomkin.stages.plugins import shorten_name
 from tests.refusals import refused
 from tests.unit.matching_data import SIZE, World
 from tests.workflow.workspace import ROOT

@@ -11,11 +11,11 @@ import pytest
 from openai._base_client import SyncAPIClient
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from plugins.vlm.ask import Asker, NoAnswerError
-from plugins.vlm.config import VlmConfig
-from plugins.vlm.ledger import Ledger
-from plugins.vlm.prompt import Prompt, data_url
-from plugins.vlm.tests.chat_server import (
+from roomkin.plugins.vlm.ask import Asker, NoAnswerError
+from roomkin.plugins.vlm.config import VlmConfig
+from roomkin.plugins.vlm.ledger import Ledger
+from roomkin.plugins.vlm.prompt import Prompt, data_url
+from roomkin.plugins.vlm.tests.chat_server import (
     KEY,
     Step,
     chooses,
@@ -29,7 +29,7 @@ from plugins.vlm.tests.chat_server import (
     serving,
     sleeps,
 )
-from stages.contracts import InputError
+from roomkin.stages.contracts import InputError
 from tests.refusals import refused
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from trimesh import Scene
 
-from stages.articulated.mesh_resolver import MeshResolver
+from roomkin.stages.articulated.mesh_resolver import MeshResolver
 
 
 def state_no_direction(path: Path) -> str:

@@ -11,10 +11,10 @@ import trimesh
 from numpy.typing import NDArray
 from trimesh import Scene
 
-from stages.articulated.mesh_files import MeshReader
-from stages.articulated.mesh_files.mtl import Material, materials_in
-from stages.articulated.mesh_files.polygons import triangles_of
-from stages.articulated.mesh_resolver import MeshResolver
+from roomkin.stages.articulated.mesh_files import MeshReader
+from roomkin.stages.articulated.mesh_files.mtl import Material, materials_in
+from roomkin.stages.articulated.mesh_files.polygons import triangles_of
+from roomkin.stages.articulated.mesh_resolver import MeshResolver
 
 FACES = re.compile(
     r"^[ \t]*f[ \t]+(?:(?:\S+[ \t]+){3,}\S|[^\n]*-\d)", re.MULTILINE

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.frames import ROUNDING
+from roomkin.stages.geometry.frames import ROUNDING
 
 Corners = NDArray[np.float64]
 Triangles = NDArray[np.int64]

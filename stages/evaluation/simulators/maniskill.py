@@ -1,5 +1,5 @@
 """ManiSkill, in which demonstrations are made, too."""
 
-from stages.tasks.api import EnvWrapper as Environment
+from roomkin.stages.tasks.api import EnvWrapper as Environment
 
 __all__ = ["Environment"]

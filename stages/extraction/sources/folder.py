@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.config.extraction import ExtractionConfig
-from stages.contracts.objects import DepthError
-from stages.extraction.noise import noisy_depth
-from stages.extraction.observation import EXACT, AnnotatedImage, read_folder
+from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.contracts.objects import DepthError
+from roomkin.stages.extraction.noise import noisy_depth
+from roomkin.stages.extraction.observation import EXACT, AnnotatedImage, read_folder
 
 
 def observe(folder: Path, options: ExtractionConfig, rng: np.random.Generator) -> AnnotatedImage:

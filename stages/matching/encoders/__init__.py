@@ -7,10 +7,10 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.matching import EncoderOptions
-from stages.geometry.crop import View
-from stages.matching.colors import color_weights, patch_colors
-from stages.plugins import load
+from roomkin.stages.config.matching import EncoderOptions
+from roomkin.stages.geometry.crop import View
+from roomkin.stages.matching.colors import color_weights, patch_colors
+from roomkin.stages.plugins import load
 
 STORED_COLUMNS = ["features", "position", "colour"]  # of a stored row
 EXTRA_COLUMNS = 5  # columns after the features: position (2), color (3)

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from stages.config.matching import MatchingConfig
-from stages.contracts import Objects
-from stages.contracts.objects import SceneObject
-from stages.geometry.crop import View
-from stages.matching.question import AbstainedError, Judge, Question
-from stages.matching.snapshots import Snapshots
-from stages.plugins import load
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts import Objects
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.geometry.crop import View
+from roomkin.stages.matching.question import AbstainedError, Judge, Question
+from roomkin.stages.matching.snapshots import Snapshots
+from roomkin.stages.plugins import load
 
 __all__ = ["AbstainedError", "Judge", "Judges", "Question"]
 

@@ -1,8 +1,8 @@
 """Judge `distance`: embedding distance (A.6, B.1)."""
 
-from stages.config.matching import MatchingConfig
-from stages.contracts.cousins import Candidate, Orientation
-from stages.matching.question import Question
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts.cousins import Candidate, Orientation
+from roomkin.stages.matching.question import Question
 
 
 class Judge:

@@ -1,8 +1,8 @@
 """Judge `votes`: votes of the patches (A.6, official code)."""
 
-from stages.config.matching import MatchingConfig
-from stages.contracts.cousins import Candidate, Orientation
-from stages.matching.question import Question
+from roomkin.stages.config.matching import MatchingConfig
+from roomkin.stages.contracts.cousins import Candidate, Orientation
+from roomkin.stages.matching.question import Question
 
 
 class Judge:

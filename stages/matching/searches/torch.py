@@ -5,7 +5,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from stages.matching.search import Backward, Rows
+from roomkin.stages.matching.search import Backward, Rows
 
 ONEDNN = torch.backends.mkldnn.is_available() and hasattr(torch.ops.mkldnn, "_linear_pointwise")
 BLOCK = 512  # query patches per product, which then stays in the cache until its minima are taken; chosen

@@ -6,8 +6,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.matching import CandidateOptions
-from stages.plugins import load
+from roomkin.stages.config.matching import CandidateOptions
+from roomkin.stages.plugins import load
 
 
 class TextEncoder(Protocol):

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.feature_extraction.text import TfidfVectorizer
 
-from stages.config.matching import CandidateOptions
-from stages.contracts.categories import known_categories
+from roomkin.stages.config.matching import CandidateOptions
+from roomkin.stages.contracts.categories import known_categories
 
 # Words for the same thing that are no category of the library, or head several: each counts as the first of its line.
 # Single words, singular. Those of one category are in its row (stages/contracts/categories).

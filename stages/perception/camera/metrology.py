@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import make_transform
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.frames import make_transform
 
 Points = NDArray[np.float64]
 HORIZON = 60.0  # heights of the camera: a floor point farther away lies at the horizon and says nothing

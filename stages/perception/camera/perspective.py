@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 from scipy.optimize import least_squares
 
-from stages.contracts.files import Contract
-from stages.contracts.types import Pixel
-from stages.geometry.frames import rotation_of, wrap_angle
-from stages.perception.camera.metrology import View
+from roomkin.stages.contracts.files import Contract
+from roomkin.stages.contracts.types import Pixel
+from roomkin.stages.geometry.frames import rotation_of, wrap_angle
+from roomkin.stages.perception.camera.metrology import View
 
 Points = NDArray[np.float64]
 Focal = Annotated[float, Field(gt=10, lt=1e5, allow_inf_nan=False)]

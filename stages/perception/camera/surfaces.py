@@ -8,11 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.cameras import back_project
-from stages.geometry.frames import transform_points
-from stages.geometry.gravity import CELLS, LEVEL, cell_normals
-from stages.geometry.levels import find_ground
-from stages.geometry.room_planes import GRAZING, PLANE_THRESHOLD, WALL_TILT, WallPlane, fit_wall, make_floor_frame
+from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.gravity import CELLS, LEVEL, cell_normals
+from roomkin.stages.geometry.levels import find_ground
+from roomkin.stages.geometry.room_planes import (
+    GRAZING,
+    PLANE_THRESHOLD,
+    WALL_TILT,
+    WallPlane,
+    fit_wall,
+    make_floor_frame,
+)
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

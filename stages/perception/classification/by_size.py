@@ -8,14 +8,14 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.categories import known_categories
-from stages.perception.camera.metrology import WallPlane
-from stages.perception.classification.names import ODD, Names, carries
-from stages.perception.classification.naming import FLAT_CATEGORIES
-from stages.perception.classification.propose import read_coco
-from stages.perception.layout import things as kinds
-from stages.perception.layout.ends import FLOOR as ON_FLOOR
-from stages.perception.layout.ends import (
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.perception.camera.metrology import WallPlane
+from roomkin.stages.perception.classification.names import ODD, Names, carries
+from roomkin.stages.perception.classification.naming import FLAT_CATEGORIES
+from roomkin.stages.perception.classification.propose import read_coco
+from roomkin.stages.perception.layout import things as kinds
+from roomkin.stages.perception.layout.ends import FLOOR as ON_FLOOR
+from roomkin.stages.perception.layout.ends import (
     LEGGED,
     Ends,
     Kind,
@@ -24,10 +24,10 @@ from stages.perception.layout.ends import (
     list_alone,
     usual_of,
 )
-from stages.perception.layout.fit import Item, choose_modes
-from stages.perception.layout.room import Arrangement, Room
-from stages.perception.layout.things import Candidate
-from stages.perception.layout.walls import NORMALS, measure_rectangle
+from roomkin.stages.perception.layout.fit import Item, choose_modes
+from roomkin.stages.perception.layout.room import Arrangement, Room
+from roomkin.stages.perception.layout.things import Candidate
+from roomkin.stages.perception.layout.walls import NORMALS, measure_rectangle
 
 Array = NDArray[np.float64]
 LOW = -0.15  # slope of a ray to the floor: what is farther is too far for a room; chosen

@@ -13,9 +13,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from stages.config.weights import CLIP, FOLDER, is_there
-from stages.geometry.crop import GREY
-from stages.geometry.masks import pixel_bounds
+from roomkin.stages.config.weights import CLIP, FOLDER, find_weights
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.geometry.crop import GREY
+from roomkin.stages.geometry.masks import pixel_bounds
 
 SIZE, PATCH, WIDTH, LAYERS, HEADS, EMBEDDED = 224, 16, 768, 12, 12, 512
 MEAN, SPREAD = (0.48145466, 0.4578275, 0.40821073), (0.26862954, 0.26130258, 0.27577711)
@@ -33,18 +34,19 @@ class QuickGelu(nn.Module):
 
 
 class Layer(nn.Module):
-    """Attention and a perceptron, each of what is normalised before it, and added to it."""
+    """A vision transformer's: attention and a perceptron, each of what is normalised before it, and added to it."""
 
-    def __init__(self) -> None:
+    def __init__(self, width: int, heads: int, activation: nn.Module, epsilon: float = 1e-5) -> None:
         super().__init__()
-        self.before = nn.LayerNorm(WIDTH)
-        self.inputs, self.out = nn.Linear(WIDTH, 3 * WIDTH), nn.Linear(WIDTH, WIDTH)
-        self.between = nn.LayerNorm(WIDTH)
-        self.mlp = nn.Sequential(nn.Linear(WIDTH, 4 * WIDTH), QuickGelu(), nn.Linear(4 * WIDTH, WIDTH))
+        self.heads = heads
+        self.before = nn.LayerNorm(width, epsilon)
+        self.inputs, self.out = nn.Linear(width, 3 * width), nn.Linear(width, width)
+        self.between = nn.LayerNorm(width, epsilon)
+        self.mlp = nn.Sequential(nn.Linear(width, 4 * width), activation, nn.Linear(4 * width, width))
 
     def forward(self, x: Tensor) -> Tensor:
-        """(B, T, WIDTH) -> the same."""
-        query, key, value = self.inputs(self.before(x)).unflatten(-1, (3, HEADS, -1)).permute(2, 0, 3, 1, 4)
+        """(B, T, width) -> the same."""
+        query, key, value = self.inputs(self.before(x)).unflatten(-1, (3, self.heads, -1)).permute(2, 0, 3, 1, 4)
         seen = nn.functional.scaled_dot_product_attention(query, key, value)
         x = x + self.out(seen.transpose(1, 2).flatten(2))
         return x + self.mlp(self.between(x))
@@ -59,7 +61,7 @@ class Tower(nn.Module):
         self.whole = nn.Parameter(torch.zeros(WIDTH))
         self.places = nn.Parameter(torch.zeros((SIZE // PATCH) ** 2 + 1, WIDTH))
         self.first, self.last = nn.LayerNorm(WIDTH), nn.LayerNorm(WIDTH)
-        self.layers = nn.Sequential(*(Layer() for _ in range(LAYERS)))
+        self.layers = nn.Sequential(*(Layer(WIDTH, HEADS, QuickGelu()) for _ in range(LAYERS)))
         self.project = nn.Linear(WIDTH, EMBEDDED, bias=False)
 
     def forward(self, x: Tensor) -> Tensor:
@@ -70,8 +72,12 @@ class Tower(nn.Module):
         return found
 
 
-def read_published(path: Path) -> dict[str, Tensor]:
-    """The weights of an ONNX file of the tower, whose layers are quantised to eight bits, by their published names."""
+def read_published(path: Path, part: str | tuple[str, ...] = "vision_model.") -> dict[str, Tensor]:
+    """The weights of an ONNX file's transformer, also of layers that are quantised to eight bits, by published names.
+
+    Args:
+        part: what the names of its weights begin with, but those of products.
+    """
     import onnx
     from onnx import numpy_helper
 
@@ -92,8 +98,10 @@ def read_published(path: Path) -> dict[str, Tensor]:
             result = next((node.output[0] for node in readers[result] if node.op_type in ("Cast", "Mul")), "")
         return "visual_projection.weight"
 
-    found = {name: value for name, value in held.items() if name.startswith("vision_model.")}
+    found = {name: value for name, value in held.items() if name.startswith(part)}
     for node in graph.node:
+        if node.op_type == "MatMul" and node.input[1] in held:
+            found[name_of(node.output[0])] = held[node.input[1]].T
         if node.op_type == "MatMulInteger":
             whole, zero = held[node.input[1]].astype(np.float32), held[node.input[3]].astype(np.float32)
             scale = held[node.input[1].replace("_quantized", "_scale")]
@@ -125,9 +133,16 @@ def fill(tower: Tower, published: dict[str, Tensor]) -> Tower:
 
 
 @cache
-def load_tower(path: Path = FOLDER / CLIP.name) -> Tower | None:
+def _read_tower(folder: Path) -> Tower:
+    return fill(Tower(), read_published(find_weights(CLIP, folder)))
+
+
+def load_tower(folder: Path = FOLDER) -> Tower | None:
     """The tower; None: its weights are not here."""
-    return fill(Tower(), read_published(path)) if is_there(CLIP, path.parent) else None
+    try:
+        return _read_tower(folder)
+    except InputError:
+        return None
 
 
 def show(rgb: Picture, mask: NDArray[np.bool_]) -> Picture:

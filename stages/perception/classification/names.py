@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.categories import known_categories
-from stages.contracts.category import log_extents
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.category import log_extents
 
 Array = NDArray[np.float64]
 

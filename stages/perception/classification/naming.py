@@ -7,10 +7,10 @@ from typing import Any
 import cv2
 import numpy as np
 
-from stages.contracts.categories import known_categories
-from stages.geometry.frames import yaw_matrix
-from stages.geometry.masks import look_below
-from stages.perception.classification.names import (
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.geometry.frames import yaw_matrix
+from roomkin.stages.geometry.masks import look_below
+from roomkin.stages.perception.classification.names import (
     ODD,
     UNMEASURED,
     UNSURE,
@@ -21,11 +21,11 @@ from stages.perception.classification.names import (
     may_carry,
     refuse_size,
 )
-from stages.perception.classification.propose import Observed, observe, propose_names
-from stages.perception.layout.ends import number_masks
-from stages.perception.segmentation.choosing import ON_WALL, Outlined, share
-from stages.perception.segmentation.proposal import Array, Mask, RoomView
-from stages.perception.segmentation.ssd import NAMES as COCO_CLASSES
+from roomkin.stages.perception.classification.propose import Observed, observe, propose_names
+from roomkin.stages.perception.layout.ends import number_masks
+from roomkin.stages.perception.segmentation.choosing import ON_WALL, Outlined, share
+from roomkin.stages.perception.segmentation.proposal import Array, Mask, RoomView
+from roomkin.stages.perception.segmentation.ssd import NAMES as COCO_CLASSES
 
 # What may be flat on a wall, and how likely each is, before its looks are seen; chosen.
 FLAT_CATEGORIES = {"picture": 0.5, "mirror": 0.2, "television": 0.1, "clock": 0.05, "radiator": 0.05, "curtain": 0.05}

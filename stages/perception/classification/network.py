@@ -7,7 +7,7 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
-from stages.contracts import InputError
+from roomkin.stages.contracts import InputError
 
 NUMBERS = 8  # that are told of a shape beside its points
 CENTERS, NEIGHBOURS = 64, 16  # neighbourhoods of a shape, and points of each; chosen

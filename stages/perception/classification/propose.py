@@ -12,15 +12,22 @@ import yaml
 from numpy.typing import NDArray
 from torch import nn
 
-from stages.contracts import InputError
-from stages.geometry.cameras import back_project
-from stages.geometry.crop import GREY
-from stages.geometry.frames import transform_points
-from stages.geometry.masks import pixel_bounds
-from stages.perception.classification.clip import EMBEDDED, embed, load_tower, show
-from stages.perception.classification.efficientnet import INSTALL, SIZE, Classifier, fill, published_file, to_input
-from stages.perception.classification.names import Names, Proposal
-from stages.perception.classification.network import ShapeNetwork, load_weights
+from roomkin.stages.contracts import InputError
+from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.crop import GREY
+from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.masks import pixel_bounds
+from roomkin.stages.perception.classification.clip import EMBEDDED, embed, load_tower, show
+from roomkin.stages.perception.classification.efficientnet import (
+    INSTALL,
+    SIZE,
+    Classifier,
+    fill,
+    published_file,
+    to_input,
+)
+from roomkin.stages.perception.classification.names import Names, Proposal
+from roomkin.stages.perception.classification.network import ShapeNetwork, load_weights
 
 Array = NDArray[np.float64]
 MARGIN = 1.15  # times the longer side of a mask's box that the classifier sees; chosen

@@ -6,21 +6,21 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.categories import find_usual_size, known_categories, sizes_of, usual_depth
-from stages.contracts.category import Category, find_category
-from stages.contracts.types import Pixel
-from stages.geometry.boxes import UprightBox, corners, front_corners
-from stages.geometry.frames import yaw_matrix
-from stages.geometry.masks import Mask, polygons
-from stages.perception.camera.metrology import CLICK, FLAT_DEPTH, MetrologyError, View, hang_box
-from stages.perception.classification.names import Names
-from stages.perception.drawing.project import Project
-from stages.perception.drawing.room import TURNS, area_of, mark_box
-from stages.perception.drawing.solve import Solved
-from stages.perception.layout.ends import FLOOR as ON_FLOOR
-from stages.perception.layout.ends import find_open, kind_of, measure_all, number_masks
-from stages.perception.layout.fit import CameraPrior, Item, place_things
-from stages.perception.layout.walls import measure_rectangle
+from roomkin.stages.contracts.categories import find_usual_size, known_categories, sizes_of, usual_depth
+from roomkin.stages.contracts.category import Category, find_category
+from roomkin.stages.contracts.types import Pixel
+from roomkin.stages.geometry.boxes import UprightBox, corners, front_corners
+from roomkin.stages.geometry.frames import yaw_matrix
+from roomkin.stages.geometry.masks import Mask, polygons
+from roomkin.stages.perception.camera.metrology import CLICK, FLAT_DEPTH, MetrologyError, View, hang_box
+from roomkin.stages.perception.classification.names import Names
+from roomkin.stages.perception.drawing.project import Project
+from roomkin.stages.perception.drawing.room import TURNS, area_of, mark_box
+from roomkin.stages.perception.drawing.solve import Solved
+from roomkin.stages.perception.layout.ends import FLOOR as ON_FLOOR
+from roomkin.stages.perception.layout.ends import find_open, kind_of, measure_all, number_masks
+from roomkin.stages.perception.layout.fit import CameraPrior, Item, place_things
+from roomkin.stages.perception.layout.walls import measure_rectangle
 
 Array = NDArray[np.float64]
 DEPTH_TOLD = 0.3  # logarithm of a change of depth that an outline tells if it moves it by a `CLICK`; chosen

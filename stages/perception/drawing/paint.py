@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from stages.contracts.types import LARGEST
-from stages.geometry.boxes import UprightBox, corners, distances_along
-from stages.geometry.frames import yaw_matrix
-from stages.geometry.masks import Mask, polygons
-from stages.perception.camera.metrology import DRAWING_ERROR, View
-from stages.perception.drawing.project import DrawnObject, Project
-from stages.perception.drawing.solve import Solved
+from roomkin.stages.contracts.types import LARGEST
+from roomkin.stages.geometry.boxes import UprightBox, corners, distances_along
+from roomkin.stages.geometry.frames import yaw_matrix
+from roomkin.stages.geometry.masks import Mask, polygons
+from roomkin.stages.perception.camera.metrology import DRAWING_ERROR, View
+from roomkin.stages.perception.drawing.project import DrawnObject, Project
+from roomkin.stages.perception.drawing.solve import Solved
 
 SPARSE = 4  # every so many pixels tell what is seen of a drawing: it is asked for with every movement
 Depth = NDArray[np.float64]

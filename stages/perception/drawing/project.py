@@ -4,12 +4,12 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from stages.contracts.errors import InputError
-from stages.contracts.files import Contract, Document
-from stages.contracts.fronts import Panel
-from stages.contracts.things import Found
-from stages.contracts.types import Id, Length, Outline, Panels, Pixel, Side, Text, check_unique
-from stages.perception.camera.perspective import Perspective
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import Contract, Document
+from roomkin.stages.contracts.fronts import Panel
+from roomkin.stages.contracts.things import Found
+from roomkin.stages.contracts.types import Id, Length, Outline, Panels, Pixel, Side, Text, check_unique
+from roomkin.stages.perception.camera.perspective import Perspective
 
 
 class Scale(Contract):

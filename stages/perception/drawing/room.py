@@ -8,19 +8,19 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.parts import says_opening
-from stages.contracts.types import LARGEST, Pixel
-from stages.geometry.boxes import UprightBox, front_corners
-from stages.geometry.masks import outline_pieces
-from stages.perception.camera.metrology import CLICK, MetrologyError, View, WallPlane
-from stages.perception.camera.perspective import fit_view, horizon
-from stages.perception.classification.names import Names
-from stages.perception.drawing.project import DrawnObject, DrawnWall, Guess, Project, Scale
-from stages.perception.drawing.solve import UNSURE, Solved
-from stages.perception.drawing.usual import describe_odd
-from stages.perception.layout.room import Room
-from stages.perception.layout.walls import end_walls
-from stages.perception.write import tell_names
+from roomkin.stages.contracts.parts import says_opening
+from roomkin.stages.contracts.types import LARGEST, Pixel
+from roomkin.stages.geometry.boxes import UprightBox, front_corners
+from roomkin.stages.geometry.masks import outline_pieces
+from roomkin.stages.perception.camera.metrology import CLICK, MetrologyError, View, WallPlane
+from roomkin.stages.perception.camera.perspective import fit_view, horizon
+from roomkin.stages.perception.classification.names import Names
+from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Guess, Project, Scale
+from roomkin.stages.perception.drawing.solve import UNSURE, Solved
+from roomkin.stages.perception.drawing.usual import describe_odd
+from roomkin.stages.perception.layout.room import Room
+from roomkin.stages.perception.layout.walls import end_walls
+from roomkin.stages.perception.write import tell_names
 
 Array = NDArray[np.float64]
 REACH = 8.0  # metres of a wall to either side that are drawn

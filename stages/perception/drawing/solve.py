@@ -5,13 +5,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.categories import usual_depth
-from stages.contracts.depth import NEAREST
-from stages.contracts.doubt import Doubt
-from stages.contracts.types import LARGEST, Pixel
-from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import yaw_matrix
-from stages.perception.camera.metrology import (
+from roomkin.stages.contracts.categories import usual_depth
+from roomkin.stages.contracts.depth import NEAREST
+from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.types import LARGEST, Pixel
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.frames import yaw_matrix
+from roomkin.stages.perception.camera.metrology import (
     DRAWING_ERROR,
     FLAT_DEPTH,
     MetrologyError,
@@ -23,9 +23,9 @@ from stages.perception.camera.metrology import (
     round_box,
     wall_plane,
 )
-from stages.perception.camera.perspective import fit_view
-from stages.perception.drawing.project import DrawnObject, Project, Scale
-from stages.perception.drawing.usual import (
+from roomkin.stages.perception.camera.perspective import fit_view
+from roomkin.stages.perception.drawing.project import DrawnObject, Project, Scale
+from roomkin.stages.perception.drawing.usual import (
     CAMERA_HEIGHT,
     Sides,
     camera_factor,
@@ -33,7 +33,7 @@ from stages.perception.drawing.usual import (
     find_usual_size,
     is_edge_marked,
 )
-from stages.perception.layout.walls import end_walls
+from roomkin.stages.perception.layout.walls import end_walls
 
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 NEAREST_GUESSED = 0.2  # likewise, where nobody drew how deep that is

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stages.contracts.categories import known_categories, sizes_of
-from stages.contracts.category import USUAL_SPREAD, describe_unusual, find_category
-from stages.geometry.boxes import UprightBox
-from stages.perception.camera.metrology import DRAWING_ERROR
-from stages.perception.drawing.project import DrawnObject, Project
+from roomkin.stages.contracts.categories import known_categories, sizes_of
+from roomkin.stages.contracts.category import USUAL_SPREAD, describe_unusual, find_category
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.perception.camera.metrology import DRAWING_ERROR
+from roomkin.stages.perception.drawing.project import DrawnObject, Project
 
 CAMERA_HEIGHT = 1.5  # metres: assumed height of a camera whose height is unknown
 SURE = np.log(1.1)  # a person who stands holds a camera 1.35 to 1.65 m high: CAMERA_HEIGHT is never better than that

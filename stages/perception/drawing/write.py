@@ -7,24 +7,24 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.recordings import name_picture
-from stages.contracts import Annotations, Camera, InputError, write_json
-from stages.contracts.hand import PROJECT
-from stages.contracts.images import color_of
-from stages.contracts.objects import Box, object_ids
-from stages.contracts.scene_input import write_scene_input
-from stages.contracts.scenes import Annotation
-from stages.contracts.things import THINGS, Found, Thing, Things
-from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import invert_transform, round_vector, transform_points, wrap_angle, yaw_of_matrix
-from stages.geometry.masks import polygons
-from stages.geometry.room_planes import STRAY, Plane, make_floor_frame
-from stages.perception.camera.metrology import View
-from stages.perception.drawing.paint import SPARSE, paint
-from stages.perception.drawing.project import DrawnObject, Project
-from stages.perception.drawing.solve import Solved, solve
-from stages.perception.read.frame import is_stretched
-from stages.perception.write import check_folder, doubt_name, is_clone, write_config
+from roomkin.stages.config.recordings import name_picture
+from roomkin.stages.contracts import Annotations, Camera, InputError, write_json
+from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.contracts.images import color_of
+from roomkin.stages.contracts.objects import Box, object_ids
+from roomkin.stages.contracts.scene_input import write_scene_input
+from roomkin.stages.contracts.scenes import Annotation
+from roomkin.stages.contracts.things import THINGS, Found, Thing, Things
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.frames import invert_transform, round_vector, transform_points, wrap_angle, yaw_of_matrix
+from roomkin.stages.geometry.masks import polygons
+from roomkin.stages.geometry.room_planes import STRAY, Plane, make_floor_frame
+from roomkin.stages.perception.camera.metrology import View
+from roomkin.stages.perception.drawing.paint import SPARSE, paint
+from roomkin.stages.perception.drawing.project import DrawnObject, Project
+from roomkin.stages.perception.drawing.solve import Solved, solve
+from roomkin.stages.perception.read.frame import is_stretched
+from roomkin.stages.perception.write import check_folder, doubt_name, is_clone, write_config
 
 DRAWING = "drawing"  # what proposes the things of a drawing
 SIDES = ("right", "rear", "left", "front")  # of a drawn box, counter-clockwise from its x axis

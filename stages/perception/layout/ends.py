@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.categories import known_categories
-from stages.contracts.category import Category, SizeSpread, find_category
-from stages.perception.classification.names import CARRIERS
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.contracts.category import Category, SizeSpread, find_category
+from roomkin.stages.perception.classification.names import CARRIERS
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

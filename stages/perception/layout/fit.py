@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.sparse import csr_array
 
-from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import rotation_of
-from stages.geometry.robust import UNUSUAL
-from stages.perception.camera.metrology import View
-from stages.perception.camera.perspective import (
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.frames import rotation_of
+from roomkin.stages.geometry.robust import UNUSUAL
+from roomkin.stages.perception.camera.metrology import View
+from roomkin.stages.perception.camera.perspective import (
     AXES,
     SURE,
     USUAL,
@@ -27,8 +27,8 @@ from stages.perception.camera.perspective import (
     measure_misses,
     weigh_residuals,
 )
-from stages.perception.classification.names import ODD
-from stages.perception.layout.ends import Item
+from roomkin.stages.perception.classification.names import ODD
+from roomkin.stages.perception.layout.ends import Item
 
 Array = NDArray[np.float64]
 HEIGHT = float(np.log(1.4)), 0.2  # mean and deviation of the logarithm of a camera's height above the floor, metres

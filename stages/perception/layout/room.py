@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import approx_fprime
 
-from stages.geometry.boxes import UprightBox
-from stages.perception.camera.metrology import View, WallPlane
-from stages.perception.camera.perspective import Perspective, fit_view, propose, usual_focal
-from stages.perception.classification.names import UNMEASURED
-from stages.perception.layout.ends import NOWHERE, WALL, Kind, Mask, list_items
-from stages.perception.layout.fit import (
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.perception.camera.metrology import View, WallPlane
+from roomkin.stages.perception.camera.perspective import Perspective, fit_view, propose, usual_focal
+from roomkin.stages.perception.classification.names import UNMEASURED
+from roomkin.stages.perception.layout.ends import NOWHERE, WALL, Kind, Mask, list_items
+from roomkin.stages.perception.layout.fit import (
     HEIGHT,
     Array,
     CameraPrior,
@@ -24,7 +24,7 @@ from stages.perception.layout.fit import (
     fit_measurable,
     measure_camera,
 )
-from stages.perception.layout.walls import hang_things
+from roomkin.stages.perception.layout.walls import hang_things
 
 STEP = 1e-6  # of the numbers of a state, by which slopes are measured
 TOGETHER = 1.3  # of the height's spread: sizes of one room err together, which the fit does not know; chosen on `work`

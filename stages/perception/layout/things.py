@@ -10,15 +10,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.perception import OutlineSection
-from stages.contracts import InputError
-from stages.perception.camera.surfaces import Surfaces
-from stages.perception.classification.names import ODD, Names
-from stages.perception.classification.propose import observe_looks, propose_names
-from stages.perception.layout.ends import measure_all, number_masks
-from stages.perception.segmentation.choosing import KNOWN, Outlined, choose
-from stages.perception.segmentation.mobile_sam import INPUT
-from stages.perception.segmentation.proposal import RoomView, list_proposals
+from roomkin.stages.config.perception import OutlineSection
+from roomkin.stages.contracts import InputError
+from roomkin.stages.perception.camera.surfaces import Surfaces
+from roomkin.stages.perception.classification.names import ODD, Names
+from roomkin.stages.perception.classification.propose import observe_looks, propose_names
+from roomkin.stages.perception.layout.ends import measure_all, number_masks
+from roomkin.stages.perception.segmentation.choosing import KNOWN, Outlined, choose
+from roomkin.stages.perception.segmentation.mobile_sam import INPUT
+from roomkin.stages.perception.segmentation.proposal import RoomView, list_proposals
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.types import Pixel
-from stages.geometry.boxes import UprightBox, corners
-from stages.perception.camera.metrology import FLAT_DEPTH, View, WallPlane, hang_box
-from stages.perception.camera.perspective import find_segments
-from stages.perception.layout.ends import WALL, Kind, Mask
+from roomkin.stages.contracts.types import Pixel
+from roomkin.stages.geometry.boxes import UprightBox, corners
+from roomkin.stages.perception.camera.metrology import FLAT_DEPTH, View, WallPlane, hang_box
+from roomkin.stages.perception.camera.perspective import find_segments
+from roomkin.stages.perception.layout.ends import WALL, Kind, Mask
 
 Array = NDArray[np.float64]
 STEP = 0.02  # metres between offsets that are tried

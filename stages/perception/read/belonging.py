@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import correlate1d, distance_transform_edt
 
-from stages.contracts import InputError
+from roomkin.stages.contracts import InputError
 
 WIDTH = 640  # pixels at most of what is compared; larger frames are made smaller
 STEP = 0.03  # share of the distance

@@ -9,9 +9,9 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from stages.contracts import InputError
-from stages.contracts.arrays import explain_unreadable, read_npz
-from stages.contracts.files import decode_file
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.arrays import explain_unreadable, read_npz
+from roomkin.stages.contracts.files import decode_file
 
 KNOWS = "a file with fx, fy, cx, cy or a 3x3 matrix (JSON, YAML, text, NPY), see docs/your-data.md"
 # Keys under which files nest the color camera; a later one counts more.

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.recordings import FIELD_OF_VIEW, FIELDS_OF_VIEW
-from stages.contracts import InputError
-from stages.contracts.errors import suggest_nearest
-from stages.contracts.types import check_view
-from stages.geometry.cameras import make_intrinsics, scale_intrinsics
-from stages.perception.read.camera_files import ANGLE, CORNER, FOCAL, KNOWS, MATRICES, find_first, matrix_of
-from stages.perception.read.frame import is_stretched
+from roomkin.stages.config.recordings import FIELD_OF_VIEW, FIELDS_OF_VIEW
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.errors import suggest_nearest
+from roomkin.stages.contracts.types import check_view
+from roomkin.stages.geometry.cameras import make_intrinsics, scale_intrinsics
+from roomkin.stages.perception.read.camera_files import ANGLE, CORNER, FOCAL, KNOWS, MATRICES, find_first, matrix_of
+from roomkin.stages.perception.read.frame import is_stretched
 
 Matrix = NDArray[np.float64]
 DOWN = ("fy", "fycolor", "fyrgb", "focallengthy")

@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageOps
 
-from stages.config.recordings import DEPTH_FILES, DEPTH_IMAGES
-from stages.contracts import InputError
-from stages.contracts.arrays import explain_unreadable
-from stages.contracts.depth import NEAREST, SKY, check_depth
-from stages.contracts.images import read_masks
-from stages.contracts.types import LARGEST
-from stages.geometry.depth_marks import MIN_PIXELS, MIN_VALUES, count_values, find_marks, remove_marks
-from stages.perception.read.depth_scale import UNITS, Stated, find_scale
-from stages.perception.read.numpy_files import read_array
+from roomkin.stages.config.recordings import DEPTH_FILES, DEPTH_IMAGES
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.depth import NEAREST, SKY, check_depth
+from roomkin.stages.contracts.images import read_masks
+from roomkin.stages.contracts.types import LARGEST
+from roomkin.stages.geometry.depth_marks import MIN_PIXELS, MIN_VALUES, count_values, find_marks, remove_marks
+from roomkin.stages.perception.read.depth_scale import UNITS, Stated, find_scale
+from roomkin.stages.perception.read.numpy_files import read_array
 
 # Chosen; what they find on frames of cameras is in docs/results/your-data.md.
 CUT_TIMES, CUT_SHARE = 20, 0.002  # times the pixels of any nearby value, and share of all, at the end of the range

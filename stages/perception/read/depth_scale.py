@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.contracts import InputError
-from stages.contracts.depth import NEAREST
-from stages.contracts.types import LARGEST
-from stages.perception.read.camera_files import load, simplify_name
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.depth import DEPTH_UNITS, NEAREST, UNSTRETCH
+from roomkin.stages.contracts.types import LARGEST
+from roomkin.stages.perception.read.camera_files import load, simplify_name
 
 PER_METRE, METRES, MILLIMETRES, MICROMETRES = "units to a metre", "metres a unit", "mm a unit", "micrometres a unit"
 ANY = (PER_METRE, METRES, MILLIMETRES)
@@ -38,7 +38,10 @@ WORDS = {"m": 1.0, "meter": 1.0, "metre": 1.0, "dm": 10.0, "cm": 100.0, "centime
 MIN_SCALE = 100.0  # units to a metre: what is called `scale` alone is at least that; chosen
 MAX_BYTES, MAX_FILES = 100_000, 50  # of a file, and of a folder, that are looked at; chosen
 UNITS = {"m": 1.0, "mm": 1000.0}
-USUAL_MEDIAN = 6.0  # metres: frames of depth cameras have less; more in millimetres is mostly another unit; chosen
+USUAL_NEAREST, USUAL_MEDIAN = (
+    0.5,
+    6.0,
+)  # metres: frames of depth cameras have less; more in millimetres is mostly another unit; chosen
 
 
 @dataclass(frozen=True)
@@ -180,9 +183,19 @@ def _judge_by_median(path: Path, known: NDArray[Any], median: float) -> float:
     if 1000 * NEAREST <= median <= 1000 * USUAL_MEDIAN:
         return UNITS["mm"]
     what = f"has the median {median:.3g}, which is neither metres nor millimetres of a room."
+    if known.max() <= 1 or (whole and 1000 * LARGEST < median <= np.iinfo(np.uint16).max):
+        scaled = " times 65535" if whole else ""
+        what += f" A z-buffer{scaled}, also one from far to near, and stretched depth have such values."
+        fix = UNSTRETCH
     if 1000 * USUAL_MEDIAN < median <= 1000 * LARGEST:
-        what = f"has the median {median:g}: {median / 1000:.3g} m in millimetres, {median / 5000:.3g} m in 1/5000 m."
-        fix = "say which it is: --unit mm, --unit 5000, or the number that stands for one metre"
+        units = [scale for scale in DEPTH_UNITS if scale > 1000 and median / scale >= USUAL_NEAREST]
+        could = [
+            f"{median / 1000:.3g} m in millimetres",
+            *(f"{median / scale:.3g} m in 1/{scale:g} m" for scale in units),
+        ]
+        what = f"has the median {median:g}: {', '.join(could)}."
+        flags = ", ".join(f"--unit {unit}" for unit in ("mm", *map("{:g}".format, units)))
+        fix = f"say which it is: {flags}, or the number that stands for one metre"
     raise InputError(path, what, fix, code="E-DEPTH-UNIT")
 
 

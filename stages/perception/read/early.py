@@ -4,18 +4,18 @@ from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
 
-from stages.config.experiment import ExperimentConfig
-from stages.config.pictures import Picture
-from stages.contracts.depth import read_depth
-from stages.contracts.files import read_json
-from stages.contracts.images import open_picture
-from stages.contracts.scenes import Annotations, Camera
-from stages.perception.drawing.project import Project
-from stages.perception.read.depth_files import read_raw
-from stages.perception.read.frame import check_upright
-from stages.perception.read.mask_files import read_labelled
-from stages.perception.read.photo import check_photo
-from stages.perception.read.views import View, choose_camera, find_view
+from roomkin.stages.config.experiment import ExperimentConfig
+from roomkin.stages.config.pictures import Picture
+from roomkin.stages.contracts.depth import read_depth
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.images import open_picture
+from roomkin.stages.contracts.scenes import Annotations, Camera
+from roomkin.stages.perception.drawing.project import Project
+from roomkin.stages.perception.read.depth_files import read_raw
+from roomkin.stages.perception.read.frame import check_upright
+from roomkin.stages.perception.read.mask_files import read_labelled
+from roomkin.stages.perception.read.photo import check_photo
+from roomkin.stages.perception.read.views import View, choose_camera, find_view
 
 
 def check_pictures(experiment: ExperimentConfig) -> None:

@@ -10,12 +10,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError
-from stages.contracts.doubt import Doubt
-from stages.contracts.images import orientation_of
-from stages.contracts.words import plain_letters
-from stages.geometry.cameras import scale_intrinsics
-from stages.perception.classification.names import Proposal
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.images import orientation_of
+from roomkin.stages.contracts.words import plain_letters
+from roomkin.stages.geometry.cameras import scale_intrinsics
+from roomkin.stages.perception.classification.names import Proposal
 
 TILT = 75.0  # degrees: largest angle between image-up and the ground's normal, as cameras look down at tables; chosen
 LONGEST_SIDE = 1600  # pixels of a picture; larger ones are made smaller; chosen for time

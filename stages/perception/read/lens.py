@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError
-from stages.geometry.cameras import make_intrinsics
-from stages.perception.read.camera_files import contents, find_first, has_camera, simplify_name
-from stages.perception.read.cameras import Matrix, find_intrinsics
-from stages.perception.read.frame import Frame
+from roomkin.stages.contracts import InputError
+from roomkin.stages.geometry.cameras import make_intrinsics
+from roomkin.stages.perception.read.camera_files import contents, find_first, has_camera, simplify_name
+from roomkin.stages.perception.read.cameras import Matrix, find_intrinsics
+from roomkin.stages.perception.read.frame import Frame
 
 COEFFICIENTS = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")  # in OpenCV's order
 LISTS = ("distortioncoefficients", "distortioncoeffs", "distcoeffs", "distcoeff", "distcoefs", "distcoef",

@@ -1,22 +1,25 @@
 """Read masks with labels: by the file's kind, JSON of several tools, and label images."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError
-from stages.contracts.arrays import explain_unreadable
-from stages.contracts.files import decode_file
-from stages.contracts.images import read_masks, read_upright
-from stages.perception.read.frame import Labelled, surface_of
-from stages.perception.read.mask_json import read_coco, read_labelme
-from stages.perception.read.mask_names import NAMES_OPTION, choose_named, read_names
-from stages.perception.read.mask_outlines import OUTLINES, read_folder, read_yolo
-from stages.perception.read.mask_shapes import NO_PIXELS, check_size, lay_shapes, list_remarks
-from stages.perception.read.numpy_files import ARRAYS, read_array
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.categories import category_in, known_categories
+from roomkin.stages.contracts.category import find_category
+from roomkin.stages.contracts.files import decode_file
+from roomkin.stages.contracts.images import read_masks, read_upright
+from roomkin.stages.perception.read.frame import Labelled, surface_of
+from roomkin.stages.perception.read.mask_json import read_coco, read_labelme
+from roomkin.stages.perception.read.mask_names import NAMES_OPTION, choose_named, read_names
+from roomkin.stages.perception.read.mask_outlines import OUTLINES, read_folder, read_yolo
+from roomkin.stages.perception.read.mask_shapes import NO_PIXELS, check_size, lay_shapes, list_remarks
+from roomkin.stages.perception.read.numpy_files import ARRAYS, read_array
 
 OWN_NAMES = ("class_name", "category_name", "label", "phrase")  # of an annotation, in the place of a category's number
 SIZES = ("img_width", "img_height", "image_width", "image_height", "width", "height")
@@ -47,7 +50,17 @@ def read_labelled(path: Path, labels: Path | None, width: int, height: int, pict
         masks = read_label_image(path, labels, width, height)
     if nothing := [(label, "is nothing to place") for label in masks.labels.values() if surface_of(label) == "nothing"]:
         print(f"{path}: left out: {list_remarks(nothing)}")
-    return masks
+    return translate_labels(path, masks)
+
+
+def translate_labels(path: Path, masks: Labelled) -> Labelled:
+    """Masks whose names of things in other languages are those of our categories. Prints them."""
+    categories = known_categories()
+    strange = {label for label in masks.labels.values() if not (surface_of(label) or find_category(label, categories))}
+    meant = {label: category for label in sorted(strange) if (category := category_in(label))}
+    if meant:
+        print(f"{path}: names read as ours: {', '.join(f'{label}: {category}' for label, category in meant.items())}")
+    return replace(masks, labels={number: meant.get(label, label) for number, label in masks.labels.items()})
 
 
 def _read_json(path: Path, labels: Path | None, width: int, height: int, picture: str) -> Labelled:

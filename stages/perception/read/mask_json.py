@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from stages.contracts import InputError
-from stages.contracts.arrays import explain_unreadable
-from stages.contracts.errors import explain
-from stages.geometry.masks import OUTLINE
-from stages.perception.read.mask_shapes import (
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.errors import explain
+from roomkin.stages.geometry.masks import OUTLINE
+from roomkin.stages.perception.read.mask_shapes import (
     WHOLE_BOX,
     Mask,
     Shape,

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from stages.contracts import InputError
-from stages.contracts.arrays import explain_unreadable
-from stages.contracts.files import decode_file
-from stages.perception.read.camera_files import parse_yaml
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.files import decode_file
+from roomkin.stages.perception.read.camera_files import parse_yaml
 
 NAMES_OPTION = '--labels with {"1": "mug", "2": "floor"}, or {"#ff0000": "mug"} for a picture in colors'
 LISTED = 8  # numbers without a name that are told; chosen

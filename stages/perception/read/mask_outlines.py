@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.contracts import InputError
-from stages.contracts.arrays import explain_unreadable
-from stages.contracts.files import decode_file
-from stages.contracts.images import read_masks
-from stages.perception.read.frame import Labelled
-from stages.perception.read.mask_names import choose_named, read_names
-from stages.perception.read.mask_shapes import (
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.files import decode_file
+from roomkin.stages.contracts.images import read_masks
+from roomkin.stages.perception.read.frame import Labelled
+from roomkin.stages.perception.read.mask_names import choose_named, read_names
+from roomkin.stages.perception.read.mask_shapes import (
     FARTHEST_OUT,
     WHOLE_BOX,
     Mask,

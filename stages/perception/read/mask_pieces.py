@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_opening, correlate1d, distance_transform_edt, find_objects, minimum_filter
 from scipy.sparse.csgraph import connected_components
 
-from stages.contracts.doubt import DoubtKind
-from stages.geometry.cameras import PointMap
-from stages.geometry.room_planes import STRAY, fit_plane, scale_threshold
-from stages.perception.read.frame import Frame, surface_of
+from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.geometry.cameras import PointMap
+from roomkin.stages.geometry.room_planes import STRAY, fit_plane, scale_threshold
+from roomkin.stages.perception.read.frame import Frame, surface_of
 
 # Chosen.
 LARGE_SHARE, LARGE_PIXELS = 0.1, 40  # of the largest piece, and pixels: what is smaller belongs to the nearest piece

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError
-from stages.contracts.arrays import MAX_BYTES
-from stages.geometry.masks import polygon
-from stages.perception.read.frame import Labelled
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.arrays import MAX_BYTES
+from roomkin.stages.geometry.masks import polygon
+from roomkin.stages.perception.read.frame import Labelled
 
 Mask = NDArray[np.bool_]
 NO_PIXELS = "has no pixels"

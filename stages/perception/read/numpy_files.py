@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError
-from stages.contracts.arrays import read_npz
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.arrays import read_npz
 
 ARRAYS = (".npy", ".npz")
 

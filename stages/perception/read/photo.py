@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from PIL import Image
 from PIL.ExifTags import IFD, Base
 
-from stages.config.perception import CameraSection
-from stages.contracts.errors import InputError, explain
-from stages.contracts.files import check_file
-from stages.contracts.hand import digest_of_image
-from stages.contracts.images import check_shown, open_picture, read_rgb, to_srgb
-from stages.geometry.cameras import scale_intrinsics
-from stages.perception.read.frame import LONGEST_SIDE, is_stretched
-from stages.perception.read.lens import CALIBRATION, read_lens, straighten_picture
+from roomkin.stages.config.perception import CameraSection
+from roomkin.stages.contracts.errors import InputError, explain
+from roomkin.stages.contracts.files import check_file
+from roomkin.stages.contracts.hand import digest_of_image
+from roomkin.stages.contracts.images import check_shown, open_picture, read_rgb, to_srgb
+from roomkin.stages.geometry.cameras import scale_intrinsics
+from roomkin.stages.perception.read.frame import LONGEST_SIDE, is_stretched
+from roomkin.stages.perception.read.lens import CALIBRATION, read_lens, straighten_picture
 
 WIDEST = 2.4  # of a picture's sides: a panorama has no single perspective
 # Of pictures of all directions, made this wide, where noise is gone. None of 4690 crops of photographs is so; chosen.

@@ -8,24 +8,24 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.config.recordings import COLOR, is_tum, list_folders, list_frames
-from stages.contracts import InputError
-from stages.contracts.depth import DOWN, TURN, check_turned
-from stages.contracts.hand import digest_of_image
-from stages.contracts.images import check_shown, read_rgb
-from stages.geometry.cameras import back_project, make_intrinsics, scale_intrinsics
-from stages.geometry.ray_depth import along_axis, find_flatter
-from stages.geometry.room_planes import fit_floor
-from stages.perception.read.belonging import doubt_depth
-from stages.perception.read.camera_files import KNOWS
-from stages.perception.read.cameras import check_intrinsics, intrinsics_of_camera, intrinsics_of_view
-from stages.perception.read.depth_files import convert_to_metres, read_raw, remove_unsure
-from stages.perception.read.depth_scale import find_stated_units
-from stages.perception.read.frame import TILT, Frame, check_upright, fit_frame, surface_of
-from stages.perception.read.lens import Lens, read_lens, straighten_frame
-from stages.perception.read.mask_files import read_labelled
-from stages.perception.read.mask_pieces import doubt_surfaces, split_values
-from stages.perception.read.mask_shapes import list_remarks
+from roomkin.stages.config.recordings import COLOR, is_tum, list_folders, list_frames
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.depth import DOWN, TURN, check_turned
+from roomkin.stages.contracts.hand import digest_of_image
+from roomkin.stages.contracts.images import check_shown, read_rgb
+from roomkin.stages.geometry.cameras import back_project, make_intrinsics, scale_intrinsics
+from roomkin.stages.geometry.ray_depth import along_axis, find_flatter
+from roomkin.stages.geometry.room_planes import fit_floor
+from roomkin.stages.perception.read.belonging import doubt_depth
+from roomkin.stages.perception.read.camera_files import KNOWS
+from roomkin.stages.perception.read.cameras import check_intrinsics, intrinsics_of_camera, intrinsics_of_view
+from roomkin.stages.perception.read.depth_files import convert_to_metres, read_raw, remove_unsure
+from roomkin.stages.perception.read.depth_scale import find_stated_units
+from roomkin.stages.perception.read.frame import TILT, Frame, check_upright, fit_frame, surface_of
+from roomkin.stages.perception.read.lens import Lens, read_lens, straighten_frame
+from roomkin.stages.perception.read.mask_files import read_labelled
+from roomkin.stages.perception.read.mask_pieces import doubt_surfaces, split_values
+from roomkin.stages.perception.read.mask_shapes import list_remarks
 
 CameraReader = Callable[[int, int, str], Lens]  # the camera of a picture of this width, height and file name
 

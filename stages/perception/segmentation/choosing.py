@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from stages.perception.camera.surfaces import NOISE
-from stages.perception.segmentation.proposal import Array, Mask, Proposal, RoomView
+from roomkin.stages.perception.camera.surfaces import NOISE
+from roomkin.stages.perception.segmentation.proposal import Array, Mask, Proposal, RoomView
 
 KNOWN = 0.3  # least score of a class of COCO from which on its outline comes first; chosen
 MIN_PIXELS = 25  # of an outline, whose picture has a longer side of 256; chosen

@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 from torch import Tensor, nn
 
-from stages.config.perception import OutlineSection
-from stages.config.weights import MOBILE_SAM, find_weights
-from stages.contracts import InputError
-from stages.perception.segmentation.decoder import SIDE, MaskDecoder, PromptEncoder
-from stages.perception.segmentation.proposal import Mask, Proposal, RoomView
-from stages.perception.segmentation.tiny_vit import TinyViT
+from roomkin.stages.config.perception import OutlineSection
+from roomkin.stages.config.weights import MOBILE_SAM, find_weights
+from roomkin.stages.contracts import InputError
+from roomkin.stages.perception.segmentation.decoder import SIDE, MaskDecoder, PromptEncoder
+from roomkin.stages.perception.segmentation.proposal import Mask, Proposal, RoomView
+from roomkin.stages.perception.segmentation.tiny_vit import TinyViT
 
 INPUT = 1024  # pixels of the longer side, as trained
 GRID = 4  # pixels of the input per pixel of a mask

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from stages.config.perception import OutlineSection
-from stages.perception.camera.surfaces import NOISE
-from stages.perception.segmentation.proposal import Array, Mask, Proposal, RoomView
+from roomkin.stages.config.perception import OutlineSection
+from roomkin.stages.perception.camera.surfaces import NOISE
+from roomkin.stages.perception.segmentation.proposal import Array, Mask, Proposal, RoomView
 
 REACH = 4  # pixels of an outline to either side, between which normals are measured and compared; chosen
 JUMP = 0.01  # metres, more than the noise, by which depth jumps between two things; chosen

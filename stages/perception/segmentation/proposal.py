@@ -9,12 +9,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.perception import OutlineSection
-from stages.perception.camera.surfaces import Surfaces
-from stages.plugins import load
+from roomkin.stages.config.perception import OutlineSection
+from roomkin.stages.perception.camera.surfaces import Surfaces
+from roomkin.stages.plugins import load
 
 if TYPE_CHECKING:
-    from stages.perception.segmentation.mobile_sam import Embedded
+    from roomkin.stages.perception.segmentation.mobile_sam import Embedded
 
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ class RoomView:
     @cached_property
     def embedded(self) -> "Embedded":
         """The picture as MobileSAM sees it."""
-        from stages.perception.segmentation.mobile_sam import MobileSam
+        from roomkin.stages.perception.segmentation.mobile_sam import MobileSam
 
         return MobileSam().embed(self.rgb)
 

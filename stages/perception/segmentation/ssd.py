@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.perception import OutlineSection
-from stages.config.weights import FOLDER, SSD, SSD_GRAPH, find_weights
-from stages.perception.segmentation.proposal import Proposal, RoomView
+from roomkin.stages.config.perception import OutlineSection
+from roomkin.stages.config.weights import FOLDER, SSD, SSD_GRAPH, find_weights
+from roomkin.stages.perception.segmentation.proposal import Proposal, RoomView
 
 SIDE = 300  # pixels of the square input, as trained
 MIN_SCORE = 0.3  # score of a box; chosen: as the trials of COCO's boxes on real frames

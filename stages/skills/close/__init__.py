@@ -1,8 +1,8 @@
 """The Close skill: as Open, with start and end of the joint's path reversed (paper A.4)."""
 
-from stages.simulation.target import Target
-from stages.skills.articulate import ArticulateSkill
-from stages.tasks.base_placement import CLOSED
+from roomkin.stages.simulation.target import Target
+from roomkin.stages.skills.articulate import ArticulateSkill
+from roomkin.stages.tasks.base_placement import CLOSED
 
 
 class CloseSkill(ArticulateSkill):

@@ -1,8 +1,8 @@
 """The Open skill: Approach, Converge, Grasp, Articulate, Ungrasp (paper A.4)."""
 
-from stages.planning.articulation import choose_open_goals, choose_release_opening
-from stages.simulation.target import Target
-from stages.skills.articulate import ArticulateSkill
+from roomkin.stages.planning.articulation import choose_open_goals, choose_release_opening
+from roomkin.stages.simulation.target import Target
+from roomkin.stages.skills.articulate import ArticulateSkill
 
 
 class OpenSkill(ArticulateSkill):

@@ -2,8 +2,8 @@
 
 import pytest
 
-from stages.config.weights import FOLDER
-from stages.perception.fetch import fetch_missing
+from roomkin.stages.config.weights import FOLDER
+from roomkin.stages.perception.fetch import fetch_missing
 
 
 @pytest.fixture(scope="session")

@@ -6,13 +6,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.boxes import UprightBox, corners
-from stages.geometry.frames import rotation_of
-from stages.perception.camera.metrology import View
-from stages.perception.camera.perspective import Guide, Perspective, fit_view
-from stages.perception.layout.fit import CameraPrior
-from stages.perception.layout.room import Arrangement, Room, arrange, build_room
-from stages.perception.segmentation.proposal import find_border
+from roomkin.stages.geometry.boxes import UprightBox, corners
+from roomkin.stages.geometry.frames import rotation_of
+from roomkin.stages.perception.camera.metrology import View
+from roomkin.stages.perception.camera.perspective import Guide, Perspective, fit_view
+from roomkin.stages.perception.layout.fit import CameraPrior
+from roomkin.stages.perception.layout.room import Arrangement, Room, arrange, build_room
+from roomkin.stages.perception.segmentation.proposal import find_border
 
 WIDTH, HEIGHT = 640, 480
 TRUE = View(WIDTH, HEIGHT, 520.0, rotation_of(0.25, -0.28, 0.0), 1.45)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from stages.geometry.cameras import make_intrinsics
-from stages.perception.camera.surfaces import find_surfaces
-from stages.perception.segmentation.proposal import Array, Mask, Proposal, RoomView
+from roomkin.stages.geometry.cameras import make_intrinsics
+from roomkin.stages.perception.camera.surfaces import find_surfaces
+from roomkin.stages.perception.segmentation.proposal import Array, Mask, Proposal, RoomView
 
 WIDTH, HEIGHT, FOCAL = 320, 240, 260.0
 CAMERA = 1.4  # metres above the floor

@@ -8,11 +8,11 @@ import pytest
 import yaml
 from numpy.typing import NDArray
 
-from stages.contracts import Camera
-from stages.geometry.cameras import scale_intrinsics
-from stages.perception.read.camera_files import contents
-from stages.perception.read.cameras import intrinsics_of_camera
-from stages.perception.read.lens import find_distortion, read_lens
+from roomkin.stages.contracts import Camera
+from roomkin.stages.geometry.cameras import scale_intrinsics
+from roomkin.stages.perception.read.camera_files import contents
+from roomkin.stages.perception.read.cameras import intrinsics_of_camera
+from roomkin.stages.perception.read.lens import find_distortion, read_lens
 from tests.refusals import refused
 
 WIDTH, HEIGHT = 640, 480

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from stages.config.perception import SeeSection
-from stages.perception.segmentation import pieces
-from stages.perception.segmentation.choosing import Chooser, choose
-from stages.perception.segmentation.mobile_sam import choose_clicks
-from stages.perception.segmentation.proposal import find_border
+from roomkin.stages.config.perception import SeeSection
+from roomkin.stages.perception.segmentation import pieces
+from roomkin.stages.perception.segmentation.choosing import Chooser, choose
+from roomkin.stages.perception.segmentation.mobile_sam import choose_clicks
+from roomkin.stages.perception.segmentation.proposal import find_border
 from tests.unit.perception.room_with_depth import ON_TABLE, TABLE, propose_mask, see_room
 
 

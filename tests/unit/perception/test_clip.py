@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import torch
 
-from stages.config.weights import CLIP, FOLDER
-from stages.geometry.crop import GREY
-from stages.perception.classification import propose
-from stages.perception.classification.clip import SIZE, Tower, embed, load_tower, read_published, show
-from stages.perception.classification.propose import (
+from roomkin.stages.config.weights import CLIP, FOLDER
+from roomkin.stages.geometry.crop import GREY
+from roomkin.stages.perception.classification import propose
+from roomkin.stages.perception.classification.clip import SIZE, Tower, embed, load_tower, read_published, show
+from roomkin.stages.perception.classification.propose import (
     WITHOUT_LOOKS,
     Observed,
     gather,
@@ -86,6 +86,6 @@ def test_looks_are_a_vote() -> None:
 
 
 def test_without_the_weights_a_line_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert load_tower(tmp_path / CLIP.name) is None
+    assert load_tower(tmp_path) is None
     monkeypatch.setattr(propose, "load_tower", lambda: None)
     assert observe_looks(RGB, MASK).looks is None and WITHOUT_LOOKS in list_silent()

@@ -12,15 +12,15 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
-from stages.contracts import Camera, read_json
-from stages.contracts.depth import read_depth
-from stages.contracts.scene_input import read_scene_input
-from stages.geometry.boxes import UprightBox
-from stages.geometry.depth_marks import find_marks
-from stages.geometry.ray_depth import along_axis, find_flatter, ray_lengths
-from stages.perception import from_rgbd
-from stages.perception.read.depth_files import convert_to_metres, find_cut_range, read_raw
-from stages.perception.read.depth_scale import find_stated_units
+from roomkin.stages.contracts import Camera, read_json
+from roomkin.stages.contracts.depth import read_depth
+from roomkin.stages.contracts.scene_input import read_scene_input
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.depth_marks import find_marks
+from roomkin.stages.geometry.ray_depth import along_axis, find_flatter, ray_lengths
+from roomkin.stages.perception import from_rgbd
+from roomkin.stages.perception.read.depth_files import convert_to_metres, find_cut_range, read_raw
+from roomkin.stages.perception.read.depth_scale import find_stated_units
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, trace, write_room
 

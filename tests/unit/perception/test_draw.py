@@ -9,22 +9,22 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plugins.annotator.kept import OutdatedError
-from plugins.annotator.session import Session
-from stages.config.model import load, with_defaults
-from stages.config.perception import DrawOptions
-from stages.contracts import Camera, InputError, read_json, write_json
-from stages.contracts.checksums import digest_of
-from stages.contracts.doubt import DoubtKind
-from stages.contracts.hand import PROJECT, digest_of_picture
-from stages.contracts.images import read_rgb
-from stages.contracts.scene_input import read_scene_input
-from stages.contracts.things import read_things
-from stages.geometry.masks import polygons
-from stages.perception import draw
-from stages.perception.drawing.project import Project
-from stages.perception.drawing.write import finish_drawing, write_folder
-from stages.perception.read.photo import read_photo
+from roomkin.plugins.annotator.kept import OutdatedError
+from roomkin.plugins.annotator.session import Session
+from roomkin.stages.config.model import load, with_defaults
+from roomkin.stages.config.perception import DrawOptions
+from roomkin.stages.contracts import Camera, InputError, read_json, write_json
+from roomkin.stages.contracts.checksums import digest_of
+from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.hand import PROJECT, digest_of_picture
+from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.contracts.scene_input import read_scene_input
+from roomkin.stages.contracts.things import read_things
+from roomkin.stages.geometry.masks import polygons
+from roomkin.stages.perception import draw
+from roomkin.stages.perception.drawing.project import Project
+from roomkin.stages.perception.drawing.write import finish_drawing, write_folder
+from roomkin.stages.perception.read.photo import read_photo
 from tests.refusals import refused
 from tests.unit.perception.room_alone import LABELS, WIDTH, outline_room, see_lines, show_room
 from tests.unit.perception.test_naming import known
@@ -192,7 +192,7 @@ def test_a_drawing_that_is_given_is_taken_and_needs_no_network(
     project = read_json(Project, image.with_suffix("") / PROJECT)
     project.objects[0].label = "wardrobe"
     write_json(tmp_path / "mine.json", project)
-    monkeypatch.setattr("stages.config.weights.is_there", lambda *_: False)
+    monkeypatch.setattr("roomkin.stages.config.weights.is_there", lambda *_: False)
     given = {"image": str(image), "drawing": str(tmp_path / "mine.json")}
     config: Any = load(with_defaults({"experiment": {"inputs": {"drawn": given}, "rooms": ["drawn"], "targets": None}}))
     assert config.experiment.drawn == ["drawn"] != config.experiment.photographs
@@ -214,13 +214,13 @@ def test_a_picture_of_nothing_known_is_refused(image: Path, monkeypatch: pytest.
 
 
 def test_heights_are_metres_and_weights_are_asked_for(monkeypatch: pytest.MonkeyPatch, image: Path) -> None:
-    monkeypatch.setattr("stages.config.weights.is_there", lambda *_: True)
+    monkeypatch.setattr("roomkin.stages.config.weights.is_there", lambda *_: True)
     given = {"image": str(image), "perception": {"by": "lines", "heights": {"fridge": 180}}}
     with pytest.raises(InputError, match="fridge: is 180"):
         load(with_defaults(given))
     given["perception"]["heights"]["fridge"] = 1.8
     load(with_defaults(given))
-    monkeypatch.setattr("stages.config.weights.is_there", lambda *_: False)
+    monkeypatch.setattr("roomkin.stages.config.weights.is_there", lambda *_: False)
     with refused("E-CONFIG-FILE", "image", "make weights"):
         load(with_defaults(given))
 

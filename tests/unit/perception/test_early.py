@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from stages.config.experiment import ExperimentConfig
-from stages.config.inputs import INPUT_FILES
-from stages.perception.read.early import check_pictures
+from roomkin.stages.config.experiment import ExperimentConfig
+from roomkin.stages.config.inputs import INPUT_FILES
+from roomkin.stages.perception.read.early import check_pictures
 from tests.refusals import refused
 from tests.workflow.workspace import dry_run, make, put
 

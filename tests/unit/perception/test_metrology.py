@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stages.geometry.boxes import UprightBox, corners, oriented_iou
-from stages.geometry.frames import rotation_of
-from stages.perception.camera.metrology import (
+from roomkin.stages.geometry.boxes import UprightBox, corners, oriented_iou
+from roomkin.stages.geometry.frames import rotation_of
+from roomkin.stages.perception.camera.metrology import (
     MetrologyError,
     View,
     depth_by_pixel,
@@ -20,7 +20,7 @@ from stages.perception.camera.metrology import (
     round_box,
     wall_plane,
 )
-from stages.perception.camera.perspective import (
+from roomkin.stages.perception.camera.perspective import (
     Guide,
     Perspective,
     angles_of,
@@ -30,10 +30,10 @@ from stages.perception.camera.perspective import (
     usual_focal,
     vanishing_point,
 )
-from stages.perception.drawing.outlined import support_at
-from stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale
-from stages.perception.drawing.solve import solve
-from stages.perception.drawing.usual import camera_factor
+from roomkin.stages.perception.drawing.outlined import support_at
+from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale
+from roomkin.stages.perception.drawing.solve import solve
+from roomkin.stages.perception.drawing.usual import camera_factor
 
 ROOM = Path(__file__).parents[3] / "tests/data/photographed_room"  # room_1 of the default run, as JPEG, and its truth
 YAW, PITCH, ROLL = np.deg2rad([12.0, -15.0, 1.5])

@@ -7,14 +7,14 @@ import pytest
 import torch
 
 from benchmarks.names import fit, likelihood
-from plugins.furniture.catalogue import CATEGORIES
-from stages.contracts import InputError
-from stages.contracts.categories import known_categories
-from stages.geometry.boxes import UprightBox
-from stages.geometry.cameras import back_project
-from stages.geometry.frames import transform_points
-from stages.perception.classification import propose as observed
-from stages.perception.classification.names import (
+from roomkin.plugins.furniture.catalogue import CATEGORIES
+from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.perception.classification import propose as observed
+from roomkin.stages.perception.classification.names import (
     NO_KIND,
     NO_NAME,
     Proposal,
@@ -22,7 +22,7 @@ from stages.perception.classification.names import (
     place_sure,
     refuse_size,
 )
-from stages.perception.classification.propose import (
+from roomkin.stages.perception.classification.propose import (
     AROUND,
     FAR,
     NETWORK,

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stages.contracts.categories import known_categories
-from stages.geometry.boxes import UprightBox
-from stages.perception.camera.metrology import WallPlane
-from stages.perception.classification import by_size
-from stages.perception.classification.by_size import expect_found, name_by_extents, name_others, name_standing
-from stages.perception.classification.names import Names, Proposal
-from stages.perception.layout.ends import kind_of, measure_all, number_masks
-from stages.perception.layout.room import Room
-from stages.perception.layout.things import (
+from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.perception.camera.metrology import WallPlane
+from roomkin.stages.perception.classification import by_size
+from roomkin.stages.perception.classification.by_size import expect_found, name_by_extents, name_others, name_standing
+from roomkin.stages.perception.classification.names import Names, Proposal
+from roomkin.stages.perception.layout.ends import kind_of, measure_all, number_masks
+from roomkin.stages.perception.layout.room import Room
+from roomkin.stages.perception.layout.things import (
     FLOOR,
     HANGS,
     KINDS,
@@ -27,7 +27,7 @@ from stages.perception.layout.things import (
     join_stacked,
     make_view,
 )
-from stages.perception.segmentation.choosing import Outlined
+from roomkin.stages.perception.segmentation.choosing import Outlined
 from tests.unit.perception.room_alone import (
     BOXES,
     HEIGHT,

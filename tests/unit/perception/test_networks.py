@@ -9,9 +9,9 @@ import pytest
 import torch
 from numpy.typing import NDArray
 
-from stages.perception.segmentation.decoder import WIDTH, Attention
-from stages.perception.segmentation.mobile_sam import Embedded, MobileSam, Outlines
-from stages.perception.segmentation.ssd import NAMES, Ssd, overlap
+from roomkin.stages.perception.segmentation.decoder import WIDTH, Attention
+from roomkin.stages.perception.segmentation.mobile_sam import Embedded, MobileSam, Outlines
+from roomkin.stages.perception.segmentation.ssd import NAMES, Ssd, overlap
 from tests.refusals import refused
 
 FRAME = Path(os.environ.get("ACDC_TEST_DATA", Path(__file__).resolve().parents[4] / "shared/data")) / "rooms" / "living"

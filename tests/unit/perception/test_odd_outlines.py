@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from stages.config.perception import SeeSection
-from stages.contracts.scene_input import read_scene_input
-from stages.extraction.extract import run as extract
-from stages.geometry.masks import Mask
-from stages.perception import draw, see
-from stages.perception.classification import naming
-from stages.perception.classification.names import UNMEASURED
-from stages.perception.layout.fit import Layout
-from stages.perception.layout.room import arrange, build_room
-from stages.perception.layout.things import HANGS, RESTS, STANDS
-from stages.perception.read.frame import Frame
-from stages.perception.segmentation.choosing import Outlined
+from roomkin.stages.config.perception import SeeSection
+from roomkin.stages.contracts.scene_input import read_scene_input
+from roomkin.stages.extraction.extract import run as extract
+from roomkin.stages.geometry.masks import Mask
+from roomkin.stages.perception import draw, see
+from roomkin.stages.perception.classification import naming
+from roomkin.stages.perception.classification.names import UNMEASURED
+from roomkin.stages.perception.layout.fit import Layout
+from roomkin.stages.perception.layout.room import arrange, build_room
+from roomkin.stages.perception.layout.things import HANGS, RESTS, STANDS
+from roomkin.stages.perception.read.frame import Frame
+from roomkin.stages.perception.segmentation.choosing import Outlined
 from tests.unit.perception.room_alone import LABELS, outline_room, see_lines, show_room
 from tests.unit.perception.room_with_depth import see_room
 from tests.unit.perception.test_naming import known, unknown
@@ -50,7 +50,9 @@ def see_beside(monkeypatch: pytest.MonkeyPatch, folder: Path, odd: Mask, flat: b
         view = replace(view, depth=np.where(odd, 0, view.depth))
     things = [Outlined(table & ~odd, 0.9, "ssd", {"dining table": 0.95}, False)]
     things.append(Outlined(odd, 0.9, "mobile_sam", {}, flat))
-    monkeypatch.setattr("stages.perception.classification.propose.load_tower", lambda: None)  # these looks say nothing
+    monkeypatch.setattr(
+        "roomkin.stages.perception.classification.propose.load_tower", lambda: None
+    )  # these looks say nothing
     monkeypatch.setattr(see, "look", lambda *_: view)
     monkeypatch.setattr(see, "list_proposals", lambda *_: [])
     monkeypatch.setattr(see, "choose", lambda *_: things)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from safetensors.numpy import save_file
 
-from stages.contracts import InputError
-from stages.perception.layout import things as kinds
-from stages.perception.segmentation.choosing import Outlined
+from roomkin.stages.contracts import InputError
+from roomkin.stages.perception.layout import things as kinds
+from roomkin.stages.perception.segmentation.choosing import Outlined
 
 
 def test_an_outline_is_its_features_inside_and_around_and_its_place() -> None:

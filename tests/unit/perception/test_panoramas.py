@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.perception.read.photo import read_photo, shows_all_around
+from roomkin.stages.perception.read.photo import read_photo, shows_all_around
 from tests.refusals import refused
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from stages.config.recordings import list_frames
-from stages.perception.read.views import choose_camera, find_view, read_frame
+from roomkin.stages.config.recordings import list_frames
+from roomkin.stages.perception.read.views import choose_camera, find_view, read_frame
 from tests.refusals import refused
 
 K = "60.0, 0.0, 31.5\n0.0, 60.0, 23.5\n0.0, 0.0, 1.0\n"

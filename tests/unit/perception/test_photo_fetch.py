@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
-from stages.config.perception import PerceptionSection
-from stages.config.weights import NETWORKS
-from stages.perception.fetch import RECORD, fetch_weights
+from roomkin.stages.config.perception import PerceptionSection
+from roomkin.stages.config.weights import NETWORKS
+from roomkin.stages.perception.fetch import RECORD, fetch_weights
 
 COMMIT = "c0ffee" * 6 + "cafe"
 FILES = {"config.json": b"{}", "model.safetensors": b"weights " * 1000, "vocab.txt": b"mug", "model.bin": b"no"}
@@ -71,7 +71,7 @@ def fetch(folder: Path, hub: str) -> subprocess.CompletedProcess[str]:
     command = [
         sys.executable,
         "-m",
-        "stages.perception",
+        "roomkin.stages.perception",
         "fetch",
         "--networks",
         "--options",

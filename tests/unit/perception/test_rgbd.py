@@ -14,21 +14,21 @@ import numpy as np
 import pytest
 import yaml
 
-from stages.config.extraction import ExtractionConfig
-from stages.contracts import Camera, InputError, read_json
-from stages.contracts.corrections import Correction
-from stages.contracts.scene_input import read_scene_input
-from stages.extraction.corrected_masks import Cutter, correct_masks
-from stages.extraction.observation import read_folder
-from stages.extraction.reconstruct import reconstruct
-from stages.geometry.boxes import UprightBox
-from stages.perception import from_rgbd
-from stages.perception.classification.propose import Proposal
-from stages.perception.read.depth_files import convert_to_metres, read_raw
-from stages.perception.read.frame import Labelled
-from stages.perception.read.mask_files import read_labelled
-from stages.perception.read.views import find_view, list_frames
-from stages.perception.write import make_annotations
+from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.contracts import Camera, InputError, read_json
+from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.scene_input import read_scene_input
+from roomkin.stages.extraction.corrected_masks import Cutter, correct_masks
+from roomkin.stages.extraction.observation import read_folder
+from roomkin.stages.extraction.reconstruct import reconstruct
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.perception import from_rgbd
+from roomkin.stages.perception.classification.propose import Proposal
+from roomkin.stages.perception.read.depth_files import convert_to_metres, read_raw
+from roomkin.stages.perception.read.frame import Labelled
+from roomkin.stages.perception.read.mask_files import read_labelled
+from roomkin.stages.perception.read.views import find_view, list_frames
+from roomkin.stages.perception.write import make_annotations
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
 
@@ -170,7 +170,7 @@ def test_unit_of_depth(room: tuple, scale: float, dtype: type, unit: str, says: 
 def test_inverse_depth_and_another_unit_are_told(room: tuple) -> None:
     with pytest.raises(InputError, match="looks like inverse depth"):
         convert_to_metres(Path("d.npy"), np.where(room[1] > 0, 1 / np.maximum(room[1], 1e-3), 0))
-    with refused("E-DEPTH-UNIT", "m in millimetres", "--unit 5000"):
+    with refused("E-DEPTH-UNIT", "m in millimetres", "m in 1/4000 m", "--unit 4000, --unit 5000"):
         convert_to_metres(Path("d.png"), np.rint(5000 * room[1]).astype(np.uint16))
     assert np.allclose(convert_to_metres(Path("d.png"), np.rint(5000 * room[1]), "5000")[0], room[1], atol=1e-3)
 
@@ -181,6 +181,9 @@ def test_a_z_buffer_is_told_with_what_makes_metres_of_it(room: tuple, near: floa
     value = (far / (far - near) * (1 - near / depth)).astype(np.float32)
     with refused("E-DEPTH-ZBUFFER", "near * far / (far - value * (far - near))"):
         convert_to_metres(Path("d.npy"), value)
+    for other in (1 - value, np.rint(65534 * value).astype(np.uint16)):
+        with pytest.raises(InputError, match=r"inverse depth|far - value"):
+            convert_to_metres(Path("d.png"), other)
     by_mujoco = near / (1 - value.astype(float) * (1 - near / far))
     by_us = near * far / (far - value.astype(float) * (far - near))
     assert np.allclose(by_us, by_mujoco) and np.allclose(by_us, depth, rtol=0.02)

@@ -9,13 +9,13 @@ import pytest
 import yaml
 from PIL import Image
 
-from stages.contracts.scene_input import read_scene_input
-from stages.geometry.boxes import UprightBox
-from stages.geometry.levels import find_ground
-from stages.perception import from_rgbd
-from stages.perception.read.frame import Frame, Labelled
-from stages.perception.read.mask_pieces import remove_edges
-from stages.perception.write import write_frame
+from roomkin.stages.contracts.scene_input import read_scene_input
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.levels import find_ground
+from roomkin.stages.perception import from_rgbd
+from roomkin.stages.perception.read.frame import Frame, Labelled
+from roomkin.stages.perception.read.mask_pieces import remove_edges
+from roomkin.stages.perception.write import write_frame
 from tests.refusals import refused
 from tests.unit.perception.test_rgbd import BOX, CAN, TABLE, boxes_of
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, trace, write_room

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import rotation_of
-from stages.perception.camera.metrology import WallPlane
-from stages.perception.draw import describe_camera
-from stages.perception.drawing.room import draw_room, draw_wall
-from stages.perception.drawing.solve import solve
-from stages.perception.layout.ends import (
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.frames import rotation_of
+from roomkin.stages.perception.camera.metrology import WallPlane
+from roomkin.stages.perception.draw import describe_camera
+from roomkin.stages.perception.drawing.room import draw_room, draw_wall
+from roomkin.stages.perception.drawing.solve import solve
+from roomkin.stages.perception.layout.ends import (
     FLOOR,
     NOWHERE,
     WALL,
@@ -23,10 +23,10 @@ from stages.perception.layout.ends import (
     kind_of,
     measure_all,
 )
-from stages.perception.layout.fit import Item, Layout, choose_modes, list_modes
-from stages.perception.layout.room import Room, Spread, scale_room
-from stages.perception.layout.walls import find_wall, measure_rectangle
-from stages.perception.segmentation.proposal import find_border
+from roomkin.stages.perception.layout.fit import Item, Layout, choose_modes, list_modes
+from roomkin.stages.perception.layout.room import Room, Spread, scale_room
+from roomkin.stages.perception.layout.walls import find_wall, measure_rectangle
+from roomkin.stages.perception.segmentation.proposal import find_border
 from tests.unit.perception.room_alone import (
     BOXES,
     HEIGHT,

@@ -12,19 +12,19 @@ import numpy as np
 import pytest
 
 from benchmarks import real_frames
-from stages.config.perception import SeeSection
-from stages.config.weights import CLIP
-from stages.contracts import Camera, read_json, write_json
-from stages.contracts.scene_input import read_scene_input, write_scene_input
-from stages.contracts.things import Things, read_things
-from stages.perception import from_rgbd, see
-from stages.perception.captions import caption_things
-from stages.perception.classification import naming
-from stages.perception.classification.names import NO_KIND, NO_NAME, Names, Proposal, find_reason
-from stages.perception.classification.naming import name_things
-from stages.perception.read.frame import Frame
-from stages.perception.segmentation.choosing import Outlined
-from stages.perception.segmentation.proposal import Mask, RoomView
+from roomkin.stages.config.perception import SeeSection
+from roomkin.stages.config.weights import CLIP
+from roomkin.stages.contracts import Camera, read_json, write_json
+from roomkin.stages.contracts.scene_input import read_scene_input, write_scene_input
+from roomkin.stages.contracts.things import Things, read_things
+from roomkin.stages.perception import from_rgbd, see
+from roomkin.stages.perception.captions import caption_things
+from roomkin.stages.perception.classification import naming
+from roomkin.stages.perception.classification.names import NO_KIND, NO_NAME, Names, Proposal, find_reason
+from roomkin.stages.perception.classification.naming import name_things
+from roomkin.stages.perception.read.frame import Frame
+from roomkin.stages.perception.segmentation.choosing import Outlined
+from roomkin.stages.perception.segmentation.proposal import Mask, RoomView
 from tests.unit.perception.room_with_depth import ON_TABLE, TABLE, see_room
 
 DATA = Path(os.environ.get("ACDC_TEST_DATA", Path(__file__).resolve().parents[4] / "shared/data"))
@@ -176,9 +176,9 @@ def test_where_no_thing_is_sure_the_surest_is_placed(monkeypatch: pytest.MonkeyP
 def test_without_weights_our_own_network_proposes(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("stages.config.weights.is_there", lambda *_: False)
+    monkeypatch.setattr("roomkin.stages.config.weights.is_there", lambda *_: False)
     assert see.list_proposers(SeeSection()) == ["pieces"]
-    monkeypatch.setattr("stages.config.weights.is_there", lambda weights: weights is not CLIP)
+    monkeypatch.setattr("roomkin.stages.config.weights.is_there", lambda weights, _: weights is not CLIP)
     assert see.list_proposers(SeeSection()) == SeeSection().proposers, "CLIP outlines nothing"
     assert "make weights" in capsys.readouterr().out
     assert see.list_proposers(SeeSection(proposers=["pieces"])) == ["pieces"]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stages.perception.layout import room as spreads
+from roomkin.stages.perception.layout import room as spreads
 from tests.unit.perception.test_room import layout_of
 
 

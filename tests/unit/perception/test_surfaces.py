@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from stages.geometry.room_planes import WallPlane
-from stages.perception.camera.surfaces import is_wall
+from roomkin.stages.geometry.room_planes import WallPlane
+from roomkin.stages.perception.camera.surfaces import is_wall
 from tests.unit.perception.room_with_depth import CAMERA, ON_TABLE, TABLE, see_room
 
 

@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
-from plugins.ops.outside import list_outside_paths
-from stages.config.inputs import INPUT_FILES
-from stages.config.model import load
-from stages.config.pictures import Picture
-from stages.contracts import InputError
+from roomkin.plugins.ops.outside import list_outside_paths
+from roomkin.stages.config.inputs import INPUT_FILES
+from roomkin.stages.config.model import load
+from roomkin.stages.config.pictures import Picture
+from roomkin.stages.contracts import InputError
 
 HEAD = "scene,image,depth,unit,camera,fx,fy,cx,cy,fov,masks,labels,folder,recording,number"
 

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stages.contracts.doubt import DoubtKind
-from stages.geometry.boxes import UprightBox
-from stages.perception.read import mask_shapes
-from stages.perception.read.belonging import doubt_depth
-from stages.perception.read.frame import Frame, Labelled, surface_of
-from stages.perception.read.mask_files import read_labelled
-from stages.perception.read.mask_pieces import doubt_surfaces, split_values
-from stages.perception.read.views import find_view, list_frames
+from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.perception.read import mask_shapes
+from roomkin.stages.perception.read.belonging import doubt_depth
+from roomkin.stages.perception.read.frame import Frame, Labelled, surface_of
+from roomkin.stages.perception.read.mask_files import read_labelled
+from roomkin.stages.perception.read.mask_pieces import doubt_surfaces, split_values
+from roomkin.stages.perception.read.views import find_view, list_frames
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, trace
 

@@ -7,12 +7,12 @@ import trimesh
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from plugins.bowl.carry import CANDIDATES
-from stages.geometry.frames import make_transform
-from stages.planning.clearance import CLEARANCE, gripper_spheres
-from stages.planning.handle_grasp import HALF_PAD
-from stages.simulation.kinematics import Array
-from stages.skills.motion import EMPTY
+from roomkin.plugins.bowl.carry import CANDIDATES
+from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.planning.clearance import CLEARANCE, gripper_spheres
+from roomkin.stages.planning.handle_grasp import HALF_PAD
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.skills.motion import EMPTY
 
 LEAN = 0.6  # radians of an approach from straight down, and of a contact's normal from the closing axis; chosen
 TURNS = 16  # approach directions tried about each closing axis; chosen

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from plugins.bowl.carry import CarrySkill, make_held_spheres, shift_pose
-from plugins.bowl.movable import Movable
-from plugins.bowl.skills.pick.grasps import sample_grasps, sample_object_cloud, sort_by_turn
-from stages.geometry.frames import invert_transform, transform_points
-from stages.planning.path import join_lines, make_line
-from stages.planning.rollout import ON_THE_WAY, Stretch, plan_homing
-from stages.simulation.kinematics import Array
-from stages.simulation.robot import GRIPPER_OPEN, REST
-from stages.skills.motion import CLOSED, OPEN, Motion
+from roomkin.plugins.bowl.carry import CarrySkill, make_held_spheres, shift_pose
+from roomkin.plugins.bowl.movable import Movable
+from roomkin.plugins.bowl.skills.pick.grasps import sample_grasps, sample_object_cloud, sort_by_turn
+from roomkin.stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.planning.path import join_lines, make_line
+from roomkin.stages.planning.rollout import ON_THE_WAY, Stretch, plan_homing
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.robot import GRIPPER_OPEN, REST
+from roomkin.stages.skills.motion import CLOSED, OPEN, Motion
 
 
 class PickSkill(CarrySkill):

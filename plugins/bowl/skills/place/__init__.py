@@ -1,5 +1,5 @@
 """The Place skill: Move, Ungrasp, Lift (paper A.4)."""
 
-from plugins.bowl.skills.place.skill import PlaceSkill as Skill
+from roomkin.plugins.bowl.skills.place.skill import PlaceSkill as Skill
 
 __all__ = ["Skill"]

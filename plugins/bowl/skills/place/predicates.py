@@ -3,11 +3,11 @@
 import numpy as np
 import trimesh
 
-from plugins.bowl.region import Region
-from stages.geometry.frames import invert_transform, make_transform, yaw_matrix
-from stages.planning.clearance import CLEARANCE
-from stages.planning.path import ANGLE_WEIGHT
-from stages.simulation.kinematics import Array
+from roomkin.plugins.bowl.region import Region
+from roomkin.stages.geometry.frames import invert_transform, make_transform, yaw_matrix
+from roomkin.stages.planning.clearance import CLEARANCE
+from roomkin.stages.planning.path import ANGLE_WEIGHT
+from roomkin.stages.simulation.kinematics import Array
 
 DROP = (0.012, 0.16)  # metres above the surface at which it is let go: a deep drawer has no room for the hand; chosen
 

@@ -4,14 +4,14 @@ import itertools
 
 import numpy as np
 
-from plugins.bowl.carry import CANDIDATES, CarrySkill, make_held_spheres, shift_pose
-from plugins.bowl.skills.place.predicates import find_places_inside, sample_placements
-from stages.geometry.frames import invert_transform, transform_points
-from stages.planning.path import join_lines, make_line
-from stages.planning.rollout import ON_THE_WAY, Stretch
-from stages.simulation.kinematics import Array
-from stages.simulation.robot import GRIPPER_OPEN
-from stages.skills.motion import CLOSED, OPEN, Motion
+from roomkin.plugins.bowl.carry import CANDIDATES, CarrySkill, make_held_spheres, shift_pose
+from roomkin.plugins.bowl.skills.place.predicates import find_places_inside, sample_placements
+from roomkin.stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.planning.path import join_lines, make_line
+from roomkin.stages.planning.rollout import ON_THE_WAY, Stretch
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.robot import GRIPPER_OPEN
+from roomkin.stages.skills.motion import CLOSED, OPEN, Motion
 
 OVER = (0.06, 0.02)  # metres above what a held object is lifted over, tried in turn; chosen
 

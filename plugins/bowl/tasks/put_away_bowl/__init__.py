@@ -13,14 +13,19 @@
 - Open the drawer, take the bowl off its stand, put it in, and shut the drawer
 """
 
-from stages.tasks.task import Task, register
+from roomkin.stages.tasks.task import Task, register
 
 TASK = register(
     Task(
         gym_id="ACDC-PutAwayBowl-v1",
-        skills=("stages.skills.open", "plugins.bowl.skills.pick", "plugins.bowl.skills.place", "stages.skills.close"),
+        skills=(
+            "roomkin.stages.skills.open",
+            "roomkin.plugins.bowl.skills.pick",
+            "roomkin.plugins.bowl.skills.place",
+            "roomkin.stages.skills.close",
+        ),
         part_type="drawer",
         horizon=220,
-        environment="plugins.bowl.tasks.put_away_bowl.environment:PutAwayBowlEnv",
+        environment="roomkin.plugins.bowl.tasks.put_away_bowl.environment:PutAwayBowlEnv",
     )
 )

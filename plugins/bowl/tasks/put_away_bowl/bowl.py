@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from plugins.bowl.region import Region, measure_headroom
-from stages.articulated.asset_folder import Description, read_model, write_asset
-from stages.articulated.model import RGBA, Link, RobotModel, Visual
-from stages.geometry.solids import DENSITY, MINIMUM_INERTIA
-from stages.simulation.kinematics import Array
-from stages.simulation.robot import cache_folder
-from stages.simulation.target import Target
+from roomkin.plugins.bowl.region import Region, measure_headroom
+from roomkin.stages.articulated.asset_folder import Description, read_model, write_asset
+from roomkin.stages.articulated.model import RGBA, Link, RobotModel, Visual
+from roomkin.stages.geometry.solids import DENSITY, MINIMUM_INERTIA
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.robot import cache_folder
+from roomkin.stages.simulation.target import Target
 
 PROFILE = [(0.039, 0.0), (0.0598, 0.02), (0.065, 0.05)]  # of the default bowl: (radius, height) of its outside, metres
 WALL = 0.012  # metres; as of wood, as PhysX lets go of thin walls

@@ -11,28 +11,28 @@ import trimesh
 from mani_skill.utils.structs import Actor
 from numpy.typing import NDArray
 
-from plugins.bowl.movable import Movable
-from plugins.bowl.region import Region, find_level_region
-from plugins.bowl.tasks.put_away_bowl.bowl import (
+from roomkin.plugins.bowl.movable import Movable
+from roomkin.plugins.bowl.region import Region, find_level_region
+from roomkin.plugins.bowl.tasks.put_away_bowl.bowl import (
     AROUND,
     default_bowl,
     fitting_scale,
     load_visual_mesh,
     sample_scale,
 )
-from plugins.bowl.tasks.put_away_bowl.bowl import stand as stand_folder
-from stages.contracts.errors import InputError
-from stages.contracts.task_options import TaskConfig
-from stages.geometry.frames import invert_transform, make_transform, transform_points, yaw_matrix
-from stages.planning.clearance import surface_points
-from stages.simulation.kinematics import Array
-from stages.simulation.loading import ParsedAsset
-from stages.simulation.poses import batch_poses
-from stages.simulation.recording import Prop
-from stages.tasks.base_placement import CLOSED
-from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
-from stages.tasks.environment import OpenTaskEnv
-from stages.tasks.initial_state import nominal_root
+from roomkin.plugins.bowl.tasks.put_away_bowl.bowl import stand as stand_folder
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.geometry.frames import invert_transform, make_transform, transform_points, yaw_matrix
+from roomkin.stages.planning.clearance import surface_points
+from roomkin.stages.simulation.kinematics import Array
+from roomkin.stages.simulation.loading import ParsedAsset
+from roomkin.stages.simulation.poses import batch_poses
+from roomkin.stages.simulation.recording import Prop
+from roomkin.stages.tasks.base_placement import CLOSED
+from roomkin.stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
+from roomkin.stages.tasks.environment import OpenTaskEnv
+from roomkin.stages.tasks.initial_state import nominal_root
 
 FOOT = (-0.01, 0.04)  # metres about the drawer's floor at which the foot of a bowl in it is
 SEEN = ((0.05, -0.6, 0.05), (1.0, 0.6, 0.95))  # workspace in the base frame that has the stand in it

@@ -1,0 +1,1 @@
+../../envs/open3d.sh

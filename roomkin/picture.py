@@ -1,0 +1,52 @@
+"""Command `picture`: from a picture of the user's to scenes."""
+
+import sys
+from functools import partial
+from pathlib import Path
+
+from roomkin.stages.config.packages import load_command
+from roomkin.stages.contracts.errors import file_missing
+from roomkin.workflow import run_snakemake
+
+
+def run(
+    image: Path,
+    /,
+    *,
+    depth: Path | None = None,
+    intrinsics: Path | None = None,
+    config: tuple[Path, ...] = (),
+    cores: int = 2,
+) -> None:
+    """Find what a picture shows and where, its cousins in the library, and make simulated scenes of them.
+
+    Works in this folder, and goes on where it stopped: results/report/scenes/<name>.html shows picture and scenes, and
+    what is doubtful; `roomkin correct <name>` puts it right: with that page it ends where there is
+    a browser. Weights of networks are fetched once, 300 MB.
+
+    Args:
+        image: photograph (JPEG, PNG, HEIC), or a folder that is a recording with depth.
+        depth: of the same view: PNG, TIFF, EXR, NPY, NPZ; without it lines and usual sizes tell how far things are.
+        intrinsics: camera.json or the calibration file that came with it; without it by EXIF or lines in the picture.
+        config: what differs from config.yaml; later files win.
+        cores: jobs at a time; each takes up to 2 GB.
+    """
+    named = {"image": image, "depth": depth, "camera": intrinsics}
+    for path in (path for path in [*named.values(), *config] if path is not None):
+        if not path.exists():
+            raise file_missing(path)
+    load_command("perception", "fetch")()
+    then = partial(_show, image, depth, intrinsics) if sys.stdout.isatty() else None
+    files = ["--configfile", *map(str, config)] if config else []
+    given = [f"{key}={_as_text(path)}" for key, path in named.items() if path]
+    run_snakemake(cores, "photo", *files, "--config", *given, then=then)
+
+
+def _show(image: Path, depth: Path | None, intrinsics: Path | None) -> None:
+    """The page of the scene, where somebody sits before it."""
+    load_command("annotator", "after")(image, depth=depth, camera=intrinsics and str(intrinsics))
+
+
+def _as_text(path: Path) -> str:
+    """A path as Snakemake's YAML must have it to be text, whatever is in it."""
+    return " '" + str(path).replace("'", "''") + "' "
