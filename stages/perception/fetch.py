@@ -25,7 +25,16 @@ from zipfile import BadZipFile, ZipFile
 from pydantic import Field, TypeAdapter, ValidationError
 
 from roomkin.stages.config.perception import PerceptionSection
-from roomkin.stages.config.weights import ALL, FOLDER, NETWORKS, Weights, Wheel, check_folder, list_lacking, weights_sha256
+from roomkin.stages.config.weights import (
+    ALL,
+    FOLDER,
+    NETWORKS,
+    Weights,
+    Wheel,
+    check_folder,
+    list_lacking,
+    weights_sha256,
+)
 from roomkin.stages.contracts import InputError, read_options, write_text
 from roomkin.stages.contracts.errors import explain
 from roomkin.stages.contracts.files import Contract, first_error, write_atomically
