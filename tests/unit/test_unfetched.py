@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from roomkin.stages.config import contradictions, unfetched
+from roomkin.stages.config import unfetched
 from roomkin.stages.config.model import load, with_defaults
 from roomkin.stages.config.weights import DINOV2
 from tests.packages import needs
@@ -25,7 +25,7 @@ def asked(**variants: dict[str, Any]) -> dict[str, Any]:
 def put(monkeypatch: pytest.MonkeyPatch, folder: Path, there: bool) -> None:
     """Weights, or none."""
     monkeypatch.setattr(unfetched, "FOLDER", folder)
-    monkeypatch.setattr(contradictions, "is_there", lambda weights: there)
+    monkeypatch.setattr("roomkin.stages.config.weights.is_there", lambda *_: there)
     if there:
         (folder / DINOV2.name).touch()
 
