@@ -22,8 +22,8 @@ from roomkin.plugins.films.writing import write_film
 from roomkin.plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
 from roomkin.plugins.in_scene.room import GeneratedRoom, read_room
 from roomkin.stages.contracts import TaskAssets, read_json
+from roomkin.stages.contracts.generated import Look
 from roomkin.stages.contracts.images import read_rgb
-from roomkin.stages.contracts.look import Look
 from roomkin.stages.evaluation.states import initial_states
 from roomkin.stages.simulation.film_renderer import FilmRenderer, Image
 from roomkin.stages.simulation.recording import Recording

@@ -19,7 +19,7 @@ from roomkin.stages.config.sizes import fill_counts
 from roomkin.stages.config.unfetched import tell_left_out
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.system import check_writable
-from roomkin.stages.contracts.training_sets import ROLE_NAME, SET_NAME
+from roomkin.stages.contracts.policy_config import ROLE_NAME, SET_NAME
 
 # `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))

@@ -18,9 +18,8 @@ from roomkin.plugins.annotator.said import Said, find_changes
 from roomkin.plugins.annotator.session import Answer
 from roomkin.plugins.annotator.shown import Drawing, Thing, is_bare, name_drawn, read_bare, view_room, write_masks
 from roomkin.stages.contracts import InputError
-from roomkin.stages.contracts.corrections import Correction, Corrections
 from roomkin.stages.contracts.doubt import Doubt
-from roomkin.stages.contracts.hand import PROJECT, hand_folder
+from roomkin.stages.contracts.hand import PROJECT, Correction, Corrections, hand_folder
 from roomkin.stages.contracts.objects import Wall, object_ids
 from roomkin.stages.contracts.parts import says_opening
 from roomkin.stages.contracts.scene_input import read_scene_input

@@ -14,10 +14,10 @@ from roomkin.plugins.annotator.cures import Cure
 from roomkin.plugins.report.doubts import collect_doubts, measure_side
 from roomkin.plugins.report.snapshots import Snapshots, views_of
 from roomkin.stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
-from roomkin.stages.contracts.corrections import Correction
 from roomkin.stages.contracts.cousins import ObjectCousins
 from roomkin.stages.contracts.doubt import Doubt, DoubtKind
 from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.objects import SceneObject, Wall
 from roomkin.stages.contracts.types import Pixel
 from roomkin.stages.extraction.reflections import NICHE

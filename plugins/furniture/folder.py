@@ -13,8 +13,7 @@ from roomkin.plugins.furniture.robot import robot_of
 from roomkin.stages.articulated.asset_folder import Description, write_asset
 from roomkin.stages.articulated.resizing import SizedModel
 from roomkin.stages.articulated.urdf_tree import THIN
-from roomkin.stages.contracts.errors import InputError, ObjectError, explain
-from roomkin.stages.contracts.files import first_error
+from roomkin.stages.contracts.errors import InputError, ObjectError, explain, first_error
 from roomkin.stages.contracts.library import Asset, Recipe
 from roomkin.stages.contracts.types import LARGEST
 

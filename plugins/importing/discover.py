@@ -12,8 +12,7 @@ from roomkin.plugins.importing.mjcf_file import root_tag
 from roomkin.plugins.importing.naming import is_common, name_model, read_category, strip_name
 from roomkin.plugins.importing.sandbox import run_in_fork
 from roomkin.stages.contracts.categories import category_in
-from roomkin.stages.contracts.errors import escape_control
-from roomkin.stages.contracts.words import count, list_plain_words
+from roomkin.stages.contracts.errors import count, escape_control, list_plain_words
 
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")

@@ -10,7 +10,7 @@ from pathlib import Path
 from roomkin.plugins.importing.inside import read_text_inside
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.category import by_joined_name, split_words
-from roomkin.stages.contracts.words import plain_letters
+from roomkin.stages.contracts.errors import plain_letters
 
 COMMON = {  # words that say nothing of what a model is
     "asset", "base", "collision", "data", "description", "export", "glb", "main", "mesh", "meshes", "misc", "mjcf",

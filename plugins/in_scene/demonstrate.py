@@ -18,8 +18,8 @@ from roomkin.stages.config.demonstrations import DemonstrationsConfig
 from roomkin.stages.contracts import GeneratedScene, InputError, read_json, read_options, write_json
 from roomkin.stages.contracts.archives import pack
 from roomkin.stages.contracts.errors import ObjectError
-from roomkin.stages.contracts.look import ROOM_LIGHT
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.generated import ROOM_LIGHT
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.attempt import Recorder
 from roomkin.stages.demonstrations.collect import attempt_seeds
 from roomkin.stages.demonstrations.store import write_episodes

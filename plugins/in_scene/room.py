@@ -13,9 +13,8 @@ from sapien.physx import PhysxArticulation, PhysxRigidBaseComponent
 
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_json
-from roomkin.stages.contracts.generated import GeneratedScene
+from roomkin.stages.contracts.generated import GeneratedScene, Look
 from roomkin.stages.contracts.library_folder import AssetFolders
-from roomkin.stages.contracts.look import Look
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.generation.scene_file import read_items
 from roomkin.stages.geometry.frames import invert_transform, make_transform, transform_points, yaw_matrix

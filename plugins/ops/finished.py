@@ -11,8 +11,8 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
-from roomkin.stages.contracts.checksums import digest_of, read_recorded
 from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import digest_of, read_recorded
 
 METADATA = Path(".snakemake/metadata")  # beside results/: what Snakemake knows of each output
 MOST = 800_000_000  # bytes that are looked at when a run starts: takes a second

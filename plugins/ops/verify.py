@@ -8,8 +8,8 @@ from pathlib import Path
 
 from roomkin.plugins.ops.finished import METADATA, find_changed, list_files, mend, read_metadata
 from roomkin.stages.contracts.__main__ import parse
-from roomkin.stages.contracts.checksums import read_recorded
 from roomkin.stages.contracts.errors import InputError, escape_control
+from roomkin.stages.contracts.files import read_recorded
 from roomkin.stages.contracts.kinds import KINDS
 from roomkin.stages.contracts.system import line_of
 

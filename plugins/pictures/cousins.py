@@ -11,9 +11,9 @@ from PIL import Image, ImageDraw, ImageFont
 
 from roomkin.stages.contracts import Cousins, InputError, read_json, write_atomically
 from roomkin.stages.contracts.cousins import Cousin
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.images import LETTERS, TILE
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.contracts.words import count
 from roomkin.stages.geometry.crop import View, darken_rest
 from roomkin.stages.matching.scene import Scene
 from roomkin.stages.matching.snapshots import Snapshots

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from trimesh import Trimesh
 
 from roomkin.plugins.pictures.painting import furnish
-from roomkin.stages.contracts.generated import GeneratedScene
-from roomkin.stages.contracts.look import GAMMA, ROOM_LIGHT, Look, Surface
+from roomkin.stages.contracts.generated import GAMMA, ROOM_LIGHT, GeneratedScene, Look, Surface
 from roomkin.stages.contracts.objects import Objects
 from roomkin.stages.contracts.types import LARGEST
 from roomkin.stages.generation.models import read_collisions

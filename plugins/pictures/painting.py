@@ -5,8 +5,7 @@ import sapien
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from roomkin.stages.contracts.generated import GeneratedScene
-from roomkin.stages.contracts.look import Look
+from roomkin.stages.contracts.generated import GeneratedScene, Look
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.generation.settling import load_items
 from roomkin.stages.geometry.boxes import corners

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from roomkin.plugins.render_and_compare.observation import Observation
 from roomkin.plugins.render_and_compare.solid import ColoredSolid
-from roomkin.stages.contracts.look import GAMMA, ROOM_LIGHT
+from roomkin.stages.contracts.generated import GAMMA, ROOM_LIGHT
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.crop import View
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from roomkin.stages.articulated.mesh_reader import texture_of
 from roomkin.stages.articulated.model import Visual
-from roomkin.stages.contracts.look import GAMMA
+from roomkin.stages.contracts.generated import GAMMA
 from roomkin.stages.generation.solid import Solid
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import yaw_matrix

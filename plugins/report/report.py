@@ -25,10 +25,10 @@ from roomkin.plugins.report.roles import role_title
 from roomkin.plugins.robustness import rows as robustness
 from roomkin.plugins.robustness.table import robustness_table
 from roomkin.stages.config.tables import PolicyTables
+from roomkin.stages.contracts.errors import count, describe_size
 from roomkin.stages.contracts.files import read_json, read_options, read_text, write_text
 from roomkin.stages.contracts.generated import measure_place_sureness, measure_sureness
 from roomkin.stages.contracts.library import Library
-from roomkin.stages.contracts.words import count, describe_size
 from roomkin.stages.tables import policy_tables, scene_tables, table2
 from roomkin.stages.tables.cells import CELL, RATE
 from roomkin.stages.tables.markup import Table, environment

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.features import MAKE_SNAPSHOTS, open_snapshots
 from roomkin.stages.contracts.files import read_json
 from roomkin.stages.contracts.generated import GeneratedScene
 from roomkin.stages.contracts.library import SnapshotShard
-from roomkin.stages.contracts.snapshot_file import AGAIN, open_snapshots
 from roomkin.stages.geometry.cameras import MARGIN
 from roomkin.stages.geometry.frames import angle_difference
 from roomkin.stages.geometry.viewing import view_angle
@@ -37,7 +37,7 @@ class Snapshots:
         path, index = self._places[asset]
         shard, file = open_snapshots(path)
         view = -1 if yaw is None else int(np.argmin([angle_difference(each, yaw) for each in shard.yaws]))
-        with file, explain_unreadable(path, "snapshot file", AGAIN):
+        with file, explain_unreadable(path, "snapshot file", MAKE_SNAPSHOTS):
             return cut_out(file["rgb"][index, view], file["depth"][index, view] > 0)
 
 

@@ -7,7 +7,7 @@ from roomkin.stages.config.demonstrations import DemonstrationsConfig
 from roomkin.stages.config.evaluation import SkillOptions
 from roomkin.stages.contracts.files import read_options
 from roomkin.stages.contracts.policies import Rollout
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.evaluation.episodes import RolloutEpisode
 from roomkin.stages.evaluation.rows import write_rows
 from roomkin.stages.evaluation.states import Start, starts_of

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from roomkin.plugins.claims.assets import of_splits
 from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.policies import TaskAsset
-from roomkin.stages.contracts.words import count
 from roomkin.stages.tables.cells import ROW, in_order
 from roomkin.stages.tables.intervals import PLACE, place_weights, quantiles
 from roomkin.stages.tables.markup import Table

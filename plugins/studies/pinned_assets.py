@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from roomkin.plugins.studies.pinned_file import read_pinned
 from roomkin.stages.config.mistakes import Mistake
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.contracts.training_sets import DRAWN, read_set
+from roomkin.stages.contracts.policy_config import DRAWN, read_set
 
 if TYPE_CHECKING:
     from roomkin.stages.config.model import Config

@@ -24,7 +24,7 @@ from roomkin.stages.config.targets import Cell
 from roomkin.stages.contracts.files import read_json, write_text
 from roomkin.stages.contracts.library import Library
 from roomkin.stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
-from roomkin.stages.contracts.training_sets import is_randomised
+from roomkin.stages.contracts.policy_config import is_randomised
 from roomkin.stages.tables import policy_tables as table3_text
 from roomkin.stages.tables import table2, table3
 from roomkin.stages.tables.drawing import save, style

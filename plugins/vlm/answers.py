@@ -4,7 +4,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from roomkin.stages.contracts.files import first_error
+from roomkin.stages.contracts.errors import first_error
 from roomkin.stages.contracts.types import Count
 
 LONGEST = 20_000  # characters of an answer

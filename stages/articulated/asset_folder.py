@@ -13,9 +13,8 @@ from roomkin.stages.articulated.model import RobotModel
 from roomkin.stages.articulated.part_types import contract_joints, copy_part_types, count_parts
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.articulated.urdf_writer import write_urdf
-from roomkin.stages.contracts import checksums
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.contracts.files import as_json, ask_before_writing, make_partial_path, read_json
+from roomkin.stages.contracts.files import as_json, ask_before_writing, forget, make_partial_path, read_json, record
 from roomkin.stages.contracts.library import Asset, Placement, Recipe, Symmetry
 from roomkin.stages.contracts.parts import PARTS
 from roomkin.stages.contracts.system import name_file_in_errors
@@ -120,10 +119,10 @@ def atomic_folder(out: Path) -> Iterator[Path]:
         with name_file_in_errors(out):
             yield folder
             ask_before_writing(out)
-            checksums.forget(out)
+            forget(out)
             if out.exists():
                 shutil.rmtree(out)
             folder.replace(out)
-            checksums.record(out)
+            record(out)
     finally:
         shutil.rmtree(folder, ignore_errors=True)

@@ -13,9 +13,8 @@ from typing import Any
 
 import yaml
 
-from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.errors import InputError, fault_of, line_of
 from roomkin.stages.contracts.files import read_text
-from roomkin.stages.contracts.yaml_files import fault_of, line_of
 
 ENDINGS = (".yaml", ".yml", ".json")
 

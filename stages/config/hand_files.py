@@ -4,8 +4,15 @@ from functools import partial
 from pathlib import Path
 
 from roomkin.stages.config.experiment import ExperimentConfig
-from roomkin.stages.contracts.corrections import CORRECTIONS, Reader, read_corrections
-from roomkin.stages.contracts.hand import PROJECT, digest_of_picture, find_hand_file, is_by_hand
+from roomkin.stages.contracts.hand import (
+    CORRECTIONS,
+    PROJECT,
+    Reader,
+    digest_of_picture,
+    find_hand_file,
+    is_by_hand,
+    read_corrections,
+)
 
 
 def hand_file(experiment: ExperimentConfig, scene: str, name: str) -> Path:

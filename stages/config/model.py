@@ -28,8 +28,8 @@ from roomkin.stages.config.targets import Target
 from roomkin.stages.config.training import TrainingSection
 from roomkin.stages.config.unfetched import leave_out, list_unfetched
 from roomkin.stages.contracts.errors import InputError, suggest_nearest
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.contracts.section import Section, Seed
-from roomkin.stages.contracts.task_options import TaskConfig
 from roomkin.stages.plugins import find, folder
 from roomkin.stages.plugins import load as load_plugin
 

@@ -8,7 +8,7 @@ from zipfile import ZipFile, is_zipfile
 from pydantic import BaseModel
 
 from roomkin.stages.config.code import code_digest
-from roomkin.stages.contracts.provenance import Provenance
+from roomkin.stages.contracts.doubt import Provenance
 
 
 def record_provenance(module: str, options: BaseModel, inputs: Iterable[Path], seed: int | None = None) -> Provenance:

@@ -15,9 +15,8 @@ from roomkin.stages.config.packages import find_packages
 from roomkin.stages.config.perception import DrawOptions, MeasureOptions, SeeOptions
 from roomkin.stages.config.policy_kinds import policy_tables
 from roomkin.stages.config.tables import PolicyTables, TablesConfig
-from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig, is_randomised
 from roomkin.stages.contracts.section import Section
-from roomkin.stages.contracts.training_sets import is_randomised
 from roomkin.stages.plugins import shorten_name
 
 CORE: dict[tuple[str, str], type[Section]] = {

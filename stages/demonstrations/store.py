@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from roomkin.stages.config.demonstrations import RandomiseOptions
 from roomkin.stages.contracts import write_atomically
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.tasks.api import Observation
 
 Float = NDArray[np.float32]

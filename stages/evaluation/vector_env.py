@@ -16,8 +16,8 @@ from roomkin.stages.contracts.files import read_json
 from roomkin.stages.contracts.library import Asset
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.contracts.policies import Rollout, TaskAsset, TaskAssets
-from roomkin.stages.contracts.policy_folder import read_config
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
+from roomkin.stages.contracts.trained import read_config
 from roomkin.stages.evaluation.episodes import RolloutEpisode, roll_out
 from roomkin.stages.evaluation.states import Start
 from roomkin.stages.plugins import shorten_name

@@ -6,9 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.contracts.corrections import MEASURED, Correction
-from roomkin.stages.contracts.fronts import count_fronts
-from roomkin.stages.contracts.parts import says_opening
+from roomkin.stages.contracts.hand import MEASURED, Correction
+from roomkin.stages.contracts.parts import count_fronts, says_opening
 from roomkin.stages.contracts.scenes import Annotation, Annotations, Held
 from roomkin.stages.contracts.types import FLOOR, WALL, Pixel
 from roomkin.stages.geometry.masks import pixel_bounds, polygons

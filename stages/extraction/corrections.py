@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts import InputError, Objects
-from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.matched import Matched
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
 from roomkin.stages.contracts.scenes import Held

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts import InputError
-from roomkin.stages.contracts.depth import check_turned
+from roomkin.stages.contracts.images import check_turned
 from roomkin.stages.extraction.camera_height import doubt_height
 from roomkin.stages.extraction.observation import AnnotatedImage
 from roomkin.stages.geometry.cameras import PointMap

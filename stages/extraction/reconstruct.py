@@ -11,7 +11,7 @@ from roomkin.stages.config.extraction import ExtractionConfig
 from roomkin.stages.contracts import InputError, Objects
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.category import find_category
-from roomkin.stages.contracts.files import first_error
+from roomkin.stages.contracts.errors import first_error
 from roomkin.stages.contracts.objects import Wall, object_ids
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.extraction.contact import DepthView

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.articulated.resizing import load_maker
-from roomkin.stages.contracts.look import GAMMA
+from roomkin.stages.contracts.generated import GAMMA
 from roomkin.stages.contracts.objects import Objects
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.geometry.masks import MIN_PIXELS

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from roomkin.stages.contracts import Cousins, InputError, Objects, read_json
 from roomkin.stages.contracts.category import Category
-from roomkin.stages.contracts.corrections import Correction, read_corrections
 from roomkin.stages.contracts.cousins import Cousin, ObjectCousins
 from roomkin.stages.contracts.extracted import read_clouds, read_metres, read_object_masks
-from roomkin.stages.contracts.hand import digest_of_picture
+from roomkin.stages.contracts.hand import Correction, digest_of_picture, read_corrections
 from roomkin.stages.contracts.images import read_masks, read_rgb
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.contracts.matched import match_corrections

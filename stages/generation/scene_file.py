@@ -7,10 +7,9 @@ from roomkin.stages.articulated.asset_folder import read_asset
 from roomkin.stages.articulated.resizing import resize_asset
 from roomkin.stages.contracts import GeneratedScene, InputError, Objects
 from roomkin.stages.contracts.doubt import sort_by_chance
-from roomkin.stages.contracts.errors import ObjectError
+from roomkin.stages.contracts.errors import ObjectError, count
 from roomkin.stages.contracts.generated import PlacedObject
 from roomkin.stages.contracts.objects import Mounting
-from roomkin.stages.contracts.words import count
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.generation.settling import Settled
 from roomkin.stages.geometry.boxes import UprightBox

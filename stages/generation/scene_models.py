@@ -14,7 +14,7 @@ from roomkin.stages.articulated.mesh_writer import split_sharp_edges
 from roomkin.stages.articulated.model import JointModel, RobotModel, Visual
 from roomkin.stages.articulated.surfaces import ColoredMesh
 from roomkin.stages.contracts import Asset, GeneratedScene
-from roomkin.stages.contracts.look import ROOM_LIGHT, Look
+from roomkin.stages.contracts.generated import ROOM_LIGHT, Look
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.geometry.frames import transform_points
 from roomkin.stages.simulation.backdrop import Block, make_backdrop

@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from roomkin.stages.contracts.fronts import Panel
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.contracts.parts import FRONTS
+from roomkin.stages.contracts.parts import FRONTS, Panel
 from roomkin.stages.matching.candidates import count_gap
 
 SHIFT = 0.1  # share of a front by which all of its panels may lie off their stated places: boxes of things err

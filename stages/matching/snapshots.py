@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.features import MAKE_SNAPSHOTS, open_snapshots
 from roomkin.stages.contracts.files import read_json
 from roomkin.stages.contracts.library import SnapshotShard
-from roomkin.stages.contracts.snapshot_file import AGAIN, open_snapshots
 from roomkin.stages.geometry.crop import View
 
 
@@ -33,7 +33,7 @@ class SnapshotFile:
     def views(self, asset: str) -> list[View]:
         """All views of an asset: the yaws, then the representative. The object is where there is depth."""
         number = self._position[asset]
-        with explain_unreadable(self.path, "snapshot file", AGAIN):  # a chunk may be damaged
+        with explain_unreadable(self.path, "snapshot file", MAKE_SNAPSHOTS):  # a chunk may be damaged
             rgbs, depths = self._rgb[number], self._depth[number].astype(np.float32) / 1000
         intrinsics = np.array(self.sidecar.intrinsics, dtype=float)
         up = up_of_camera(self.sidecar.elevation)
@@ -42,7 +42,7 @@ class SnapshotFile:
     def picture(self, asset: str, yaw: float) -> NDArray[np.uint8]:
         """The snapshot (H, W, 3) nearest to a yaw in radians."""
         gap = np.angle(np.exp(1j * (np.array(self.sidecar.yaws) - yaw)))
-        with explain_unreadable(self.path, "snapshot file", AGAIN):
+        with explain_unreadable(self.path, "snapshot file", MAKE_SNAPSHOTS):
             picture: NDArray[np.uint8] = self._rgb[self._position[asset], int(np.abs(gap).argmin())]
         return picture
 
@@ -56,7 +56,7 @@ class Snapshots:
     @cached_property
     def _shards(self) -> dict[str, Path]:
         """The shard of every asset."""
-        sidecars = {path: read_json(SnapshotShard, path.with_suffix(".json"), AGAIN) for path in self._paths}
+        sidecars = {path: read_json(SnapshotShard, path.with_suffix(".json"), MAKE_SNAPSHOTS) for path in self._paths}
         return {asset: path for path, sidecar in sidecars.items() for asset in sidecar.assets}
 
     def picture(self, asset: str, yaw: float) -> NDArray[np.uint8]:

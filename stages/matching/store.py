@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts import InputError, write_atomically, write_json
-from roomkin.stages.contracts.features import AGAIN, FeatureIndex, open_companion, open_features
+from roomkin.stages.contracts.features import MAKE_FEATURES, FeatureIndex, open_companion, open_features
 from roomkin.stages.matching.codec import Codec
 
-other_features = partial(InputError, fix=AGAIN, code="E-FEATURES-OTHER")
+other_features = partial(InputError, fix=MAKE_FEATURES, code="E-FEATURES-OTHER")
 
 
 class Snapshot(NamedTuple):
@@ -80,7 +80,7 @@ class FeatureStore:
             shard = len(self._indices) - 1
             self._where |= {asset: (shard, position) for position, asset in enumerate(index.assets)}
         if not self._indices:
-            raise InputError("--features", "names no feature store.", AGAIN, code="E-FEATURES-MISSING")
+            raise InputError("--features", "names no feature store.", MAKE_FEATURES, code="E-FEATURES-MISSING")
         self.yaws = self._indices[0].yaws
         self.upright = self._indices[0].upright
 

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from roomkin.stages.config.perception import DrawOptions
 from roomkin.stages.contracts import InputError, read_json, read_options, write_json
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.hand import PROJECT, find_hand_file, is_by_hand
 from roomkin.stages.contracts.system import lock_folder
-from roomkin.stages.contracts.words import count
 from roomkin.stages.perception.classification.by_size import name_others, name_standing
 from roomkin.stages.perception.classification.names import find_reason, find_surest, place_sure
 from roomkin.stages.perception.classification.propose import list_silent

@@ -25,10 +25,19 @@ from zipfile import BadZipFile, ZipFile
 from pydantic import Field, TypeAdapter, ValidationError
 
 from roomkin.stages.config.perception import PerceptionSection
-from roomkin.stages.config.weights import ALL, FOLDER, NETWORKS, Weights, Wheel, check_folder, list_lacking, weights_sha256
+from roomkin.stages.config.weights import (
+    ALL,
+    FOLDER,
+    NETWORKS,
+    Weights,
+    Wheel,
+    check_folder,
+    list_lacking,
+    weights_sha256,
+)
 from roomkin.stages.contracts import InputError, read_options, write_text
-from roomkin.stages.contracts.errors import explain
-from roomkin.stages.contracts.files import Contract, first_error, write_atomically
+from roomkin.stages.contracts.errors import explain, first_error
+from roomkin.stages.contracts.files import Contract, write_atomically
 
 CONNECT_S = 10  # seconds to wait for an address, and for each answer; chosen
 PIECE = 1 << 20  # bytes at a time

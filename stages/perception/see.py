@@ -11,12 +11,11 @@ import numpy as np
 from roomkin.stages.config.perception import OutlineSection, SeeOptions, SeeSection
 from roomkin.stages.config.weights import CLIP, list_lacking
 from roomkin.stages.contracts import Camera, InputError, read_json, read_options, write_atomically, write_json
-from roomkin.stages.contracts.depth import check_turned, read_depth
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.hand import digest_of_picture
-from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.contracts.images import check_turned, read_depth, read_rgb
 from roomkin.stages.contracts.things import THINGS, Ground, Thing, Things
 from roomkin.stages.contracts.types import FLOOR, WALL
-from roomkin.stages.contracts.words import count
 from roomkin.stages.geometry.cameras import back_project
 from roomkin.stages.geometry.levels import BELOW
 from roomkin.stages.perception.camera.surfaces import Surfaces, find_surfaces

@@ -7,7 +7,7 @@ import numpy as np
 import sapien
 from numpy.typing import NDArray
 
-from roomkin.stages.contracts.look import Color, Look
+from roomkin.stages.contracts.generated import Color, Look
 from roomkin.stages.contracts.objects import Wall
 from roomkin.stages.geometry.boxes import UprightBox, corners
 from roomkin.stages.simulation.rendering import add_block

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from roomkin.stages.contracts.files import write_atomically
-from roomkin.stages.contracts.training_sets import is_randomised, strip_randomised
+from roomkin.stages.contracts.policy_config import is_randomised, strip_randomised
 from roomkin.stages.tables.order import title
 from roomkin.stages.tables.text import NOT_RUN
 

@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from roomkin.stages.config.tables import TablesConfig
-from roomkin.stages.contracts.words import count
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.tables.cells import CELL
 from roomkin.stages.tables.markup import Table, read_notes
 from roomkin.stages.tables.methods import Kinds

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from roomkin.stages.config.demonstrations import RandomiseOptions
 from roomkin.stages.contracts import Asset, InputError, read_json
 from roomkin.stages.contracts.errors import ObjectError
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.plugins import load
 from roomkin.stages.simulation.kinematics import Array
 from roomkin.stages.simulation.robot import panda_chain

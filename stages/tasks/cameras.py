@@ -8,7 +8,7 @@ import sapien
 from mani_skill.sensors.camera import CameraConfig
 from scipy.spatial.transform import Rotation
 
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import make_transform
 from roomkin.stages.simulation.depth_shaders import depth_shaders
 from roomkin.stages.simulation.kinematics import Array

@@ -14,7 +14,7 @@ from mani_skill.utils.structs.types import SceneConfig, SimConfig
 from numpy.typing import NDArray
 
 from roomkin.stages.config.demonstrations import RandomiseOptions
-from roomkin.stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
+from roomkin.stages.contracts.policy_config import SIMULATION_FREQUENCY, TaskConfig
 from roomkin.stages.geometry.frames import invert_transform, transform_points
 from roomkin.stages.planning.clearance import Surroundings
 from roomkin.stages.simulation.kinematics import Array

@@ -9,7 +9,7 @@ import sapien
 from mani_skill.sensors.camera import CameraConfig
 from numpy.typing import NDArray
 
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.simulation.depth_shaders import PICTURE
 from roomkin.stages.simulation.kinematics import Array
 from roomkin.stages.simulation.observation import finger_points, object_points, proprioception, unify_cloud

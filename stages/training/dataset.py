@@ -12,7 +12,7 @@ from torch import Tensor
 
 from roomkin.stages.contracts.episode_store import read_episodes
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.contracts.trained import TrainingStore
 from roomkin.stages.training.fronts import segment_episodes
 

@@ -11,7 +11,7 @@ from mani_skill.utils.wrappers.gymnasium import CPUGymWrapper
 
 import roomkin.stages.tasks  # noqa: F401
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import invert_transform, transform_points
 from roomkin.stages.simulation.depth_shaders import PICTURE, depth_shaders
 from roomkin.stages.simulation.loading import load_asset

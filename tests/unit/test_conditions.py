@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from roomkin.stages.config.evaluation import EvaluationConfig, SceneOptions, SensingOptions, SkillOptions
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.evaluation.vector_env import make_sensing, move_robot
 from roomkin.stages.tasks.api import EnvWrapper
 from roomkin.stages.tasks.cameras import displace_pose

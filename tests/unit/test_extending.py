@@ -23,8 +23,8 @@ from roomkin.stages.config.assets import AssetsConfig
 from roomkin.stages.config.demonstrations import DemonstrationsConfig
 from roomkin.stages.config.model import load, merge_mappings, with_defaults
 from roomkin.stages.contracts import InputError, Library, LibraryPart, Objects, read_json, write_json
-from roomkin.stages.contracts.policy_folder import read_config
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
+from roomkin.stages.contracts.trained import read_config
 from roomkin.stages.demonstrations.attempt import Recorder
 from roomkin.stages.extraction.extract import run as extract
 from roomkin.stages.geometry.boxes import UprightBox

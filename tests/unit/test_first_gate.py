@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.collect import run as collect
 from roomkin.stages.evaluation.episodes import roll_out
 from roomkin.stages.evaluation.states import FIRST_STATE

@@ -7,8 +7,8 @@ import pytest
 from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.config.provenance import record_provenance
 from roomkin.stages.contracts import GeneratedScene, InputError, Objects, read_json, write_json
-from roomkin.stages.contracts.corrections import Correction, Corrections
 from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.hand import Correction, Corrections
 from roomkin.stages.generation.generate import run
 from roomkin.stages.generation.inputs import read_inputs
 from roomkin.stages.generation.placed import Placed

@@ -5,8 +5,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
 from roomkin.stages.contracts.trained import TrainingStore
 from roomkin.stages.policies.base import make_policy, make_rollout_policy
 from roomkin.stages.policies.handle_points import find_handle_middles, offsets_to_handle, segment_handles

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from roomkin.stages.config.extraction import ExtractionConfig
 from roomkin.stages.contracts import Annotations
-from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.objects import USUAL_ERROR, Box, DepthError, SceneObject, Wall
 from roomkin.stages.contracts.scenes import Annotation, Held
 from roomkin.stages.extraction.contact import DepthView, measure_shelf

@@ -9,7 +9,7 @@ import trimesh
 
 from roomkin.plugins.mujoco.environment import MujocoTaskEnv
 from roomkin.plugins.mujoco.world import MODEL
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import make_transform
 from roomkin.stages.planning.path import make_handle_path
 from roomkin.stages.simulation.target import Target

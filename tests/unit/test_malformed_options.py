@@ -25,8 +25,7 @@ from roomkin.stages.config.packages import home_of
 from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.contracts import InputError, read_options
 from roomkin.stages.contracts.library import Recipe
-from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
 from tests.packages import needs
 from tests.unit.contract_files import contents, write_files
 

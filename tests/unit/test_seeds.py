@@ -15,7 +15,7 @@ from roomkin.plugins.furniture.catalogue import sample
 from roomkin.stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
 from roomkin.stages.config.experiment import ExperimentConfig
 from roomkin.stages.config.tables import TablesConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.attempt import draw_approach_speed
 from roomkin.stages.demonstrations.collect import attempt_seeds
 from roomkin.stages.evaluation.states import initial_states

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from roomkin.stages.articulated.handle import Handle
 from roomkin.stages.config.demonstrations import DemonstrationsConfig
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import invert_transform, make_transform, yaw_matrix
 from roomkin.stages.planning.articulation import plan_articulation
 from roomkin.stages.planning.clearance import Surroundings

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from roomkin.stages.config.demonstrations import DemonstrationsConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.planning import rollout
 from roomkin.stages.planning.articulation import choose_open_goals, choose_release_opening, list_approaches
 from roomkin.stages.planning.clearance import Surroundings

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from roomkin.stages.articulated.handle import find_handle
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 from roomkin.stages.simulation import observation
 from roomkin.stages.simulation.controller import apply_delta, scale_action

@@ -13,9 +13,8 @@ import torch
 from safetensors.torch import load_file
 
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.policy_folder import read_config, weights_of
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
+from roomkin.stages.contracts.trained import read_config, weights_of
 from roomkin.stages.policies import point_cloud
 from roomkin.stages.policies.base import make_policy
 from roomkin.stages.policies.checkpoint import load_network

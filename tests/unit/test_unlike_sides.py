@@ -14,7 +14,7 @@ from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.objects import Box, DepthError, Wall, distance_between
 from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.policy_folder import check_policy
+from roomkin.stages.contracts.trained import check_policy
 from roomkin.stages.extraction.contact import CONTACT_DISTANCE, DepthView
 from roomkin.stages.geometry.frames import make_transform
 from roomkin.stages.geometry.outlines import measure_outline

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from roomkin.stages.config.containers import ContainersConfig
 from roomkin.stages.config.provenance import content
-from roomkin.stages.contracts.checksums import CHECKSUMS
+from roomkin.stages.contracts.files import CHECKSUMS
 
 ROOT = Path(__file__).resolve().parents[2]
 SNAKEMAKE = [str(Path(sys.executable).parent / "snakemake"), "--cores", "2", "--quiet", "all"]

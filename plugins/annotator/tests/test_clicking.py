@@ -21,8 +21,7 @@ from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noq
 from roomkin.plugins.annotator.tests.test_by_hand import BOXES, HEIGHT, VIEW, WIDTH, _drawing, _pixels
 from roomkin.plugins.annotator.tests.test_correcting import BOXES as ROOM
 from roomkin.stages.contracts import Annotations, Objects, read_json
-from roomkin.stages.contracts.corrections import CORRECTIONS
-from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.contracts.hand import CORRECTIONS, PROJECT
 from roomkin.stages.contracts.scene_input import read_scene_input
 from roomkin.stages.extraction.extract import run as extract
 from roomkin.stages.geometry.boxes import UprightBox, corners

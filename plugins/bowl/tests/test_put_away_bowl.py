@@ -21,7 +21,7 @@ from roomkin.plugins.bowl.skills.place.predicates import DROP, find_places_insid
 from roomkin.plugins.bowl.tasks.put_away_bowl.bowl import AROUND, default_bowl, fitting_scale, load_visual_mesh
 from roomkin.plugins.bowl.tasks.put_away_bowl.environment import with_stand_in_view
 from roomkin.stages.config.demonstrations import DemonstrationsConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.attempt import Recorder
 from roomkin.stages.geometry.frames import make_transform, transform_points, yaw_matrix
 from roomkin.stages.planning.path import ANGLE_WEIGHT

@@ -15,7 +15,7 @@ from roomkin.stages.config.assets import COUNTS
 from roomkin.stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.parts import PARTS
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.planning.handle_grasp import HALF_PAD
 from roomkin.stages.plugins import load
 from roomkin.stages.simulation.loading import load_asset, physics_scene

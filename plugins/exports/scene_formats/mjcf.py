@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from roomkin.plugins.mujoco.mjcf_writer import TOUCHED, ModelWriter, document, text
-from roomkin.stages.contracts.look import GAMMA
+from roomkin.stages.contracts.generated import GAMMA
 from roomkin.stages.generation.scene_models import CAMERA, Room
 from roomkin.stages.geometry.cameras import OPENGL
 from roomkin.stages.geometry.frames import quaternion_from_matrix, yaw_quaternion

@@ -21,7 +21,7 @@ from roomkin.stages.articulated.asset_folder import Description, read_asset, wri
 from roomkin.stages.articulated.model import Link, RobotModel, Visual
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.contracts import GeneratedScene, LibraryPart, write_json
-from roomkin.stages.contracts.look import ROOM_LIGHT, Look, Surface
+from roomkin.stages.contracts.generated import ROOM_LIGHT, Look, Surface
 from roomkin.stages.contracts.objects import Mounting, Wall
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.generation.scene_models import Room, room_of

@@ -18,7 +18,7 @@ from roomkin.stages.contracts.errors import ObjectError
 from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject
 from roomkin.stages.contracts.library_folder import write_part
 from roomkin.stages.contracts.objects import Wall
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.tasks.api import EnvWrapper
 from tests.packages import needs
 from tests.refusals import refused

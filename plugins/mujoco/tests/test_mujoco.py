@@ -14,7 +14,7 @@ from roomkin.plugins.mujoco.environment import MujocoTaskEnv
 from roomkin.plugins.mujoco.world import MODEL
 from roomkin.stages.config.demonstrations import DemonstrationsConfig
 from roomkin.stages.contracts import Asset, read_json
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import invert_transform, transform_points
 from roomkin.stages.simulation.film_renderer import FilmRenderer
 from roomkin.stages.skills import FAR, Float

@@ -18,7 +18,7 @@ from roomkin.plugins.pictures.look import (
 )
 from roomkin.plugins.pictures.painting import furnish
 from roomkin.stages.contracts import GeneratedScene, Objects
-from roomkin.stages.contracts.look import ROOM_LIGHT, Look, Surface
+from roomkin.stages.contracts.generated import ROOM_LIGHT, Look, Surface
 from roomkin.stages.contracts.objects import Mounting, SceneObject, Wall
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.geometry.boxes import UprightBox

@@ -14,8 +14,8 @@ from roomkin.plugins.report.page.files import RunFiles
 from roomkin.plugins.report.roles import lists_table, role_title, roles_table, used_roles
 from roomkin.plugins.report.snapshots import Snapshots
 from roomkin.stages.contracts.archives import unpack
+from roomkin.stages.contracts.episode_store import read_attempts, read_metrics
 from roomkin.stages.contracts.files import read_json
-from roomkin.stages.contracts.ledgers import read_attempts, read_metrics
 from roomkin.stages.contracts.policies import TaskAssets
 from roomkin.stages.tables.markup import Table
 from roomkin.stages.tables.order import set_key, sort_key, target_title, title

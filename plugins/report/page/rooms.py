@@ -15,12 +15,11 @@ from roomkin.plugins.report.page.findings import Findings
 from roomkin.plugins.report.page.objects import Evidence, Match, match
 from roomkin.plugins.report.snapshots import Snapshots, views_of
 from roomkin.stages.contracts.cousins import Cousins
-from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.doubt import Doubt, Provenance
 from roomkin.stages.contracts.extracted import read_clouds, read_object_masks
 from roomkin.stages.contracts.generated import GeneratedScene
 from roomkin.stages.contracts.images import read_rgb
 from roomkin.stages.contracts.objects import Objects
-from roomkin.stages.contracts.provenance import Provenance
 from roomkin.stages.plugins import shorten_name
 from roomkin.stages.tables.order import sort_key, title
 from roomkin.stages.tables.table2 import judge

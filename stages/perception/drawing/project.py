@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import Contract, Document
-from roomkin.stages.contracts.fronts import Panel
+from roomkin.stages.contracts.parts import Panel
 from roomkin.stages.contracts.things import Found
 from roomkin.stages.contracts.types import Id, Length, Outline, Panels, Pixel, Side, Text, check_unique
 from roomkin.stages.perception.camera.perspective import Perspective

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts.categories import usual_depth
-from roomkin.stages.contracts.depth import NEAREST
 from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.images import NEAREST
 from roomkin.stages.contracts.types import LARGEST, Pixel
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import yaw_matrix

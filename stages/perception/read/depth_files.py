@@ -12,8 +12,7 @@ from PIL import Image, ImageOps
 from roomkin.stages.config.recordings import DEPTH_FILES, DEPTH_IMAGES
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.arrays import explain_unreadable
-from roomkin.stages.contracts.depth import NEAREST, SKY, check_depth
-from roomkin.stages.contracts.images import read_masks
+from roomkin.stages.contracts.images import NEAREST, SKY, check_depth, read_masks
 from roomkin.stages.contracts.types import LARGEST
 from roomkin.stages.geometry.depth_marks import MIN_PIXELS, MIN_VALUES, count_values, find_marks, remove_marks
 from roomkin.stages.perception.read.depth_scale import UNITS, Stated, find_scale

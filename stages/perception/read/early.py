@@ -6,9 +6,8 @@ from pathlib import Path
 
 from roomkin.stages.config.experiment import ExperimentConfig
 from roomkin.stages.config.pictures import Picture
-from roomkin.stages.contracts.depth import read_depth
 from roomkin.stages.contracts.files import read_json
-from roomkin.stages.contracts.images import open_picture
+from roomkin.stages.contracts.images import open_picture, read_depth
 from roomkin.stages.contracts.scenes import Annotations, Camera
 from roomkin.stages.perception.drawing.project import Project
 from roomkin.stages.perception.read.depth_files import read_raw

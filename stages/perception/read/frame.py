@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.errors import plain_letters
 from roomkin.stages.contracts.images import orientation_of
-from roomkin.stages.contracts.words import plain_letters
 from roomkin.stages.geometry.cameras import scale_intrinsics
 from roomkin.stages.perception.classification.names import Proposal
 

@@ -10,9 +10,8 @@ import numpy as np
 
 from roomkin.stages.config.recordings import COLOR, is_tum, list_folders, list_frames
 from roomkin.stages.contracts import InputError
-from roomkin.stages.contracts.depth import DOWN, TURN, check_turned
 from roomkin.stages.contracts.hand import digest_of_image
-from roomkin.stages.contracts.images import check_shown, read_rgb
+from roomkin.stages.contracts.images import DOWN, TURN, check_shown, check_turned, read_rgb
 from roomkin.stages.geometry.cameras import back_project, make_intrinsics, scale_intrinsics
 from roomkin.stages.geometry.ray_depth import along_axis, find_flatter
 from roomkin.stages.geometry.room_planes import fit_floor

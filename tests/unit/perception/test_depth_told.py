@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
 from roomkin.stages.contracts import Camera, read_json
-from roomkin.stages.contracts.depth import read_depth
+from roomkin.stages.contracts.images import read_depth
 from roomkin.stages.contracts.scene_input import read_scene_input
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.depth_marks import find_marks

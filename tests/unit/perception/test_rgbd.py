@@ -16,7 +16,7 @@ import yaml
 
 from roomkin.stages.config.extraction import ExtractionConfig
 from roomkin.stages.contracts import Camera, InputError, read_json
-from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.scene_input import read_scene_input
 from roomkin.stages.extraction.corrected_masks import Cutter, correct_masks
 from roomkin.stages.extraction.observation import read_folder

@@ -22,7 +22,7 @@ from roomkin.plugins.bowl.tasks.put_away_bowl.bowl import (
 )
 from roomkin.plugins.bowl.tasks.put_away_bowl.bowl import stand as stand_folder
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import invert_transform, make_transform, transform_points, yaw_matrix
 from roomkin.stages.planning.clearance import surface_points
 from roomkin.stages.simulation.kinematics import Array
