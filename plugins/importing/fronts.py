@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from roomkin.plugins.importing.buttons import explain_unpushable
 from roomkin.plugins.importing.hinges import (
     ALONG,
     MIN_OUT,
     MIN_TURN,
-    THIN,
+    THIN_LEAF,
+    explain_unpushable,
     list_carried_links,
     seen_points,
     slides_from_narrower,
@@ -122,7 +122,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> F
         across = 1 - way
         if joint.upper - joint.lower < MIN_TURN:
             return f"turns by less than {np.rad2deg(MIN_TURN):.0f} degrees"
-        if abs(axis[way]) > 0.3 or extents[way] > THIN * extents[across]:
+        if abs(axis[way]) > 0.3 or extents[way] > THIN_LEAF * extents[across]:
             return "turns no panel about its side"  # a stove's knob turns about the direction that it faces
         center = (low + high) / 2
         swing = float(np.cross(axis, center - frame[:3, 3])[way])

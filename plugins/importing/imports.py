@@ -14,16 +14,19 @@ from pydantic import Field, ValidationError
 
 from roomkin.plugins.importing.discover import WHOLE, Found, discover
 from roomkin.plugins.importing.fronts import align_to_axes, doors_and_drawers, front_direction
+from roomkin.plugins.importing.hinges import shut_where_smallest
 from roomkin.plugins.importing.importers import IMPORTERS, Axis, Importer
-from roomkin.plugins.importing.inertia_repair import repair_inertias, with_mass
-from roomkin.plugins.importing.inside import check_inside
 from roomkin.plugins.importing.naming import number_names, snake_case
 from roomkin.plugins.importing.proposal import Proposal
-from roomkin.plugins.importing.pushing import find_touching_links, stuck_joints
-from roomkin.plugins.importing.sandbox import run_in_fork
-from roomkin.plugins.importing.shut import shut_where_smallest
+from roomkin.plugins.importing.repairs import (
+    find_touching_links,
+    repair_inertias,
+    stuck_joints,
+    with_mass,
+    with_solid_handles,
+)
+from roomkin.plugins.importing.sandbox import check_inside, run_in_fork
 from roomkin.plugins.importing.single_body import leave_out
-from roomkin.plugins.importing.solid_handle import with_solid_handles
 from roomkin.stages.articulated.asset_folder import Description, read_asset, write_asset
 from roomkin.stages.articulated.attributes import explain_ungraspable
 from roomkin.stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box

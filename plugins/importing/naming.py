@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from itertools import chain, count
 from pathlib import Path
 
-from roomkin.plugins.importing.inside import read_text_inside
+from roomkin.plugins.importing.sandbox import read_text_inside
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.category import by_joined_name, split_words
 from roomkin.stages.contracts.errors import plain_letters

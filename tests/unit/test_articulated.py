@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from roomkin.plugins.furniture.handles import STYLES, Style
+from roomkin.plugins.furniture.fronts import STYLES, Style
 from roomkin.stages.articulated.asset_folder import (
     Description,
     atomic_folder,
@@ -114,7 +114,7 @@ def test_rigid_meshes_have_the_inertia_of_their_hull(tmp_path: Path) -> None:
 
 
 def test_a_mass_told_by_hand_scales_mass_and_inertia_of_every_link(tmp_path: Path) -> None:
-    from roomkin.plugins.importing.inertia_repair import with_mass
+    from roomkin.plugins.importing.repairs import with_mass
 
     robot = read_urdf(write_cabinet(tmp_path), tmp_path)
     heavy = with_mass(robot, 3 * robot.mass)

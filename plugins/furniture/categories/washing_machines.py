@@ -8,7 +8,7 @@ from trimesh import Trimesh
 from roomkin.plugins.furniture.category import Category, sized
 from roomkin.plugins.furniture.colors import METALS
 from roomkin.plugins.furniture.finishes import DARK, finish_of, shade
-from roomkin.plugins.furniture.handles import STYLES, handle_parts
+from roomkin.plugins.furniture.fronts import STYLES, handle_parts
 from roomkin.plugins.furniture.model import GLASS, METAL, PLASTIC, Model, Moving, Part, Parts, Size
 from roomkin.plugins.furniture.recipe import Coating, Generator, between, in_turn, of, one_of, whole
 from roomkin.plugins.furniture.shapes import box, cushion, lathe, rod, rotate, translate

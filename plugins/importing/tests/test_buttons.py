@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from roomkin.plugins.importing.buttons import explain_unpushable, mark_buttons
+from roomkin.plugins.importing.hinges import explain_unpushable, mark_buttons
 from roomkin.plugins.importing.import_ import run
 from roomkin.plugins.importing.importers.mjcf import read_mjcf
 from roomkin.plugins.importing.tests.own_models import import_folder

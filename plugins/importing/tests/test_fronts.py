@@ -11,8 +11,7 @@ import trimesh
 
 from roomkin.plugins.importing.discover import discover
 from roomkin.plugins.importing.fronts import doors_and_drawers, front_direction
-from roomkin.plugins.importing.pushing import stuck_joints
-from roomkin.plugins.importing.solid_handle import with_solid_handles
+from roomkin.plugins.importing.repairs import stuck_joints, with_solid_handles
 from roomkin.plugins.importing.tests.own_models import import_folder
 from roomkin.stages.articulated.asset_folder import read_model
 from roomkin.stages.articulated.forward_kinematics import link_frames
