@@ -28,8 +28,7 @@ from roomkin.stages.geometry.crop import View
 from roomkin.stages.matching.candidates import find_candidates
 from roomkin.stages.matching.encoders import EXTRA_COLUMNS, PatchEncoder, column_weights, encode_rows, make_encoder
 from roomkin.stages.matching.ranking import Query, apply_weights, compare, pool_patches
-from roomkin.stages.matching.scene import Scene
-from roomkin.stages.matching.snapshots import Snapshots
+from roomkin.stages.matching.snapshots import Scene, Snapshots
 from roomkin.stages.matching.text_encoders import make_text_encoder
 
 CONFIG = [Path("config.yaml"), Path("config/study/table2.yaml")]

@@ -25,11 +25,10 @@ from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts import Library, Objects, read_json
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.matching.candidates import find_candidates
-from roomkin.stages.matching.codec import Codec, learn
 from roomkin.stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
 from roomkin.stages.matching.ranking import make_query, rank_models, rank_orientations
-from roomkin.stages.matching.scene import Scene
-from roomkin.stages.matching.store import FeatureStore, Snapshot
+from roomkin.stages.matching.snapshots import Scene
+from roomkin.stages.matching.store import Codec, FeatureStore, Snapshot, learn
 from roomkin.stages.matching.text_encoders import make_text_encoder
 
 

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.name_training.rooms import FLOOR, Room, triangles
 from benchmarks.name_training.solids import Array, Rng, cast_rays, cast_scene
-from roomkin.stages.config.extraction import DepthNoiseConfig
+from roomkin.stages.config.inputs import DepthNoiseConfig
 from roomkin.stages.extraction.noise import noisy_depth, smooth_field
 from roomkin.stages.geometry.cameras import back_project, look_at, make_intrinsics
 from roomkin.stages.geometry.frames import make_transform, transform_points

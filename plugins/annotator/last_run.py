@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.plugins.annotator.cures import Cure
+from roomkin.plugins.report.album import Snapshots, views_of
 from roomkin.plugins.report.doubts import collect_doubts, measure_side
-from roomkin.plugins.report.snapshots import Snapshots, views_of
 from roomkin.stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
 from roomkin.stages.contracts.cousins import ObjectCousins
 from roomkin.stages.contracts.doubt import Doubt, DoubtKind
@@ -20,7 +20,7 @@ from roomkin.stages.contracts.generated import PlacedObject
 from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.objects import SceneObject, Wall
 from roomkin.stages.contracts.types import Pixel
-from roomkin.stages.extraction.reflections import NICHE
+from roomkin.stages.extraction.depth_error import NICHE
 from roomkin.stages.geometry.boxes import FACES, UprightBox, corners, extents, front_corners, is_behind
 from roomkin.stages.geometry.cameras import project
 from roomkin.stages.geometry.frames import invert_transform, transform_points

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from roomkin.plugins.claims.assets import find_judged_set, of_splits
 from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.tables.cells import ROW, rates
-from roomkin.stages.tables.drawing import color, draw_rates, mark_not_run, marker, rate_axis
+from roomkin.stages.tables.figures import color, draw_rates, mark_not_run, marker, rate_axis
 from roomkin.stages.tables.order import SKILL, row_title, set_key
 from roomkin.stages.tables.rows import records
 from roomkin.stages.tables.text import distance_from_twin

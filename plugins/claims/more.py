@@ -12,11 +12,11 @@ from roomkin.plugins.claims import asset_panels, assets, claims, tables
 from roomkin.plugins.claims.assets import first_policies
 from roomkin.plugins.claims.trainings import failed_note, read_trainings
 from roomkin.stages.config.tables import PolicyTables
+from roomkin.stages.tables.figures import Panels, Row, of_row
 from roomkin.stages.tables.markup import Table
 from roomkin.stages.tables.methods import Kinds, kinds_of
 from roomkin.stages.tables.policies import More, PolicyResults
-from roomkin.stages.tables.policy_figures import Panels, Row, of_row
-from roomkin.stages.tables.policy_notes import policy_notes
+from roomkin.stages.tables.policy_tables import policy_notes
 
 
 class MoreResults(NamedTuple):

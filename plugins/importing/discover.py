@@ -8,8 +8,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 from roomkin.plugins.importing.mjcf_file import root_tag
-from roomkin.plugins.importing.naming import is_common, name_model, read_category, strip_name
-from roomkin.plugins.importing.sandbox import read_text_inside, run_in_fork
+from roomkin.plugins.importing.sandbox import (
+    is_common,
+    name_model,
+    read_category,
+    read_text_inside,
+    run_in_fork,
+    strip_name,
+)
 from roomkin.stages.contracts.categories import category_in
 from roomkin.stages.contracts.errors import count, escape_control, list_plain_words
 

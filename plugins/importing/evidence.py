@@ -14,8 +14,7 @@ from roomkin.plugins.importing.hinges import Hinge, Slide, find_hinges, find_sli
 from roomkin.plugins.importing.importers import Axis, Importer
 from roomkin.plugins.importing.imports import guess_front, in_file, turn_to_axes
 from roomkin.plugins.importing.single_body import find_ground
-from roomkin.stages.articulated.forward_kinematics import measure_closed_box
-from roomkin.stages.articulated.model import Matrix, RobotModel
+from roomkin.stages.articulated.model import Matrix, RobotModel, measure_closed_box
 from roomkin.stages.contracts.categories import find_usual_size, known_categories
 from roomkin.stages.contracts.category import split_words
 from roomkin.stages.contracts.files import Contract

@@ -25,8 +25,7 @@ from roomkin.plugins.importing.imports import (
     read_model,
     with_notes,
 )
-from roomkin.plugins.importing.naming import snake_case
-from roomkin.plugins.importing.sandbox import run_in_fork
+from roomkin.plugins.importing.sandbox import run_in_fork, snake_case
 from roomkin.stages.articulated.asset_folder import atomic_folder
 from roomkin.stages.articulated.model import RobotModel
 from roomkin.stages.articulated.urdf_writer import write_urdf

@@ -16,9 +16,15 @@ from roomkin.plugins.importing.hinges import (
     seen_points,
     slides_from_narrower,
 )
-from roomkin.stages.articulated.attributes import list_moved_links, merge_visuals
-from roomkin.stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
-from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel
+from roomkin.stages.articulated.handle import list_moved_links, merge_visuals
+from roomkin.stages.articulated.model import (
+    JointModel,
+    Matrix,
+    RobotModel,
+    change_root,
+    link_frames,
+    measure_closed_box,
+)
 from roomkin.stages.contracts.parts import PARTS
 from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 

@@ -15,9 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from roomkin.plugins.importing.sandbox import is_inside, read_inside
-from roomkin.stages.articulated.attributes import list_moved_links, merge_visuals
-from roomkin.stages.articulated.forward_kinematics import frames_of, link_frames, measure_closed_box
-from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel
+from roomkin.stages.articulated.handle import list_moved_links, merge_visuals
+from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel, frames_of, link_frames, measure_closed_box
 from roomkin.stages.articulated.urdf_tree import THIN
 from roomkin.stages.contracts.category import split_words
 from roomkin.stages.contracts.files import MAX_TEXT

@@ -35,11 +35,11 @@ from roomkin.plugins.importing.examine import NOTES, Examined, examine_model, ex
 from roomkin.plugins.importing.hinges import seen_points
 from roomkin.plugins.importing.importers import Axis
 from roomkin.plugins.importing.imports import IMPORTERS, by_suffix, in_one_line
-from roomkin.plugins.importing.naming import number_names, snake_case
 from roomkin.plugins.importing.pack import Pack, complete_pack, read_pack, write_pack
 from roomkin.plugins.importing.reach import list_unreachable
+from roomkin.plugins.importing.sandbox import number_names, snake_case
 from roomkin.stages.articulated.asset_folder import read_asset, read_model
-from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.articulated.model import link_frames
 from roomkin.stages.assets.snapshots import VisibilityCheck
 from roomkin.stages.cli import progress
 from roomkin.stages.contracts.categories import known_categories

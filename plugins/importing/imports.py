@@ -16,7 +16,6 @@ from roomkin.plugins.importing.discover import WHOLE, Found, discover
 from roomkin.plugins.importing.fronts import align_to_axes, doors_and_drawers, front_direction
 from roomkin.plugins.importing.hinges import shut_where_smallest
 from roomkin.plugins.importing.importers import IMPORTERS, Axis, Importer
-from roomkin.plugins.importing.naming import number_names, snake_case
 from roomkin.plugins.importing.proposal import Proposal
 from roomkin.plugins.importing.repairs import (
     find_touching_links,
@@ -25,15 +24,13 @@ from roomkin.plugins.importing.repairs import (
     with_mass,
     with_solid_handles,
 )
-from roomkin.plugins.importing.sandbox import check_inside, run_in_fork
+from roomkin.plugins.importing.sandbox import check_inside, number_names, run_in_fork, snake_case
 from roomkin.plugins.importing.single_body import leave_out
-from roomkin.stages.articulated.asset_folder import Description, read_asset, write_asset
-from roomkin.stages.articulated.attributes import explain_ungraspable
-from roomkin.stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
+from roomkin.stages.articulated.asset_folder import Description, assign_part_types, read_asset, write_asset
+from roomkin.stages.articulated.handle import explain_ungraspable
 from roomkin.stages.articulated.mesh_reader import thicken_piece
-from roomkin.stages.articulated.model import Matrix, RobotModel
-from roomkin.stages.articulated.part_types import assign_part_types
-from roomkin.stages.articulated.stretching import stretch_model
+from roomkin.stages.articulated.model import Matrix, RobotModel, change_root, link_frames, measure_closed_box
+from roomkin.stages.articulated.resizing import stretch_model
 from roomkin.stages.articulated.urdf_tree import THIN
 from roomkin.stages.assets.snapshots import VisibilityCheck
 from roomkin.stages.cli import progress

@@ -19,7 +19,7 @@ from typing import Any
 import mujoco
 
 from roomkin.plugins.importing.sandbox import is_inside, read_inside
-from roomkin.stages.articulated.inside import explain_missing
+from roomkin.stages.articulated.mesh_resolver import explain_missing
 from roomkin.stages.articulated.urdf_tree import AROUND, MOST_SHAPES
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.geometry.solids import MINIMUM_INERTIA, MINIMUM_MASS

@@ -17,10 +17,8 @@ from sapien.physx import PhysxArticulation
 from trimesh import Trimesh
 
 from roomkin.stages.articulated.asset_folder import read_asset
-from roomkin.stages.articulated.attributes import list_moved_links, merge_visuals
-from roomkin.stages.articulated.forward_kinematics import link_frames, measure_closed_box
-from roomkin.stages.articulated.handle import GRID, Handle, find_handle
-from roomkin.stages.articulated.model import Link, RobotModel, transform_mesh
+from roomkin.stages.articulated.handle import GRID, Handle, find_handle, list_moved_links, merge_visuals
+from roomkin.stages.articulated.model import Link, RobotModel, link_frames, measure_closed_box, transform_mesh
 from roomkin.stages.articulated.urdf_tree import THIN
 from roomkin.stages.contracts.library import Joint
 from roomkin.stages.geometry.solids import board_mass, box_inertia

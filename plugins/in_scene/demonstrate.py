@@ -11,10 +11,9 @@ import numpy as np
 from roomkin.plugins.films.contract import Film
 from roomkin.plugins.films.demonstrations import FilmedAttempt, make_strip, plot_cloud
 from roomkin.plugins.films.writing import FRAMES, write_films, write_png
-from roomkin.plugins.in_scene.base_shifts import find_obstacle, find_touched, list_base_shifts
 from roomkin.plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
-from roomkin.plugins.in_scene.room import read_room
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.plugins.in_scene.room import find_obstacle, find_touched, list_base_shifts, read_room
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts import GeneratedScene, InputError, read_json, read_options, write_json
 from roomkin.stages.contracts.archives import pack
 from roomkin.stages.contracts.errors import ObjectError

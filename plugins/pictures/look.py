@@ -19,8 +19,8 @@ from roomkin.stages.generation.placed import Placed
 from roomkin.stages.geometry.cameras import back_project
 from roomkin.stages.geometry.frames import SAMPLED, transform_points
 from roomkin.stages.geometry.masks import MIN_PIXELS
-from roomkin.stages.simulation.backdrop import WALL_HEIGHT
 from roomkin.stages.simulation.rendering import RenderCamera, instance_id
+from roomkin.stages.simulation.room import WALL_HEIGHT
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]

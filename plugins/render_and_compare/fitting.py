@@ -5,13 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.plugins.render_and_compare.noisy_cloud import NoisyCloud
-from roomkin.plugins.render_and_compare.observation import Observation
-from roomkin.plugins.render_and_compare.solid import ColoredSolid
+from roomkin.plugins.render_and_compare.observation import NoisyCloud, Observation
+from roomkin.plugins.render_and_compare.rendering import ColoredSolid
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.estimate import BIN, TRIM
 from roomkin.stages.geometry.frames import SYMMETRY_PERIOD, yaw_matrix
-from roomkin.stages.geometry.robust import LARGEST_CHANGE, UNUSUAL, Terms, find_step
+from roomkin.stages.geometry.robust import BIN, LARGEST_CHANGE, TRIM, UNUSUAL, Terms, find_step
 
 OUTERMOST = 2.0  # deviations of noise by which these lie beyond a face; chosen
 SEEN, UNSEEN = 0.1, 0.3  # of an extent: deviation of any face, and how much more of the hidden one; chosen

@@ -10,8 +10,7 @@ from roomkin.plugins.render_and_compare.workbench import Workbench
 from roomkin.stages.contracts.cousins import Cousin
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.matching.question import AbstainedError, Question
-from roomkin.stages.matching.scene import Scene
-from roomkin.stages.matching.snapshots import Snapshots
+from roomkin.stages.matching.snapshots import Scene, Snapshots
 
 
 class InPlace:

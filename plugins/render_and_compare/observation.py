@@ -1,5 +1,11 @@
-"""An object's part of a picture on a small grid of rays: the given side of every comparison."""
+"""An object's part of a picture on a small grid of rays: the given side of every comparison.
 
+The ends of an object from the noisy cloud that a depth camera has of it.
+
+How an object may stand, by what is known besides its picture: its front, the walls that it touches, its box.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -7,12 +13,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.contracts.objects import DepthError
+from roomkin.stages.contracts import Objects
+from roomkin.stages.contracts.objects import DepthError, SceneObject, Wall
 from roomkin.stages.geometry.cameras import FloorCamera, back_project
 from roomkin.stages.geometry.crop import View
-from roomkin.stages.geometry.estimate import REACH
-from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.frames import transform_points, wrap_angle, yaw_matrix
 from roomkin.stages.geometry.masks import OUTLINE, pixel_bounds
+from roomkin.stages.geometry.robust import REACH
 
 SAMPLES = 2  # rays per cell and direction: thin lines do not break; chosen
 SURROUNDINGS = 0.12  # of the object's longer side, around its mask; chosen
@@ -131,3 +138,70 @@ def free_sides(mask: NDArray[np.bool_], depth: NDArray[np.floating], error: Dept
         hidden = own[known] - other[known] > measure_occluder_gap(own[known], error)
         free.append(not hidden.size or bool(hidden.mean() < 0.5))
     return np.array(free)
+
+
+MAX_INSET = 0.25  # share of the length that is taken off an end at most; chosen
+
+
+@dataclass(frozen=True)
+class NoisyCloud:
+    """An object as a depth camera sees it.
+
+    points: (N, 3). camera: its position (3,), in the same frame, z up. error: the standard deviation of depth, metres,
+    at a distance from the camera, metres.
+    """
+
+    points: Array
+    camera: Array
+    error: Callable[[float], float]
+
+    @cached_property
+    def ray(self) -> Array:
+        """Unit vector (3,) from the camera to the middle of the points."""
+        ray = self.points.mean(axis=0) - self.camera
+        return np.asarray(ray / np.linalg.norm(ray))
+
+    @cached_property
+    def noise(self) -> float:
+        """Standard deviation, metres, of the points along the ray, caused by depth noise."""
+        return self.error(float(np.linalg.norm(self.points.mean(axis=0) - self.camera)))
+
+    def measure_ends(self, yaw: float, trim: float, deviations: float) -> Array:
+        """Lowest and highest level coordinates (2, 2) of the points along axes turned by `yaw`.
+
+        Noise puts points outside the faces, so `deviations` standard deviations are taken off at both ends.
+
+        Args:
+            trim: share of the points left out at each end.
+        """
+        limits = np.quantile(self.points[:, :2] @ yaw_matrix(yaw)[:2, :2], [trim, 1 - trim], axis=0)
+        inset = np.minimum(deviations * self.noise_along(yaw), MAX_INSET * (limits[1] - limits[0]))
+        return np.stack([limits[0] + inset, limits[1] - inset])
+
+    def noise_along(self, yaw: float) -> Array:
+        """Standard deviation (2,), metres, of noise along the level axes turned by `yaw`."""
+        return np.abs(self.ray[:2] @ yaw_matrix(yaw)[:2, :2]) * self.noise
+
+
+def touched_walls(item: SceneObject, scene: Objects) -> list[Wall]:
+    """The walls that an object touches, the dominant one first."""
+    names = item.mounting.walls if item.mounting is not None and item.mounting.type != 2 else []
+    walls = {wall.id: wall for wall in scene.walls}
+    return [walls[name] for name in names]
+
+
+def is_front_known(item: SceneObject, scene: Objects) -> bool:
+    """Whether the input tells its front, or a wall is at its rear: no picture needs to say which way it faces."""
+    return item.front is not None or bool(touched_walls(item, scene))
+
+
+def aligned_yaws(item: SceneObject, scene: Objects) -> list[float]:
+    """Yaws, floor frame: its front's if the input tells it; else away from each wall that it touches, the dominant one
+    first, as generation lays rears into walls (paper A.3); else the four along its box."""
+    assert item.box is not None
+    if item.front is not None:
+        return [item.front]
+    walls = touched_walls(item, scene)
+    if walls:
+        return [float(np.arctan2(wall.normal[1], wall.normal[0])) for wall in walls]
+    return [wrap_angle(item.box.yaw + quarter) for quarter in np.arange(4) * np.pi / 2]

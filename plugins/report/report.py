@@ -34,7 +34,7 @@ from roomkin.stages.tables.cells import CELL, RATE
 from roomkin.stages.tables.markup import Table, environment
 from roomkin.stages.tables.methods import join_published, kinds_of
 from roomkin.stages.tables.order import title as title_of
-from roomkin.stages.tables.policy_notes import policy_notes
+from roomkin.stages.tables.policy_tables import policy_notes
 from roomkin.stages.tables.rows import published_policies, read_table, records
 from roomkin.stages.tables.scenes import parse_comparisons
 from roomkin.stages.tables.text import number, percent

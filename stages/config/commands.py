@@ -5,8 +5,8 @@ from collections.abc import Mapping
 
 from roomkin.stages.config.code import code_digest, files_digest
 from roomkin.stages.config.model import Config
+from roomkin.stages.config.names import ReplacementCommand
 from roomkin.stages.config.packages import home_of, packages_on
-from roomkin.stages.config.replaced import ReplacementCommand
 
 
 def replacement(config: Config, stage: str, command: str) -> ReplacementCommand | None:

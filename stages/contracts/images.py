@@ -19,9 +19,8 @@ from roomkin.stages.contracts.arrays import read_npz
 from roomkin.stages.contracts.errors import InputError, explain, file_missing
 from roomkin.stages.contracts.files import check_file
 from roomkin.stages.contracts.types import LARGEST
-from roomkin.stages.geometry.depth_marks import find_marks, remove_marks
-from roomkin.stages.geometry.gravity import is_upside_down
-from roomkin.stages.geometry.inverse_depth import is_inverse, is_zbuffer
+from roomkin.stages.geometry.depth_forms import find_marks, is_inverse, is_zbuffer, remove_marks
+from roomkin.stages.geometry.room_planes import is_upside_down
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")  # by content: a JPEG may be called rgb.png
 MIN_SIDE, MAX_PIXELS = 16, 60_000_000  # pixels of a side, and in all

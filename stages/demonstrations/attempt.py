@@ -1,18 +1,72 @@
-"""One attempt at a demonstration: place, plan, run the skill, record."""
+"""One attempt at a demonstration: place, plan, run the skill, record.
+
+Disturbances to recover from: a hand that is pushed off its path, or closes before it is at the handle.
+
+What is executed differs from what the skill asks for, and it is the latter that is recorded: as with noise (DART,
+Laskey et al. 2017), the data shows what to do in states that a policy's own mistakes lead to, never the mistakes.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
-from roomkin.stages.demonstrations.recovery import sample_disturbance
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.demonstrations.store import RecordedEpisode
-from roomkin.stages.simulation.recording import Recording
+from roomkin.stages.simulation.room import Recording
 from roomkin.stages.skills import FAR, Float, Outcome
-from roomkin.stages.skills.chain import SkillChain
+from roomkin.stages.skills.motion import CLOSE_STEPS, CLOSED, OPEN, SkillChain
 from roomkin.stages.tasks.api import EnvWrapper
+
+Kind = Literal["push", "miss"]
+
+# Ranges of DART-like disturbances; chosen.
+PUSHED_WITHIN = (0.05, 0.35)  # metres before the grasp where a push begins; farther than the path is long: at its start
+MISSED_WITHIN = (0.04, 0.09)  # where a miss begins: the fingertips, 1 cm ahead of that, have not reached the handle
+PUSHES = (2, 4)  # least and most steps of a push; a miss begins with at most the least aside, ends with the most back
+STRENGTH = (0.5, 0.9)  # of a push or pull, of a full step; it turns by no more than the less of a full step's turn
+
+
+@dataclass
+class Disturbance:
+    """What happens to one episode: from `begins` metres before the grasp on, `actions` (K, 7) are executed instead."""
+
+    kind: Kind
+    begins: float
+    actions: Float
+    done: int = 0
+
+    def apply(self, action: Float, ahead: float) -> Float:
+        """What is executed in place of `action` (7,) with `ahead` metres left to the grasp."""
+        if self.done == len(self.actions) or (self.done == 0 and ahead > self.begins):
+            return action
+        self.done += 1
+        return self.actions[self.done - 1]
+
+
+def sample_disturbance(rng: np.random.Generator, share: float) -> Disturbance | None:
+    """With probability `share` one of both kinds, drawn from `rng`."""
+    if rng.random() >= share:
+        return None
+    if rng.random() < 0.5:
+        steps = _make_steps(rng, int(rng.integers(PUSHES[0], PUSHES[1] + 1)), gripper=OPEN)
+        return Disturbance("push", float(rng.uniform(*PUSHED_WITHIN)), steps)
+    aside = _make_steps(rng, int(rng.integers(PUSHES[0] + 1)), gripper=OPEN)
+    closing = np.zeros((CLOSE_STEPS, 7), np.float32)
+    closing[:, 6] = CLOSED
+    pull = _make_steps(rng, int(rng.integers(PUSHES[1] + 1)), gripper=CLOSED, backwards=True)
+    return Disturbance("miss", float(rng.uniform(*MISSED_WITHIN)), np.concatenate([aside, closing, pull]))
+
+
+def _make_steps(rng: np.random.Generator, count: int, gripper: float, backwards: bool = False) -> Float:
+    """(count, 7) equal steps in one random direction; towards the robot if `backwards`, else hardly forwards."""
+    direction = rng.standard_normal(3)
+    direction[0] = -2.0 * abs(direction[0]) - 0.5 if backwards else min(direction[0], 0.2)
+    direction *= rng.uniform(*STRENGTH) / np.linalg.norm(direction)
+    turn = rng.uniform(-STRENGTH[0], STRENGTH[0], 3) / np.sqrt(3)
+    return np.tile(np.array([*direction, *turn, gripper], np.float32), (count, 1))
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from roomkin.stages.cli import pacer
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts import InputError, TaskAssets, read_json, read_options, write_text
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.contracts.policies import Attempt, TaskAsset

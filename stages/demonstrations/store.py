@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.config.demonstrations import RandomiseOptions
+from roomkin.stages.config.training import RandomiseOptions
 from roomkin.stages.contracts import write_atomically
 from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.tasks.api import Observation

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.config.extraction import DepthNoiseConfig
+from roomkin.stages.config.inputs import DepthNoiseConfig
 
 # A.7 names the errors and gives no numbers: these are chosen.
 EDGE = 0.03  # relative jump of depth that makes an outline; chosen

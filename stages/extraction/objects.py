@@ -5,19 +5,24 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.category import Category, find_category
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.contracts.types import LARGEST
-from roomkin.stages.extraction.clouds import MAX_POINTS, ObjectError, make_object_cloud
+from roomkin.stages.extraction.clouds import (
+    MAX_POINTS,
+    ObjectError,
+    find_carrying_heights,
+    find_level,
+    make_object_cloud,
+)
 from roomkin.stages.extraction.contact import DepthView
-from roomkin.stages.extraction.levels import find_carrying_heights, find_level
 from roomkin.stages.geometry.boxes import UprightBox, round_off_box, surface_points, with_top
+from roomkin.stages.geometry.clouds import minimum_box
 from roomkin.stages.geometry.frames import Array
 from roomkin.stages.geometry.masks import MIN_PIXELS, Mask, central_crop, pixel_bounds, remove_specks
-from roomkin.stages.geometry.minimum_box import minimum_box
 
 MAX_CUT = 0.4  # share of an object's pixels outside the crop (A.7), above which it fails; chosen
 

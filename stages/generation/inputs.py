@@ -18,12 +18,10 @@ from roomkin.stages.contracts.matched import match_corrections
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.generation.finishing import RGB, measure_colors
 from roomkin.stages.geometry.boxes import THINNEST
-from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.estimate import REACH
+from roomkin.stages.geometry.cameras import back_project, view_angle
 from roomkin.stages.geometry.frames import transform_points
-from roomkin.stages.geometry.masks import central_crop
-from roomkin.stages.geometry.outlines import Outline, measure_outline
-from roomkin.stages.geometry.viewing import view_angle
+from roomkin.stages.geometry.masks import Outline, central_crop, measure_outline
+from roomkin.stages.geometry.robust import REACH
 
 
 @dataclass(frozen=True)

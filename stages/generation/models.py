@@ -13,7 +13,7 @@ from shapely import MultiPoint, Polygon
 from trimesh import Trimesh
 
 from roomkin.stages.articulated.asset_folder import read_model
-from roomkin.stages.articulated.forward_kinematics import list_collisions, measure_closed_box
+from roomkin.stages.articulated.model import list_collisions, measure_closed_box
 from roomkin.stages.articulated.resizing import has_size, resize_model
 from roomkin.stages.articulated.urdf_writer import as_written
 from roomkin.stages.generation.placed import Placed, Prism

@@ -9,15 +9,14 @@ import trimesh
 from numpy.typing import NDArray
 
 from roomkin.stages.articulated.asset_folder import read_model
-from roomkin.stages.articulated.forward_kinematics import link_frames
 from roomkin.stages.articulated.mesh_writer import split_sharp_edges
-from roomkin.stages.articulated.model import JointModel, RobotModel, Visual
+from roomkin.stages.articulated.model import JointModel, RobotModel, Visual, link_frames
 from roomkin.stages.articulated.surfaces import ColoredMesh
 from roomkin.stages.contracts import Asset, GeneratedScene
 from roomkin.stages.contracts.generated import ROOM_LIGHT, Look
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.geometry.frames import transform_points
-from roomkin.stages.simulation.backdrop import Block, make_backdrop
+from roomkin.stages.simulation.room import Block, make_backdrop
 
 Matrix = NDArray[np.float64]
 CAMERA = "input_camera"

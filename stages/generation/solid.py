@@ -7,7 +7,7 @@ import numpy as np
 import open3d as o3d
 
 from roomkin.stages.articulated.asset_folder import read_asset, urdf_of
-from roomkin.stages.articulated.forward_kinematics import frames_of
+from roomkin.stages.articulated.model import frames_of
 from roomkin.stages.articulated.urdf_reader import UrdfReader
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.geometry.frames import transform_points

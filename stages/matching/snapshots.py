@@ -1,4 +1,7 @@
-"""Reading the snapshots of the assets stage."""
+"""Reading the snapshots of the assets stage.
+
+Reading what extraction left of a scene: picture, masks, depth, and each object's view of them.
+"""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -7,11 +10,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts import InputError, Objects
 from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.extracted import read_metres, read_object_masks
 from roomkin.stages.contracts.features import MAKE_SNAPSHOTS, open_snapshots
 from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.images import check_size, read_rgb
 from roomkin.stages.contracts.library import SnapshotShard
+from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.geometry.crop import View
 
 
@@ -84,3 +90,23 @@ class Snapshots:
 def up_of_camera(elevation: float | None) -> NDArray[np.float64] | None:
     """Unit vector (3,) against gravity in the frame of a level camera that looks down by `elevation` radians."""
     return None if elevation is None else np.array([0.0, -np.cos(elevation), -np.sin(elevation)])
+
+
+class Scene:
+    """`objects.json` with `masks.png` and `depth.npz` beside it, and the picture.
+
+    Depth may be missing (then no normals are compared); masks may not.
+    """
+
+    def __init__(self, objects: Path, image: Path) -> None:
+        self.objects = read_json(Objects, objects)
+        self._rgb = read_rgb(image)
+        check_size(image, self._rgb, self.objects.width, self.objects.height, objects.name)
+        self._masks = read_object_masks(objects, self.objects)
+        self._depth = read_metres(objects, self.objects)
+        self._intrinsics = np.array(self.objects.intrinsics, dtype=float)
+        self._up = np.array(self.objects.floor_from_camera, dtype=float)[2, :3]
+
+    def view(self, item: SceneObject) -> View:
+        """The object as the camera sees it; the mask may be empty."""
+        return View(self._rgb, self._masks == item.mask, self._depth, self._intrinsics, self._up)

@@ -13,7 +13,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from roomkin.stages.config.demonstrations import RandomiseOptions
+from roomkin.stages.config.training import RandomiseOptions
 from roomkin.stages.contracts import Asset, InputError, read_json
 from roomkin.stages.contracts.errors import ObjectError
 from roomkin.stages.contracts.policy_config import TaskConfig

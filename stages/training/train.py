@@ -27,9 +27,7 @@ from roomkin.stages.training.dataset import (
     read_demonstrations,
     split_episodes,
 )
-from roomkin.stages.training.logbook import Line, Logbook
-from roomkin.stages.training.loop import Setting, optimise
-from roomkin.stages.training.state import TrainingState
+from roomkin.stages.training.state import Line, Logbook, Setting, TrainingState, optimise
 
 WANDB_FOLDER = Path("logs/training")  # its runs are named by time: nothing for results/
 

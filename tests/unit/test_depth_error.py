@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from roomkin.stages.config.extraction import DepthNoiseConfig, ExtractionConfig
+from roomkin.stages.config.inputs import DepthNoiseConfig, ExtractionConfig
 from roomkin.stages.contracts import Annotations, InputError, Objects
 from roomkin.stages.contracts.files import parse_json
 from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError

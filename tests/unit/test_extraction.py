@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
-from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.config.packages import load_command
 from roomkin.stages.contracts import Objects, read_json
 from roomkin.stages.contracts.__main__ import main as check_contract

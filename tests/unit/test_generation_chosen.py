@@ -9,10 +9,9 @@ from roomkin.stages.contracts.cousins import Cousin, Orientation
 from roomkin.stages.contracts.doubt import DoubtKind
 from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.generation.choosing import choose, choose_by_rank, find_synonyms
 from roomkin.stages.generation.inputs import MatchedObject
 from roomkin.stages.generation.placed import Placed
-from roomkin.stages.generation.placing import Places
+from roomkin.stages.generation.placing import Places, choose, choose_by_rank, find_synonyms
 from tests.unit.generation_scenes import thing
 
 

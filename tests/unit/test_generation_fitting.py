@@ -12,12 +12,12 @@ from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.contracts.category import Category, SizeSpread
 from roomkin.stages.contracts.objects import DepthError, Wall
 from roomkin.stages.generation import sizing
-from roomkin.stages.generation.fitting import TOO_SURE, Observation, Prior, find_correspondences, fit_box
+from roomkin.stages.generation.sizing import TOO_SURE, Observation, Prior, find_correspondences, fit_box
 from roomkin.stages.generation.solid import Solid
 from roomkin.stages.geometry.boxes import UprightBox, corners
 from roomkin.stages.geometry.cameras import back_project, intrinsics_from_fov
 from roomkin.stages.geometry.frames import Array, make_transform, transform_points, yaw_matrix
-from roomkin.stages.geometry.outlines import Outline, measure_outline
+from roomkin.stages.geometry.masks import Outline, measure_outline
 from roomkin.stages.geometry.solids import find_outermost
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet

@@ -16,7 +16,7 @@ from PIL import Image
 from roomkin.plugins.furniture.catalogue import sample
 from roomkin.plugins.furniture.folder import build as build_asset
 from roomkin.stages.articulated.asset_folder import read_model
-from roomkin.stages.articulated.forward_kinematics import measure_closed_box
+from roomkin.stages.articulated.model import measure_closed_box
 from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.config.packages import load_command
 from roomkin.stages.contracts import Asset, Cousins, GeneratedScene, InputError, Objects, read_json, write_json

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from roomkin.stages.config.code import record_provenance
 from roomkin.stages.config.generation import GenerationConfig
-from roomkin.stages.config.provenance import record_provenance
 from roomkin.stages.contracts import GeneratedScene, InputError, Objects, read_json, write_json
 from roomkin.stages.contracts.doubt import DoubtKind
 from roomkin.stages.contracts.hand import Correction, Corrections

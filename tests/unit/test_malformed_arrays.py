@@ -13,8 +13,7 @@ from PIL import Image
 from roomkin.stages.contracts import InputError, Objects, read_json
 from roomkin.stages.contracts.__main__ import main
 from roomkin.stages.contracts.extracted import read_clouds
-from roomkin.stages.matching.scene import Scene
-from roomkin.stages.matching.snapshots import SnapshotFile
+from roomkin.stages.matching.snapshots import Scene, SnapshotFile
 from roomkin.stages.matching.store import FeatureStore
 from tests.refusals import refused
 from tests.unit.contract_files import CLOUD, HEIGHT, WIDTH, Bench, masks, with_value

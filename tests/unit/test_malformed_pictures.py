@@ -15,7 +15,7 @@ from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.__main__ import main
 from roomkin.stages.contracts.images import read_masks, read_rgb
 from roomkin.stages.contracts.scene_input import read_scene_input
-from roomkin.stages.matching.scene import Scene
+from roomkin.stages.matching.snapshots import Scene
 from tests.unit.contract_files import HEIGHT, WIDTH, Bench, contents, masks, write_files
 
 ORIENTATION = 0x0112

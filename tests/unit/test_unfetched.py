@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from roomkin.stages.config import contradictions, unfetched
+from roomkin.stages.config import contradictions
+from roomkin.stages.config import weights as unfetched
 from roomkin.stages.config.model import load, with_defaults
 from roomkin.stages.config.weights import DINOV2
 from tests.packages import needs

@@ -12,10 +12,10 @@ from roomkin.plugins.report.roles import lists_table, role_title, roles_table
 from roomkin.stages.config.tables import PolicyTables, TablesConfig
 from roomkin.stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from roomkin.stages.tables import table3
+from roomkin.stages.tables.figures import figure4
 from roomkin.stages.tables.markup import Table, markdown
 from roomkin.stages.tables.methods import join_published
 from roomkin.stages.tables.order import row_title, set_key, target_title, title
-from roomkin.stages.tables.policy_figures import figure4
 from roomkin.stages.tables.rows import published_policies
 from tests.unit.tables_results import ABOUT, UNSEEN, over_assets, rollout
 

@@ -16,7 +16,7 @@ from roomkin.stages.contracts.generated import GAMMA
 from roomkin.stages.contracts.system import sync
 from roomkin.stages.generation.scene_models import CAMERA, Body, Room
 from roomkin.stages.geometry.frames import make_transform, quaternion_from_matrix, yaw_matrix
-from roomkin.stages.simulation.backdrop import Block
+from roomkin.stages.simulation.room import Block
 
 WORLD = "world"
 NAMES = {"link": "name", "joint": "name", "material": "name", "parent": "link", "child": "link", "mimic": "joint"}

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from roomkin.plugins.exports.demonstrations import run
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.episode_store import read_episodes
 from roomkin.stages.contracts.policy_config import TaskConfig

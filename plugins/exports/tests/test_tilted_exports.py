@@ -14,8 +14,7 @@ from trimesh import Trimesh
 from roomkin.plugins.exports.scene_formats import mjcf, urdf
 from roomkin.plugins.pictures import glb
 from roomkin.stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
-from roomkin.stages.articulated.forward_kinematics import link_frames
-from roomkin.stages.articulated.model import JointModel, Link, RobotModel, Visual
+from roomkin.stages.articulated.model import JointModel, Link, RobotModel, Visual, link_frames
 from roomkin.stages.contracts import GeneratedScene
 from roomkin.stages.generation.scene_models import Body, Room
 from roomkin.stages.geometry.frames import invert_transform, make_transform
@@ -176,7 +175,7 @@ def rotation(quaternion: Any) -> np.ndarray:
 
 
 def test_a_body_stretched_along_an_axis_keeps_its_closed_places(room: Room) -> None:
-    from roomkin.stages.articulated.stretching import stretch_model
+    from roomkin.stages.articulated.resizing import stretch_model
 
     model, scale = room.bodies[0].model, (1.5, 0.8, 1.2)
     made = stretch_model(model, scale)

@@ -17,7 +17,7 @@ from roomkin.plugins.furniture.fronts import cells
 from roomkin.plugins.furniture.model import bounds
 from roomkin.plugins.furniture.shapes import bounds_of, cushion, rod, shell_pieces, slab
 from roomkin.stages.articulated.asset_folder import Description, checksum
-from roomkin.stages.articulated.forward_kinematics import link_frames, measure_closed_box
+from roomkin.stages.articulated.model import link_frames, measure_closed_box
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.config import categories as counts
 from roomkin.stages.config.assets import COUNTS

@@ -7,7 +7,7 @@ import trimesh
 
 from roomkin.plugins.importing.discover import Found, discover
 from roomkin.plugins.importing.import_ import run
-from roomkin.plugins.importing.naming import snake_case
+from roomkin.plugins.importing.sandbox import snake_case
 from roomkin.plugins.importing.tests.test_fronts import box
 
 LINK = f'<link name="a">{box("0.5 0.5 0.8")}</link>'

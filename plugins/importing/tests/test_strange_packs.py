@@ -13,12 +13,12 @@ from roomkin.plugins.importing.discover import discover
 from roomkin.plugins.importing.fronts import doors_and_drawers
 from roomkin.plugins.importing.import_ import Portraits, run
 from roomkin.plugins.importing.importers.mjcf import read_mjcf
-from roomkin.plugins.importing.naming import number_names, strip_name
 from roomkin.plugins.importing.repairs import repair_inertias
+from roomkin.plugins.importing.sandbox import number_names, strip_name
 from roomkin.plugins.importing.tests.test_fronts import box, joint
+from roomkin.stages.articulated.asset_folder import assign_part_types, contract_joints
 from roomkin.stages.articulated.mesh_writer import write_glb
 from roomkin.stages.articulated.model import Link
-from roomkin.stages.articulated.part_types import assign_part_types, contract_joints
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.contracts.categories import category_in
 from tests.refusals import refused

@@ -23,8 +23,8 @@ from roomkin.stages.contracts.objects import Mounting, SceneObject, Wall
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
-from roomkin.stages.simulation.backdrop import WALL_HEIGHT
 from roomkin.stages.simulation.rendering import RenderCamera, instance_id
+from roomkin.stages.simulation.room import WALL_HEIGHT
 
 WIDTH, HEIGHT = 200, 150
 WALL = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=99)  # the plane x = 4

@@ -14,22 +14,20 @@ from PIL import Image
 
 from roomkin.plugins.pictures.cousins import write_picture
 from roomkin.plugins.render_and_compare.config import GeometryConfig
-from roomkin.plugins.render_and_compare.fitting import Measured, lay_over, measure
-from roomkin.plugins.render_and_compare.in_place import InPlace
-from roomkin.plugins.render_and_compare.judges.geometry import MIN_FIT
-from roomkin.plugins.render_and_compare.judges.geometry import Judge as Geometry
-from roomkin.plugins.render_and_compare.judges.rerender import Judge as Rerender
-from roomkin.plugins.render_and_compare.noisy_cloud import NoisyCloud
-from roomkin.plugins.render_and_compare.observation import Observation, free_sides, observe
-from roomkin.plugins.render_and_compare.rendering import Rendering, render
-from roomkin.plugins.render_and_compare.solid import ColoredSolid
-from roomkin.plugins.render_and_compare.terms import (
+from roomkin.plugins.render_and_compare.fits import (
     color_agreement,
     compare,
     line_agreement,
     line_field,
     outline_agreement,
 )
+from roomkin.plugins.render_and_compare.fitting import Measured, lay_over, measure
+from roomkin.plugins.render_and_compare.in_place import InPlace
+from roomkin.plugins.render_and_compare.judges.geometry import MIN_FIT
+from roomkin.plugins.render_and_compare.judges.geometry import Judge as Geometry
+from roomkin.plugins.render_and_compare.judges.rerender import Judge as Rerender
+from roomkin.plugins.render_and_compare.observation import NoisyCloud, Observation, free_sides, observe
+from roomkin.plugins.render_and_compare.rendering import ColoredSolid, Rendering, render
 from roomkin.stages.articulated.asset_folder import Description, write_asset
 from roomkin.stages.articulated.model import Link, RobotModel, Visual
 from roomkin.stages.config.matching import matching_model

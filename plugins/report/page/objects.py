@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from roomkin.plugins.report.album import THUMBNAIL, Album, Picture
+from roomkin.plugins.report.album import THUMBNAIL, Album, Picture, Snapshots
 from roomkin.plugins.report.doubts import collect_doubts, collect_notes
-from roomkin.plugins.report.snapshots import Snapshots
 from roomkin.stages.contracts.cousins import Candidate, Cousin, ObjectCousins
 from roomkin.stages.contracts.doubt import Doubt
 from roomkin.stages.contracts.generated import PlacedObject

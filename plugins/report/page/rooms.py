@@ -9,11 +9,10 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from roomkin.plugins.report.album import Album, Picture
+from roomkin.plugins.report.album import Album, Picture, Snapshots, views_of
 from roomkin.plugins.report.page.files import RunFiles
-from roomkin.plugins.report.page.findings import Findings
 from roomkin.plugins.report.page.objects import Evidence, Match, match
-from roomkin.plugins.report.snapshots import Snapshots, views_of
+from roomkin.plugins.report.page.overview import Findings
 from roomkin.stages.contracts.cousins import Cousins
 from roomkin.stages.contracts.doubt import Doubt, Provenance
 from roomkin.stages.contracts.extracted import read_clouds, read_object_masks

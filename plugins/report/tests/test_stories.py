@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from roomkin.plugins.report.album import THUMBNAIL, Album
+from roomkin.plugins.report.album import THUMBNAIL, Album, Snapshots, views_of
 from roomkin.plugins.report.doubts import group_doubts, measure_side
 from roomkin.plugins.report.page.objects import Evidence, Match, cloud_picture, match
 from roomkin.plugins.report.report import WORDS
-from roomkin.plugins.report.snapshots import Snapshots, views_of
 from roomkin.stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
 from roomkin.stages.contracts.doubt import MEND, Doubt, DoubtKind
 from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject

@@ -15,14 +15,13 @@ import yaml
 from PIL import Image
 
 from roomkin.plugins.report import report
-from roomkin.plugins.report.album import Album
+from roomkin.plugins.report.album import Album, Snapshots
 from roomkin.plugins.report.page import charts
 from roomkin.plugins.report.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
 from roomkin.plugins.report.page.charts import line_chart
 from roomkin.plugins.report.page.files import RunFiles
 from roomkin.plugins.report.page.policies import losses
 from roomkin.plugins.report.page.result import sentences
-from roomkin.plugins.report.snapshots import Snapshots
 from roomkin.stages.config.model import Config
 from roomkin.stages.contracts.images import read_narrow
 from roomkin.stages.tables import policies, scenes

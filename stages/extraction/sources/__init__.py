@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.extraction.observation import AnnotatedImage
 
 # The input folder, the options, and random numbers for noise.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from roomkin.stages.config.matching import EncoderOptions
 from roomkin.stages.geometry.crop import View
-from roomkin.stages.matching.colors import color_weights, patch_colors
+from roomkin.stages.matching.descriptors import color_weights, patch_colors
 from roomkin.stages.plugins import load
 
 STORED_COLUMNS = ["features", "position", "colour"]  # of a stored row

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from roomkin.stages.config.matching import EncoderOptions
 from roomkin.stages.geometry.crop import View, cut, foreground, masked_square, patch_positions
+from roomkin.stages.matching.descriptors import NORMAL_COLUMNS, neighbourhood, patch_normals
 from roomkin.stages.matching.encoders import Patches
-from roomkin.stages.matching.normals import NORMAL_COLUMNS, neighbourhood, patch_normals
 
 GRADIENT_BINS = 9  # over half a turn (Dalal and Triggs 2005)
 CELL_STEPS = (1, 2, 4)  # distance in patches between the 3 x 3 cells of a descriptor

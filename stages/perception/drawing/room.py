@@ -15,9 +15,8 @@ from roomkin.stages.geometry.masks import outline_pieces
 from roomkin.stages.perception.camera.metrology import CLICK, MetrologyError, View, WallPlane
 from roomkin.stages.perception.camera.perspective import fit_view, horizon
 from roomkin.stages.perception.classification.names import Names
-from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Guess, Project, Scale
+from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Guess, Project, Scale, describe_odd
 from roomkin.stages.perception.drawing.solve import UNSURE, Solved
-from roomkin.stages.perception.drawing.usual import describe_odd
 from roomkin.stages.perception.layout.room import Room
 from roomkin.stages.perception.layout.walls import end_walls
 from roomkin.stages.perception.write import tell_names

@@ -24,9 +24,11 @@ from roomkin.stages.perception.camera.metrology import (
     wall_plane,
 )
 from roomkin.stages.perception.camera.perspective import fit_view
-from roomkin.stages.perception.drawing.project import DrawnObject, Project, Scale
-from roomkin.stages.perception.drawing.usual import (
+from roomkin.stages.perception.drawing.project import (
     CAMERA_HEIGHT,
+    DrawnObject,
+    Project,
+    Scale,
     Sides,
     camera_factor,
     describe_odd,

@@ -13,7 +13,7 @@ from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.hand import digest_of_image
 from roomkin.stages.contracts.images import DOWN, TURN, check_shown, check_turned, read_rgb
 from roomkin.stages.geometry.cameras import back_project, make_intrinsics, scale_intrinsics
-from roomkin.stages.geometry.ray_depth import along_axis, find_flatter
+from roomkin.stages.geometry.depth_forms import along_axis, find_flatter
 from roomkin.stages.geometry.room_planes import fit_floor
 from roomkin.stages.perception.read.belonging import doubt_depth
 from roomkin.stages.perception.read.camera_files import KNOWS

@@ -31,9 +31,8 @@ from roomkin.stages.perception.camera.perspective import (
     vanishing_point,
 )
 from roomkin.stages.perception.drawing.outlined import support_at
-from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale
+from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale, camera_factor
 from roomkin.stages.perception.drawing.solve import solve
-from roomkin.stages.perception.drawing.usual import camera_factor
 
 ROOM = Path(__file__).parents[3] / "tests/data/photographed_room"  # room_1 of the default run, as JPEG, and its truth
 YAW, PITCH, ROLL = np.deg2rad([12.0, -15.0, 1.5])

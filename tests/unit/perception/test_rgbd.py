@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import yaml
 
-from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.contracts import Camera, InputError, read_json
 from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.scene_input import read_scene_input

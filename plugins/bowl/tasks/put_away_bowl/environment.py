@@ -11,8 +11,7 @@ import trimesh
 from mani_skill.utils.structs import Actor
 from numpy.typing import NDArray
 
-from roomkin.plugins.bowl.movable import Movable
-from roomkin.plugins.bowl.region import Region, find_level_region
+from roomkin.plugins.bowl.region import Movable, Region, find_level_region
 from roomkin.plugins.bowl.tasks.put_away_bowl.bowl import (
     AROUND,
     default_bowl,
@@ -27,12 +26,12 @@ from roomkin.stages.geometry.frames import invert_transform, make_transform, tra
 from roomkin.stages.planning.clearance import surface_points
 from roomkin.stages.simulation.kinematics import Array
 from roomkin.stages.simulation.loading import ParsedAsset
-from roomkin.stages.simulation.poses import batch_poses
-from roomkin.stages.simulation.recording import Prop
+from roomkin.stages.simulation.robot import batch_poses
+from roomkin.stages.simulation.room import Prop
 from roomkin.stages.tasks.base_placement import CLOSED
-from roomkin.stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
 from roomkin.stages.tasks.environment import OpenTaskEnv
 from roomkin.stages.tasks.initial_state import nominal_root
+from roomkin.stages.tasks.observation import WRIST, Camera, other_shoulder, shoulder
 
 FOOT = (-0.01, 0.04)  # metres about the drawer's floor at which the foot of a bowl in it is
 SEEN = ((0.05, -0.6, 0.05), (1.0, 0.6, 0.95))  # workspace in the base frame that has the stand in it
