@@ -33,11 +33,8 @@ try:
     CONFIG = load(with_defaults(config))
     if workflow.is_main_process and (line := tell_left_out(with_defaults(config), CONFIG)):
         print(line, file=sys.stderr)
-    check_targets(sys.argv, CONFIG.packages)
+    check_targets(sys.argv, CONFIG.packages, CONFIG.image)
     check_rules(sys.argv if workflow.is_main_process else [], workflow.main_snakefile)
-    if "photo" in sys.argv and not CONFIG.image:
-        mend = "snakemake --cores 2 photo --config image=kitchen.jpg"
-        raise InputError("image", "there is no picture.", mend, code="E-CONFIG-FILE")
     cover(CONFIG.plugins)
     if CONFIG.plugins:
         os.environ.update(PYTHONPATH=path_of_jobs(CONFIG.plugins, Path.cwd()))

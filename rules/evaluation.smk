@@ -35,7 +35,7 @@ rule rollout:
     benchmark:
         "benchmarks/evaluation/{target}_{policy}_{training_set}_{run}_{seed}.tsv"
     resources:
-        **needs(3000, 15 + test_episodes() / 10, gpu=True),
+        **needs(3000, 15 + CONFIG.evaluation.episodes() / 10, gpu=True),
     params:
         **command("evaluation", "rollout", uses=with_films("evaluation", rollout_modules), rollouts="rollouts"),
         seed=CONFIG.seed,

@@ -37,13 +37,6 @@ def episodes_of(wildcards):
     return EXPERIMENT.episodes_of(wildcards.target, wildcards.role)
 
 
-def test_episodes():
-    """How many episodes one policy is rolled out for."""
-    options = CONFIG.evaluation
-    more = (options.twin_rollouts or options.rollouts) - options.rollouts
-    return len(options.test_assets) * options.rollouts + more + options.assets * options.asset_rollouts
-
-
 def selection_episodes(wildcards):
     """How many episodes one policy is tried for."""
     return CONFIG.evaluation.selection_rollouts * max(1, CONFIG.training.configs[wildcards.run].num_checkpoints)

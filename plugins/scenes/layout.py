@@ -1,4 +1,6 @@
-"""Poses of all objects of a room from its recipe and the sizes of its models, stretched to the scale of the room.
+"""Models for all objects of a room, and their poses (paper B.1).
+
+Poses follow from the recipe and the sizes of the models, stretched to the scale of the room.
 
 Choose a model for every item of the rooms by seed; no model stands in two rooms (paper B.1).
 """

@@ -20,7 +20,7 @@ rule skill:
     benchmark:
         "benchmarks/evaluation/skill_{target}.tsv"
     resources:
-        **needs(3000, 15 + test_episodes() / 10),
+        **needs(3000, 15 + CONFIG.evaluation.episodes() / 10),
     params:
         **command("scripted", "skill", uses=skill_modules, rollouts="rollouts"),
         skill_options=CONFIG.demonstrations.model_dump_json(include=set(MotionOptions.model_fields)),

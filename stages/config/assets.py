@@ -61,6 +61,10 @@ class AssetsConfig(SnapshotOptions, OwnOptions, LibraryOptions):
     own_only: bool = Field(
         False, description="true: the models of `folders` alone, for pictures of yours; `counts` are none then."
     )
+    only: bool = Field(
+        False,
+        description="true: the categories that `counts` names alone, so that none that comes later changes a study.",
+    )
     shards: int | None = Field(
         None,
         ge=1,

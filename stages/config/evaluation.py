@@ -108,6 +108,11 @@ class EvaluationConfig(SelectionOptions, RolloutOptions):
         "`conditions` rolls every policy out under each and compares success there with success here",
     )
 
+    def episodes(self) -> int:
+        """How many episodes one policy is rolled out for."""
+        more = (self.twin_rollouts or self.rollouts) - self.rollouts
+        return len(self.test_assets) * self.rollouts + more + self.assets * self.asset_rollouts
+
     def under(self, condition: str) -> "EvaluationConfig":
         """The section with what one of the conditions changes."""
         differs = self.conditions[condition]

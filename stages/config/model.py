@@ -148,7 +148,11 @@ def _mappings(*values: Any) -> bool:
 
 def with_defaults(config: dict[str, Any]) -> dict[str, Any]:
     """A config with all that it leaves out, as far down as names go: it need only hold what differs."""
-    return merge_mappings(complete()().model_dump(mode="json"), config)
+    defaults = complete()().model_dump(mode="json")
+    assets = config.get("assets")
+    if isinstance(assets, dict) and assets.get("only") is True:
+        defaults["assets"]["counts"] = dict.fromkeys(defaults["assets"]["counts"], 0)
+    return merge_mappings(defaults, config)
 
 
 def read_files(files: Iterable[Path]) -> Config:

@@ -1,7 +1,7 @@
 """Packages beside the core, `plugins/<name>/`: each brings code, rules, tests and a part of the config (package.py)."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
@@ -81,12 +81,15 @@ def rule_files(on: Mapping[str, bool]) -> list[str]:
     return [f"plugins/{name}/rules.smk" for name in names]
 
 
-def check_targets(asked: Iterable[str], on: Mapping[str, bool]) -> None:
-    """Refuse targets of packages that are off.
+def check_targets(asked: Collection[str], on: Mapping[str, bool], image: str = "") -> None:
+    """Refuse targets of packages that are off, and the one of a picture without a picture.
 
     Raises:
-        InputError: one is asked for; the message names its package.
+        InputError: one is asked for; the message names its package, or how a picture is given.
     """
+    if "photo" in asked and not image:
+        mend = "snakemake --cores 2 photo --config image=kitchen.jpg"
+        raise InputError("image", "there is no picture.", mend, code="E-CONFIG-FILE")
     for name in (name for name in find_packages() if not on[name]):
         rules = "".join(file.read_text(encoding="utf-8") for file in (plugins.PACKAGES / name).glob("*.smk"))
         for target in {*re.findall(r"^rule (\w+):", rules, re.MULTILINE)} & set(asked):

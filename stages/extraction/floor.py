@@ -1,4 +1,6 @@
-"""The floor frame of a picture: given and compared with the floor that is seen, or fitted; and depth that is noise.
+"""The floor frame of a picture, and the walls of its room (paper A.3).
+
+The frame is given and compared with the floor that is seen, or fitted; and depth that is noise.
 
 The walls of a room: fitted to their masks, and found where nobody named one; parts of one wall are merged (A.3).
 """

@@ -185,6 +185,7 @@ FOR_PEOPLE = {  # pages and helpers that no rule calls: there is nothing to repl
     "furniture facts",
     "importing import",
     "ops cluster",
+    "studies objects",
     "studies quote",
     "studies results",
 }

@@ -458,6 +458,13 @@ def test_own_models_alone_leave_none_of_ours() -> None:
     assert AssetsConfig.model_validate(own | {"own_only": False}).counts == {"mug": 3}
 
 
+def test_only_the_categories_that_are_named() -> None:
+    named = with_defaults(yaml.safe_load("assets: {only: true, counts: {mug: 3}}"))["assets"]["counts"]
+    assert {category: count for category, count in named.items() if count} == {"mug": 3}
+    every = with_defaults(yaml.safe_load("assets: {counts: {mug: 3}}"))["assets"]["counts"]
+    assert every["mug"] == 3 and every["plate"] > 0
+
+
 @pytest.mark.parametrize(
     ("text", "meant"),
     [

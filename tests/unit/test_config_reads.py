@@ -23,6 +23,7 @@ LISTED = {  # keys that do not simply run the one command of their section again
     "assets.variations": {"library"},
     "assets.folders": set(),  # parameters of a shard's own
     "assets.own_only": set(),  # the counts are none then
+    "assets.only": set(),  # the counts are fewer then
     "assets.importers": {"own"},
     "assets.shards": set(),  # the number of jobs is a parameter of its own
     "matching.encoder": {"features", "match", "distances", "policies", "report"},  # tables name it

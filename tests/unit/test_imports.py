@@ -15,7 +15,7 @@ LOADS = {
     "open3d": "extraction.extract",
     "open3d sapien": "generation.generate",
     "sapien": "exports.scenes importing.own pictures.scenes scenes.render",
-    "torch": "training.train perception.see perception.draw annotator.annotate exports.policy",
+    "torch": "training.train perception.see perception.draw annotator.after annotator.annotate exports.policy",
     "mani_skill matplotlib sapien torch": "importing.import",
     "mani_skill matplotlib open3d sapien torch": "demonstrations.collect evaluation.selection-rollout"
     " evaluation.rollout in_scene.demonstrate scripted.skill",

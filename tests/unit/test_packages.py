@@ -111,7 +111,7 @@ def test_what_a_package_that_is_off_would_read_is_not_lost(
 )
 def test_targets_of_a_package_that_is_off_are_refused(target: str, name: str) -> None:
     on = dict.fromkeys(find_packages(), True)
-    check_targets([target, "photo", "all"], on)
+    check_targets([target, "photo", "all"], on, "a.jpg")
     with refused("E-CONFIG-CLASH", f"{target}: is a target of the package {name}", f"packages: {{{name}: true}}"):
         check_targets(["-n", target], on | {name: False})
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from roomkin import demo
 from roomkin.plugins.annotator.correcting import Correcting
 from roomkin.plugins.annotator.tests.test_correcting import BOXES
 from roomkin.plugins.ops.outside import list_key_variables, list_outside_paths
@@ -81,10 +82,12 @@ def test_all_eight_rooms_can_be_asked_for(folder: Path) -> None:
     assert planned(dry_run(folder, "scenes8").stdout)["room"] == 8
 
 
-def test_the_demonstration_makes_a_page(folder: Path) -> None:
-    recipe = re.search(r"^demo:.*\n\t\S+snakemake (.*)\n", (ROOT / "Makefile").read_text(), re.M)
-    assert recipe
-    done = dry_run(folder, *recipe[1].replace("$(CORES)", "2").split())
+def test_the_demonstration_makes_a_page(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = list[str]()
+    monkeypatch.setattr(demo, "run_snakemake", lambda _, *words: asked.extend(words))
+    demo.run()
+    assert asked[:2] == ["--directory", "demo"]
+    done = dry_run(folder, *asked[2:])
     assert "results/report/scenes/room_1.html" in done.stdout, done.stdout
     jobs = planned(done.stdout)
     assert {"match", "generate", "draw_scenes", "scene_page"} <= set(jobs) and not {"train", "demonstrate"} & set(jobs)
@@ -324,7 +327,7 @@ def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
     done = dry_run(folder, *photo)
     lines = [line for line in done.stdout.splitlines() if "roomkin perception fetch" in line]
     assert done.returncode == 1 and len(lines) == 1 and "Traceback" not in done.stdout
-    assert "weights/sam2" in lines[0] and "roomkin.plugins.annotator annotate 'my kitchen.v2.jpg'" in lines[0]
+    assert "weights/sam2" in lines[0] and "roomkin annotator annotate 'my kitchen.v2.jpg'" in lines[0]
     assert planned(dry_run(folder, "fetch").stdout)["fetch"] == 1
     for name in ("grounding_dino", "sam2", "depth_anything_v2"):
         (folder / "weights" / name).mkdir(parents=True)

@@ -66,11 +66,11 @@ def overlay(folder: Path, text: str) -> tuple[str, ...]:
 
 
 def snakemake(folder: Path, *arguments: str, environment: dict[str, str] | None = None) -> Done:
-    """Run snakemake in `folder` and return what it printed (stdout and stderr together)."""
+    """Run snakemake in `folder` and return all that it says (stdout and stderr together)."""
     return subprocess.run(
         [str(Path(sys.executable).parent / "snakemake"), "--cores", "2", *arguments],
         cwd=folder,
-        env=os.environ | (environment or {}),
+        env=os.environ | {"VERBOSE": "1"} | (environment or {}),
         text=True,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

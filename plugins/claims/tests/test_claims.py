@@ -216,7 +216,9 @@ def test_the_headline_gives_the_numbers_of_one_seed_and_says_what_they_are() -> 
     one = answers({name: runs[:1] for name, runs in AS_PAPER.items()}).reset_index()
     line, (again,) = sentences(one, "door", {"lite": "lite"})
     row = one[one["claim"] == "unseen"].iloc[0]
-    assert line.startswith("Door opening on ") and line.endswith("]")
+    assert line.startswith("Door opening on ") and line.endswith(
+        "1 training a side, and another may turn out otherwise"
+    )
     assert (
         f" succeeds {percent(row['ours'])} of the time after training on 8 cousins, {percent(row['theirs'])} " in line
     )

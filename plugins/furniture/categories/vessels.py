@@ -1,33 +1,27 @@
-"""Bowls, mugs, plates and pots: open vessels, hollow to PhysX as well.
-
-Boxes with a sprung push button on their front; in no default library (config/study/button.yaml).
-"""
+"""Bowls, mugs, plates and pots: open vessels, hollow to PhysX as well."""
 
 import itertools
-from typing import Literal
 
 import numpy as np
 
-from roomkin.plugins.furniture.category import Category, category, sized
-from roomkin.plugins.furniture.colors import GLAZES, METALS, PAINTS, pick
-from roomkin.plugins.furniture.finishes import Surface, finish_of, shade
-from roomkin.plugins.furniture.model import CERAMIC, METAL, PLASTIC, Model, Moving, Part, Parts, Size, move_model, part
+from roomkin.plugins.furniture.category import category
+from roomkin.plugins.furniture.colors import GLAZES, METALS, pick
+from roomkin.plugins.furniture.finishes import Surface, finish_of
+from roomkin.plugins.furniture.model import CERAMIC, METAL, PLASTIC, Model, Part, Parts, Size, move_model, part
 from roomkin.plugins.furniture.recipe import (
     Coating,
     Generator,
     Rng,
     Sampled,
     between,
-    chance,
     fixed,
     in_turn,
     of,
-    one_of,
     round_size,
     uniform,
     zero_or,
 )
-from roomkin.plugins.furniture.shapes import box, cushion, hull, lathe, rod, shell_pieces
+from roomkin.plugins.furniture.shapes import cushion, hull, lathe, rod, shell_pieces
 
 Profile = list[tuple[float, float]]  # (radius, z), bottom first
 
@@ -196,48 +190,3 @@ def sample_cooking_pot(rng: Rng, index: int) -> Sampled:
 
     recipe = CookingPot.sample_parameters(rng, index, lid=lid, colour=color, lid_colour=pick_lid_color)
     return Sampled(round_size(diameter, diameter + 0.07, height, digits=4), recipe)
-
-
-FILLING = 400.0  # kg / m^3: a case with switches and wires in it
-
-
-class ButtonBox(Generator):
-    """A case with one button, round, square or wider in front."""
-
-    style: Literal["round", "square", "mushroom"] = in_turn("round", "square", "mushroom")
-    half: float = between(0.022, 0.036)  # radius of the button, or half of its side
-    travel: float = between(0.008, 0.018)
-    left: float = between(0.008, 0.014)  # by which it still stands out when it is pushed all the way
-    across: float = between(-0.8, 0.8)  # of the way from the middle to where it would touch an edge
-    up: float = between(-0.2, 0.8)
-    plate: bool = chance()  # a sheet around it
-    colour: Coating = of(METALS, PAINTS)
-    button_colour: Coating = one_of(
-        "paint 0.52 0.03 0.03 0", "paint 0.04 0.3 0.08 0", "paint 0.75 0.5 0.03 0", "paint 0.03 0.12 0.45 0"
-    )
-
-    def build(self, size: Size) -> Model:
-        x, y, z = size[0] / 2, size[1] / 2, size[2]
-        face = x - self.travel - self.left
-        half = min(self.half, 0.8 * y, 0.4 * z)
-        at, level = self.across * (y - 1.2 * half), z / 2 + self.up * (z / 2 - 1.2 * half)
-        case = Parts()
-        case.add(box((-x, face), (-y, y), (0, z)), self.colour, FILLING)
-        if self.plate:
-            edges = (at - 1.15 * half, at + 1.15 * half), (level - 1.15 * half, level + 1.15 * half)
-            case.add(box((face, face + 0.002), *edges), shade(self.colour, 0.5), PLASTIC, solid=False)
-        stem = half if self.style == "round" else 0.6 * half
-        button = [part(rod((face - 0.003, at, level), (x, at, level), stem), self.button_colour, PLASTIC, smooth=True)]
-        if self.style == "square":
-            front = box((face - 0.003, x), (at - half, at + half), (level - half, level + half))
-            button = [part(front, self.button_colour, PLASTIC)]
-        elif self.style == "mushroom":
-            head = rod((x - 0.6 * self.left, at, level), (x, at, level), half)
-            button.append(part(head, self.button_colour, PLASTIC, smooth=True))
-        moving = Moving("button_0", "button", button, (face, at, level), (-1.0, 0.0, 0.0), self.travel, "face")
-        return Model(case, [moving], placement="object")
-
-
-# As large as a toaster, so that a picture of a room shows the button.
-SIZES = ((0.14, 0.2, 0.18), (0.24, 0.34, 0.34))
-BUTTON_BOX = Category(name="button_box", sample=sized(ButtonBox, SIZES), templates=24, count=0)

@@ -3,7 +3,6 @@
 import json
 import os
 import shutil
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -316,7 +315,7 @@ def write_lists(folder: Path, colors: Sequence[float], depths: Sequence[float]) 
 
 
 def test_pictures_of_a_list_go_with_the_nearest_depth_in_any_order(tmp_path: Path) -> None:
-    """As each compared with all of them, and ten times as many in about ten times as long."""
+    """As each compared with all of them."""
     rng = np.random.default_rng(0)
     for count in (1, 2, 3, 50):
         colors, depths = (np.round(rng.uniform(0, 0.03 * count, count), 4) for _ in range(2))
@@ -324,14 +323,10 @@ def test_pictures_of_a_list_go_with_the_nearest_depth_in_any_order(tmp_path: Pat
         expected = [(str(k), str(near)) for k, near in enumerate(nearest) if abs(depths[near] - colors[k]) <= 0.02]
         found = list_frames(write_lists(tmp_path, colors, depths)) if expected else []
         assert [(color.stem, depth.stem) for color, depth in found] == expected
-    spent = []
-    for count in (4_000, 40_000):
-        for name in ("rgb", "depth"):
-            (tmp_path / f"{name}.txt").write_text("".join(f"{k} {k}.png\n" for k in range(count)))
-        started = time.process_time()
-        assert len(list_frames(tmp_path)) == count
-        spent.append(time.process_time() - started)
-    assert spent[1] < 40 * spent[0]
+    many = 40_000  # each compared with all of them would be minutes
+    for name in ("rgb", "depth"):
+        (tmp_path / f"{name}.txt").write_text("".join(f"{k} {k}.png\n" for k in range(many)))
+    assert len(list_frames(tmp_path)) == many
 
 
 @pytest.mark.parametrize(("colors", "depths"), [((), ()), ((1.0,), ()), ((), (1.0,)), ((1.0, 2.0), (1.03, 7.0))])
