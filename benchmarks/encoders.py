@@ -24,7 +24,7 @@ from benchmarks.tables import table
 from roomkin.stages.config.matching import EncoderOptions, MatchingConfig
 from roomkin.stages.config.model import read_files
 from roomkin.stages.contracts import Library, Truth, read_json
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.masks import View
 from roomkin.stages.matching.candidates import find_candidates
 from roomkin.stages.matching.encoders import EXTRA_COLUMNS, PatchEncoder, column_weights, encode_rows, make_encoder
 from roomkin.stages.matching.ranking import Query, apply_weights, compare, pool_patches

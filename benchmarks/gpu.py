@@ -18,7 +18,7 @@ import torch
 from roomkin.stages.config.matching import EncoderOptions
 from roomkin.stages.config.model import read_files
 from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.masks import View
 from roomkin.stages.matching.encoders import make_encoder
 from roomkin.stages.policies.base import make_policy
 from roomkin.stages.training import train

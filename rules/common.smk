@@ -15,7 +15,7 @@ from roomkin.stages.config.files import read_file
 from roomkin.stages.config.model import load, with_defaults
 from roomkin.stages.config.packages import check_rules, check_targets, list_drawers, rule_files, shards_of
 from roomkin.stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, describe_picture, options_of, stores
-from roomkin.stages.config.sizes import fill_counts
+from roomkin.stages.config.commands import fill_counts
 from roomkin.stages.config.weights import tell_left_out
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.system import check_writable

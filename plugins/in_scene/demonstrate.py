@@ -19,9 +19,8 @@ from roomkin.stages.contracts.archives import pack
 from roomkin.stages.contracts.errors import ObjectError
 from roomkin.stages.contracts.generated import ROOM_LIGHT
 from roomkin.stages.contracts.policy_config import TaskConfig
-from roomkin.stages.demonstrations.attempt import Recorder
+from roomkin.stages.demonstrations.attempt import Recorder, write_episodes
 from roomkin.stages.demonstrations.collect import attempt_seeds
-from roomkin.stages.demonstrations.store import write_episodes
 from roomkin.stages.plugins import load
 from roomkin.stages.simulation.film_renderer import FilmRenderer
 from roomkin.stages.tasks.api import EnvWrapper

@@ -14,7 +14,7 @@ from roomkin.stages.contracts.cousins import Cousin
 from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.images import LETTERS, TILE
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.geometry.crop import View, darken_rest
+from roomkin.stages.geometry.masks import View, darken_rest
 from roomkin.stages.matching.snapshots import Scene, Snapshots
 
 

@@ -25,8 +25,8 @@ from roomkin.stages.contracts import Objects
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.cameras import view_angle, view_yaw
-from roomkin.stages.geometry.crop import View
 from roomkin.stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
+from roomkin.stages.geometry.masks import View
 from roomkin.stages.geometry.robust import REACH
 from roomkin.stages.matching.descriptors import LIGHTNESS
 

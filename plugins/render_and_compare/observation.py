@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from roomkin.stages.contracts import Objects
 from roomkin.stages.contracts.objects import DepthError, SceneObject, Wall
 from roomkin.stages.geometry.cameras import FloorCamera, back_project
-from roomkin.stages.geometry.crop import View
 from roomkin.stages.geometry.frames import transform_points, wrap_angle, yaw_matrix
-from roomkin.stages.geometry.masks import OUTLINE, pixel_bounds
+from roomkin.stages.geometry.masks import OUTLINE, View, pixel_bounds
 from roomkin.stages.geometry.robust import REACH
 
 SAMPLES = 2  # rays per cell and direction: thin lines do not break; chosen

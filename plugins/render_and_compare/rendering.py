@@ -16,10 +16,10 @@ from roomkin.plugins.render_and_compare.observation import Observation
 from roomkin.stages.articulated.mesh_reader import texture_of
 from roomkin.stages.articulated.model import Visual
 from roomkin.stages.contracts.generated import GAMMA, ROOM_LIGHT
-from roomkin.stages.generation.solid import Solid
+from roomkin.stages.generation.sizing import Solid
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.crop import View
 from roomkin.stages.geometry.frames import yaw_matrix
+from roomkin.stages.geometry.masks import View
 
 UNPAINTED = (0.6, 0.6, 0.6)  # linear; chosen
 Array = NDArray[np.float64]

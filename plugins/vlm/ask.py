@@ -11,10 +11,20 @@ from typing import Any, Literal, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from roomkin.plugins.vlm.answers import LONGEST, UnusableError, parse_answer, response_format, text_of, usage_of
 from roomkin.plugins.vlm.config import VlmConfig
 from roomkin.plugins.vlm.endpoint import MAX_QUOTED, Endpoint, RefusedError, UnreachedError
-from roomkin.plugins.vlm.prompt import DETAIL, TOKENS, Prompt, digest
+from roomkin.plugins.vlm.prompt import (
+    DETAIL,
+    LONGEST,
+    TOKENS,
+    Prompt,
+    UnusableError,
+    digest,
+    parse_answer,
+    response_format,
+    text_of,
+    usage_of,
+)
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import Contract, Document, read_json, write_json
 from roomkin.stages.contracts.types import Count, NonNegative, Text

@@ -14,8 +14,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
-from roomkin.plugins.vlm.answers import UnusableError
 from roomkin.plugins.vlm.config import VlmConfig
+from roomkin.plugins.vlm.prompt import UnusableError
 from roomkin.stages.contracts.errors import InputError, escape_control
 
 if TYPE_CHECKING:

@@ -15,8 +15,7 @@ from roomkin.stages.contracts import InputError, TaskAssets, read_json, read_opt
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.contracts.policies import Attempt, TaskAsset
 from roomkin.stages.contracts.policy_config import TaskConfig, is_randomised
-from roomkin.stages.demonstrations.attempt import Recorder
-from roomkin.stages.demonstrations.store import RecordedEpisode, write_episodes
+from roomkin.stages.demonstrations.attempt import RecordedEpisode, Recorder, write_episodes
 from roomkin.stages.tasks.api import EnvWrapper
 
 TRIES = 3  # attempts on an asset before it is the next one's turn; chosen

@@ -14,7 +14,7 @@ from roomkin.stages.contracts.scenes import Held
 from roomkin.stages.contracts.types import FLOOR
 from roomkin.stages.extraction.corrected_masks import Cutter, correct_masks
 from roomkin.stages.extraction.mounting import MAX_STRETCH
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.reconstruct import ExtractedScene
 from roomkin.stages.geometry.boxes import UprightBox, with_bottom
 from roomkin.stages.geometry.frames import round_vector, yaw_matrix

@@ -14,7 +14,7 @@ from scipy.stats import norm
 from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError, Wall
 from roomkin.stages.extraction.contact import CONTACT_DISTANCE
 from roomkin.stages.extraction.floor import ROUGH
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.geometry.cameras import PointMap
 from roomkin.stages.geometry.masks import erode
 from roomkin.stages.geometry.robust import REACH

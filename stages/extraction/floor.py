@@ -12,7 +12,7 @@ from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.images import check_turned
 from roomkin.stages.contracts.objects import Wall
 from roomkin.stages.extraction.camera_height import doubt_height
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.geometry.cameras import PointMap
 from roomkin.stages.geometry.frames import Array
 from roomkin.stages.geometry.levels import find_floor

@@ -18,8 +18,8 @@ from roomkin.stages.extraction.contact import DepthView
 from roomkin.stages.extraction.depth_error import NICHE, estimate_depth_error, remove_reflections
 from roomkin.stages.extraction.floor import find_floor_frame, find_room_walls
 from roomkin.stages.extraction.mounting import mount_objects
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.objects import measure_object
-from roomkin.stages.extraction.observation import AnnotatedImage
 from roomkin.stages.geometry.boxes import UprightBox, is_behind
 from roomkin.stages.geometry.cameras import PointMap
 from roomkin.stages.geometry.masks import central_crop

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.crop import View, cut
+from roomkin.stages.geometry.masks import View, cut
 
 UNIT = 30  # a difference in Lab that counts as 1: a shade darker or another hue, well above noise; chosen
 LIGHTNESS = 0.5  # of the weight of a and b: light changes it first; chosen

@@ -8,7 +8,7 @@ from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts import InputError, Objects
 from roomkin.stages.contracts.cousins import Candidate, Orientation
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.masks import View
 from roomkin.stages.matching.snapshots import Snapshots
 
 T = TypeVar("T")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from roomkin.stages.config.matching import ComparisonOptions, MatchingConfig
 from roomkin.stages.contracts.cousins import Candidate, Orientation
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.masks import View
 from roomkin.stages.matching.candidates import Candidates
 from roomkin.stages.matching.encoders import PatchEncoder, column_weights, encode_rows, pool_patches, whole_weights
 from roomkin.stages.matching.priors import list_addends

@@ -18,7 +18,7 @@ from roomkin.stages.contracts.files import read_json
 from roomkin.stages.contracts.images import check_size, read_rgb
 from roomkin.stages.contracts.library import SnapshotShard
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.masks import View
 
 
 class SnapshotFile:

@@ -23,8 +23,7 @@ from roomkin.stages.perception.captions import caption_things, make_captioner, s
 from roomkin.stages.perception.classification.names import UNSURE, find_surest
 from roomkin.stages.perception.classification.naming import Named, name_things
 from roomkin.stages.perception.classification.propose import list_silent
-from roomkin.stages.perception.read.belonging import doubt_depth
-from roomkin.stages.perception.read.frame import TILT, Frame, Labelled
+from roomkin.stages.perception.read.frame import TILT, Frame, Labelled, doubt_depth
 from roomkin.stages.perception.segmentation.choosing import choose
 from roomkin.stages.perception.segmentation.proposal import RoomView, list_proposals
 from roomkin.stages.perception.write import NAMES, draw_numbers, tell_names, write_frame

@@ -15,9 +15,15 @@ from scipy.spatial.transform import Rotation
 
 from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import make_transform
-from roomkin.stages.simulation.depth_shaders import PICTURE, depth_shaders
 from roomkin.stages.simulation.kinematics import Array
-from roomkin.stages.simulation.observation import finger_points, object_points, proprioception, unify_cloud
+from roomkin.stages.simulation.observation import (
+    PICTURE,
+    depth_shaders,
+    finger_points,
+    object_points,
+    proprioception,
+    unify_cloud,
+)
 from roomkin.stages.simulation.robot import AcdcPanda, panda_chain, rest_quaternion
 
 Place = tuple[float, float, float]

@@ -15,8 +15,8 @@ from roomkin.stages.contracts import Cousins, Library, Objects, SnapshotShard, r
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
 from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
-from roomkin.stages.geometry.crop import View
 from roomkin.stages.geometry.frames import yaw_matrix
+from roomkin.stages.geometry.masks import View
 from roomkin.stages.matching.features import run as features
 from roomkin.stages.matching.match import run as match
 

@@ -11,8 +11,7 @@ from roomkin.stages.contracts.files import parse_json
 from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.extraction.depth_error import Surface, measure_error
-from roomkin.stages.extraction.noise import noisy_depth
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.noise import AnnotatedImage, noisy_depth
 from roomkin.stages.extraction.reconstruct import reconstruct
 from roomkin.stages.extraction.sources.folder import observe
 from roomkin.stages.geometry.boxes import UprightBox

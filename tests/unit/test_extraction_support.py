@@ -13,8 +13,8 @@ from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.extraction.clouds import find_carrying_heights, find_level, is_uppermost
 from roomkin.stages.extraction.contact import DepthView, make_gap
 from roomkin.stages.extraction.mounting import end_near, mount_objects, place_object
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.objects import MeasuredObject
-from roomkin.stages.extraction.observation import AnnotatedImage
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.clouds import minimum_box
 

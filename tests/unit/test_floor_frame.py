@@ -9,7 +9,7 @@ from roomkin.stages.contracts.objects import Box, SceneObject
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.extraction.camera_height import doubt_height, doubt_unit
 from roomkin.stages.extraction.floor import check_frame, find_floor_frame, find_unnamed_floor, fit_shown_floor
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.reconstruct import ExtractedScene, reconstruct
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.cameras import PointMap

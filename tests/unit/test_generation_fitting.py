@@ -12,8 +12,7 @@ from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.contracts.category import Category, SizeSpread
 from roomkin.stages.contracts.objects import DepthError, Wall
 from roomkin.stages.generation import sizing
-from roomkin.stages.generation.sizing import TOO_SURE, Observation, Prior, find_correspondences, fit_box
-from roomkin.stages.generation.solid import Solid
+from roomkin.stages.generation.sizing import TOO_SURE, Observation, Prior, Solid, find_correspondences, fit_box
 from roomkin.stages.geometry.boxes import UprightBox, corners
 from roomkin.stages.geometry.cameras import back_project, intrinsics_from_fov
 from roomkin.stages.geometry.frames import Array, make_transform, transform_points, yaw_matrix

@@ -85,7 +85,7 @@ def test_a_place_that_a_person_said_is_not_doubted(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(
-        "roomkin.stages.generation.doubts.measure_place_sureness", lambda spread: 0.1 if spread else 1.0
+        "roomkin.stages.generation.scene_file.measure_place_sureness", lambda spread: 0.1 if spread else 1.0
     )
     unsure = DoubtKind.PLACE_UNSURE.of(share=10)
     before, after = (

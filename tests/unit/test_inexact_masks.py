@@ -13,7 +13,7 @@ from roomkin.stages.extraction.contact import DepthView, measure_shelf
 from roomkin.stages.extraction.corrected_masks import Cutter, correct_masks, paint_masks
 from roomkin.stages.extraction.corrections import correct_image
 from roomkin.stages.extraction.depth_error import remove_reflections
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.reconstruct import ExtractedScene, find_hanging, reconstruct
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.cameras import PointMap

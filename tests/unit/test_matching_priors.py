@@ -10,7 +10,7 @@ from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts.cousins import CategoryMatch
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
-from roomkin.stages.geometry.crop import foreground
+from roomkin.stages.geometry.masks import foreground
 from roomkin.stages.matching.candidates import Candidates
 from roomkin.stages.matching.descriptors import patch_colors
 from roomkin.stages.matching.encoders import make_encoder

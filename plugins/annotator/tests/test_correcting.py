@@ -27,7 +27,7 @@ from roomkin.stages.contracts.scenes import Held
 from roomkin.stages.extraction.corrected_masks import Cutter
 from roomkin.stages.extraction.corrections import correct_image, correct_scene
 from roomkin.stages.extraction.extract import run as extract
-from roomkin.stages.extraction.observation import read_folder
+from roomkin.stages.extraction.noise import read_folder
 from roomkin.stages.extraction.reconstruct import ExtractedScene
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.perception.drawing.project import DrawnObject

@@ -18,7 +18,7 @@ from roomkin.stages.contracts.scene_input import read_scene_input
 from roomkin.stages.contracts.things import THINGS, Ground, Name, Thing, Things
 from roomkin.stages.extraction.corrections import correct_image
 from roomkin.stages.extraction.extract import run as extract
-from roomkin.stages.extraction.observation import read_folder
+from roomkin.stages.extraction.noise import read_folder
 from tests.unit.synthetic_room import FLOOR, WALL, write_room
 
 

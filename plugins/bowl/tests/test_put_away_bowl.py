@@ -18,8 +18,13 @@ from roomkin.plugins.bowl.skills.pick.skill import (
     sort_by_turn,
 )
 from roomkin.plugins.bowl.skills.place.skill import DROP, find_places_inside, sample_placements
-from roomkin.plugins.bowl.tasks.put_away_bowl.bowl import AROUND, default_bowl, fitting_scale, load_visual_mesh
-from roomkin.plugins.bowl.tasks.put_away_bowl.environment import with_stand_in_view
+from roomkin.plugins.bowl.tasks.put_away_bowl.environment import (
+    AROUND,
+    default_bowl,
+    fitting_scale,
+    load_visual_mesh,
+    with_stand_in_view,
+)
 from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.attempt import Recorder

@@ -10,7 +10,7 @@ from torch.nn import functional
 
 from roomkin.stages.config.matching import EncoderOptions
 from roomkin.stages.contracts.section import NotNegative, Section
-from roomkin.stages.geometry.crop import View, cut, foreground, masked_square, patch_positions
+from roomkin.stages.geometry.masks import View, cut, foreground, masked_square, patch_positions
 from roomkin.stages.matching.encoders import Patches
 from roomkin.stages.perception.classification.efficientnet import COLUMNS, SIZE, STRIDE, load, to_input
 from roomkin.stages.plugins import parse_kwargs

@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from roomkin.plugins.ops import finished
-from roomkin.plugins.ops.finished import METADATA, NAMED, list_files, list_for_run, warn_of_changed
-from roomkin.plugins.ops.verify import run
+from roomkin.plugins.ops import verify
+from roomkin.plugins.ops.verify import METADATA, NAMED, list_files, list_for_run, run, warn_of_changed
 from roomkin.stages.articulated.asset_folder import atomic_folder
 from roomkin.stages.contracts import files
 from roomkin.stages.contracts.__main__ import main as check
@@ -319,7 +318,7 @@ def test_before_a_run_the_largest_files_are_left_out(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sizes = list_files(Path("results"))[0]
-    monkeypatch.setattr(finished, "MOST", sum(sizes.values()) - 1)
+    monkeypatch.setattr(verify, "MOST", sum(sizes.values()) - 1)
     largest = max(sizes, key=lambda path: sizes[path])
     damage(largest, "flip")
     warn_of_changed(list_for_run(Path("results")), Path("results"))

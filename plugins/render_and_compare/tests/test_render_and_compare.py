@@ -38,8 +38,8 @@ from roomkin.stages.contracts.library_folder import write_part
 from roomkin.stages.contracts.objects import USUAL_ERROR, Box, Mounting, SceneObject, Wall
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
-from roomkin.stages.geometry.crop import View
 from roomkin.stages.geometry.frames import make_transform, wrap_angle, yaw_matrix
+from roomkin.stages.geometry.masks import View
 from roomkin.stages.matching.judges import AbstainedError, Question
 from roomkin.stages.matching.snapshots import Snapshots
 from tests.unit.matching_data import trace_box, write_snapshots

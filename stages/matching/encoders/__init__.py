@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.config.matching import EncoderOptions
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.masks import View
 from roomkin.stages.matching.descriptors import color_weights, patch_colors
 from roomkin.stages.plugins import load
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.config.matching import EncoderOptions
-from roomkin.stages.geometry.crop import View, cut, foreground, masked_square, patch_positions
+from roomkin.stages.geometry.masks import View, cut, foreground, masked_square, patch_positions
 from roomkin.stages.matching.descriptors import NORMAL_COLUMNS, neighbourhood, patch_normals
 from roomkin.stages.matching.encoders import Patches
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts import Objects
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.masks import View
 from roomkin.stages.matching.question import AbstainedError, Judge, Question
 from roomkin.stages.matching.snapshots import Snapshots
 from roomkin.stages.plugins import load

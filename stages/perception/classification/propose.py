@@ -14,9 +14,8 @@ from torch import nn
 
 from roomkin.stages.contracts import InputError
 from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.crop import GREY
 from roomkin.stages.geometry.frames import transform_points
-from roomkin.stages.geometry.masks import pixel_bounds
+from roomkin.stages.geometry.masks import GREY, pixel_bounds
 from roomkin.stages.perception.classification.clip import EMBEDDED, embed, load_tower, show
 from roomkin.stages.perception.classification.efficientnet import (
     INSTALL,

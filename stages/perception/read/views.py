@@ -15,12 +15,11 @@ from roomkin.stages.contracts.images import DOWN, TURN, check_shown, check_turne
 from roomkin.stages.geometry.cameras import back_project, make_intrinsics, scale_intrinsics
 from roomkin.stages.geometry.depth_forms import along_axis, find_flatter
 from roomkin.stages.geometry.room_planes import fit_floor
-from roomkin.stages.perception.read.belonging import doubt_depth
 from roomkin.stages.perception.read.camera_files import KNOWS
 from roomkin.stages.perception.read.cameras import check_intrinsics, intrinsics_of_camera, intrinsics_of_view
 from roomkin.stages.perception.read.depth_files import convert_to_metres, read_raw, remove_unsure
 from roomkin.stages.perception.read.depth_scale import find_stated_units
-from roomkin.stages.perception.read.frame import TILT, Frame, check_upright, fit_frame, surface_of
+from roomkin.stages.perception.read.frame import TILT, Frame, check_upright, doubt_depth, fit_frame, surface_of
 from roomkin.stages.perception.read.lens import Lens, read_lens, straighten_frame
 from roomkin.stages.perception.read.mask_files import read_labelled
 from roomkin.stages.perception.read.mask_pieces import doubt_surfaces, split_values
