@@ -18,15 +18,15 @@ from torch import Tensor, set_num_threads
 from torch.nn import functional
 
 from benchmarks.name_training.dirt import OTHER, SAME, Mask, cut_patch, share_owner, soil
-from benchmarks.name_training.pictures import BACKGROUND, NOTHING, Picture, pictures_in, sense_depth, tilt_frame
-from benchmarks.name_training.rooms import Room, furnish, make_pool
+from benchmarks.name_training.pictures import BACKGROUND, NOTHING, TrainingPicture, pictures_in, sense_depth, tilt_frame
+from benchmarks.name_training.rooms import MadeRoom, furnish, make_pool
 from benchmarks.name_training.solids import Rng
 from roomkin.plugins.furniture.catalogue import CATEGORIES
 from roomkin.stages.contracts.files import write_atomically
 from roomkin.stages.geometry.cameras import back_project
 from roomkin.stages.geometry.frames import transform_points
 from roomkin.stages.perception.classification.network import NUMBERS, ShapeNetwork
-from roomkin.stages.perception.classification.propose import AROUND, FAR, NETWORK, POINTS, Shape, measure_shape
+from roomkin.stages.perception.classification.propose import AROUND, FAR, NETWORK, POINTS, ShapeInput, measure_shape
 
 MIN_PIXELS = 60  # pixels of a mask in a picture of 320 x 240
 VIEWS = 7  # of a room
@@ -82,7 +82,7 @@ def draw_room(models: int, seed: int, packs: Path | None, number: int) -> Exampl
     )
 
 
-def look_at(picture: Picture, room: Room, rng: Rng) -> Iterator[tuple[str, Shape]]:
+def look_at(picture: TrainingPicture, room: MadeRoom, rng: Rng) -> Iterator[tuple[str, ShapeInput]]:
     """The masks of a picture that show a thing or none, with the name, as a sensor sees them."""
     depth, frame = sense_depth(picture, rng), tilt_frame(picture.frame, rng)
     points, known = transform_points(frame, back_project(depth, picture.intrinsics)), depth > 0
@@ -96,7 +96,7 @@ def look_at(picture: Picture, room: Room, rng: Rng) -> Iterator[tuple[str, Shape
             yield (name_kind(room.things[number - 2].solid.kind) if iou >= SAME else NONE), shape
 
 
-def find_wholes(picture: Picture, room: Room) -> dict[int, list[Mask]]:
+def find_wholes(picture: TrainingPicture, room: MadeRoom) -> dict[int, list[Mask]]:
     """By its number what shows a thing: its pixels, and these with those of what it carries."""
     seen = [int(one) for one in np.unique(picture.owner) if BACKGROUND < one < NOTHING]
     wholes = {}

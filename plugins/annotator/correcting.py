@@ -28,8 +28,8 @@ from roomkin.stages.contracts.things import read_things
 from roomkin.stages.contracts.types import FLOOR, WALL
 from roomkin.stages.extraction.corrected_masks import (
     ROOM,
+    CorrectedMasks,
     Cutter,
-    Painted,
     apply_corrections,
     correct_masks,
     find_corners,
@@ -210,7 +210,7 @@ class Correcting(Clicked):
             tint_picture(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM])
         )
 
-    def _paint_drawing(self, drawing: Drawing) -> Painted:
+    def _paint_drawing(self, drawing: Drawing) -> CorrectedMasks:
         return paint_masks({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)
 
     def _drawing(self, body: Any) -> Drawing:

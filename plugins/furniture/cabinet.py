@@ -17,7 +17,7 @@ EDGE_INSET = 0.036  # of a profile from the free edge: a finger fits between it 
 EDGE_LENGTH = 0.94  # share of the panel's side that a profile runs along
 
 
-class Front(NamedTuple):
+class PanelPlace(NamedTuple):
     """The place of a panel: its front face at `x`, its rectangle in y and z, its thickness."""
 
     x: float
@@ -34,7 +34,7 @@ class Front(NamedTuple):
         return self.z[1] - self.z[0]
 
 
-def panel_parts(front: Front, style: str, color: Surface, second: Surface, density: float = WOOD) -> list[Part]:
+def panel_parts(front: PanelPlace, style: str, color: Surface, second: Surface, density: float = WOOD) -> list[Part]:
     """A panel as `flat`, `frame` (raised rim), `glass` (dark window), `planks` (grooves) or `raised` (raised field)."""
     (y0, y1), (z0, z1) = front.y, front.z
     x1, x0 = front.x, front.x - front.thickness
@@ -58,7 +58,9 @@ def panel_parts(front: Front, style: str, color: Surface, second: Surface, densi
     return [core, *[part(mesh, color, density) for mesh in planks]]
 
 
-def make_pulled_panel(front: Front, p: CabinetRecipe, kind: str, free_side: float, glass: bool = False) -> list[Part]:
+def make_pulled_panel(
+    front: PanelPlace, p: CabinetRecipe, kind: str, free_side: float, glass: bool = False
+) -> list[Part]:
     """A panel with its handle.
 
     Args:
@@ -91,7 +93,7 @@ def make_pulled_panel(front: Front, p: CabinetRecipe, kind: str, free_side: floa
     return parts + handle_parts(handle, at, along, length, p.protrusion, p.handle_colour)
 
 
-def control_panel(front: Front, p: CabinetRecipe) -> list[Part]:
+def control_panel(front: PanelPlace, p: CabinetRecipe) -> list[Part]:
     """A fixed strip with a display and round buttons: ovens, microwaves, dishwashers."""
     x0, x1 = front.x - front.thickness, front.x
     parts = Parts()
@@ -170,8 +172,8 @@ def _cabinet(p: CabinetRecipe, size: Size) -> Model:
     return Model(parts, moving, placement=p.placement)
 
 
-def _front(cell: FrontCell, x: float, thick: float) -> Front:
-    return Front(x, (cell.y[0] + GAP / 2, cell.y[1] - GAP / 2), (cell.z[0] + GAP / 2, cell.z[1] - GAP / 2), thick)
+def _front(cell: FrontCell, x: float, thick: float) -> PanelPlace:
+    return PanelPlace(x, (cell.y[0] + GAP / 2, cell.y[1] - GAP / 2), (cell.z[0] + GAP / 2, cell.z[1] - GAP / 2), thick)
 
 
 def _make_moving(cell: FrontCell, p: CabinetRecipe, x: float, thick: float, x_back: float, number: int) -> Moving:
@@ -195,7 +197,7 @@ def _make_moving(cell: FrontCell, p: CabinetRecipe, x: float, thick: float, x_ba
     return Moving(f"door_{number}", "door", parts, origin, (0.0, 0.0, float(cell.hinge)), np.pi / 2, handle)
 
 
-def _tray(front: Front, x_back: float, p: CabinetRecipe) -> list[Part]:
+def _tray(front: PanelPlace, x_back: float, p: CabinetRecipe) -> list[Part]:
     """Bottom, sides and back of a drawer box behind its front."""
     wall, clear = 0.010, 0.024
     x1 = front.x - front.thickness

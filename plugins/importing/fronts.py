@@ -36,7 +36,7 @@ BEHIND_FRONT = (
 )
 
 
-class Front(NamedTuple):
+class ClosedFront(NamedTuple):
     """A door or drawer, closed: the direction that it opens to (an axis of the root frame) and the area of its face."""
 
     outward: Matrix
@@ -71,7 +71,7 @@ def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
     """
     votes: dict[tuple[float, ...], list[float]] = {}
     for front in _fronts(_shorten_slides(robot)).values():
-        if isinstance(front, Front):
+        if isinstance(front, ClosedFront):
             votes.setdefault(tuple(front.outward.tolist()), []).append(front.area)
     if not votes:
         return None
@@ -79,7 +79,7 @@ def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
     return np.array(best), len(votes[best])
 
 
-def _fronts(robot: RobotModel) -> dict[str, Front | str]:
+def _fronts(robot: RobotModel) -> dict[str, ClosedFront | str]:
     """For each moving joint its door or drawer, whichever way the model faces, or the reason why it is none."""
     frames = link_frames(robot)
     moving = (joint for joint in robot.joints if joint.type != "fixed" and joint.part_type != "button")
@@ -97,7 +97,7 @@ def _shorten_slides(robot: RobotModel) -> RobotModel:
     return replace(robot, joints=joints)
 
 
-def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> Front | str:
+def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> ClosedFront | str:
     links = list_moved_links(joint, robot.joints)
     box = _box(robot, links, frames)
     if box is None:
@@ -138,7 +138,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> F
         return "moves no front of some size"
     if (angle := _measure_skew(robot, links, frames, outward)) > ASKEW:
         return f"stands {np.rad2deg(angle):.0f} degrees askew"
-    return Front(outward, float(width * height))
+    return ClosedFront(outward, float(width * height))
 
 
 def _box(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> Matrix | None:
@@ -184,7 +184,7 @@ def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
                 joints.append(before)
                 lines.append(f"button '{joint.name}': sprung, and pushed, not pulled")
                 continue
-        if isinstance(front, Front) and front.outward[0] != 1.0:
+        if isinstance(front, ClosedFront) and front.outward[0] != 1.0:
             front = "opens to another side than the front"
         if isinstance(front, str):
             fixed.setdefault(front, []).append(f"'{joint.name}'")

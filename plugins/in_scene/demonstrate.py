@@ -29,7 +29,7 @@ from roomkin.stages.tasks.task import Task
 SCENE_TRIES = 10  # attempts in one scene; chosen for time
 
 
-class Setting(NamedTuple):
+class SceneSettings(NamedTuple):
     """The settings for all scenes; `cache`: folder for models at their sizes, `stores`: for episodes."""
 
     object: str
@@ -79,7 +79,7 @@ def run(
         raise InputError("--object", what, f"those there are: {', '.join(known)}", code="E-SCENE-OBJECT")
     found, films, strips = [], [], []
     with TemporaryDirectory(prefix="acdc-room-") as cache, TemporaryDirectory(prefix="acdc-stores-") as stores:
-        setting = Setting(object, task, library, settings, world, seed, Path(cache), Path(stores))
+        setting = SceneSettings(object, task, library, settings, world, seed, Path(cache), Path(stores))
         renderer = FilmRenderer(ROOM_LIGHT)
         for path, generated in read.items():
             try:
@@ -104,7 +104,7 @@ def _failed(generated: GeneratedScene, reason: str, **about: Any) -> SceneDemons
 
 
 def demonstrate_in_scene(
-    path: Path, generated: GeneratedScene, setting: Setting
+    path: Path, generated: GeneratedScene, setting: SceneSettings
 ) -> tuple[SceneDemonstration, FilmedAttempt | None]:
     """A demonstration in one scene, with what is to be filmed."""
     object, placed = setting.object, {item.id: item for item in generated.objects}

@@ -26,7 +26,7 @@ MOST = 800_000_000  # bytes that are looked at when a run starts: takes a second
 NAMED = 3  # files at most that a line names
 
 
-class Kept(BaseModel):
+class KeptOutput(BaseModel):
     """What Snakemake keeps of an output, as far as it is read here."""
 
     shellcmd: str | None = None
@@ -84,7 +84,7 @@ def read_metadata(folder: Path) -> tuple[dict[str, str], list[Path]]:
         try:  # long names are cut into folders that begin with @
             name = "".join(part.removeprefix("@") for part in path.relative_to(folder).parts)
             output = base64.b64decode(name, altchars=b"-_", validate=True).decode()
-            found[output] = Kept.model_validate_json(path.read_bytes()).shellcmd or ""
+            found[output] = KeptOutput.model_validate_json(path.read_bytes()).shellcmd or ""
         except (OSError, ValueError):
             broken.append(path)
     return dict(sorted(found.items())), broken

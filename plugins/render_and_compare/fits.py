@@ -14,7 +14,7 @@ from roomkin.plugins.render_and_compare.config import GeometryConfig
 from roomkin.plugins.render_and_compare.fitting import Measured, lay_over, measure
 from roomkin.plugins.render_and_compare.observation import (
     NoisyCloud,
-    Observation,
+    ObservedGrid,
     aligned_yaws,
     is_front_known,
     observe,
@@ -26,7 +26,7 @@ from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.cameras import view_angle, view_yaw
 from roomkin.stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
-from roomkin.stages.geometry.masks import View
+from roomkin.stages.geometry.masks import ObjectView
 from roomkin.stages.geometry.robust import REACH
 from roomkin.stages.matching.descriptors import LIGHTNESS
 
@@ -47,7 +47,7 @@ class Terms(NamedTuple):
     proportions: float
 
 
-def compare(seen: Observation, shown: Rendering, size: ArrayLike, native: ArrayLike, given: Array) -> Terms:
+def compare(seen: ObservedGrid, shown: Rendering, size: ArrayLike, native: ArrayLike, given: Array) -> Terms:
     """Compare a candidate of extents `size` (3,), `native` in the library; `given`: `line_field` of the object."""
     covered = shown.cover >= 0.5
     both = seen.mask & covered
@@ -68,7 +68,7 @@ def compare(seen: Observation, shown: Rendering, size: ArrayLike, native: ArrayL
     )
 
 
-def outline_agreement(seen: Observation, shown: Rendering, ratio: float) -> float:
+def outline_agreement(seen: ObservedGrid, shown: Rendering, ratio: float) -> float:
     """Intersection over union of the outlines, over the cells where the candidate could be seen."""
     visible = ~((shown.cover > 0) & seen.find_hidden(shown.depth * ratio))
     mask = seen.mask.astype(np.float32)
@@ -158,7 +158,7 @@ class Fit(NamedTuple):
 class Fitter:
     """Fits models of a library to one object that has depth, intrinsics and a box."""
 
-    def __init__(self, view: View, item: SceneObject, scene: Objects, resolution: int) -> None:
+    def __init__(self, view: ObjectView, item: SceneObject, scene: Objects, resolution: int) -> None:
         assert item.box is not None
         self.box = UprightBox(item.box.center, item.box.size, item.box.yaw)
         self.seen = observe(view, np.array(scene.floor_from_camera, dtype=float), scene.depth_error, resolution)

@@ -17,7 +17,7 @@ from roomkin.stages.contracts import Objects
 from roomkin.stages.contracts.objects import DepthError, SceneObject, Wall
 from roomkin.stages.geometry.cameras import FloorCamera, back_project
 from roomkin.stages.geometry.frames import transform_points, wrap_angle, yaw_matrix
-from roomkin.stages.geometry.masks import OUTLINE, View, pixel_bounds
+from roomkin.stages.geometry.masks import OUTLINE, ObjectView, pixel_bounds
 from roomkin.stages.geometry.robust import REACH
 
 SAMPLES = 2  # rays per cell and direction: thin lines do not break; chosen
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Observation(FloorCamera):
+class ObservedGrid(FloorCamera):
     """The object on a grid (h, w) of cells, each `step` pixels wide.
 
     rgb (h, w, 3) 0 to 1; mask: its pixels; depth: metres along the optical axis, 0: unknown, of all that is seen;
@@ -71,7 +71,7 @@ def measure_occluder_gap(depth: NDArray[np.floating], error: DepthError) -> NDAr
     return NEARER + REACH * error.predict(depth)
 
 
-def observe(view: View, floor_from_camera: Array, depth_error: DepthError, longest: int) -> Observation:
+def observe(view: ObjectView, floor_from_camera: Array, depth_error: DepthError, longest: int) -> ObservedGrid:
     """The object and a little of what is around it, at most `longest` cells across; no cell is less than a pixel.
 
     The view has depth and intrinsics, and its mask is not empty.
@@ -94,7 +94,7 @@ def observe(view: View, floor_from_camera: Array, depth_error: DepthError, longe
     rows, columns = view.mask.shape
     inside = ((y > -0.5) & (y < rows - 0.5))[:, None] & ((x > -0.5) & (x < columns - 0.5))
     nearest = np.ix_(np.rint(y).astype(int).clip(0, rows - 1), np.rint(x).astype(int).clip(0, columns - 1))
-    return Observation(
+    return ObservedGrid(
         rgb=smooth(view.rgb.astype(np.float32) / np.float32(255)),
         mask=(smooth(view.mask.astype(np.float32)) >= 0.5) & inside,
         depth=np.where(inside, view.depth[nearest], 0).astype(np.float32),
@@ -110,7 +110,7 @@ def observe(view: View, floor_from_camera: Array, depth_error: DepthError, longe
     )
 
 
-def _cloud(view: View, floor_from_camera: Array) -> Array:
+def _cloud(view: ObjectView, floor_from_camera: Array) -> Array:
     """Points (N, 3) of the object, floor frame; its outermost pixels, half of them background, only if all are."""
     assert view.depth is not None and view.intrinsics is not None
     known = view.mask & (view.depth > 0)

@@ -12,21 +12,21 @@ import numpy as np
 import open3d as o3d
 from numpy.typing import NDArray
 
-from roomkin.plugins.render_and_compare.observation import Observation
+from roomkin.plugins.render_and_compare.observation import ObservedGrid
 from roomkin.stages.articulated.mesh_reader import texture_of
 from roomkin.stages.articulated.model import Visual
 from roomkin.stages.contracts.generated import GAMMA, ROOM_LIGHT
-from roomkin.stages.generation.sizing import Solid
+from roomkin.stages.generation.sizing import VisibleSolid
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import yaw_matrix
-from roomkin.stages.geometry.masks import View
+from roomkin.stages.geometry.masks import ObjectView
 
 UNPAINTED = (0.6, 0.6, 0.6)  # linear; chosen
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Seen:
+class RayHits:
     """Hits of rays (N,): depth in units of their directions (0: nothing), unit normals (N, 3) in the frame around the
     box, towards the eye, and colors (N, 3), linear: of the surface, and with every texture evened out to its mean."""
 
@@ -36,7 +36,7 @@ class Seen:
     plain: NDArray[np.float32]
 
 
-class ColoredSolid(Solid):
+class ColoredSolid(VisibleSolid):
     """A solid with the texture of its surface."""
 
     def __init__(self, folder: Path) -> None:
@@ -51,7 +51,7 @@ class ColoredSolid(Solid):
         """Its outermost vertices (N, 3) when its box is `box`."""
         return self.outermost * box.size @ yaw_matrix(box.yaw).T + box.center
 
-    def cast_rays(self, origin: Array, directions: Array, box: UprightBox) -> Seen:
+    def cast_rays(self, origin: Array, directions: Array, box: UprightBox) -> RayHits:
         """What rays from `origin` (3,) along `directions` (N, 3) see of it in the box; nobody is inside the box."""
         turn, size = yaw_matrix(box.yaw), box.size
         rays = np.empty((len(directions), 6), np.float32)
@@ -67,7 +67,7 @@ class ColoredSolid(Solid):
         triangles = hits["primitive_ids"].numpy()[there]
         color[there] = self._colors(triangles, hits["primitive_uvs"].numpy()[there])
         plain[there] = self._plain[self._piece[triangles]]
-        return Seen(np.where(there, depth, 0).astype(np.float32), normals, color, plain)
+        return RayHits(np.where(there, depth, 0).astype(np.float32), normals, color, plain)
 
     def _colors(self, triangles: NDArray[np.integer], at: NDArray[np.float32]) -> NDArray[np.float32]:
         """Colors (N, 3) of triangles at barycentric coordinates (N, 2) of their second and third corner."""
@@ -82,22 +82,22 @@ class ColoredSolid(Solid):
         return colors
 
 
-class Texture(NamedTuple):
+class MappedTexture(NamedTuple):
     """A picture (H, W, 3), linear, one pixel for a plain color, and texture coordinates (V, 2) of the vertices."""
 
     image: NDArray[np.float32]
     uv: NDArray[np.float32]
 
 
-def read_texture(visual: Visual) -> Texture:
+def read_texture(visual: Visual) -> MappedTexture:
     """Texture or color of a visual."""
     picture = texture_of(visual.mesh) if visual.color is None else None
     uv = getattr(visual.mesh.visual, "uv", None)
     if picture is not None and uv is not None:
         encoded = np.asarray(picture.convert("RGB"), np.float32) / 255
-        return Texture((encoded**GAMMA).astype(np.float32), np.asarray(uv, np.float32))
+        return MappedTexture((encoded**GAMMA).astype(np.float32), np.asarray(uv, np.float32))
     color = UNPAINTED if visual.color is None else visual.color[:3]
-    return Texture(np.array(color, np.float32)[None, None], np.zeros((len(visual.mesh.vertices), 2), np.float32))
+    return MappedTexture(np.array(color, np.float32)[None, None], np.zeros((len(visual.mesh.vertices), 2), np.float32))
 
 
 @dataclass(frozen=True)
@@ -110,17 +110,17 @@ class Rendering:
     cover: NDArray[np.float32]
     depth: NDArray[np.float32]
 
-    def view(self, seen: Observation, up: NDArray[np.float64] | None) -> View:
+    def view(self, seen: ObservedGrid, up: NDArray[np.float64] | None) -> ObjectView:
         """The picture as a patch encoder takes it."""
         there = self.cover >= 0.5
         intrinsics = seen.intrinsics.copy()
         intrinsics[:2] /= seen.step
         intrinsics[:2, 2] = (seen.intrinsics[:2, 2] - seen.corner + 0.5) / seen.step - 0.5
         depth = np.where(there, self.depth, 0)
-        return View((self.rgb * 255).round().astype(np.uint8), there, depth.astype(np.float32), intrinsics, up)
+        return ObjectView((self.rgb * 255).round().astype(np.uint8), there, depth.astype(np.float32), intrinsics, up)
 
 
-def render(solid: ColoredSolid, box: UprightBox, seen: Observation) -> Rendering:
+def render(solid: ColoredSolid, box: UprightBox, seen: ObservedGrid) -> Rendering:
     """Render a model in a box under one light; colors as in the model's materials."""
     hits = solid.cast_rays(seen.eye, seen.rays.reshape(-1, 3), box)
     lit = -hits.normals @ np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)

@@ -27,7 +27,7 @@ from roomkin.stages.geometry.frames import angle_difference
 THUMBNAIL = 150  # pixels: small pictures of objects and assets
 
 
-class Picture(NamedTuple):
+class PagePicture(NamedTuple):
     """A picture inside the page."""
 
     source: str
@@ -39,12 +39,12 @@ class Picture(NamedTuple):
 class Animation(NamedTuple):
     """A film, and the still picture shown where nothing should move."""
 
-    film: Picture
-    still: Picture
+    film: PagePicture
+    still: PagePicture
 
 
-def _embed_picture(data: bytes, size: tuple[int, int], alt: str) -> Picture:
-    return Picture(f"data:image/webp;base64,{base64.b64encode(data).decode('ascii')}", *size, alt)
+def _embed_picture(data: bytes, size: tuple[int, int], alt: str) -> PagePicture:
+    return PagePicture(f"data:image/webp;base64,{base64.b64encode(data).decode('ascii')}", *size, alt)
 
 
 @dataclass(frozen=True)
@@ -54,17 +54,17 @@ class Album:
     width: int
     quality: int
 
-    def add(self, path: Path | None, alt: str) -> Picture | None:
+    def add(self, path: Path | None, alt: str) -> PagePicture | None:
         """The picture of a file, if the run has it."""
         return self.put(read_narrow(path, self.width), alt) if path else None
 
-    def put(self, picture: Image.Image, alt: str) -> Picture:
+    def put(self, picture: Image.Image, alt: str) -> PagePicture:
         """A picture that is small enough."""
         buffer = io.BytesIO()
         picture.save(buffer, "WEBP", quality=self.quality, method=4)
         return _embed_picture(buffer.getvalue(), picture.size, alt)
 
-    def thumbnail(self, picture: Image.Image | None, alt: str) -> Picture | None:
+    def thumbnail(self, picture: Image.Image | None, alt: str) -> PagePicture | None:
         """A small picture, if there is one."""
         if picture is None:
             return None
@@ -88,7 +88,7 @@ class Album:
         return Animation(_embed_picture(path.read_bytes(), last.size, alt), self.put(last, alt))
 
 
-class Snapshots:
+class SnapshotShards:
     """Some shards of snapshots (.h5); each picture is read when it is asked for."""
 
     def __init__(self, shards: Iterable[Path]) -> None:

@@ -37,7 +37,7 @@ class PlacedItem:
 
 
 @dataclass(frozen=True)
-class Layout:
+class FurnishedRoom:
     """A furnished room. `half_width` is the stretched one."""
 
     standing: dict[str, PlacedItem]
@@ -96,15 +96,15 @@ def _place_beside(place: Beside, size: Size, room: Room, done: Mapping[str, Plac
     return Against(against=wall, along=along)
 
 
-def place_all(room: Room, sizes: Mapping[str, Size], stretch: float) -> Layout:
+def place_all(room: Room, sizes: Mapping[str, Size], stretch: float) -> FurnishedRoom:
     """Every item at one stretch of the room; items come after those they refer to."""
     done: dict[str, PlacedItem] = {}
     for item in room.items:
         done[item.name] = _place(item, sizes[item.name], room, done, stretch)
-    return Layout(done, room.half_width * stretch)
+    return FurnishedRoom(done, room.half_width * stretch)
 
 
-def arrange(room: Room, sizes: Mapping[str, Size]) -> Layout | None:
+def arrange(room: Room, sizes: Mapping[str, Size]) -> FurnishedRoom | None:
     """The room stretched so that its scale is exact; None if these models do not fit into it."""
 
     def measure_excess(stretch: float) -> float:
@@ -117,7 +117,7 @@ def arrange(room: Room, sizes: Mapping[str, Size]) -> Layout | None:
     return layout if is_valid_layout(layout, room) else None
 
 
-def is_valid_layout(layout: Layout, room: Room) -> bool:
+def is_valid_layout(layout: FurnishedRoom, room: Room) -> bool:
     """No two boxes overlap, all are inside the room, and what lies on something lies on it wholly."""
     standing = list(layout.standing.values())
     plans = {one.item.name: footprint(one.box) for one in standing}
@@ -146,7 +146,7 @@ class CastRoom:
     """A room with its models (by item name) and their places."""
 
     room: Room
-    layout: Layout
+    layout: FurnishedRoom
     assets: dict[str, Asset]
 
 

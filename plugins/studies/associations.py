@@ -27,7 +27,7 @@ TRAITS = {
 COLUMNS = [*ROW, "trait", "training_set", "assets", "families", "correlation", "low", "high"]
 
 
-class Shown(NamedTuple):
+class ShownAssets(NamedTuple):
     """The assets of a training set, and the factors between which demonstrations stretch each axis of them."""
 
     assets: Sequence[TaskAsset]
@@ -46,7 +46,7 @@ class Shown(NamedTuple):
         return float(((own >= least) & (own <= most)).mean())
 
 
-def traits(tested: Sequence[TaskAsset], sets: Mapping[tuple[str, int], Shown]) -> pd.DataFrame:
+def traits(tested: Sequence[TaskAsset], sets: Mapping[tuple[str, int], ShownAssets]) -> pd.DataFrame:
     """A row per training set, seed and unseen asset with what no row of `Rollout` tells: `handle_height`, `coverage`.
 
     Args:

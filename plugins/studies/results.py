@@ -13,7 +13,7 @@ from roomkin.plugins.report.roles import list_demonstrated_assets, lists_table, 
 from roomkin.plugins.robustness import rows as robustness
 from roomkin.plugins.robustness.table import robustness_table
 from roomkin.plugins.studies import conditions
-from roomkin.plugins.studies.associations import Shown, associations_table, traits
+from roomkin.plugins.studies.associations import ShownAssets, associations_table, traits
 from roomkin.plugins.studies.associations import build as associate
 from roomkin.plugins.studies.study import (
     cost,
@@ -114,7 +114,7 @@ def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.Da
             chosen, stretch = read_json(TaskAssets, path), config.task_of(str(target)).scale_range
             wider, policies = config.demonstrations.randomise.extents, part[part["training_set"] != SKILL]
             sets = {
-                (name, seed): Shown(
+                (name, seed): ShownAssets(
                     list_demonstrated_assets(chosen, experiment.roles(name, seed)),
                     wider if is_randomised(name) else stretch,
                 )

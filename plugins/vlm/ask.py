@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from roomkin.plugins.vlm.config import VlmConfig
-from roomkin.plugins.vlm.endpoint import MAX_QUOTED, Endpoint, RefusedError, UnreachedError
+from roomkin.plugins.vlm.endpoint import MAX_QUOTED, Endpoint, RefusedRequestError, UnreachedError
 from roomkin.plugins.vlm.prompt import (
     DETAIL,
     LONGEST,
@@ -266,7 +266,7 @@ class Asker:
                 body["response_format"] = form
             try:
                 reply = self.endpoint.post(body)
-            except RefusedError as error:
+            except RefusedRequestError as error:
                 if any(word in str(error) for word in FILTERED):
                     raise UnusableError("the server's filter took the question") from None
                 refusal = refusal or str(error)  # of the strictest format

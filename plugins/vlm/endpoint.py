@@ -70,7 +70,7 @@ class UnreachedError(Exception):
     """The server gave no reply, however often it was asked."""
 
 
-class RefusedError(Exception):
+class RefusedRequestError(Exception):
     """The server does not take this request (400, 413, 422 ...)."""
 
 
@@ -154,7 +154,7 @@ class Endpoint:
             raise InputError(where, f"HTTP {status}: nothing is left.", fix, code="E-VLM-ACCOUNT") from None
         if status in (404, 405) or status < 400:
             raise InputError(where, said, "correct vlm.url or vlm.model", code="E-VLM-ADDRESS") from None
-        raise (RefusedError if status < 500 and status not in BUSY else UnreachedError)(said) from None
+        raise (RefusedRequestError if status < 500 and status not in BUSY else UnreachedError)(said) from None
 
     def quote_server(self, text: str) -> str:
         """A server's answer in one line that may be shown."""

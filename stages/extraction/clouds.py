@@ -94,7 +94,7 @@ BLUR_BLOCK = 32  # pixels that OpenCV blurs at once
 MAX_CHANGE = 0.05  # largest relative change of depth from the core's local mean; chosen
 
 
-class ObjectError(Exception):
+class UnusableObjectError(Exception):
     """One object cannot be used; the scene goes on without it."""
 
 
@@ -109,10 +109,10 @@ def make_object_cloud(mask: Mask, view: DepthView, options: ExtractionConfig, rn
         view = replace(view, depth=continue_depth(view.depth, core, mask))
     cloud = view.of(mask if options.restore_border else core)
     if len(cloud) < 3:
-        raise ObjectError("no depth on its pixels")
+        raise UnusableObjectError("no depth on its pixels")
     cloud = clean_cloud(cloud, view, options, rng)
     if len(cloud) < 3:
-        raise ObjectError("its depth is too scattered: no cluster of points")
+        raise UnusableObjectError("its depth is too scattered: no cluster of points")
     return cloud
 
 

@@ -66,7 +66,7 @@ PARTS = 8  # of a plane, by distance; chosen
 MIN_POINTS = 100  # points of a part: their median deviation errs by 12 %
 
 
-class Surface(NamedTuple):
+class PlanarPatch(NamedTuple):
     """Points (N, 3) of one plane, floor frame, and that plane: normal . p = offset."""
 
     points: NDArray[np.floating]
@@ -91,12 +91,14 @@ def estimate_depth_error(image: AnnotatedImage, seen: PointMap, walls: Mapping[i
         floor = (np.abs(seen.points[..., 2]) < PLANE_THRESHOLD) & ~np.isin(image.masks, image.annotations.values)
     shown = [(floor, [0.0, 0.0, 1.0], 0.0)]
     shown += [(image.masks == value, list(wall.normal), wall.offset) for value, wall in walls.items()]
-    surfaces = [Surface(seen.of(erode(mask & seen.known, keep=0)), np.array(n), offset) for mask, n, offset in shown]
+    surfaces = [
+        PlanarPatch(seen.of(erode(mask & seen.known, keep=0)), np.array(n), offset) for mask, n, offset in shown
+    ]
     eye = seen.frame[:3, 3]
     return measure_error(surfaces[:1], eye) or measure_error(surfaces[1:], eye) or USUAL_ERROR
 
 
-def measure_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> DepthError | None:
+def measure_error(surfaces: Sequence[PlanarPatch], eye: NDArray[np.float64]) -> DepthError | None:
     """The error of the depth of surfaces seen from `eye` (3,); None if they are too small or no planes.
 
     Each is cut into parts by distance; a and b are the least squares, not negative, over the deviations of the parts.

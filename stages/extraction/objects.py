@@ -13,7 +13,7 @@ from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.contracts.types import LARGEST
 from roomkin.stages.extraction.clouds import (
     MAX_POINTS,
-    ObjectError,
+    UnusableObjectError,
     find_carrying_heights,
     find_level,
     make_object_cloud,
@@ -78,8 +78,8 @@ def measure_object(
             box, heights = fit_box(category, cloud, view.of(mask), view, options.trim)
         extent = float(np.max(box.size))
         if extent > LARGEST:
-            raise ObjectError(f"{extent:.0f} m large: its depth cannot be right")
-    except ObjectError as failure:
+            raise UnusableObjectError(f"{extent:.0f} m large: its depth cannot be right")
+    except UnusableObjectError as failure:
         return MeasuredObject(known, item).fail(str(failure))
     seen = {"pixels": bounds, "points": len(cloud), "depth_known": share}
     return MeasuredObject(known.model_copy(update=seen), item, mask, cloud, box, heights or (box.top,), category)
@@ -114,11 +114,11 @@ def find_object_mask(whole: Mask, crop_share: float, is_known: bool) -> Mask:
         ObjectError: it has none, or too few.
     """
     if not whole.any():
-        raise ObjectError("not in the picture: no pixel has its mask value")
+        raise UnusableObjectError("not in the picture: no pixel has its mask value")
     cropped = whole & central_crop(whole.shape, crop_share)
     inside = remove_specks(cropped)
     if not is_known and cropped.sum() < (1 - MAX_CUT) * whole.sum():
-        raise ObjectError("cut off: too much of it is outside the central crop")
+        raise UnusableObjectError("cut off: too much of it is outside the central crop")
     if inside.sum() < MIN_PIXELS:
-        raise ObjectError(f"too small or hidden: {int(inside.sum())} pixels")
+        raise UnusableObjectError(f"too small or hidden: {int(inside.sum())} pixels")
     return inside

@@ -39,11 +39,11 @@ from roomkin.stages.geometry.boxes import THINNEST, UprightBox, is_behind
 from roomkin.stages.geometry.cameras import FloorCamera
 from roomkin.stages.geometry.frames import transform_points, yaw_matrix
 from roomkin.stages.geometry.masks import DIRECTIONS, OUTLINE, Outline
-from roomkin.stages.geometry.robust import LARGEST_CHANGE, UNUSUAL, Terms, find_step
+from roomkin.stages.geometry.robust import LARGEST_CHANGE, UNUSUAL, Deviations, find_step
 from roomkin.stages.geometry.solids import find_outermost
 
 
-class Solid:
+class VisibleSolid:
     """The visible surface of a model, every joint closed, scaled so that its box is [-0.5, 0.5]^3.
 
     A box in a scene is an affine map of the unit box, so rays are mapped, never the triangles. visuals: what `scene`
@@ -78,9 +78,9 @@ class Solid:
 
 
 @lru_cache(maxsize=64)
-def read_solid(folder: Path) -> Solid:
+def read_solid(folder: Path) -> VisibleSolid:
     """The solid of a model of the library."""
-    return Solid(folder)
+    return VisibleSolid(folder)
 
 
 POINTS = 400  # of a cloud, for time
@@ -96,7 +96,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Observation(FloorCamera):
+class SeenObject(FloorCamera):
     """An object as the picture shows it: its outline (None: no mask) and points (N, 3) of it, floor frame."""
 
     outline: Outline | None
@@ -131,7 +131,7 @@ class Prior:
     touched: Sequence[Wall]
 
 
-class Fit(NamedTuple):
+class FittedBox(NamedTuple):
     """A box, and the standard deviations of its center (3,), metres, and of the logarithms of its extents (3,)."""
 
     box: UprightBox
@@ -147,13 +147,13 @@ class Correspondences(NamedTuple):
     normals: Array
 
 
-def fit_box(solid: Solid, start: UprightBox, seen: Observation, known: Prior) -> Fit:
+def fit_box(solid: VisibleSolid, start: UprightBox, seen: SeenObject, known: Prior) -> FittedBox:
     """The best box of a model with the yaw of `start`, from there or from its own size there."""
     own = UprightBox(start.center, known.native, start.yaw)
     return min((improve_box(solid, box, seen, known) for box in (start, own)), key=lambda fit: fit.cost)
 
 
-def improve_box(solid: Solid, start: UprightBox, seen: Observation, known: Prior) -> Fit:
+def improve_box(solid: VisibleSolid, start: UprightBox, seen: SeenObject, known: Prior) -> FittedBox:
     """The best box of a model near `start`, whose yaw it keeps: Gauss-Newton with Cauchy's weights."""
     size = np.maximum(start.size, THINNEST)
     change, small = np.zeros(6), 1e-4
@@ -164,7 +164,7 @@ def improve_box(solid: Solid, start: UprightBox, seen: Observation, known: Prior
     def change_box(change: Array) -> UprightBox:
         return UprightBox(start.center + change[:3], size * np.exp(change[3:]), start.yaw)
 
-    def measure_with(on: Correspondences) -> Callable[[Array], Terms]:
+    def measure_with(on: Correspondences) -> Callable[[Array], Deviations]:
         return lambda change: compare(change_box(change), solid, on, seen, known, tolerance)
 
     for _ in range(ROUNDS):
@@ -176,10 +176,10 @@ def improve_box(solid: Solid, start: UprightBox, seen: Observation, known: Prior
     box = change_box(change)
     last = compare(box, solid, find_correspondences(solid, seen, box), seen, known, tolerance)
     deviations = TOO_SURE * np.sqrt(np.diag(np.linalg.inv(curvature)))
-    return Fit(box, deviations[:3], deviations[3:], last.cost)
+    return FittedBox(box, deviations[:3], deviations[3:], last.cost)
 
 
-def find_correspondences(solid: Solid, seen: Observation, box: UprightBox) -> Correspondences:
+def find_correspondences(solid: VisibleSolid, seen: SeenObject, box: UprightBox) -> Correspondences:
     """Points where rays from the camera to the seen points meet the model in `box`; for those whose rays miss it, the
     nearest of its surface in the unit box."""
     turn = yaw_matrix(box.yaw)
@@ -197,8 +197,8 @@ def find_correspondences(solid: Solid, seen: Observation, box: UprightBox) -> Co
 
 
 def compare(
-    box: UprightBox, solid: Solid, on: Correspondences, seen: Observation, known: Prior, tolerance: float
-) -> Terms:
+    box: UprightBox, solid: VisibleSolid, on: Correspondences, seen: SeenObject, known: Prior, tolerance: float
+) -> Deviations:
     """How far a box is off.
 
     Args:
@@ -230,7 +230,7 @@ def compare(
     before = np.array([_measure_behind(box, turn, wall) for wall in known.touched]) / CONTACT_SPREAD
     terms.append((np.minimum(before, 0), 1.0, UNUSUAL))
     counts = [len(off) for off, _, _ in terms]
-    return Terms(
+    return Deviations(
         np.concatenate([off for off, _, _ in terms]),
         np.repeat([share for _, share, _ in terms], counts),
         np.repeat([unusual for _, _, unusual in terms], counts),
@@ -272,7 +272,7 @@ def size(
         walls=[wall for wall in scene.walls if not is_behind(placed.box, wall.normal, wall.offset)],
         touched=reached,
     )
-    seen = Observation(
+    seen = SeenObject(
         np.array(scene.floor_from_camera),
         np.array(scene.intrinsics),
         one.outline,

@@ -213,7 +213,7 @@ GREY = 127  # color of what is masked out
 
 
 @dataclass(frozen=True)
-class View:
+class ObjectView:
     """An object as a camera sees it.
 
     rgb (H, W, 3) uint8; mask (H, W) bool, the object's visible pixels; depth (H, W) float32 metres along
@@ -228,7 +228,7 @@ class View:
     up: NDArray[np.float64] | None = None
 
 
-def cut(view: View) -> View:
+def cut(view: ObjectView) -> ObjectView:
     """The view cut to the box of its mask; the principal point moves along, everything else stays as it is."""
     x0, y0, x1, y1 = pixel_bounds(view.mask)
     window = np.s_[y0:y1, x0:x1]
@@ -238,16 +238,16 @@ def cut(view: View) -> View:
         intrinsics[0, 2] -= x0
         intrinsics[1, 2] -= y0
     depth = None if view.depth is None else view.depth[window]
-    return View(view.rgb[window], view.mask[window], depth, intrinsics, view.up)
+    return ObjectView(view.rgb[window], view.mask[window], depth, intrinsics, view.up)
 
 
-def darken_rest(view: View) -> NDArray[np.uint8]:
+def darken_rest(view: ObjectView) -> NDArray[np.uint8]:
     """The object's part of the picture, what is not the object darkened."""
     shade = np.where(view.mask[..., None], view.rgb, view.rgb // 3).astype(np.uint8)
-    return cut(View(shade, view.mask)).rgb
+    return cut(ObjectView(shade, view.mask)).rgb
 
 
-def masked_square(view: View, width: int, height: int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+def masked_square(view: ObjectView, width: int, height: int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     """A cut view as a picture (height, width, 3), grey outside the mask, and the mask's coverage (height, width).
 
     The aspect ratio is not kept: cousins are rescaled per axis, so it says little about the model.

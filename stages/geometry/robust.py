@@ -21,7 +21,7 @@ LARGEST_CHANGE = 1.5  # logarithm: extents of a box never change by more
 Array = NDArray[np.float64]
 
 
-class Terms(NamedTuple):
+class Deviations(NamedTuple):
     """Deviations (M,), how much each counts (M,), and from where on it counts less (M,), inf: it is Gaussian."""
 
     off: Array
@@ -36,7 +36,9 @@ class Terms(NamedTuple):
         return float((self.share * lost).sum() / 2)
 
 
-def find_step(measure: Callable[[Array], Terms], state: Array, small: float, damping: Array) -> tuple[Array, Array]:
+def find_step(
+    measure: Callable[[Array], Deviations], state: Array, small: float, damping: Array
+) -> tuple[Array, Array]:
     """A step (N,) of Gauss-Newton with Cauchy's weights, to be taken off a state (N,); and the curvature (N, N) there.
 
     Args:

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.masks import View, cut
+from roomkin.stages.geometry.masks import ObjectView, cut
 
 UNIT = 30  # a difference in Lab that counts as 1: a shade darker or another hue, well above noise; chosen
 LIGHTNESS = 0.5  # of the weight of a and b: light changes it first; chosen
 CELLS = 16  # the crop is averaged over so many cells a side; chosen
 
 
-def patch_colors(view: View, positions: NDArray[np.float32]) -> NDArray[np.float32]:
+def patch_colors(view: ObjectView, positions: NDArray[np.float32]) -> NDArray[np.float32]:
     """Lab color (P, 3), in units of `UNIT`, of the object around each of its patches.
 
     `positions` (P, 2) are x, y in [-1, 1] of the crop. Only the object's pixels count; what lies beside its mask
@@ -47,7 +47,7 @@ MINIMUM_POINTS = 6  # pixels with depth that make a plane: twice what one needs;
 Array = NDArray[np.float64]
 
 
-def patch_normals(view: View, grid: int) -> NDArray[np.float32]:
+def patch_normals(view: ObjectView, grid: int) -> NDArray[np.float32]:
     """Unit normals (grid, grid, 3) of a cut view, towards the camera; 0 where depth is missing.
 
     A patch's normal is that of the plane fitted to the points of the 3 x 3 patches around it: least

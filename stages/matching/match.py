@@ -19,7 +19,7 @@ from roomkin.stages.matching.deciding import agree_on_order, decide_cousins, not
 from roomkin.stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
 from roomkin.stages.matching.judges import Judges
 from roomkin.stages.matching.ranking import make_query, rank_by_priors, rank_models, rank_orientations, shortlist
-from roomkin.stages.matching.snapshots import Scene, Snapshots
+from roomkin.stages.matching.snapshots import SceneObjects, Snapshots
 from roomkin.stages.matching.store import FeatureStore
 from roomkin.stages.matching.text_encoders import TextEncoder, make_text_encoder
 
@@ -58,7 +58,7 @@ def run(
     settings = read_options(matching_model(find_packages()), options)
     stored = open_pictures(features, settings) if settings.compares_pictures else None
     assets = leave_out(read_json(Library, library), without)
-    scene = Scene(objects, image)
+    scene = SceneObjects(objects, image)
     text = make_text_encoder(settings)
     judges = Judges(settings, library, Snapshots(snapshots))
     entries = [
@@ -103,7 +103,7 @@ def leave_out(library: Library, files: tuple[Path, ...]) -> Library:
 
 def match_object(
     item: SceneObject,
-    scene: Scene,
+    scene: SceneObjects,
     library: Library,
     stored: Pictures | None,
     text: TextEncoder,

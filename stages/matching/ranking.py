@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from roomkin.stages.config.matching import ComparisonOptions, MatchingConfig
 from roomkin.stages.contracts.cousins import Candidate, Orientation
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.geometry.masks import View
+from roomkin.stages.geometry.masks import ObjectView
 from roomkin.stages.matching.candidates import Candidates
 from roomkin.stages.matching.encoders import PatchEncoder, column_weights, encode_rows, pool_patches, whole_weights
 from roomkin.stages.matching.priors import list_addends
@@ -91,7 +91,7 @@ def apply_weights(rows: NDArray[np.floating], weights: NDArray[np.float32]) -> N
     return rows[:, used].astype(np.float32) * weights[used]
 
 
-def make_query(view: View, encoder: PatchEncoder, color: float = 0.0) -> Query | None:
+def make_query(view: ObjectView, encoder: PatchEncoder, color: float = 0.0) -> Query | None:
     """Encode an object; normals count if half of its pixels or more have depth. None: it has no foreground patch.
 
     `color`: the weight of the patches' colors.

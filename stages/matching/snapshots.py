@@ -18,7 +18,7 @@ from roomkin.stages.contracts.files import read_json
 from roomkin.stages.contracts.images import check_size, read_rgb
 from roomkin.stages.contracts.library import SnapshotShard
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.geometry.masks import View
+from roomkin.stages.geometry.masks import ObjectView
 
 
 class SnapshotFile:
@@ -36,14 +36,14 @@ class SnapshotFile:
     def __exit__(self, *_: object) -> None:
         self._file.close()
 
-    def views(self, asset: str) -> list[View]:
+    def views(self, asset: str) -> list[ObjectView]:
         """All views of an asset: the yaws, then the representative. The object is where there is depth."""
         number = self._position[asset]
         with explain_unreadable(self.path, "snapshot file", MAKE_SNAPSHOTS):  # a chunk may be damaged
             rgbs, depths = self._rgb[number], self._depth[number].astype(np.float32) / 1000
         intrinsics = np.array(self.sidecar.intrinsics, dtype=float)
         up = up_of_camera(self.sidecar.elevation)
-        return [View(rgb, depth > 0, depth, intrinsics, up) for rgb, depth in zip(rgbs, depths, strict=True)]
+        return [ObjectView(rgb, depth > 0, depth, intrinsics, up) for rgb, depth in zip(rgbs, depths, strict=True)]
 
     def picture(self, asset: str, yaw: float) -> NDArray[np.uint8]:
         """The snapshot (H, W, 3) nearest to a yaw in radians."""
@@ -70,7 +70,7 @@ class Snapshots:
         with self._find_shard(asset) as shard:
             return shard.picture(asset, yaw)
 
-    def views(self, asset: str) -> list[View]:
+    def views(self, asset: str) -> list[ObjectView]:
         """All views of an asset: the yaws, then the representative."""
         with self._find_shard(asset) as shard:
             return shard.views(asset)
@@ -92,7 +92,7 @@ def up_of_camera(elevation: float | None) -> NDArray[np.float64] | None:
     return None if elevation is None else np.array([0.0, -np.cos(elevation), -np.sin(elevation)])
 
 
-class Scene:
+class SceneObjects:
     """`objects.json` with `masks.png` and `depth.npz` beside it, and the picture.
 
     Depth may be missing (then no normals are compared); masks may not.
@@ -107,6 +107,6 @@ class Scene:
         self._intrinsics = np.array(self.objects.intrinsics, dtype=float)
         self._up = np.array(self.objects.floor_from_camera, dtype=float)[2, :3]
 
-    def view(self, item: SceneObject) -> View:
+    def view(self, item: SceneObject) -> ObjectView:
         """The object as the camera sees it; the mask may be empty."""
-        return View(self._rgb, self._masks == item.mask, self._depth, self._intrinsics, self._up)
+        return ObjectView(self._rgb, self._masks == item.mask, self._depth, self._intrinsics, self._up)

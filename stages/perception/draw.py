@@ -19,7 +19,14 @@ from roomkin.stages.perception.drawing.room import add_found, draw_room
 from roomkin.stages.perception.drawing.solve import UNSURE, Solved
 from roomkin.stages.perception.drawing.write import finish_drawing, write_folder
 from roomkin.stages.perception.layout.ends import measure_all, number_masks
-from roomkin.stages.perception.layout.room import Room, arrange, build_room, describe_camera, scale_room, see_camera
+from roomkin.stages.perception.layout.room import (
+    FittedRoom,
+    arrange,
+    build_room,
+    describe_camera,
+    scale_room,
+    see_camera,
+)
 from roomkin.stages.perception.layout.things import see_outlines
 from roomkin.stages.perception.read.photo import Photo, read_known
 from roomkin.stages.perception.segmentation.proposal import find_border
@@ -32,7 +39,7 @@ class Drawn(NamedTuple):
 
     project: Project
     solved: Solved
-    room: Room
+    room: FittedRoom
     masks: NDArray[np.uint16]
     labels: dict[int, str]
     missing: list[str]

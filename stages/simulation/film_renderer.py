@@ -31,7 +31,7 @@ from roomkin.stages.simulation.framing import frame_all, intrinsics_of
 from roomkin.stages.simulation.loading import load_asset, move, remove
 from roomkin.stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
 from roomkin.stages.simulation.robot import PANDA
-from roomkin.stages.simulation.room import Body, Moment, Recording, Room
+from roomkin.stages.simulation.room import Body, Moment, Recording, TaskRoom
 from roomkin.stages.simulation.shaders import cache_folder
 
 SHARE = 0.2  # of the triangles that are kept; chosen: a film looks the same
@@ -231,7 +231,7 @@ def _add_surroundings(scene: sapien.Scene, feet: Sequence[Array], low: float) ->
     return blocks
 
 
-def _in_room(scene: sapien.Scene, room: Room, base: Array) -> list[Body]:
+def _in_room(scene: sapien.Scene, room: TaskRoom, base: Array) -> list[Body]:
     """The room, and a plinth beneath the robot."""
     plinth = [_plinth(scene, base, 0.0)] if base[0, 2] > 0.005 else []
     return [*room.load(scene).values(), *plinth]

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Block:
+class ColoredBlock:
     """A box of one color (linear RGB), turned by `yaw` about z; metres."""
 
     name: str
@@ -38,7 +38,7 @@ class Block:
 
 def make_backdrop(
     boxes: Sequence[UprightBox], walls: Sequence[Wall], camera: Array, look: Look | None = None
-) -> list[Block]:
+) -> list[ColoredBlock]:
     """Make floor and walls. They end a little beyond the furniture in `boxes`, or where the picture ends.
 
     A wall with furniture behind it is left out: its end is unknown.
@@ -73,10 +73,10 @@ def make_backdrop(
     return [floor, *shown]
 
 
-def _block(name: str, center: Sequence[float] | Array, size: Sequence[float], yaw: float, color: Color) -> Block:
+def _block(name: str, center: Sequence[float] | Array, size: Sequence[float], yaw: float, color: Color) -> ColoredBlock:
     x, y, z = (float(value) for value in center)
     a, b, c = (float(value) for value in size)
-    return Block(name, (x, y, z), (a, b, c), yaw, color)
+    return ColoredBlock(name, (x, y, z), (a, b, c), yaw, color)
 
 
 def add_backdrop(
@@ -90,7 +90,7 @@ def add_backdrop(
 Body: TypeAlias = PhysxArticulation | sapien.Entity
 
 
-class Room(Protocol):
+class TaskRoom(Protocol):
     """Furniture, floor and walls about the object of a task; its own frame is then the world, z up, metres."""
 
     @property
@@ -140,5 +140,5 @@ class Recording:
     scale: Array
     side: float
     moments: Sequence[Moment]
-    room: Room | None = None
+    room: TaskRoom | None = None
     props: Sequence[Prop] = ()

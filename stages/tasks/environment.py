@@ -21,7 +21,7 @@ from roomkin.stages.simulation.kinematics import Array
 from roomkin.stages.simulation.loading import ParsedAsset, load_asset, physics_scene, set_joint_dynamics
 from roomkin.stages.simulation.rendering import render_backend
 from roomkin.stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale, batch_poses
-from roomkin.stages.simulation.room import Room
+from roomkin.stages.simulation.room import TaskRoom
 from roomkin.stages.simulation.target import Target, descends, read_target
 from roomkin.stages.tasks.base_placement import OFFICIAL_SUCCESS_FRACTION, find_success_opening, place_robot_and_asset
 from roomkin.stages.tasks.filmed import FilmedEnv, randomise, sample_factors
@@ -68,7 +68,7 @@ class OpenTaskEnv(FilmedEnv):
         robot_uids: str = "acdc_panda",
         vary_scale: bool = True,
         randomise: RandomiseOptions | dict[str, Any] | None = None,
-        room: Room | None = None,
+        room: TaskRoom | None = None,
         sensing: Sensing | None = None,
         obs_mode: str = "pointcloud",
         **kwargs: Any,

@@ -19,7 +19,7 @@ from roomkin.stages.config.training import RandomiseOptions
 from roomkin.stages.simulation.film_renderer import FilmRenderer, Shot
 from roomkin.stages.simulation.kinematics import Array
 from roomkin.stages.simulation.robot import AcdcPanda
-from roomkin.stages.simulation.room import Moment, Prop, Recording, Room
+from roomkin.stages.simulation.room import Moment, Prop, Recording, TaskRoom
 from roomkin.stages.simulation.target import Target
 
 
@@ -58,7 +58,7 @@ class FilmedEnv(BaseEnv):
     asset_folder: Path
     joint_name: str
     object: Articulation
-    room: Room | None
+    room: TaskRoom | None
     scales: Array
     targets: list[Target]
 

@@ -34,7 +34,7 @@ from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Pr
 from roomkin.stages.perception.drawing.room import mark_box
 from roomkin.stages.perception.drawing.solve import solve
 from roomkin.stages.perception.read.photo import Photo
-from roomkin.stages.perception.segmentation.ssd import Box
+from roomkin.stages.perception.segmentation.ssd import DetectedBox
 from tests.refusals import refused
 from tests.unit.perception.conftest import published  # noqa: F401
 from tests.unit.perception.test_networks import MIDDLE, draw_sign
@@ -126,7 +126,7 @@ def test_a_guess_at_several_clicks_is_good_and_heeds_each_of_them() -> None:
 
 def test_a_box_of_the_network_names_the_outline_that_it_agrees_with(monkeypatch: pytest.MonkeyPatch) -> None:
     clicker = KnownClicker(PICTURE, THINGS)
-    clicker.boxes = [Box((40, 140, 80, 180), "oven", 0.9, {"oven": 0.9})]
+    clicker.boxes = [DetectedBox((40, 140, 80, 180), "oven", 0.9, {"oven": 0.9})]
     monkeypatch.setattr(clicking, "observe_looks", lambda *_: None)
     monkeypatch.setattr(clicking, "propose_names", lambda _, words: words)
     for mask, words in ((THINGS["oven"], {"oven": 0.9}), (_square(40, 140, 100), None), (THINGS["stool"], None)):

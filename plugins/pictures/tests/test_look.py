@@ -8,7 +8,7 @@ import pytest
 from roomkin.plugins.furniture.catalogue import sample
 from roomkin.plugins.furniture.folder import build
 from roomkin.plugins.pictures.look import (
-    Seen,
+    SeenPixels,
     estimate_light,
     estimate_look,
     find_bounds,
@@ -151,7 +151,7 @@ def test_a_wall_is_seen_up_to_its_end_or_stands_to_the_height_of_a_room() -> Non
     still = np.zeros(1600, int)
     highest = {}
     for above in (False, True):
-        seen = Seen(np.array([-1.0, 0, 0]), still, still, points, np.zeros((1600, 3)), above)
+        seen = SeenPixels(np.array([-1.0, 0, 0]), still, still, points, np.zeros((1600, 3)), above)
         (left, low), (right, highest[above]) = find_bounds("wall_1", seen)
         assert (left, right) == pytest.approx((-1.3, 1.3), abs=0.02) and low == 0  # it goes on a little at the border
     assert highest == {False: pytest.approx(1.2, abs=0.02), True: WALL_HEIGHT}

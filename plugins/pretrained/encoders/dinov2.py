@@ -17,7 +17,7 @@ from roomkin.stages.config.matching import EncoderOptions
 from roomkin.stages.config.weights import DINOV2, check_folder, find_weights, weights_sha256
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.errors import explain
-from roomkin.stages.geometry.masks import View, cut, foreground, masked_square, patch_positions
+from roomkin.stages.geometry.masks import ObjectView, cut, foreground, masked_square, patch_positions
 from roomkin.stages.matching.encoders import Patches
 from roomkin.stages.perception.classification.clip import Layer, read_published
 
@@ -131,11 +131,11 @@ class Encoder:
         """1 on the features, 0 on the patch position; depth is not used."""
         return np.append(np.ones(self.width), [0, 0]).astype(np.float32)
 
-    def encode(self, views: list[View]) -> list[Patches]:
+    def encode(self, views: list[ObjectView]) -> list[Patches]:
         """Foreground patches of each view."""
         return [self._encode(view) for view in views]
 
-    def _encode(self, view: View) -> Patches:
+    def _encode(self, view: ObjectView) -> Patches:
         grid = (self.rows, self.columns)
         if not view.mask.any():
             return Patches(np.empty((0, self.width), np.float32), np.empty((0, 2), np.float32))

@@ -104,7 +104,7 @@ class Findings:
 NUMBER = re.compile(r"\d+(\.\d+)?")
 
 
-class Failure(NamedTuple):
+class FailedObject(NamedTuple):
     """An object that failed, or (`about` empty) a scene that stopped, in a stage, for a reason."""
 
     about: str
@@ -119,7 +119,7 @@ class SceneRow(NamedTuple):
     page: str
     picture: str
     found: Findings
-    failures: list[Failure]
+    failures: list[FailedObject]
     doubts: list[Group]
 
     @property
@@ -138,12 +138,12 @@ class SceneRow(NamedTuple):
         return len({about for group in self.doubts for about, _ in group.items})
 
     @property
-    def stopped(self) -> Failure | None:
+    def stopped(self) -> FailedObject | None:
         """Where and why the scene stopped."""
         return next((failure for failure in self.failures if not failure.about), None)
 
 
-class Layout(NamedTuple):
+class RunFolders(NamedTuple):
     """The folders of the run's files: `results` and `logs`, of one variant."""
 
     results: Path
@@ -162,22 +162,22 @@ class Layout(NamedTuple):
             yield stage, self.results / made, [self.logs / f"{name}.log" for name in logs]
 
 
-def row(scene: str, layout: Layout, page: str = "") -> SceneRow:
+def row(scene: str, layout: RunFolders, page: str = "") -> SceneRow:
     """The row of a scene; `page`: link to its own.
 
     Where a stage has stopped, files of later stages are of an earlier run and do not count.
     """
     done: dict[str, Path] = {}
-    failures: list[Failure] = []
+    failures: list[FailedObject] = []
     for stage, path, logs in layout.steps(scene):
         if not path.is_file():
-            failures.append(Failure("", stage, _last_line(logs)))
+            failures.append(FailedObject("", stage, _last_line(logs)))
             break
         done[stage] = path
     scenes = done["generation"].parent.glob("scene_*.json") if "generation" in done else []
     in_order = sorted(scenes, key=lambda path: sort_key(path.name))
     found = Findings.read(done.get("extraction"), done.get("matching"), in_order)
-    failures += [Failure(about, stage, reason) for about, (stage, reason) in found.failures().items()]
+    failures += [FailedObject(about, stage, reason) for about, (stage, reason) in found.failures().items()]
     picture = base64.b64encode(done["drawing"].read_bytes()).decode("ascii") if "drawing" in done else ""
     return SceneRow(
         scene, page, picture and f"data:image/webp;base64,{picture}", found, failures, group_doubts(found.doubts())

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from roomkin.plugins.films.contract import Film, read_films
 from roomkin.plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
-from roomkin.plugins.report.album import Album, Animation, Picture, Snapshots
+from roomkin.plugins.report.album import Album, Animation, PagePicture, SnapshotShards
 from roomkin.plugins.report.page.charts import Points, line_chart
 from roomkin.plugins.report.page.files import RunFiles
 from roomkin.plugins.report.roles import lists_table, role_title, roles_table, used_roles
@@ -34,7 +34,7 @@ class TargetPart(NamedTuple):
     target: str
     title: str
     plan: TaskAssets | None
-    pictures: list[Picture]
+    pictures: list[PagePicture]
     assets: list[Table]
     demonstrations: Table | None
     films: Films
@@ -109,7 +109,7 @@ def _by_policy(files: RunFiles, pattern: str) -> dict[str, Path]:
 
 
 def _target(
-    files: RunFiles, target: str, chosen: Path | None, album: Album, snapshots: Snapshots, confidence: float
+    files: RunFiles, target: str, chosen: Path | None, album: Album, snapshots: SnapshotShards, confidence: float
 ) -> TargetPart:
     plan = read_json(TaskAssets, chosen) if chosen else None
     ledgers = sorted(
@@ -152,7 +152,7 @@ def _target(
 
 def collect(files: RunFiles, album: Album, confidence: float) -> list[TargetPart]:
     """Every target of the run."""
-    snapshots = Snapshots(files.find_all("assets/snapshots/shard_*.h5"))
+    snapshots = SnapshotShards(files.find_all("assets/snapshots/shard_*.h5"))
     chosen = {path.parent.name: path for path in files.find_all("experiment/*/*/assets.json")}
     named = [
         *chosen,

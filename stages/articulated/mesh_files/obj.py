@@ -70,7 +70,7 @@ BLACK = 1e-3
 
 
 @dataclass
-class Material:
+class MeshMaterial:
     """A material. color: linear. picture: a file's name. scale, offset: of its coordinates (u, v)."""
 
     name: str
@@ -93,15 +93,15 @@ class Material:
         return "\n".join(lines) + "\n"
 
 
-def materials_in(text: str, file: str) -> tuple[dict[str, Material], list[str]]:
+def materials_in(text: str, file: str) -> tuple[dict[str, MeshMaterial], list[str]]:
     """The materials of a library by name, and what of it is not read or taken otherwise, a line each."""
-    materials, lines, masks = dict[str, Material](), list[str](), list[str]()
+    materials, lines, masks = dict[str, MeshMaterial](), list[str](), list[str]()
     material = None
     for line in text.splitlines():
         key, rest = [*line.split(None, 1), "", ""][:2]
         key, rest = key.lower(), rest.strip()
         if key == "newmtl":
-            material = materials[rest] = Material(rest)
+            material = materials[rest] = MeshMaterial(rest)
         elif material is None:
             continue
         elif key in PLAIN:
@@ -138,7 +138,7 @@ def _color(text: str) -> tuple[float, ...] | None:
     return tuple(values * 3 if len(values) == 1 else values) or None
 
 
-def _read_picture(material: Material, text: str) -> None:
+def _read_picture(material: MeshMaterial, text: str) -> None:
     """The picture's name behind its options; those that scale and move it."""
     words = text.split()
     while words and re.fullmatch(r"-[a-z]+", words[0]):
@@ -197,9 +197,9 @@ def decode_text(data: bytes) -> str:
         return data.decode("latin-1")
 
 
-def _materials(text: str, path: Path, files: MeshResolver) -> tuple[dict[str, Material], list[str]]:
+def _materials(text: str, path: Path, files: MeshResolver) -> tuple[dict[str, MeshMaterial], list[str]]:
     """The materials of all libraries that the file names, and what was not read of them or is in none of them."""
-    materials, lines, missing = dict[str, Material](), list[str](), False
+    materials, lines, missing = dict[str, MeshMaterial](), list[str](), False
     for named in LIBRARIES.findall(text):
         whole = named.strip()
         for name in [whole] if files.find(whole) or ".mtl " not in whole.lower() else whole.split():
@@ -252,7 +252,7 @@ def _absolute(word: str, counts: dict[str, int]) -> str:
     return "/".join(parts)
 
 
-def _move_picture(mesh: Any, materials: dict[str, Material]) -> None:
+def _move_picture(mesh: Any, materials: dict[str, MeshMaterial]) -> None:
     """Put the mesh's picture where its material moves it."""
     material = materials.get(getattr(getattr(mesh.visual, "material", None), "name", None) or "")
     uv: NDArray[np.float64] | None = getattr(mesh.visual, "uv", None)

@@ -21,7 +21,7 @@ from roomkin.stages.perception.read.mask_shapes import (
     FARTHEST_OUT,
     WHOLE_BOX,
     Mask,
-    Shape,
+    MaskShape,
     ShapeError,
     check_count,
     check_size,
@@ -133,7 +133,7 @@ def read_yolo(path: Path, labels: Path | None, width: int, height: int) -> Label
     shapes = []
     for number, (kind, *shares) in rows.items():
         try:
-            shapes.append(Shape(names[int(kind)], *_fill_shares(shares, width, height)))
+            shapes.append(MaskShape(names[int(kind)], *_fill_shares(shares, width, height)))
         except ShapeError as error:
             raise refuse_shape(path, f"line {number}", names[int(kind)], error) from None
     return lay_shapes(path, shapes, "lines")
@@ -179,7 +179,7 @@ def read_folder(path: Path, labels: Path | None, width: int, height: int) -> Lab
     known = choose_named(path, found, labels, names, "outlines", OUTLINES)
     check_count(path, len(known), width, height)
     return lay_shapes(
-        path, [Shape(names[number], _read_one(numbered[number], width, height)) for number in known], "outlines"
+        path, [MaskShape(names[number], _read_one(numbered[number], width, height)) for number in known], "outlines"
     )
 
 
