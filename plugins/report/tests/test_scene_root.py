@@ -211,5 +211,5 @@ def test_doubts_about_depth_and_a_tilt_that_nobody_gave_come_first(root: Path) -
         for item in objects.objects
     ]
     (unit,) = doubt_camera(camera, objects.model_copy(update={"objects": small}))
-    assert unit.what.endswith("--unit 256")
+    assert unit.what.endswith("--unit 256 if depth was read as mm, 0.256 if as m")
     assert doubt_camera(camera.model_copy(update={"floor_from_camera": down}), looking_down) == []
