@@ -168,8 +168,13 @@ def leave_out(config: "Config", names: list[str]) -> "Config":
         name: one.model_copy(update={"variants": one.variants and [each for each in one.variants if each not in names]})
         for name, one in experiment.protocols.items()
     }
+    left = {name: one for name, one in experiment.variants.items() if name not in names}
+    policy_variant = experiment.policy_variant
+    if policy_variant in names and not experiment.targets:  # with targets it is a mistake that policies lack theirs
+        policy_variant = next(iter(left))
     changes = {
-        "variants": {name: one for name, one in experiment.variants.items() if name not in names},
+        "variants": left,
+        "policy_variant": policy_variant,
         "placements": {name: one for name, one in experiment.placements.items() if name not in names},
         "protocols": {name: one for name, one in protocols.items() if one.variants != []},
     }

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -43,7 +44,7 @@ def with_sleepers(run: Path, folder: Path, config: str = "", **plan: object) -> 
     shutil.rmtree(folder / "results/training")
     shutil.rmtree(folder / "results/scenes")
     (folder / "plan.json").write_text(json.dumps(plan))
-    sleeper = {"command": f"{sys.executable} {HERE / 'sleeper.py'}"}
+    sleeper = {"command": f"{shlex.quote(sys.executable)} {HERE / 'sleeper.py'}"}
     stages = {"training": {"train": sleeper}, "scenes": {"render": sleeper}}
     (folder / "mine.yaml").write_text(json.dumps({"stages": stages}) + "\n")
     (folder / "more.yaml").write_text(config or "{}")

@@ -34,10 +34,11 @@ def put(monkeypatch: pytest.MonkeyPatch, folder: Path, there: bool) -> None:
 def test_its_variants_are_left_out_with_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     put(monkeypatch, tmp_path, there=False)
     given = asked(paper=PAPER, ours=OURS)
-    for config in (load(asked(paper=PAPER, ours=OURS)),):
+    given["experiment"] |= {"policy_variant": "paper", "targets": {"door": None}}
+    for config in (load(given),):
         experiment = config.experiment
         assert [name for name in experiment.variants if name in ("paper", "ours")] == ["ours"]
-        assert "paper" not in experiment.placements
+        assert "paper" not in experiment.placements and experiment.policy_variant in experiment.variants
         assert experiment.protocols.keys() == {"noise"} and "paper" not in (
             experiment.protocols["noise"].variants or []
         )

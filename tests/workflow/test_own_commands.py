@@ -1,6 +1,7 @@
 """Stages replaced by commands that share nothing with ours: what they write is used, or refused and kept."""
 
 import json
+import shlex
 import shutil
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 from tests.workflow.workspace import copy, dry_run, overlay, planned, snakemake
 
 STRANGERS = Path(__file__).parent / "strangers"
-PYTHON = f"{sys.executable} -I -S"  # no site-packages, no repository
+PYTHON = f"{shlex.quote(sys.executable)} -I -S"  # no site-packages, no repository
 ASSETS = "results/experiment/b/door/assets.json"
 MATCHED = {"match", "distances", "draw_cousins", "select", "generate", "draw_scenes"}
 NO_POLICIES = "\nexperiment: {training_sets: []}"  # they read nothing that a stranger writes
@@ -23,7 +24,7 @@ def stages(*parts: str) -> str:
 
 def stranger(stage: str, command: str, line: str, *code: str) -> str:
     """One of them."""
-    return f"{stage}: {{{command}: {{command: '{line}', code: [{', '.join(code)}]}}}}"
+    return f"{stage}: {{{command}: {{command: {json.dumps(line)}, code: [{', '.join(code)}]}}}}"
 
 
 def test_what_strangers_write_is_used_by_what_follows_and_by_nothing_before(run: Path, tmp_path: Path) -> None:
